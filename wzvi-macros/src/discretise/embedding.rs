@@ -1,0 +1,71 @@
+//! Embeddings as data: where each term of the discrete Lagrangian takes its coordinates.
+
+use std::fmt;
+
+use crate::symbolic::Rational;
+
+/// A scheme as the user wrote it.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Embedding {
+    DeltaPlus,
+    Midpoint,
+    DeltaMinus,
+    /// `Lambda<N, D>` with `0 <= N <= D` and `D > 0`, which the parser checks.
+    Lambda(u32, u32),
+    /// `Mixed<Drift, Noise>`; neither is itself mixed or wrapped, which the parser checks.
+    Mixed(Box<Embedding>, Box<Embedding>),
+    /// `Corrected<E>`; `E` is not wrapped.
+    Corrected(Box<Embedding>),
+    /// `Uncorrected<E>`; `E` is not wrapped.
+    Uncorrected(Box<Embedding>),
+}
+
+/// What to do about an inconsistent limit.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Correction {
+    /// Refuse it.
+    Bare,
+    /// Add the counter-term.
+    Corrected,
+    /// Keep it.
+    Uncorrected,
+}
+
+impl Embedding {
+    /// The quadrature points `(l_drift, l_noise)`.
+    pub(crate) fn quadrature(&self) -> (Rational, Rational) {
+        match self {
+            Self::DeltaPlus => (Rational::ZERO, Rational::ZERO),
+            Self::Midpoint => (Rational::HALF, Rational::HALF),
+            Self::DeltaMinus => (Rational::ONE, Rational::ONE),
+            &Self::Lambda(n, d) => {
+                let l = Rational::new(n.into(), d.into()).unwrap_or(Rational::ZERO);
+                (l, l)
+            }
+            Self::Mixed(drift, noise) => (drift.quadrature().0, noise.quadrature().1),
+            Self::Corrected(inner) | Self::Uncorrected(inner) => inner.quadrature(),
+        }
+    }
+
+    pub(crate) fn correction(&self) -> Correction {
+        match self {
+            Self::Corrected(_) => Correction::Corrected,
+            Self::Uncorrected(_) => Correction::Uncorrected,
+            _ => Correction::Bare,
+        }
+    }
+}
+
+impl fmt::Display for Embedding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::DeltaPlus => f.write_str("DeltaPlus"),
+            Self::Midpoint => f.write_str("Midpoint"),
+            Self::DeltaMinus => f.write_str("DeltaMinus"),
+            Self::Lambda(n, d) => write!(f, "Lambda<{n}, {d}>"),
+            Self::Mixed(drift, noise) => write!(f, "Mixed<{drift}, {noise}>"),
+            Self::Corrected(inner) => write!(f, "Corrected<{inner}>"),
+            Self::Uncorrected(inner) => write!(f, "Uncorrected<{inner}>"),
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! Symbolic expressions: pure mathematics, no `syn`, no `quote`.
+//!
+//! Everything is a handle ([`Expr`]) into a hash-consing [`Graph`]. Two handles are equal exactly when their
+//! canonical forms are. Constructors (`build`) keep the canonical form, so that a pass never has to simplify.
+
+pub(crate) mod build;
+pub(crate) mod differentiate;
+pub(crate) mod function;
+pub(crate) mod graph;
+pub(crate) mod rational;
+pub(crate) mod sign;
+pub(crate) mod substitute;
+
+pub(crate) use function::Function;
+pub(crate) use graph::{Expr, Graph, Node, Relation, Symbol};
+pub(crate) use rational::Rational;

@@ -1,0 +1,75 @@
+//! Sign analysis: which expressions are nonnegative or positive for every real value of their symbols for which they
+//! are defined. It decides which powers may be merged without losing a domain. Computed once, when a node is made.
+
+use super::{Expr, Function, Graph, Node, Rational};
+
+/// What is known of the sign of an expression wherever it is defined.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(crate) enum Sign {
+    Unknown,
+    Nonnegative,
+    Positive,
+}
+
+impl Graph {
+    /// The sign of a node whose operands are in the graph.
+    pub(super) fn sign_of(&self, node: &Node) -> Sign {
+        match node {
+            Node::Number(value) => number_sign(*value),
+            Node::Float(bits) => match f64::from_bits(*bits) {
+                value if value > 0.0 => Sign::Positive,
+                _ => Sign::Unknown,
+            },
+            Node::Sum { terms, constant } => self.sum_sign(terms, *constant),
+            Node::Product(factors) => factors
+                .iter()
+                .map(|&(base, exponent)| self.power_sign(base, exponent))
+                .min()
+                .unwrap_or(Sign::Unknown),
+            Node::Apply(function, arguments) => match function {
+                Function::Exp | Function::Exp2 | Function::Cosh => Sign::Positive,
+                Function::Sqrt | Function::Abs | Function::Hypot | Function::Acosh | Function::Acos => {
+                    Sign::Nonnegative
+                }
+                Function::Max => self.sign(arguments[0]).max(self.sign(arguments[1])),
+                Function::Min => self.sign(arguments[0]).min(self.sign(arguments[1])),
+                _ => Sign::Unknown,
+            },
+            Node::Select { then, otherwise, .. } => self.sign(*then).min(self.sign(*otherwise)),
+            _ => Sign::Unknown,
+        }
+    }
+
+    fn sum_sign(&self, terms: &[(Expr, Rational)], constant: Rational) -> Sign {
+        let mut strongest = number_sign(constant);
+        if constant.is_negative() {
+            return Sign::Unknown;
+        }
+        for &(term, coefficient) in terms {
+            match (coefficient.is_negative(), self.sign(term)) {
+                (true, _) | (_, Sign::Unknown) => return Sign::Unknown,
+                (false, sign) => strongest = strongest.max(sign),
+            }
+        }
+        strongest
+    }
+
+    fn power_sign(&self, base: Expr, exponent: Rational) -> Sign {
+        let of_base = self.sign(base);
+        // A defined negative power has a nonzero base, but its value may underflow to zero.
+        match of_base {
+            Sign::Unknown if exponent.is_integer() && exponent.numerator() % 2 == 0 => Sign::Nonnegative,
+            Sign::Positive if !exponent.is_negative() => Sign::Positive,
+            Sign::Unknown => Sign::Unknown,
+            _ => Sign::Nonnegative,
+        }
+    }
+}
+
+fn number_sign(value: Rational) -> Sign {
+    match value {
+        value if value.is_negative() => Sign::Unknown,
+        value if value.is_zero() => Sign::Nonnegative,
+        _ => Sign::Positive,
+    }
+}

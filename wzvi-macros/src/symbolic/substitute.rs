@@ -1,0 +1,53 @@
+//! Replaces symbols by expressions.
+
+use std::collections::HashMap;
+
+use super::{Expr, Graph, Node, Symbol};
+
+impl Graph {
+    /// Each of `roots` with every symbol that `by` knows replaced; shared subexpressions are rebuilt once.
+    pub(crate) fn substitute(&mut self, roots: &[Expr], by: &HashMap<Symbol, Expr>) -> Vec<Expr> {
+        let mut images: HashMap<Expr, Expr> = HashMap::new();
+        for expr in self.reachable(roots) {
+            let image = match self.node(expr) {
+                Node::Symbol(symbol) => by.get(symbol).copied().unwrap_or(expr),
+                node if node.operands().iter().all(|operand| images[operand] == *operand) => expr,
+                node => {
+                    let node = node.clone();
+                    self.rebuild(&node, &|operand| images[&operand])
+                }
+            };
+            images.insert(expr, image);
+        }
+        roots.iter().map(|root| images[root]).collect()
+    }
+
+    /// The canonical form of `node` with its operands mapped.
+    pub(crate) fn rebuild(&mut self, node: &Node, image: &dyn Fn(Expr) -> Expr) -> Expr {
+        match node {
+            Node::Number(_) | Node::Float(_) | Node::Symbol(_) => self.intern(node.clone()),
+            Node::Sum { terms, constant } => {
+                let mut operands: Vec<_> = terms.iter().map(|&(term, c)| (image(term), c)).collect();
+                let one = self.integer(1);
+                operands.push((one, *constant));
+                self.linear_combination(&operands)
+            }
+            Node::Product(factors) => {
+                let powers: Vec<_> =
+                    factors.iter().map(|&(base, exponent)| self.power(image(base), exponent)).collect();
+                self.product(&powers)
+            }
+            Node::Apply(function, arguments) => {
+                let arguments: Vec<_> = arguments.iter().map(|&argument| image(argument)).collect();
+                self.apply(*function, &arguments)
+            }
+            Node::Select { condition, then, otherwise } => {
+                self.select(image(*condition), image(*then), image(*otherwise))
+            }
+            Node::Compare(relation, a, b) => self.compare(*relation, image(*a), image(*b)),
+            Node::Not(a) => self.not(image(*a)),
+            Node::And(a, b) => self.and(image(*a), image(*b)),
+            Node::Or(a, b) => self.or(image(*a), image(*b)),
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! Errors. Each says where, why and what to do; none leaves a state changed.
+
+use std::fmt;
+
+/// Why the equations of one step have no (usable) solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StepFailure {
+    /// Newton's method neither converged nor stagnated at rounding level.
+    NotConverged {
+        /// Iterations spent.
+        iterations: u32,
+        /// Largest component of the last correction.
+        correction: f64,
+    },
+    /// The matrix of the step is singular to working precision: its smallest pivot against its largest entry.
+    Singular {
+        /// Absolute value of the pivot.
+        pivot: f64,
+        /// Largest absolute value in the matrix.
+        scale: f64,
+    },
+    /// The new state (or an intermediate value) overflowed or is undefined.
+    NonFinite,
+    /// The number of increments is not the number of noises.
+    Increments {
+        /// Number of noises.
+        expected: usize,
+        /// Number of increments given.
+        got: usize,
+    },
+    /// The state does not have the degrees of freedom of the system.
+    Dimension {
+        /// Degrees of freedom.
+        expected: usize,
+        /// Components given.
+        got: usize,
+    },
+    /// The state or an increment that was given is NaN or infinite.
+    NonFiniteInput,
+}
+
+impl fmt::Display for StepFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotConverged { iterations, correction } => write!(
+                f,
+                "Newton's method did not converge in {iterations} iterations (last correction {correction:.1e}); \
+                 take a smaller step"
+            ),
+            Self::Singular { pivot, scale } => write!(
+                f,
+                "the matrix of the step is singular (pivot {pivot:.1e} at scale {scale:.1e}); \
+                 the scheme has a pole here: take a smaller step or truncate the increments"
+            ),
+            Self::NonFinite => {
+                write!(f, "the new state is not finite; take a smaller step or check the domain of H")
+            }
+            Self::Increments { expected, got } => {
+                write!(f, "the system has {expected} noises, but {got} increments were given")
+            }
+            Self::Dimension { expected, got } => {
+                write!(f, "the system has {expected} degrees of freedom, but the state has {got}")
+            }
+            Self::NonFiniteInput => write!(f, "the state or an increment is NaN or infinite before the step"),
+        }
+    }
+}
+
+/// A step that failed. The state is bit for bit what it was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepError {
+    /// Steps that this stepper had taken before.
+    pub step: u64,
+    /// Time at the start of the step.
+    pub t: f64,
+    /// Step size.
+    pub h: f64,
+    /// Why.
+    pub cause: StepFailure,
+}
+
+impl fmt::Display for StepError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "step {} from t = {} with h = {}: {}", self.step, self.t, self.h, self.cause)
+    }
+}
+
+impl std::error::Error for StepError {}
+
+/// A run that cannot start.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ConfigError {
+    /// The step size is zero, NaN or infinite.
+    StepSize(f64),
+    /// A parameter of the system, or a value computed from it and the step size alone, is NaN or infinite.
+    Parameter,
+    /// A matrix that does not change from step to step is singular.
+    Singular {
+        /// Step size.
+        h: f64,
+        /// Absolute value of the pivot.
+        pivot: f64,
+        /// Largest absolute value in the matrix.
+        scale: f64,
+    },
+    /// The builder was not told something that it needs.
+    Missing(&'static str),
+    /// The end of the run is NaN, infinite, on the wrong side of the start, or more steps away than can be counted.
+    End {
+        /// Start time.
+        start: f64,
+        /// End time asked for.
+        end: f64,
+        /// Step size.
+        h: f64,
+    },
+    /// The start has the wrong number of components, or one of them is not finite.
+    Start(StepFailure),
+    /// A setting of a noise or a builder that makes no sense, with what to do.
+    Setting(String),
+}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::StepSize(h) => write!(f, "the step size is {h}; it must be finite and not zero"),
+            Self::Parameter => {
+                write!(f, "a parameter of the system is NaN or infinite (or overflows with this step size)")
+            }
+            Self::Singular { h, pivot, scale } => write!(
+                f,
+                "the matrix of the step is singular for h = {h} (pivot {pivot:.1e} at scale {scale:.1e}); \
+                 take another step size"
+            ),
+            Self::Missing(what) => write!(f, "the run needs {what}"),
+            Self::End { start, end, h } => {
+                write!(
+                    f,
+                    "cannot run from t = {start} to t = {end} in steps of {h}; check the sign and the size of h"
+                )
+            }
+            Self::Start(cause) => write!(f, "the start is not usable: {cause}"),
+            Self::Setting(what) => f.write_str(what),
+        }
+    }
+}
+
+impl std::error::Error for ConfigError {}
+
+/// Anything that can go wrong in a run.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Error {
+    /// The run could not start.
+    Config(ConfigError),
+    /// A step failed.
+    Step(StepError),
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Config(error) => error.fmt(f),
+            Self::Step(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Config(error) => Some(error),
+            Self::Step(error) => Some(error),
+        }
+    }
+}
+
+impl From<ConfigError> for Error {
+    fn from(error: ConfigError) -> Self {
+        Self::Config(error)
+    }
+}
+
+impl From<StepError> for Error {
+    fn from(error: StepError) -> Self {
+        Self::Step(error)
+    }
+}

@@ -1,0 +1,10 @@
+//! Runtime of `wzvi`. Users depend on the facade crate `wzvi`; see there for the tour.
+
+pub mod embedding;
+pub mod error;
+pub mod plan;
+pub mod scalar;
+pub mod solve;
+pub mod state;
+pub mod step;
+pub mod system;

@@ -1,0 +1,55 @@
+//! What the compiler found out about one scheme of one system.
+
+/// How the step is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Solver {
+    /// Every unknown is assigned in order.
+    Explicit,
+    /// The hardest block is affine in its unknowns: one linear solve.
+    Linear,
+    /// The hardest block needs Newton's method, with the exact Jacobian.
+    Newton,
+}
+
+/// How the noise enters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoiseClass {
+    /// There is none.
+    None,
+    /// Every noise Hamiltonian is affine in (q, p): a constant shift.
+    Additive,
+    /// Every noise Hamiltonian reads q (and t) only.
+    Position,
+    /// Every noise Hamiltonian reads p (and t) only.
+    Momentum,
+    /// Anything else.
+    Multiplicative,
+}
+
+/// What is known of a statement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Knowledge {
+    /// It holds, by exact algebra.
+    Proven,
+    /// It fails at a point that the compiler found.
+    Refuted,
+    /// Neither could be shown.
+    Unknown,
+}
+
+/// Compile-time facts about a scheme: what the generated step does and what the system keeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// How the hardest block of the step is solved.
+    pub solver: Solver,
+    /// Size of the largest coupled block of unknowns (0 if explicit).
+    pub unknowns: usize,
+    /// How the noise enters.
+    pub noise: NoiseClass,
+    /// Whether the scheme converges to the Stratonovich system as `h -> 0`.
+    pub consistent: bool,
+    /// Whether the continuous system keeps the drift Hamiltonian: `{H_k, H_0} = 0` for every noise, and no explicit time.
+    pub conserves_energy: Knowledge,
+    /// Whether `{H_j, H_k}` is constant for all noises: then the strong order of a consistent scheme is one.
+    pub commuting: Knowledge,
+}

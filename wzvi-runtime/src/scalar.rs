@@ -1,0 +1,177 @@
+//! The number type that generated steps are generic over.
+//!
+//! One emitted step serves `f64`, dual numbers (tests, sensitivities) and lanes of trajectories.
+
+use std::fmt::Debug;
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+/// The truth of a comparison: `bool` for one number, a mask for several at once.
+pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// Whether every lane is true.
+    fn all(self) -> bool;
+}
+
+impl Mask for bool {
+    fn all(self) -> bool {
+        self
+    }
+}
+
+/// A real number as generated code computes with it.
+///
+/// Functions have the meaning and the domain of the methods of `f64` with the same name.
+#[rustfmt::skip]
+pub trait Scalar:
+    Copy + Debug + 'static + Neg<Output = Self>
+    + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+    + Add<f64, Output = Self> + Sub<f64, Output = Self> + Mul<f64, Output = Self> + Div<f64, Output = Self>
+{
+    /// The truth of a comparison.
+    type Mask: Mask;
+
+    /// A constant.
+    fn from_f64(value: f64) -> Self;
+    /// The largest absolute value among everything that the number carries (lanes, derivatives); NaN if any is.
+    fn magnitude(self) -> f64;
+    /// Where every part of the number is finite.
+    fn is_finite(self) -> Self::Mask;
+    /// `self < other`
+    fn less(self, other: Self) -> Self::Mask;
+    /// `self <= other`
+    fn less_equal(self, other: Self) -> Self::Mask;
+    /// `self == other`
+    fn equal(self, other: Self) -> Self::Mask;
+    /// `if mask { then } else { otherwise }`, by lane.
+    fn select(mask: Self::Mask, then: Self, otherwise: Self) -> Self;
+
+    /// `1 / self`
+    fn recip(self) -> Self;
+    /// `self^exponent` for an integer exponent.
+    fn powi(self, exponent: i32) -> Self;
+    /// `self^exponent`
+    fn powf(self, exponent: Self) -> Self;
+    /// `√self`
+    fn sqrt(self) -> Self;
+    /// `∛self`
+    fn cbrt(self) -> Self;
+    /// `√(self² + other²)` without overflow.
+    fn hypot(self, other: Self) -> Self;
+    /// `e^self`
+    fn exp(self) -> Self;
+    /// `2^self`
+    fn exp2(self) -> Self;
+    /// `e^self - 1`
+    fn exp_m1(self) -> Self;
+    /// Natural logarithm.
+    fn ln(self) -> Self;
+    /// `ln(1 + self)`
+    fn ln_1p(self) -> Self;
+    /// Logarithm to base 2.
+    fn log2(self) -> Self;
+    /// Logarithm to base 10.
+    fn log10(self) -> Self;
+    /// Sine.
+    fn sin(self) -> Self;
+    /// Cosine.
+    fn cos(self) -> Self;
+    /// Sine and cosine.
+    fn sin_cos(self) -> (Self, Self);
+    /// Tangent.
+    fn tan(self) -> Self;
+    /// Arc sine.
+    fn asin(self) -> Self;
+    /// Arc cosine.
+    fn acos(self) -> Self;
+    /// Arc tangent.
+    fn atan(self) -> Self;
+    /// The angle of the point (`other`, `self`).
+    fn atan2(self, other: Self) -> Self;
+    /// Hyperbolic sine.
+    fn sinh(self) -> Self;
+    /// Hyperbolic cosine.
+    fn cosh(self) -> Self;
+    /// Hyperbolic tangent.
+    fn tanh(self) -> Self;
+    /// Inverse hyperbolic sine.
+    fn asinh(self) -> Self;
+    /// Inverse hyperbolic cosine.
+    fn acosh(self) -> Self;
+    /// Inverse hyperbolic tangent.
+    fn atanh(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// The sign: 1 or -1.
+    fn signum(self) -> Self;
+    /// The smaller of two.
+    fn min(self, other: Self) -> Self;
+    /// The larger of two.
+    fn max(self, other: Self) -> Self;
+}
+
+macro_rules! forward {
+    ($($function:ident)*) => { $(#[inline(always)] fn $function(self) -> Self { f64::$function(self) })* };
+}
+
+impl Scalar for f64 {
+    type Mask = bool;
+
+    #[inline(always)]
+    fn from_f64(value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn magnitude(self) -> f64 {
+        self.abs()
+    }
+    #[inline(always)]
+    fn is_finite(self) -> bool {
+        f64::is_finite(self)
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn less_equal(self, other: Self) -> bool {
+        self <= other
+    }
+    #[inline(always)]
+    fn equal(self, other: Self) -> bool {
+        self == other
+    }
+    #[inline(always)]
+    fn select(mask: bool, then: Self, otherwise: Self) -> Self {
+        if mask { then } else { otherwise }
+    }
+
+    forward!(recip sqrt cbrt exp exp2 exp_m1 ln ln_1p log2 log10 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh abs signum);
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        f64::sin_cos(self)
+    }
+    #[inline(always)]
+    fn powi(self, exponent: i32) -> Self {
+        f64::powi(self, exponent)
+    }
+    #[inline(always)]
+    fn powf(self, exponent: Self) -> Self {
+        f64::powf(self, exponent)
+    }
+    #[inline(always)]
+    fn hypot(self, other: Self) -> Self {
+        f64::hypot(self, other)
+    }
+    #[inline(always)]
+    fn atan2(self, other: Self) -> Self {
+        f64::atan2(self, other)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        f64::min(self, other)
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        f64::max(self, other)
+    }
+}

@@ -1,0 +1,7 @@
+//! The solvers of a step: dense factorisation and Newton's method, on arrays, without allocation.
+
+mod dense;
+mod newton;
+
+pub use dense::{Factor, SymmetricFactor, reciprocal};
+pub use newton::{Extrapolation, newton, newton_scalar, newton_symmetric};

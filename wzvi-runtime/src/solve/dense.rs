@@ -1,0 +1,234 @@
+//! Dense factorisations of the small matrices of one step.
+
+use crate::error::StepFailure;
+use crate::scalar::Scalar;
+
+/// A pivot below this many units of rounding of its row makes the matrix singular to working precision.
+const PIVOT_ULPS: f64 = 4.0 * f64::EPSILON;
+
+/// `1 / pivot`, for the matrix `1 - c` of one unknown.
+///
+/// # Errors
+/// [`StepFailure::Singular`] where `1 - c` cancels to rounding.
+#[inline(always)]
+pub fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
+    let size = pivot.magnitude();
+    if size > PIVOT_ULPS { Ok(pivot.recip()) } else { Err(singular(size, 1.0)) }
+}
+
+#[cold]
+fn singular(pivot: f64, scale: f64) -> StepFailure {
+    if pivot.is_nan() || scale.is_nan() {
+        StepFailure::NonFinite
+    } else {
+        StepFailure::Singular { pivot, scale }
+    }
+}
+
+/// `P A = L U` with scaled partial pivoting: rows are compared by their entry relative to their largest one.
+#[derive(Clone, Copy, Debug)]
+pub struct Factor<S, const N: usize> {
+    /// `L` below the diagonal (its unit diagonal is not stored), `U` above, reciprocals of the pivots on it.
+    lu: [[S; N]; N],
+    order: [usize; N],
+}
+
+impl<S: Scalar, const N: usize> Factor<S, N> {
+    /// Factors `matrix`, given by rows.
+    ///
+    /// # Errors
+    /// [`StepFailure::Singular`] if a pivot is at the rounding level of its row.
+    #[inline(always)]
+    pub fn new(matrix: [[S; N]; N]) -> Result<Self, StepFailure> {
+        let mut lu = matrix;
+        let mut order: [usize; N] = std::array::from_fn(|i| i);
+        let mut scale: [f64; N] = lu.map(|row| row.iter().fold(0.0, |largest, x| x.magnitude().max(largest)));
+        for k in 0..N {
+            let mut best = k;
+            for i in k + 1..N {
+                if lu[i][k].magnitude() * scale[best] > lu[best][k].magnitude() * scale[i] {
+                    best = i;
+                }
+            }
+            lu.swap(k, best);
+            order.swap(k, best);
+            scale.swap(k, best);
+            let pivot = lu[k][k].magnitude();
+            // Also false for NaN.
+            if !(pivot > PIVOT_ULPS * scale[k]) {
+                return Err(singular(pivot, scale[k]));
+            }
+            let inverse = lu[k][k].recip();
+            lu[k][k] = inverse;
+            for i in k + 1..N {
+                let factor = lu[i][k] * inverse;
+                lu[i][k] = factor;
+                for j in k + 1..N {
+                    lu[i][j] = lu[i][j] - factor * lu[k][j];
+                }
+            }
+        }
+        Ok(Self { lu, order })
+    }
+
+    /// `A⁻¹ b`
+    #[inline(always)]
+    pub fn solve(&self, b: [S; N]) -> [S; N] {
+        let mut x = self.order.map(|row| b[row]);
+        for i in 1..N {
+            for j in 0..i {
+                x[i] = x[i] - self.lu[i][j] * x[j];
+            }
+        }
+        for i in (0..N).rev() {
+            for j in i + 1..N {
+                x[i] = x[i] - self.lu[i][j] * x[j];
+            }
+            x[i] = x[i] * self.lu[i][i];
+        }
+        x
+    }
+
+    /// The same factors in another number type.
+    #[inline(always)]
+    pub fn map<T: Scalar>(&self, convert: impl Fn(S) -> T) -> Factor<T, N> {
+        Factor { lu: self.lu.map(|row| row.map(&convert)), order: self.order }
+    }
+}
+
+/// A symmetric matrix: `A = L D Lᵀ` without pivoting, or [`Factor`] where that would lose digits.
+#[derive(Clone, Copy, Debug)]
+pub enum SymmetricFactor<S, const N: usize> {
+    /// `L` below the diagonal, reciprocals of `D` on it.
+    Symmetric([[S; N]; N]),
+    /// The matrix is indefinite or nearly singular.
+    General(Factor<S, N>),
+}
+
+/// `L D Lᵀ` is backward stable while its pivots stay above this fraction of the diagonal that they came from.
+const STABLE_PIVOT: f64 = 1e-2;
+
+impl<S: Scalar, const N: usize> SymmetricFactor<S, N> {
+    /// Factors the symmetric matrix whose lower triangle `matrix` holds.
+    ///
+    /// # Errors
+    /// [`StepFailure::Singular`] as [`Factor::new`].
+    #[inline(always)]
+    pub fn new(matrix: [[S; N]; N]) -> Result<Self, StepFailure> {
+        match Self::without_pivoting(matrix) {
+            Some(factor) => Ok(factor),
+            None => {
+                let full = std::array::from_fn(|i| std::array::from_fn(|j| matrix[i.max(j)][i.min(j)]));
+                Factor::new(full).map(Self::General)
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn without_pivoting(matrix: [[S; N]; N]) -> Option<Self> {
+        let mut l = matrix;
+        for k in 0..N {
+            let pivot = l[k][k];
+            // Also false for NaN.
+            if !(pivot.magnitude() > STABLE_PIVOT * matrix[k][k].magnitude()) {
+                return None;
+            }
+            let inverse = pivot.recip();
+            for i in k + 1..N {
+                let factor = l[i][k] * inverse;
+                for j in k + 1..=i {
+                    l[i][j] = l[i][j] - factor * l[j][k];
+                }
+            }
+            for i in k + 1..N {
+                l[i][k] = l[i][k] * inverse;
+            }
+            l[k][k] = inverse;
+        }
+        Some(Self::Symmetric(l))
+    }
+
+    /// `A⁻¹ b`
+    #[inline(always)]
+    pub fn solve(&self, b: [S; N]) -> [S; N] {
+        let l = match self {
+            Self::Symmetric(l) => l,
+            Self::General(factor) => return factor.solve(b),
+        };
+        let mut x = b;
+        for i in 1..N {
+            for j in 0..i {
+                x[i] = x[i] - l[i][j] * x[j];
+            }
+        }
+        for i in (0..N).rev() {
+            x[i] = x[i] * l[i][i];
+            for j in i + 1..N {
+                x[i] = x[i] - l[j][i] * x[j];
+            }
+        }
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pseudo_random(seed: &mut u64) -> f64 {
+        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+
+    fn residual<const N: usize>(matrix: &[[f64; N]; N], x: &[f64; N], b: &[f64; N]) -> f64 {
+        let row = |i: usize| (0..N).map(|j| matrix[i][j] * x[j]).sum::<f64>() - b[i];
+        (0..N).map(|i| row(i).abs()).fold(0.0, f64::max)
+    }
+
+    /// Backward stability: the residual is rounding relative to |A||x| (growth of small matrices is below 8).
+    fn reconstruct<const N: usize>(symmetric: bool) {
+        let mut seed = N as u64;
+        for _ in 0..200 {
+            let mut matrix = [[0.0; N]; N];
+            for i in 0..N {
+                for j in 0..N {
+                    matrix[i][j] = if symmetric && j < i { matrix[j][i] } else { pseudo_random(&mut seed) };
+                }
+            }
+            let b = std::array::from_fn(|_| pseudo_random(&mut seed));
+            let x = if symmetric {
+                SymmetricFactor::new(matrix).map(|factor| factor.solve(b))
+            } else {
+                Factor::new(matrix).map(|factor| factor.solve(b))
+            };
+            let x = x.unwrap();
+            let size = x.iter().fold(1.0_f64, |largest, x| largest.max(x.abs()));
+            let bound = if symmetric { 100.0 } else { 1.0 } * 8.0 * (N * N) as f64 * f64::EPSILON * size;
+            assert!(residual(&matrix, &x, &b) <= bound, "N = {N}: {} > {bound}", residual(&matrix, &x, &b));
+        }
+    }
+
+    #[test]
+    fn factors_reconstruct() {
+        reconstruct::<1>(false);
+        reconstruct::<2>(false);
+        reconstruct::<5>(false);
+        reconstruct::<2>(true);
+        reconstruct::<5>(true);
+    }
+
+    #[test]
+    fn rows_of_very_different_size_are_no_singularity() {
+        let matrix = [[1e-120, 2e-120], [3e120, 4e120]];
+        let x = Factor::new(matrix).unwrap().solve([5e-120, 11e120]);
+        assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 2.0).abs() < 1e-14, "{x:?}");
+    }
+
+    #[test]
+    fn a_singular_matrix_is_found() {
+        assert!(matches!(Factor::new([[1.0, 2.0], [2.0, 4.0]]), Err(StepFailure::Singular { .. })));
+        assert!(matches!(SymmetricFactor::new([[0.0, 0.0], [0.0, 1.0]]), Err(StepFailure::Singular { .. })));
+        assert!(matches!(Factor::new([[f64::NAN, 2.0], [2.0, 4.0]]), Err(StepFailure::NonFinite)));
+        assert!(matches!(reciprocal(1e-17), Err(StepFailure::Singular { .. })));
+    }
+}

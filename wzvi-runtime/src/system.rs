@@ -1,0 +1,201 @@
+//! The traits that `#[hamiltonian]` implements.
+
+use std::fmt::Debug;
+
+use crate::error::{ConfigError, StepFailure};
+use crate::plan::Plan;
+use crate::scalar::Scalar;
+use crate::state::{State, Vector};
+
+/// A partial derivative with respect to the coordinates and one with respect to the momenta.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gradient<V> {
+    /// `∂/∂q`
+    pub q: V,
+    /// `∂/∂p`
+    pub p: V,
+}
+
+/// A stochastic Hamiltonian system `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = -Σ_m ∂H_m/∂q ∘ dX_m` with `X_0 = t`, `X_k = W_k`.
+pub trait Hamiltonian {
+    /// The type of `q` and of `p`.
+    type Vector: Vector;
+
+    /// Number of degrees of freedom.
+    fn degrees(&self) -> usize;
+
+    /// Number of noise Hamiltonians.
+    fn noises(&self) -> usize;
+
+    /// Number of first integrals that the compiler has proven.
+    fn invariants(&self) -> usize;
+
+    /// `H_term(q, p, t)`: the drift for `term = 0`, noise `term - 1` otherwise; NaN for a term that does not exist.
+    ///
+    /// `q` and `p` have [`Hamiltonian::degrees`] elements, else the answer is NaN.
+    fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S;
+
+    /// The gradient of `H_term` into `dq`, `dp`; NaN where [`Hamiltonian::evaluate`] would be.
+    fn differentiate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64, dq: &mut [S], dp: &mut [S]);
+
+    /// The value of first integral `index`, in the order of the attribute; NaN for one that does not exist.
+    fn invariant(&self, index: usize, state: &State<Self::Vector>) -> f64;
+
+    /// `{H_k, H_0}` with `{f, g} = f_p · g_q - f_q · g_p`: the energy gained per unit of noise `k`,
+    /// `dH_0 = Σ_k {H_k, H_0} ∘ dW_k`. Noises count from 0.
+    fn energy_rate(&self, k: usize, state: &State<Self::Vector>) -> f64;
+
+    /// The drift Hamiltonian `H_0`.
+    fn energy(&self, state: &State<Self::Vector>) -> f64 {
+        self.evaluate(0, state.q.components(), state.p.components(), state.t)
+    }
+
+    /// The noise Hamiltonian `H_k`; noises count from 0.
+    fn noise_energy(&self, k: usize, state: &State<Self::Vector>) -> f64 {
+        self.evaluate(k.saturating_add(1), state.q.components(), state.p.components(), state.t)
+    }
+
+    /// The gradient of the drift Hamiltonian.
+    fn energy_gradient(&self, state: &State<Self::Vector>) -> Gradient<Self::Vector> {
+        term_gradient(self, 0, state)
+    }
+
+    /// The gradient of noise Hamiltonian `k`; noises count from 0.
+    fn noise_gradient(&self, k: usize, state: &State<Self::Vector>) -> Gradient<Self::Vector> {
+        term_gradient(self, k.saturating_add(1), state)
+    }
+}
+
+fn term_gradient<H: Hamiltonian + ?Sized>(
+    system: &H,
+    term: usize,
+    state: &State<H::Vector>,
+) -> Gradient<H::Vector> {
+    let d = system.degrees();
+    let mut gradient = Gradient { q: H::Vector::zeros(d), p: H::Vector::zeros(d) };
+    system.differentiate(
+        term,
+        state.q.components(),
+        state.p.components(),
+        state.t,
+        gradient.q.components_mut(),
+        gradient.p.components_mut(),
+    );
+    gradient
+}
+
+/// One step of a discrete path: its two nodes, its momentum `P` and its interval `[t, t + h]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment<V> {
+    /// `q_i`
+    pub q0: V,
+    /// `q_{i+1}`
+    pub q1: V,
+    /// `P`, the momentum of the step.
+    pub p: V,
+    /// `t_i`
+    pub t: f64,
+    /// Step size.
+    pub h: f64,
+}
+
+/// The partial derivatives of the discrete Lagrangian of one [`Segment`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LagrangianGradient<V> {
+    /// `D_1 L_d = ∂L_d/∂q_i = -p_i`
+    pub q0: V,
+    /// `D_2 L_d = ∂L_d/∂q_{i+1} = p_{i+1}`
+    pub q1: V,
+    /// `∂L_d/∂P`, zero on a solution.
+    pub p: V,
+}
+
+/// What is left of the discrete Euler-Lagrange equations at a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EulerLagrangeResidual<V> {
+    /// `D_2 L_d(previous) + D_1 L_d(next)`: the two momenta of the node disagree by this.
+    pub node: V,
+    /// `∂L_d(next)/∂P`
+    pub momentum: V,
+}
+
+/// How hard a step was.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Solved {
+    /// Newton iterations, over all blocks.
+    pub iterations: u32,
+}
+
+/// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` has no discretisation by `{E}`",
+    label = "this scheme was not generated for `{Self}`",
+    note = "add `{E}` to `embedding = [...]` in the `#[hamiltonian(...)]` of `{Self}`; only listed schemes are compiled"
+)]
+pub trait Discretized<E>: Hamiltonian {
+    /// What the compiler found out.
+    const PLAN: Plan;
+
+    /// The discrete Lagrangian, the discrete Euler-Lagrange equations and the step, as readable text.
+    const EQUATIONS: &'static str;
+
+    /// Everything that depends on the system and the step size only.
+    type Prepared: Clone + Debug;
+
+    /// What one step leaves for the starting value of the next; `()` where nothing is iterated.
+    type Memory<S: Scalar>: Clone + Debug + Default;
+
+    /// Computes what does not change from step to step; fails if a matrix that is factored here is singular.
+    fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError>;
+
+    /// One step from `(q, p)` at `t` in place. Slices have [`Hamiltonian::degrees`] and [`Hamiltonian::noises`]
+    /// elements. On `Err`, `q`, `p` and `memory` are as they were.
+    fn advance<S: Scalar>(
+        &self,
+        prepared: &Self::Prepared,
+        t: f64,
+        h: f64,
+        q: &mut [S],
+        p: &mut [S],
+        dw: &[S],
+        memory: &mut Self::Memory<S>,
+    ) -> Result<Solved, StepFailure>;
+
+    /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise.
+    fn discrete_lagrangian(&self, segment: &Segment<Self::Vector>, dw: &[f64]) -> f64;
+
+    /// The gradient of [`Discretized::discrete_lagrangian`].
+    fn discrete_lagrangian_gradient(
+        &self,
+        segment: &Segment<Self::Vector>,
+        dw: &[f64],
+    ) -> LagrangianGradient<Self::Vector>;
+
+    /// The residual of the discrete Euler-Lagrange equations at the node between two steps with increments
+    /// `previous_dw` and `next_dw`.
+    fn euler_lagrange_residual(
+        &self,
+        previous: &Segment<Self::Vector>,
+        next: &Segment<Self::Vector>,
+        previous_dw: &[f64],
+        next_dw: &[f64],
+    ) -> EulerLagrangeResidual<Self::Vector> {
+        let before = self.discrete_lagrangian_gradient(previous, previous_dw);
+        let after = self.discrete_lagrangian_gradient(next, next_dw);
+        let mut node = before.q1;
+        for (sum, other) in node.components_mut().iter_mut().zip(after.q0.components()) {
+            *sum += other;
+        }
+        EulerLagrangeResidual { node, momentum: after.p }
+    }
+
+    /// The momentum `P` of the step from `before` to `after`. The generated step does not keep it: it follows from
+    /// the equation of the node momentum, given both ends.
+    fn step_momentum(
+        &self,
+        before: &State<Self::Vector>,
+        after: &State<Self::Vector>,
+        h: f64,
+        dw: &[f64],
+    ) -> Self::Vector;
+}
