@@ -1,6 +1,8 @@
 //! The hash-consing arena. Handles are small copies; a node is immutable and stored once.
 
+use std::cell::RefCell;
 use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 use super::sign::Sign;
 use super::{Function, Rational};
@@ -67,14 +69,26 @@ pub(crate) enum Node {
 impl Node {
     /// The operands, in order.
     pub(crate) fn operands(&self) -> Vec<Expr> {
+        let mut operands = Vec::new();
+        self.for_each_operand(|operand| operands.push(operand));
+        operands
+    }
+
+    /// Calls `visit` with every operand, in order.
+    pub(crate) fn for_each_operand(&self, mut visit: impl FnMut(Expr)) {
         match self {
-            Node::Number(_) | Node::Float(_) | Node::Symbol(_) => Vec::new(),
-            Node::Sum { terms, .. } => terms.iter().map(|&(term, _)| term).collect(),
-            Node::Product(factors) => factors.iter().map(|&(base, _)| base).collect(),
-            Node::Apply(_, arguments) => arguments.to_vec(),
-            &Node::Select { condition, then, otherwise } => vec![condition, then, otherwise],
-            &Node::Compare(_, a, b) | &Node::And(a, b) | &Node::Or(a, b) => vec![a, b],
-            &Node::Not(a) => vec![a],
+            Node::Number(_) | Node::Float(_) | Node::Symbol(_) => {}
+            Node::Sum { terms: weighted, .. } | Node::Product(weighted) => {
+                weighted.iter().for_each(|&(operand, _)| visit(operand));
+            }
+            Node::Apply(_, arguments) => arguments.iter().for_each(|&argument| visit(argument)),
+            &Node::Select { condition, then, otherwise } => {
+                [condition, then, otherwise].into_iter().for_each(visit)
+            }
+            &Node::Compare(_, a, b) | &Node::And(a, b) | &Node::Or(a, b) => {
+                [a, b].into_iter().for_each(visit)
+            }
+            &Node::Not(a) => visit(a),
         }
     }
 }
@@ -84,8 +98,32 @@ impl Node {
 pub(crate) struct Graph {
     nodes: Vec<Node>,
     signs: Vec<Sign>,
-    handles: HashMap<Node, Expr>,
+    supports: Vec<Support>,
+    /// The node of each hash; equal hashes of different nodes take the next free key. So a node is stored once.
+    handles: HashMap<u64, Expr>,
     names: Vec<String>,
+    marks: RefCell<Marks>,
+}
+
+/// Which nodes the current traversal has met: those that carry its number. No traversal has to clear them.
+#[derive(Default)]
+struct Marks {
+    traversal: u32,
+    met_in: Vec<u32>,
+}
+
+/// A superset of the symbols in an expression, one bit for each residue of their index modulo 64.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Support(u64);
+
+impl Support {
+    pub(super) fn of(symbols: impl IntoIterator<Item = Symbol>) -> Self {
+        Self(symbols.into_iter().fold(0, |bits, symbol| bits | 1 << (symbol.index() % 64)))
+    }
+
+    pub(super) fn intersects(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
 }
 
 impl Graph {
@@ -145,30 +183,74 @@ impl Graph {
 
     /// The handle of a node that is already in canonical form: only the constructors of `build` call this.
     pub(super) fn intern(&mut self, node: Node) -> Expr {
-        if let Some(&known) = self.handles.get(&node) {
-            return known;
+        let mut hasher = DefaultHasher::new();
+        node.hash(&mut hasher);
+        let mut key = hasher.finish();
+        while let Some(&known) = self.handles.get(&key) {
+            if *self.node(known) == node {
+                return known;
+            }
+            key = key.wrapping_add(1);
         }
         let handle = Expr(self.nodes.len() as u32);
         self.signs.push(self.sign_of(&node));
-        self.nodes.push(node.clone());
-        self.handles.insert(node, handle);
+        self.supports.push(self.support_of(&node));
+        self.nodes.push(node);
+        self.handles.insert(key, handle);
         handle
+    }
+
+    fn support_of(&self, node: &Node) -> Support {
+        let mut support = match *node {
+            Node::Symbol(symbol) => Support::of([symbol]),
+            _ => Support::default(),
+        };
+        node.for_each_operand(|operand| support.0 |= self.supports[operand.index()].0);
+        support
+    }
+
+    /// A superset of the symbols in `expr`.
+    pub(super) fn support(&self, expr: Expr) -> Support {
+        self.supports[expr.index()]
     }
 
     /// All nodes that `roots` reach, operands first, each once.
     pub(crate) fn reachable(&self, roots: &[Expr]) -> Vec<Expr> {
-        let mut marked = vec![false; self.nodes.len()];
+        let mut met = self.reachable_where(roots, |_| true);
+        met.sort_unstable();
+        met
+    }
+
+    /// The nodes that `roots` reach through nodes that pass `enter`, in no particular order.
+    pub(super) fn reachable_where(&self, roots: &[Expr], enter: impl Fn(Expr) -> bool) -> Vec<Expr> {
+        let mut marks = self.marks.borrow_mut();
+        let marks = &mut *marks;
+        marks.met_in.resize(self.nodes.len(), 0);
+        marks.traversal = marks.traversal.wrapping_add(1);
+        if marks.traversal == 0 {
+            marks.met_in.fill(0);
+            marks.traversal = 1;
+        }
+        let mut met = Vec::new();
         let mut pending = roots.to_vec();
         while let Some(expr) = pending.pop() {
-            if !std::mem::replace(&mut marked[expr.index()], true) {
-                pending.extend(self.node(expr).operands());
+            if marks.met_in[expr.index()] != marks.traversal && enter(expr) {
+                marks.met_in[expr.index()] = marks.traversal;
+                met.push(expr);
+                self.node(expr).for_each_operand(|operand| pending.push(operand));
             }
         }
-        (0..self.nodes.len()).filter(|&i| marked[i]).map(|i| Expr(i as u32)).collect()
+        met
     }
 
     /// Whether `expr` contains any of `symbols`.
     pub(crate) fn depends_on(&self, expr: Expr, symbols: &[Symbol]) -> bool {
-        self.reachable(&[expr]).iter().any(|&e| self.as_symbol(e).is_some_and(|s| symbols.contains(&s)))
+        let wanted = Support::of(symbols.iter().copied());
+        let may_depend = |part: Expr| self.support(part).intersects(wanted);
+        if self.names.len() <= 64 {
+            return may_depend(expr);
+        }
+        let parts = self.reachable_where(&[expr], may_depend);
+        parts.into_iter().any(|part| self.as_symbol(part).is_some_and(|symbol| symbols.contains(&symbol)))
     }
 }

@@ -5,11 +5,18 @@
 
 pub(crate) mod build;
 pub(crate) mod differentiate;
+pub(crate) mod evaluate;
 pub(crate) mod function;
 pub(crate) mod graph;
 pub(crate) mod rational;
+mod residue;
 pub(crate) mod sign;
 pub(crate) mod substitute;
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod validate;
+pub(crate) mod zero;
 
 pub(crate) use function::Function;
 pub(crate) use graph::{Expr, Graph, Node, Relation, Symbol};

@@ -1,0 +1,339 @@
+//! Exact values of expressions at random points of finite fields.
+//!
+//! With every function of one argument node replaced by an independent random number (or a rational function of one,
+//! so that `sin² + cos² = 1` and the like hold), an expression is a rational function of degree `d` in random numbers
+//! of the field with `p` elements. One that is not zero vanishes at a random point with probability at most `d / p`
+//! (Schwartz, Zippel), below 1e-15 for `d < 1000`. A rational function that is nonzero over the rationals could still
+//! vanish modulo one prime (`2^61 x - x` modulo `2^61 - 1`); two primes, one without structure, exclude that.
+//!
+//! Square roots take a random sign per base and point: an expression such as `√(x²) - x` vanishes for only half of
+//! them, so that with roots [`POINTS_WITH_ROOTS`] points are asked. A base that is no square has its root in the
+//! quadratic extension by `i = √-1` (both primes are 3 modulo 4), so that hardly any point is lost.
+
+use super::{Expr, Function, Graph, Node, Rational};
+
+const PRIMES: [u64; 2] = [(1 << 61) - 1, 2_718_281_828_459_045_287];
+const POINTS: usize = 4;
+const POINTS_WITH_ROOTS: usize = 52;
+/// Attempts for each point that succeeds: nested roots and divisions by zero fail at some.
+const ATTEMPTS: usize = 4;
+
+/// Whether `expr` is zero at every one of enough random points; `false` also if too few points have a value.
+pub(super) fn vanishes_modulo_primes(graph: &Graph, expr: Expr) -> bool {
+    let has_roots = graph.reachable(&[expr]).iter().any(|&part| match graph.node(part) {
+        Node::Product(factors) => factors.iter().any(|&(_, exponent)| exponent.denominator() == 2),
+        Node::Apply(function, _) => *function == Function::Sqrt,
+        _ => false,
+    });
+    let wanted = if has_roots { POINTS_WITH_ROOTS } else { POINTS };
+    let mut found = 0;
+    for attempt in 0..wanted * ATTEMPTS {
+        let point = Point { graph, field: Field(PRIMES[attempt % 2]), seed: attempt as u64 };
+        match graph.fold(&[expr], None, |part, node, value| point.node(part, node, value))[0] {
+            Some(value) if value == Residue::ZERO => found += 1,
+            Some(_) => return false,
+            None => {}
+        }
+        if found == wanted {
+            return true;
+        }
+    }
+    false
+}
+
+/// A small deterministic generator (Steele, Lea, Flood: "Fast splittable pseudorandom number generators").
+pub(super) struct SplitMix(u64);
+
+impl SplitMix {
+    pub(super) fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    pub(super) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// A number in [0, 1).
+    pub(super) fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// `re + im · i` modulo the prime.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Residue {
+    re: u64,
+    im: u64,
+}
+
+impl Residue {
+    const ZERO: Self = Self { re: 0, im: 0 };
+    const ONE: Self = Self { re: 1, im: 0 };
+}
+
+/// The field with `p²` elements, for a prime `p` that is 3 modulo 4.
+#[derive(Clone, Copy)]
+struct Field(u64);
+
+impl Field {
+    fn add_modulo(self, a: u64, b: u64) -> u64 {
+        (a + b) % self.0
+    }
+
+    fn negate_modulo(self, a: u64) -> u64 {
+        (self.0 - a) % self.0
+    }
+
+    fn multiply_modulo(self, a: u64, b: u64) -> u64 {
+        (u128::from(a) * u128::from(b) % u128::from(self.0)) as u64
+    }
+
+    fn power_modulo(self, base: u64, exponent: u64) -> u64 {
+        self.power(Residue { re: base, im: 0 }, exponent).re
+    }
+
+    fn integer(self, value: i64) -> Residue {
+        let magnitude = value.unsigned_abs() % self.0;
+        Residue { re: if value < 0 { self.negate_modulo(magnitude) } else { magnitude }, im: 0 }
+    }
+
+    fn rational(self, value: Rational) -> Option<Residue> {
+        self.divide(self.integer(value.numerator()), self.integer(value.denominator()))
+    }
+
+    /// The exact value `m · 2^e` of a binary64 number.
+    fn float(self, value: f64) -> Option<Residue> {
+        let bits = value.abs().to_bits();
+        let (exponent, fraction) = ((bits >> 52) as i64, bits & ((1 << 52) - 1));
+        let significand = if exponent == 0 { fraction } else { fraction | (1 << 52) };
+        let magnitude = self.multiply(
+            self.integer(significand as i64),
+            self.power_signed(self.integer(2), exponent.max(1) - 1075)?,
+        );
+        value.is_finite().then(|| if value < 0.0 { self.negate(magnitude) } else { magnitude })
+    }
+
+    fn add(self, a: Residue, b: Residue) -> Residue {
+        Residue { re: self.add_modulo(a.re, b.re), im: self.add_modulo(a.im, b.im) }
+    }
+
+    fn negate(self, a: Residue) -> Residue {
+        Residue { re: self.negate_modulo(a.re), im: self.negate_modulo(a.im) }
+    }
+
+    fn subtract(self, a: Residue, b: Residue) -> Residue {
+        self.add(a, self.negate(b))
+    }
+
+    fn multiply(self, a: Residue, b: Residue) -> Residue {
+        if a.im == 0 && b.im == 0 {
+            return Residue { re: self.multiply_modulo(a.re, b.re), im: 0 };
+        }
+        let (rr, ii) = (self.multiply_modulo(a.re, b.re), self.multiply_modulo(a.im, b.im));
+        let (ri, ir) = (self.multiply_modulo(a.re, b.im), self.multiply_modulo(a.im, b.re));
+        Residue { re: self.add_modulo(rr, self.negate_modulo(ii)), im: self.add_modulo(ri, ir) }
+    }
+
+    fn power(self, base: Residue, exponent: u64) -> Residue {
+        let (mut square, mut rest, mut result) = (base, exponent, Residue::ONE);
+        while rest > 0 {
+            if rest & 1 == 1 {
+                result = self.multiply(result, square);
+            }
+            rest >>= 1;
+            if rest > 0 {
+                square = self.multiply(square, square);
+            }
+        }
+        result
+    }
+
+    fn recip(self, a: Residue) -> Option<Residue> {
+        let (re, im) = (self.multiply_modulo(a.re, a.re), self.multiply_modulo(a.im, a.im));
+        let norm = self.add_modulo(re, im);
+        // Fermat: a^(p-2) is the inverse of a.
+        let inverse = self.power_modulo(norm, self.0 - 2);
+        let conjugate = Residue { re: a.re, im: self.negate_modulo(a.im) };
+        (norm != 0).then(|| self.multiply(conjugate, Residue { re: inverse, im: 0 }))
+    }
+
+    fn divide(self, a: Residue, b: Residue) -> Option<Residue> {
+        if b == Residue::ONE { Some(a) } else { Some(self.multiply(a, self.recip(b)?)) }
+    }
+
+    fn power_signed(self, base: Residue, exponent: i64) -> Option<Residue> {
+        let power = self.power(base, exponent.unsigned_abs());
+        if exponent < 0 { self.recip(power) } else { Some(power) }
+    }
+
+    /// A square root of an element of the prime field.
+    fn root(self, a: Residue) -> Option<Residue> {
+        if a.im != 0 {
+            return None;
+        }
+        let root_if_square = |a: u64| {
+            let root = self.power_modulo(a, self.0.div_ceil(4));
+            (self.multiply_modulo(root, root) == a).then_some(root)
+        };
+        match root_if_square(a.re) {
+            Some(root) => Some(Residue { re: root, im: 0 }),
+            None => root_if_square(self.negate_modulo(a.re)).map(|root| Residue { re: 0, im: root }),
+        }
+    }
+}
+
+/// What a random number stands for: equal keys get equal numbers at one point.
+#[derive(Clone, Copy)]
+enum Atom {
+    Node = 1,
+    Symbol,
+    RootSign,
+    Exponential,
+    Angle,
+}
+
+/// One random point: every atom has a value that only depends on the seed.
+struct Point<'a> {
+    graph: &'a Graph,
+    field: Field,
+    seed: u64,
+}
+
+impl Point<'_> {
+    fn random(&self, atom: Atom, key: u64) -> u64 {
+        let mut generator = SplitMix::new(self.seed.wrapping_mul(0xd134_2543_de82_ef95) ^ atom as u64);
+        let mixed = generator.next() ^ key.wrapping_mul(0xa076_1d64_78bd_642f);
+        SplitMix::new(mixed).next()
+    }
+
+    fn atom(&self, atom: Atom, key: u64) -> Residue {
+        Residue { re: self.random(atom, key) % self.field.0, im: 0 }
+    }
+
+    /// The value of a node; conditions have none, since only opaque selections use them.
+    fn node(&self, expr: Expr, node: &Node, value: &dyn Fn(Expr) -> Option<Residue>) -> Option<Residue> {
+        let field = self.field;
+        match node {
+            Node::Number(number) => field.rational(*number),
+            Node::Float(bits) => field.float(f64::from_bits(*bits)),
+            Node::Symbol(symbol) => Some(self.atom(Atom::Symbol, symbol.index() as u64)),
+            Node::Sum { terms, constant } => {
+                let mut sum = field.rational(*constant)?;
+                for &(term, coefficient) in terms {
+                    sum = field.add(sum, field.multiply(field.rational(coefficient)?, value(term)?));
+                }
+                Some(sum)
+            }
+            Node::Product(factors) => {
+                let mut product = Residue::ONE;
+                for &(base, exponent) in factors {
+                    let power = match exponent.denominator() {
+                        1 => field.power_signed(value(base)?, exponent.numerator())?,
+                        2 => field.power_signed(self.root(base, value(base)?)?, exponent.numerator())?,
+                        _ => self.atom(Atom::Node, power_key(base, exponent)),
+                    };
+                    product = field.multiply(product, power);
+                }
+                Some(product)
+            }
+            Node::Apply(Function::Sqrt, arguments) => self.root(arguments[0], value(arguments[0])?),
+            Node::Apply(function, arguments) => self.function(expr, *function, arguments[0]),
+            Node::Select { .. } => Some(self.atom(Atom::Node, expr.index() as u64)),
+            Node::Compare(..) | Node::Not(_) | Node::And(..) | Node::Or(..) => Some(Residue::ZERO),
+        }
+    }
+
+    /// The square root of the value of the node `base`, with a random sign.
+    fn root(&self, base: Expr, value: Residue) -> Option<Residue> {
+        let root = self.field.root(value)?;
+        let flips = self.random(Atom::RootSign, base.index() as u64) & (1 << 32) != 0;
+        Some(if flips { self.field.negate(root) } else { root })
+    }
+
+    fn function(&self, expr: Expr, function: Function, argument: Expr) -> Option<Residue> {
+        let field = self.field;
+        match function {
+            Function::Sin => Some(self.rotation(argument)?.1),
+            Function::Cos => Some(self.rotation(argument)?.0),
+            Function::Tan => self.rotation(argument).and_then(|(c, s)| field.divide(s, c)),
+            Function::Exp => self.exponential(argument),
+            Function::ExpM1 => Some(field.subtract(self.exponential(argument)?, Residue::ONE)),
+            Function::Sinh | Function::Cosh | Function::Tanh => {
+                let growing = self.exponential(argument)?;
+                let decaying = field.recip(growing)?;
+                let (twice_sinh, twice_cosh) =
+                    (field.subtract(growing, decaying), field.add(growing, decaying));
+                match function {
+                    Function::Sinh => field.divide(twice_sinh, field.integer(2)),
+                    Function::Cosh => field.divide(twice_cosh, field.integer(2)),
+                    _ => field.divide(twice_sinh, twice_cosh),
+                }
+            }
+            _ => Some(self.atom(Atom::Node, expr.index() as u64)),
+        }
+    }
+
+    /// `exp(argument)` with `exp(Σ n_i x_i / d_i) = Π exp(x_i / d_i)^n_i`, so that addition theorems hold.
+    fn exponential(&self, argument: Expr) -> Option<Residue> {
+        let mut product = Residue::ONE;
+        for (key, count) in self.summands(argument) {
+            let factor = self.field.power_signed(self.atom(Atom::Exponential, key), count)?;
+            product = self.field.multiply(product, factor);
+        }
+        Some(product)
+    }
+
+    /// `(cos, sin)` of the argument: rational points of the circle, composed as angles are added.
+    fn rotation(&self, argument: Expr) -> Option<(Residue, Residue)> {
+        let field = self.field;
+        let compose = |(c, s): (Residue, Residue), (d, t): (Residue, Residue)| {
+            let cosine = field.subtract(field.multiply(c, d), field.multiply(s, t));
+            (cosine, field.add(field.multiply(c, t), field.multiply(s, d)))
+        };
+        let mut total = (Residue::ONE, Residue::ZERO);
+        for (key, count) in self.summands(argument) {
+            let tau = self.atom(Atom::Angle, key);
+            let square = field.multiply(tau, tau);
+            let scale = field.recip(field.add(Residue::ONE, square))?;
+            let cosine = field.multiply(field.subtract(Residue::ONE, square), scale);
+            let sine = field.multiply(field.add(tau, tau), scale);
+            let mut power = (cosine, if count < 0 { field.negate(sine) } else { sine });
+            let mut rest = count.unsigned_abs();
+            while rest > 0 {
+                if rest & 1 == 1 {
+                    total = compose(total, power);
+                }
+                power = compose(power, power);
+                rest >>= 1;
+            }
+        }
+        Some(total)
+    }
+
+    /// The argument as `Σ count · (summand / denominator)`; the key tells the summand and the denominator.
+    fn summands(&self, argument: Expr) -> Vec<(u64, i64)> {
+        let summand = |key: u64, c: Rational| (mix(key, c.denominator() as u64), c.numerator());
+        match self.graph.node(argument) {
+            Node::Sum { terms, constant } => {
+                let constant = (!constant.is_zero()).then(|| summand(u64::MAX, *constant));
+                terms.iter().map(|&(term, c)| summand(term.index() as u64, c)).chain(constant).collect()
+            }
+            &Node::Number(value) => vec![summand(u64::MAX, value)],
+            _ => vec![summand(argument.index() as u64, Rational::ONE)],
+        }
+    }
+}
+
+fn power_key(base: Expr, exponent: Rational) -> u64 {
+    let exponent = mix(exponent.numerator() as u64, exponent.denominator() as u64);
+    mix(mix(base.index() as u64, exponent), u64::MAX)
+}
+
+/// A hash of a pair of numbers.
+fn mix(a: u64, b: u64) -> u64 {
+    let mixed = SplitMix::new(a).next();
+    SplitMix::new(mixed ^ b.wrapping_mul(0xe703_7ed1_a0b4_28db)).next()
+}

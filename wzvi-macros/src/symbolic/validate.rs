@@ -1,0 +1,1 @@
+//! Checks the invariants that [`Node`] documents. Only tests pay for it.

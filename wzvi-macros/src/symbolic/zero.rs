@@ -1,0 +1,86 @@
+//! Is an expression identically zero? Answered with a proof in either direction, or not at all.
+//!
+//! 1. The canonical form is the number 0.
+//! 2. It vanishes at random points of finite fields ([`super::residue`]): zero, up to a probability below 1e-15.
+//! 3. A point where its value exceeds the rounding bound of its own evaluation: not zero, with that point as witness.
+
+use super::residue::{SplitMix, vanishes_modulo_primes};
+use super::{Expr, Graph, Node, Symbol};
+
+/// The answer to "is it zero wherever it is defined?".
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) enum ZeroTest {
+    Zero,
+    Nonzero(Witness),
+    /// Neither proven: an identity of functions that the test knows nothing of, or a difference below rounding.
+    Unknown,
+}
+
+/// A point where the expression is certainly not zero.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Witness {
+    /// The symbols that the expression contains, in order of creation.
+    pub(crate) point: Vec<(Symbol, f64)>,
+    pub(crate) value: f64,
+}
+
+/// Simple numbers first: a witness is read by people.
+const SIMPLE: [f64; 12] = [0.5, 1.0, -0.75, 1.25, 2.0, -0.5, 1.5, 0.25, -1.0, 0.75, 3.0, -1.5];
+const SIMPLE_POINTS: usize = 10;
+const RANDOM_POINTS: usize = 40;
+
+impl Graph {
+    /// Decides whether the real expression `expr` is zero wherever it is defined.
+    ///
+    /// `Nonzero` is certain (up to the error bounds that are granted to the mathematical library). `Zero` holds up to
+    /// the probability that [`super::residue`] states, and only if no floating-point witness contradicts it.
+    pub(crate) fn test_zero(&self, expr: Expr) -> ZeroTest {
+        match self.node(expr) {
+            Node::Number(value) if value.is_zero() => return ZeroTest::Zero,
+            Node::Compare(..) | Node::Not(_) | Node::And(..) | Node::Or(..) => return ZeroTest::Unknown,
+            _ => {}
+        }
+        match self.find_witness(expr) {
+            Some(witness) => ZeroTest::Nonzero(witness),
+            None if vanishes_modulo_primes(self, expr) => ZeroTest::Zero,
+            None => ZeroTest::Unknown,
+        }
+    }
+
+    fn find_witness(&self, expr: Expr) -> Option<Witness> {
+        let mut symbols: Vec<Symbol> =
+            self.reachable(&[expr]).into_iter().filter_map(|part| self.as_symbol(part)).collect();
+        symbols.sort_unstable();
+        let mut random = SplitMix::new(0x5eed);
+        (0..SIMPLE_POINTS + RANDOM_POINTS).find_map(|trial| {
+            let point: Vec<(Symbol, f64)> = symbols
+                .iter()
+                .enumerate()
+                .map(|(i, &symbol)| (symbol, coordinate(trial, i, &mut random)))
+                .collect();
+            let value = |symbol: Symbol| {
+                point.binary_search_by_key(&symbol, |&(known, _)| known).map_or(f64::NAN, |i| point[i].1)
+            };
+            let bounded = self.evaluate_bounded(&[expr], &value)[0];
+            bounded.excludes_zero().then(|| Witness { point: point.clone(), value: bounded.value })
+        })
+    }
+}
+
+/// The `i`-th coordinate of a trial point: simple numbers, then random ones of mixed sign and scale.
+fn coordinate(trial: usize, i: usize, random: &mut SplitMix) -> f64 {
+    if trial < SIMPLE_POINTS {
+        let value = SIMPLE[(trial + i * (1 + trial / SIMPLE.len()) + i / SIMPLE.len()) % SIMPLE.len()];
+        // Every second simple point lies in the domain of roots and logarithms.
+        return if trial % 2 == 0 { value } else { value.abs() };
+    }
+    let unit = random.unit();
+    let sign = if trial % 2 == 0 || random.unit() < 0.5 { 1.0 } else { -1.0 };
+    let scale = match trial % 5 {
+        0 => 10f64.powf(6.0 * random.unit() - 3.0),
+        1 => 0.3,
+        2 => 10.0,
+        _ => 1.0,
+    };
+    sign * scale * (0.1 + 2.9 * unit)
+}
