@@ -7,6 +7,13 @@
 use super::sign::Sign;
 use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
 
+/// Longer sums and products are kept as one operand of a new one: opening them again and again would make a long
+/// chain of additions quadratic.
+pub(super) const OPEN_LIMIT: usize = 64;
+
+/// A binary64 constant with a larger denominator (π) is no fraction that somebody meant: it stays one opaque number.
+const SMALL_DENOMINATOR: i64 = 1 << 20;
+
 impl Graph {
     pub(crate) fn number(&mut self, value: Rational) -> Expr {
         self.intern(Node::Number(value))
@@ -16,10 +23,14 @@ impl Graph {
         self.number(Rational::integer(value))
     }
 
-    /// A binary64 constant: exact as a rational where that is small, else opaque.
+    /// A binary64 constant: exact as a rational where that is small, else opaque. The sign goes to the coefficient.
     pub(crate) fn float(&mut self, value: f64) -> Expr {
-        match Rational::from_f64(value) {
+        match Rational::from_f64(value).filter(|rational| rational.denominator() <= SMALL_DENOMINATOR) {
             Some(rational) => self.number(rational),
+            None if value < 0.0 => {
+                let magnitude = self.intern(Node::Float((-value).to_bits()));
+                self.negate(magnitude)
+            }
             None => self.intern(Node::Float(value.to_bits())),
         }
     }
@@ -56,11 +67,9 @@ impl Graph {
         for &(operand, coefficient) in operands {
             self.collect(&mut collected, operand, coefficient);
         }
-        let Collected { mut terms, constant, inexact } = collected;
-        for (operand, coefficient) in inexact {
-            let factor = self.intern(Node::Float(coefficient.to_f64().to_bits()));
-            let term = self.multiply(factor, operand);
-            terms.push((term, Rational::ONE));
+        let Collected { mut terms, constant, overflow } = collected;
+        for (number, coefficient) in overflow {
+            terms.push((self.number(number), coefficient));
         }
         terms.sort_unstable();
         let mut merged: Vec<(Expr, Rational)> = Vec::with_capacity(terms.len());
@@ -81,41 +90,31 @@ impl Graph {
         }
     }
 
-    /// Adds `coefficient · operand` to `into`, opening sums where that costs no multiplication.
+    /// Adds `coefficient · operand` to `into`, opening sums where that costs no multiplication. A number that does not
+    /// fit the exact range becomes a term of its own, so that no digit is lost.
     fn collect(&self, into: &mut Collected, operand: Expr, coefficient: Rational) {
-        let exact = match self.node(operand) {
-            Node::Number(value) => coefficient
-                .multiply(*value)
-                .and_then(|product| into.constant.add(product))
-                .map(|sum| into.constant = sum),
-            Node::Sum { terms, constant }
-                if is_unit(coefficient) || (terms.len() == 1 && constant.is_zero()) =>
-            {
-                self.collect_sum(into, terms, *constant, coefficient)
+        match self.node(operand) {
+            _ if coefficient.is_zero() => {}
+            Node::Number(value) => {
+                match coefficient.multiply(*value).and_then(|product| into.constant.add(product)) {
+                    Some(sum) => into.constant = sum,
+                    None => into.terms.push((operand, coefficient)),
+                }
             }
-            _ => {
-                into.terms.push((operand, coefficient));
-                Some(())
+            Node::Sum { terms, constant } if is_unit(coefficient) && terms.len() <= OPEN_LIMIT => {
+                let signed = |value: Rational| if coefficient.is_negative() { value.negate() } else { value };
+                into.terms.extend(terms.iter().map(|&(term, inner)| (term, signed(inner))));
+                match into.constant.add(signed(*constant)) {
+                    Some(sum) => into.constant = sum,
+                    None => into.overflow.push((*constant, coefficient)),
+                }
             }
-        };
-        if exact.is_none() {
-            into.inexact.push((operand, coefficient));
+            Node::Sum { terms, constant } if terms.len() == 1 && constant.is_zero() => {
+                let (term, inner) = terms[0];
+                into.terms.push(inner.multiply(coefficient).map_or((operand, coefficient), |c| (term, c)));
+            }
+            _ => into.terms.push((operand, coefficient)),
         }
-    }
-
-    fn collect_sum(
-        &self,
-        into: &mut Collected,
-        terms: &[(Expr, Rational)],
-        constant: Rational,
-        coefficient: Rational,
-    ) -> Option<()> {
-        let scaled: Option<Vec<_>> =
-            terms.iter().map(|&(term, inner)| Some((term, inner.multiply(coefficient)?))).collect();
-        let total = into.constant.add(constant.multiply(coefficient)?)?;
-        into.terms.extend(scaled?);
-        into.constant = total;
-        Some(())
     }
 
     pub(crate) fn multiply(&mut self, a: Expr, b: Expr) -> Expr {
@@ -152,7 +151,8 @@ impl Graph {
         }
     }
 
-    fn product_of_powers(&mut self, operands: &[(Expr, Rational)]) -> Expr {
+    /// `Π base^exponent`, where fractional exponents stand on bases proven nonnegative.
+    pub(super) fn product_of_powers(&mut self, operands: &[(Expr, Rational)]) -> Expr {
         let mut coefficient = Rational::ONE;
         let mut factors = Vec::with_capacity(operands.len());
         for &(operand, exponent) in operands {
@@ -162,6 +162,7 @@ impl Graph {
             return self.number(Rational::ZERO);
         }
         factors.sort_unstable();
+        let mut merges = 0;
         let mut merged: Vec<(Expr, Rational)> = Vec::with_capacity(factors.len());
         for (base, exponent) in factors {
             let total = merged.last().filter(|&&(last, _)| last == base).and_then(|&(_, total)| {
@@ -169,11 +170,20 @@ impl Graph {
                 if same_sign || self.sign(base) == Sign::Positive { total.add(exponent) } else { None }
             });
             match (total, merged.last_mut()) {
-                (Some(total), Some((_, last))) => *last = total,
+                (Some(total), Some((_, last))) => {
+                    *last = total;
+                    merges += 1;
+                }
                 _ => merged.push((base, exponent)),
             }
         }
         merged.retain(|&(_, exponent)| !exponent.is_zero());
+        // `√u √u` has become `u`, which may be a product, a multiple or a number that can be opened now.
+        if merges > 0 && merged.iter().any(|&(base, exponent)| self.opens(base, exponent)) {
+            let coefficient = self.number(coefficient);
+            merged.push((coefficient, Rational::ONE));
+            return self.product_of_powers(&merged);
+        }
         let product = match merged.as_slice() {
             [] => return self.number(coefficient),
             &[(base, exponent)] if exponent.is_one() => base,
@@ -182,9 +192,16 @@ impl Graph {
         self.scale(product, coefficient)
     }
 
+    /// Whether a factor `base^exponent` still has parts that belong to the surrounding product.
+    pub(super) fn opens(&self, base: Expr, exponent: Rational) -> bool {
+        let (mut coefficient, mut factors) = (Rational::ONE, Vec::new());
+        self.collect_factor(&mut coefficient, &mut factors, base, exponent);
+        factors != [(base, exponent)]
+    }
+
     /// Splits `operand^exponent` into a number and canonical factors.
     fn collect_factor(
-        &mut self,
+        &self,
         coefficient: &mut Rational,
         factors: &mut Vec<(Expr, Rational)>,
         operand: Expr,
@@ -209,17 +226,27 @@ impl Graph {
             return;
         }
         if let Node::Product(inner) = self.node(operand)
+            && inner.len() <= OPEN_LIMIT
             && exponent.is_integer()
-            && (!exponent.is_negative() || inner.iter().all(|&(_, e)| !e.is_negative()))
+            && (!exponent.is_negative() || inner.iter().all(|&(base, e)| self.invertible(base, e)))
+            && let Some(powers) =
+                inner.iter().map(|&(base, e)| Some((base, e.multiply(exponent)?))).collect::<Option<Vec<_>>>()
         {
-            let powers: Option<Vec<_>> =
-                inner.iter().map(|&(base, e)| Some((base, e.multiply(exponent)?))).collect();
-            if let Some(powers) = powers {
-                factors.extend(powers);
-                return;
+            for (base, total) in powers {
+                if total.is_integer() {
+                    self.collect_factor(coefficient, factors, base, total);
+                } else {
+                    factors.push((base, total));
+                }
             }
+            return;
         }
         factors.push((operand, exponent));
+    }
+
+    /// Whether `1 / base^exponent` is `base^-exponent` on the whole domain: not for `1/x`, which excludes 0.
+    fn invertible(&self, base: Expr, exponent: Rational) -> bool {
+        !exponent.is_negative() || self.sign(base) == Sign::Positive
     }
 
     /// `function(arguments)`, with exact values, parity and roots brought to their canonical form.
@@ -259,6 +286,8 @@ impl Graph {
     }
 
     pub(crate) fn compare(&mut self, relation: Relation, a: Expr, b: Expr) -> Expr {
+        // Equality is symmetric: one order.
+        let (a, b) = if relation == Relation::Equal { (a.min(b), a.max(b)) } else { (a, b) };
         self.intern(Node::Compare(relation, a, b))
     }
 
@@ -270,15 +299,30 @@ impl Graph {
     }
 
     pub(crate) fn and(&mut self, a: Expr, b: Expr) -> Expr {
-        self.intern(Node::And(a, b))
+        if a == b { a } else { self.intern(Node::And(a, b)) }
     }
 
     pub(crate) fn or(&mut self, a: Expr, b: Expr) -> Expr {
-        self.intern(Node::Or(a, b))
+        if a == b { a } else { self.intern(Node::Or(a, b)) }
     }
 
     pub(crate) fn select(&mut self, condition: Expr, then: Expr, otherwise: Expr) -> Expr {
-        if then == otherwise { then } else { self.intern(Node::Select { condition, then, otherwise }) }
+        match *self.node(condition) {
+            _ if then == otherwise => then,
+            Node::Not(opposite) => self.select(opposite, otherwise, then),
+            Node::Compare(relation, a, b) => match (self.as_number(a), self.as_number(b)) {
+                (Some(a), Some(b)) => {
+                    let holds = match relation {
+                        Relation::Less => a < b,
+                        Relation::LessEqual => a <= b,
+                        Relation::Equal => a == b,
+                    };
+                    if holds { then } else { otherwise }
+                }
+                _ => self.intern(Node::Select { condition, then, otherwise }),
+            },
+            _ => self.intern(Node::Select { condition, then, otherwise }),
+        }
     }
 }
 
@@ -286,8 +330,8 @@ impl Graph {
 struct Collected {
     terms: Vec<(Expr, Rational)>,
     constant: Rational,
-    /// Terms whose coefficient left the exact range: multiplied as binary64 instead.
-    inexact: Vec<(Expr, Rational)>,
+    /// Constants that left the exact range together with `constant`.
+    overflow: Vec<(Rational, Rational)>,
 }
 
 impl Default for Rational {
@@ -353,7 +397,12 @@ fn exact_value(function: Function, x: Rational) -> Option<Rational> {
         {
             Some(Rational::ZERO)
         }
-        Function::Ln | Function::Log2 | Function::Log10 if x.is_one() => Some(Rational::ZERO),
+        Function::Ln | Function::Log2 | Function::Log10 | Function::Acos | Function::Acosh if x.is_one() => {
+            Some(Rational::ZERO)
+        }
+        Function::Signum if x.is_negative() => Some(Rational::MINUS_ONE),
+        Function::Signum => Some(Rational::ONE),
+        Function::Cbrt if x.is_one() => Some(Rational::ONE),
         Function::Abs => Some(if x.is_negative() { x.negate() } else { x }),
         _ => None,
     }

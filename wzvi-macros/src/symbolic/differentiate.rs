@@ -2,11 +2,27 @@
 
 use std::collections::HashMap;
 
+use super::graph::Support;
 use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
+
+/// Products of more factors are differentiated by halves.
+const LONG_PRODUCT: usize = 8;
 
 /// What every symbol contributes: `dx/ds` for a derivative in the direction `s`. Symbols that are not listed are
 /// constant. A list of several symbols gives a total derivative: for `Q = (1-l) q_i + l q_{i+1}`, `dQ/dq_i = 1-l`.
 pub(crate) type Direction = HashMap<Symbol, Rational>;
+
+/// The slopes of the nodes that have one.
+struct Slopes {
+    known: HashMap<Expr, Expr>,
+    zero: Expr,
+}
+
+impl Slopes {
+    fn of(&self, expr: Expr) -> Expr {
+        self.known.get(&expr).copied().unwrap_or(self.zero)
+    }
+}
 
 impl Graph {
     /// `∂expr/∂symbol`
@@ -16,64 +32,85 @@ impl Graph {
 
     /// The derivative of `expr` in `direction`.
     pub(crate) fn differentiate(&mut self, expr: Expr, direction: &Direction) -> Expr {
-        let mut slopes: HashMap<Expr, Expr> = HashMap::new();
-        let zero = self.integer(0);
-        for part in self.reachable(&[expr]) {
+        let support = Support::of(direction.keys().copied());
+        // Only what may contain a moving symbol is visited: the rest has no slope.
+        let mut parts = self.reachable_where(&[expr], |part| self.support(part).intersects(support));
+        parts.sort_unstable();
+        let mut slopes = Slopes { known: HashMap::with_capacity(parts.len()), zero: self.integer(0) };
+        for part in parts {
             let node = self.node(part).clone();
-            let varies = node.operands().iter().any(|operand| slopes[operand] != zero);
             let slope = match &node {
                 Node::Symbol(symbol) => {
                     let speed = direction.get(symbol).copied().unwrap_or(Rational::ZERO);
                     self.number(speed)
                 }
-                _ if !varies => zero,
-                Node::Compare(..) | Node::Not(_) | Node::And(..) | Node::Or(..) => zero,
                 _ => self.slope(part, &node, &slopes),
             };
-            slopes.insert(part, slope);
+            if slope != slopes.zero {
+                slopes.known.insert(part, slope);
+            }
         }
-        slopes[&expr]
+        slopes.of(expr)
     }
 
-    fn slope(&mut self, expr: Expr, node: &Node, slopes: &HashMap<Expr, Expr>) -> Expr {
+    fn slope(&mut self, expr: Expr, node: &Node, slopes: &Slopes) -> Expr {
         match node {
             Node::Sum { terms, .. } => {
-                let terms: Vec<_> = terms.iter().map(|&(term, c)| (slopes[&term], c)).collect();
+                let terms: Vec<_> = terms.iter().map(|&(term, c)| (slopes.of(term), c)).collect();
                 self.linear_combination(&terms)
             }
-            Node::Product(factors) => {
-                let mut terms = Vec::new();
-                for (i, &(base, exponent)) in factors.iter().enumerate() {
-                    if self.is_zero(slopes[&base]) {
-                        continue;
-                    }
-                    let mut operands = vec![slopes[&base]];
-                    for (j, &(other, power)) in factors.iter().enumerate() {
-                        let power =
-                            if i == j { power.add(Rational::MINUS_ONE).unwrap_or(power) } else { power };
-                        operands.push(self.power(other, power));
-                    }
-                    terms.push((self.product(&operands), exponent));
+            Node::Product(factors) => self.product_slope(factors, slopes),
+            &Node::Apply(function @ (Function::Min | Function::Max), ref arguments) => {
+                let (a, b) = (arguments[0], arguments[1]);
+                let less = self.compare(Relation::Less, a, b);
+                let (smaller, larger) = (slopes.of(a), slopes.of(b));
+                match function {
+                    Function::Min => self.select(less, smaller, larger),
+                    _ => self.select(less, larger, smaller),
                 }
-                self.linear_combination(&terms)
             }
             Node::Apply(function, arguments) => {
-                let terms: Vec<_> = (0..arguments.len())
-                    .filter(|&i| !self.is_zero(slopes[&arguments[i]]))
-                    .collect::<Vec<_>>()
-                    .into_iter()
-                    .map(|i| {
+                let mut terms = Vec::new();
+                for (i, &argument) in arguments.iter().enumerate() {
+                    let slope = slopes.of(argument);
+                    if slope != slopes.zero {
                         let partial = self.partial(expr, *function, arguments, i);
-                        self.multiply(partial, slopes[&arguments[i]])
-                    })
-                    .collect();
+                        terms.push(self.multiply(partial, slope));
+                    }
+                }
                 self.sum(&terms)
             }
             &Node::Select { condition, then, otherwise } => {
-                self.select(condition, slopes[&then], slopes[&otherwise])
+                self.select(condition, slopes.of(then), slopes.of(otherwise))
             }
-            _ => self.integer(0),
+            _ => slopes.zero,
         }
+    }
+
+    /// `(Π f_i)' = Σ f_i' Π_{j≠i} f_j`. Long products are halved, which keeps the cost near linear.
+    fn product_slope(&mut self, factors: &[(Expr, Rational)], slopes: &Slopes) -> Expr {
+        if factors.len() > LONG_PRODUCT {
+            let (left, right) = factors.split_at(factors.len() / 2);
+            let (left_slope, right_slope) =
+                (self.product_slope(left, slopes), self.product_slope(right, slopes));
+            let (left, right) = (self.product_of_powers(left), self.product_of_powers(right));
+            let (first, second) = (self.multiply(left_slope, right), self.multiply(left, right_slope));
+            return self.add(first, second);
+        }
+        let mut terms = Vec::new();
+        for (i, &(base, exponent)) in factors.iter().enumerate() {
+            let slope = slopes.of(base);
+            if slope != slopes.zero {
+                let mut operands = factors.to_vec();
+                match exponent.add(Rational::MINUS_ONE) {
+                    Some(lower) => operands[i].1 = lower,
+                    None => operands.push((base, Rational::MINUS_ONE)),
+                }
+                operands.push((slope, Rational::ONE));
+                terms.push((self.product_of_powers(&operands), exponent));
+            }
+        }
+        self.linear_combination(&terms)
     }
 
     /// `∂function/∂argument_i` at `arguments`; `value` is the node of the function itself.
@@ -89,7 +126,7 @@ impl Graph {
             }
             Function::Cbrt => {
                 let inverse = self.power(value, Rational::integer(-2));
-                Rational::new(1, 3).map_or(inverse, |third| self.scale(inverse, third))
+                self.scale(inverse, Rational::THIRD)
             }
             Function::Exp => value,
             Function::Exp2 => {
@@ -155,13 +192,8 @@ impl Graph {
                 self.divide(numerator, radius)
             }
             Function::Hypot => self.divide(arguments[i], value),
-            Function::Min | Function::Max => {
-                let first_is_less = self.compare(Relation::Less, x, arguments[1]);
-                let picks_first =
-                    if function == Function::Min { first_is_less } else { self.not(first_is_less) };
-                let zero = self.integer(0);
-                if i == 0 { self.select(picks_first, one, zero) } else { self.select(picks_first, zero, one) }
-            }
+            // Their slope is a choice between slopes, made by the caller.
+            Function::Min | Function::Max => self.integer(0),
         }
     }
 

@@ -45,13 +45,15 @@ pub(crate) enum Node {
     Float(u64),
     Symbol(Symbol),
     /// `constant + Σ coefficient · term`. Terms are sorted by handle, are no numbers, and are no sums when their
-    /// coefficient is ±1. Not a bare term: a lone term has a coefficient other than one.
+    /// coefficient is ±1. Not a bare term: a lone term has a coefficient other than one. Two exceptions: what would
+    /// leave the exact range stays apart, and so do sums of more than [`super::build::OPEN_LIMIT`] terms.
     Sum {
         terms: Box<[(Expr, Rational)]>,
         constant: Rational,
     },
     /// `Π base^exponent`, sorted by (base, exponent). Exponents of opposite sign on one base stay apart unless the
     /// base is proven positive, and fractional exponents only stand on bases proven nonnegative: no domain is lost.
+    /// Bases are neither products nor multiples that could be opened (the exceptions are those of sums).
     Product(Box<[(Expr, Rational)]>),
     Apply(Function, Box<[Expr]>),
     /// `if condition { then } else { otherwise }`.

@@ -5,6 +5,7 @@
 
 pub(crate) mod build;
 pub(crate) mod differentiate;
+mod display;
 pub(crate) mod evaluate;
 pub(crate) mod function;
 pub(crate) mod graph;

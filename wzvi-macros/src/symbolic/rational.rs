@@ -20,6 +20,7 @@ impl Rational {
     pub(crate) const ZERO: Self = Self { numerator: 0, denominator: 1 };
     pub(crate) const ONE: Self = Self { numerator: 1, denominator: 1 };
     pub(crate) const MINUS_ONE: Self = Self { numerator: -1, denominator: 1 };
+    pub(crate) const THIRD: Self = Self { numerator: 1, denominator: 3 };
     pub(crate) const HALF: Self = Self { numerator: 1, denominator: 2 };
 
     pub(crate) fn new(numerator: i128, denominator: i128) -> Option<Self> {
@@ -87,11 +88,17 @@ impl Rational {
 
     pub(crate) fn power(self, exponent: i64) -> Option<Self> {
         let base = if exponent < 0 { self.recip()? } else { self };
-        let mut result = Self::ONE;
-        for _ in 0..exponent.unsigned_abs().min(128) {
-            result = result.multiply(base)?;
+        let (mut square, mut rest, mut result) = (base, exponent.unsigned_abs(), Self::ONE);
+        while rest > 0 {
+            if rest & 1 == 1 {
+                result = result.multiply(square)?;
+            }
+            rest >>= 1;
+            if rest > 0 {
+                square = square.multiply(square)?;
+            }
         }
-        (exponent.unsigned_abs() <= 128 || base.is_one() || base.is_zero()).then_some(result)
+        Some(result)
     }
 
     /// The exact value of a finite `f64`, if it is representable.

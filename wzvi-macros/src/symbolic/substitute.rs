@@ -2,24 +2,25 @@
 
 use std::collections::HashMap;
 
+use super::graph::Support;
 use super::{Expr, Graph, Node, Symbol};
 
 impl Graph {
     /// Each of `roots` with every symbol that `by` knows replaced; shared subexpressions are rebuilt once.
     pub(crate) fn substitute(&mut self, roots: &[Expr], by: &HashMap<Symbol, Expr>) -> Vec<Expr> {
-        let mut images: HashMap<Expr, Expr> = HashMap::new();
-        for expr in self.reachable(roots) {
-            let image = match self.node(expr) {
+        let replaced = Support::of(by.keys().copied());
+        let mut parts = self.reachable_where(roots, |part| self.support(part).intersects(replaced));
+        parts.sort_unstable();
+        let mut images: HashMap<Expr, Expr> = HashMap::with_capacity(parts.len());
+        for expr in parts {
+            let node = self.node(expr).clone();
+            let image = match &node {
                 Node::Symbol(symbol) => by.get(symbol).copied().unwrap_or(expr),
-                node if node.operands().iter().all(|operand| images[operand] == *operand) => expr,
-                node => {
-                    let node = node.clone();
-                    self.rebuild(&node, &|operand| images[&operand])
-                }
+                node => self.rebuild(node, &|operand| images.get(&operand).copied().unwrap_or(operand)),
             };
             images.insert(expr, image);
         }
-        roots.iter().map(|root| images[root]).collect()
+        roots.iter().map(|root| images.get(root).copied().unwrap_or(*root)).collect()
     }
 
     /// The canonical form of `node` with its operands mapped.

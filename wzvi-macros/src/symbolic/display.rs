@@ -1,0 +1,346 @@
+//! Expressions as text for messages and documentation, in the notation of the paper: `p²/2 + a (1 - cos(q))`.
+//!
+//! Text is made from the root down with a budget: what is too deep or too long is elided as `…`.
+
+use super::{Expr, Function, Graph, Node, Rational, Relation};
+
+const DEPTH: usize = 32;
+const NODES: usize = 300;
+
+/// How tightly a text binds, loosest first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Binding {
+    Select,
+    Or,
+    And,
+    Compare,
+    Sum,
+    Product,
+    Power,
+    Atom,
+}
+
+struct Text {
+    text: String,
+    binding: Binding,
+}
+
+impl Text {
+    fn new(text: impl Into<String>, binding: Binding) -> Self {
+        Self { text: text.into(), binding }
+    }
+
+    /// The text as an operand that has to bind at least as tightly as `least`.
+    fn within(self, least: Binding) -> String {
+        if self.binding >= least { self.text } else { format!("({})", self.text) }
+    }
+}
+
+impl Graph {
+    /// `expr` for a reader.
+    pub(crate) fn display(&self, expr: Expr) -> String {
+        Writer { graph: self, nodes_left: NODES }.write(expr, DEPTH).text
+    }
+}
+
+struct Writer<'a> {
+    graph: &'a Graph,
+    nodes_left: usize,
+}
+
+impl Writer<'_> {
+    /// The recursion is bounded by `depth`.
+    fn write(&mut self, expr: Expr, depth: usize) -> Text {
+        if depth == 0 || self.nodes_left == 0 {
+            return Text::new("…", Binding::Atom);
+        }
+        self.nodes_left -= 1;
+        let graph = self.graph;
+        let depth = depth - 1;
+        match graph.node(expr) {
+            Node::Number(value) => number(*value),
+            Node::Float(bits) => float(f64::from_bits(*bits)),
+            Node::Symbol(symbol) => Text::new(graph.symbol_name(*symbol), Binding::Atom),
+            Node::Sum { terms, constant } => self.sum(terms, *constant, depth),
+            Node::Product(factors) => self.quotient(Rational::ONE, factors, depth),
+            Node::Apply(function, arguments) => self.function(*function, arguments, depth),
+            Node::Select { condition, then, otherwise } => {
+                let [condition, then, otherwise] =
+                    [*condition, *then, *otherwise].map(|part| self.write(part, depth).within(Binding::Or));
+                Text::new(format!("if {condition} then {then} else {otherwise}"), Binding::Select)
+            }
+            Node::Compare(relation, a, b) => self.comparison(relation_sign(*relation), *a, *b, depth),
+            Node::Not(a) => match *graph.node(*a) {
+                Node::Compare(relation, a, b) => self.comparison(opposite_sign(relation), a, b, depth),
+                _ => Text::new(
+                    format!("not {}", self.write(*a, depth).within(Binding::Atom)),
+                    Binding::Compare,
+                ),
+            },
+            Node::And(a, b) => {
+                let [a, b] = [*a, *b].map(|part| self.write(part, depth).within(Binding::And));
+                Text::new(format!("{a} and {b}"), Binding::And)
+            }
+            Node::Or(a, b) => {
+                let [a, b] = [*a, *b].map(|part| self.write(part, depth).within(Binding::Or));
+                Text::new(format!("{a} or {b}"), Binding::Or)
+            }
+        }
+    }
+
+    fn comparison(&mut self, sign: &str, a: Expr, b: Expr, depth: usize) -> Text {
+        let [a, b] = [a, b].map(|part| self.write(part, depth).within(Binding::Sum));
+        Text::new(format!("{a} {sign} {b}"), Binding::Compare)
+    }
+
+    /// Terms in order of creation, except that the text starts with a positive one if there is any.
+    fn sum(&mut self, terms: &[(Expr, Rational)], constant: Rational, depth: usize) -> Text {
+        if let (&[(term, coefficient)], true) = (terms, constant.is_zero()) {
+            return self.multiple(coefficient, term, depth);
+        }
+        let mut summands: Vec<(bool, String)> = Vec::with_capacity(terms.len() + 1);
+        for &(term, coefficient) in terms {
+            if self.nodes_left == 0 {
+                summands.push((false, "…".into()));
+                break;
+            }
+            let magnitude = if coefficient.is_negative() { coefficient.negate() } else { coefficient };
+            let text = if magnitude.is_one() {
+                self.write(term, depth)
+            } else {
+                self.multiple(magnitude, term, depth)
+            };
+            summands.push((coefficient.is_negative(), text.within(Binding::Product)));
+        }
+        if constant.is_negative() {
+            summands.push((true, constant.negate().to_string()));
+        } else if !constant.is_zero() {
+            summands.insert(0, (false, constant.to_string()));
+        }
+        if let Some(first) = summands.iter().position(|&(negative, _)| !negative) {
+            summands[..=first].rotate_right(1);
+        }
+        let mut text = String::new();
+        for (i, (negative, summand)) in summands.iter().enumerate() {
+            text.push_str(match (i, negative) {
+                (0, false) => "",
+                (0, true) => "-",
+                (_, false) => " + ",
+                (_, true) => " - ",
+            });
+            text.push_str(summand);
+        }
+        Text::new(text, Binding::Sum)
+    }
+
+    /// `coefficient · term`
+    fn multiple(&mut self, coefficient: Rational, term: Expr, depth: usize) -> Text {
+        let factors = match self.graph.node(term) {
+            Node::Product(factors) => factors,
+            _ => &Box::from([(term, Rational::ONE)]),
+        };
+        if coefficient.is_negative() {
+            let positive = self.quotient(coefficient.negate(), factors, depth).within(Binding::Product);
+            return Text::new(format!("-{positive}"), Binding::Sum);
+        }
+        self.quotient(coefficient, factors, depth)
+    }
+
+    /// `coefficient · Π base^exponent` for a positive coefficient, as one fraction.
+    fn quotient(&mut self, coefficient: Rational, factors: &[(Expr, Rational)], depth: usize) -> Text {
+        let (mut above, mut below) = (Vec::new(), Vec::new());
+        // Constants, variables, then what needs brackets: `a (p² + q²)`.
+        let mut ordered = factors.to_vec();
+        ordered.sort_by_key(|&(base, _)| match self.graph.node(base) {
+            Node::Number(_) | Node::Float(_) => 0,
+            Node::Symbol(_) => 1,
+            _ => 2,
+        });
+        for (base, exponent) in ordered {
+            let (side, exponent) =
+                if exponent.is_negative() { (&mut below, exponent.negate()) } else { (&mut above, exponent) };
+            side.push(self.power(base, exponent, depth));
+            if self.nodes_left == 0 {
+                break;
+            }
+        }
+        if coefficient.numerator() != 1 || above.is_empty() {
+            above.insert(0, Text::new(coefficient.numerator().to_string(), Binding::Atom));
+        }
+        if coefficient.denominator() != 1 {
+            below.insert(0, Text::new(coefficient.denominator().to_string(), Binding::Atom));
+        }
+        let above = juxtapose(above);
+        if below.is_empty() {
+            return above;
+        }
+        let above = above.within(Binding::Product);
+        // `a/b c` would be read in two ways.
+        let below = juxtapose(below).within(Binding::Power);
+        Text::new(format!("{above}/{below}"), Binding::Product)
+    }
+
+    /// `base^exponent` for a positive exponent.
+    fn power(&mut self, base: Expr, exponent: Rational, depth: usize) -> Text {
+        let base = self.write(base, depth);
+        if exponent.is_one() {
+            return base;
+        }
+        if exponent == Rational::HALF {
+            return root(base);
+        }
+        let exponent = match (exponent.numerator(), exponent.denominator()) {
+            (2, 1) => "²".into(),
+            (3, 1) => "³".into(),
+            (n, 1) => format!("^{n}"),
+            _ => format!("^({exponent})"),
+        };
+        Text::new(base.within(Binding::Atom) + &exponent, Binding::Power)
+    }
+
+    fn function(&mut self, function: Function, arguments: &[Expr], depth: usize) -> Text {
+        let mut written: Vec<Text> = arguments.iter().map(|&argument| self.write(argument, depth)).collect();
+        match function {
+            Function::Sqrt if written.len() == 1 => return root(written.remove(0)),
+            // Bars do not tell where they open.
+            Function::Abs if written.iter().all(|x| !x.text.contains('|')) => {
+                return Text::new(format!("|{}|", join(written)), Binding::Atom);
+            }
+            Function::Powf if written.len() == 2 => {
+                let exponent = written.remove(1).within(Binding::Atom);
+                return Text::new(written.remove(0).within(Binding::Atom) + "^" + &exponent, Binding::Power);
+            }
+            _ => {}
+        }
+        Text::new(format!("{}({})", function.method(), join(written)), Binding::Atom)
+    }
+}
+
+fn join(texts: Vec<Text>) -> String {
+    texts.into_iter().map(|argument| argument.text).collect::<Vec<_>>().join(", ")
+}
+
+fn root(base: Text) -> Text {
+    Text::new(format!("√{}", base.within(Binding::Atom)), Binding::Power)
+}
+
+/// Factors side by side; a dot where a number would run into the factor before it.
+fn juxtapose(mut factors: Vec<Text>) -> Text {
+    if factors.len() == 1 {
+        return factors.remove(0);
+    }
+    let mut text = String::new();
+    for factor in factors {
+        // A quotient inside a product: `(a/b) c`.
+        let factor = factor.within(Binding::Power);
+        if !text.is_empty() {
+            text.push_str(if factor.starts_with(|first: char| first.is_ascii_digit()) { "·" } else { " " });
+        }
+        text.push_str(&factor);
+    }
+    Text::new(text, Binding::Product)
+}
+
+fn number(value: Rational) -> Text {
+    let binding = match value {
+        value if value.is_negative() => Binding::Sum,
+        value if value.is_integer() => Binding::Atom,
+        _ => Binding::Product,
+    };
+    Text::new(value.to_string(), binding)
+}
+
+fn float(value: f64) -> Text {
+    use std::f64::consts;
+    let known = [
+        (consts::PI, "π", Binding::Atom),
+        (consts::TAU, "2 π", Binding::Product),
+        (consts::FRAC_PI_2, "π/2", Binding::Product),
+        (consts::FRAC_PI_3, "π/3", Binding::Product),
+        (consts::FRAC_PI_4, "π/4", Binding::Product),
+        (consts::FRAC_PI_6, "π/6", Binding::Product),
+        (consts::E, "e", Binding::Atom),
+        (consts::LN_2, "ln(2)", Binding::Atom),
+        (consts::LN_10, "ln(10)", Binding::Atom),
+        (consts::SQRT_2, "√2", Binding::Power),
+        (consts::FRAC_1_SQRT_2, "1/√2", Binding::Product),
+    ];
+    match known.into_iter().find(|&(constant, ..)| constant == value) {
+        Some((_, text, binding)) => Text::new(text, binding),
+        None if value < 0.0 => Text::new(format!("{value:?}"), Binding::Sum),
+        None => Text::new(format!("{value:?}"), Binding::Atom),
+    }
+}
+
+fn relation_sign(relation: Relation) -> &'static str {
+    match relation {
+        Relation::Less => "<",
+        Relation::LessEqual => "≤",
+        Relation::Equal => "=",
+    }
+}
+
+fn opposite_sign(relation: Relation) -> &'static str {
+    match relation {
+        Relation::Less => "≥",
+        Relation::LessEqual => ">",
+        Relation::Equal => "≠",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_like_the_paper() {
+        let mut g = Graph::new();
+        let [q, p, a] = ["q", "p", "a"].map(|name| g.new_symbol(name)).map(|symbol| g.symbol(symbol));
+        let (one, two) = (g.integer(1), Rational::integer(2));
+        let (qq, pp) = (g.power(q, two), g.power(p, two));
+        let kinetic = g.scale(pp, Rational::HALF);
+        let cosine = g.apply(Function::Cos, &[q]);
+        let well = g.subtract(one, cosine);
+        let potential = g.multiply(a, well);
+        let pendulum = g.add(kinetic, potential);
+        assert_eq!(g.display(pendulum), "p²/2 + a (1 - cos(q))");
+
+        let squares = g.add(qq, pp);
+        let radius = g.apply(Function::Sqrt, &[squares]);
+        let gravity = g.divide(a, radius);
+        let gravity = g.negate(gravity);
+        assert_eq!(g.display(gravity), "-a/√(q² + p²)");
+        let kubo = g.scale(squares, Rational::HALF);
+        let kubo = g.multiply(a, kubo);
+        assert_eq!(g.display(kubo), "a (q² + p²)/2");
+        let cubed = g.power(squares, Rational::new(-3, 2).unwrap_or(two));
+        assert_eq!(g.display(cubed), "1/(q² + p²)^(3/2)");
+
+        let pi = g.float(std::f64::consts::PI);
+        let two_thirds = g.number(Rational::new(2, 3).unwrap_or(two));
+        let (turn, difference) = (g.product(&[pi, q, two_thirds]), g.subtract(q, p));
+        assert_eq!(g.display(turn), "2 π q/3");
+        let difference = g.negate(difference);
+        let magnitude = g.apply(Function::Abs, &[difference]);
+        assert_eq!(g.display(difference), "p - q");
+        assert_eq!(g.display(magnitude), "|q - p|");
+        let less = g.compare(Relation::Less, q, p);
+        let chosen = g.select(less, q, pp);
+        let fifth = g.power(chosen, Rational::integer(5));
+        assert_eq!(g.display(fifth), "(if q < p then q else p²)^5");
+        let not = g.not(less);
+        assert_eq!(g.display(not), "q ≥ p");
+    }
+
+    #[test]
+    fn elides_what_is_deep() {
+        let mut g = Graph::new();
+        let x = g.new_symbol("x");
+        let mut x = g.symbol(x);
+        for _ in 0..100_000 {
+            x = g.apply(Function::Sin, &[x]);
+        }
+        let text = g.display(x);
+        assert!(text.contains('…') && text.len() < 1000, "{text}");
+    }
+}
