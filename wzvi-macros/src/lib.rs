@@ -2,5 +2,6 @@
 #![allow(dead_code, reason = "the passes above the symbolic core come next")]
 
 mod discretise;
+mod emit;
 mod model;
 mod symbolic;

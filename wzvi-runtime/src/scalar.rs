@@ -7,11 +7,18 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// The truth of a comparison: `bool` for one number, a mask for several at once.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// The same truth in every lane.
+    fn from_bool(truth: bool) -> Self;
     /// Whether every lane is true.
     fn all(self) -> bool;
 }
 
 impl Mask for bool {
+    #[inline(always)]
+    fn from_bool(truth: bool) -> Self {
+        truth
+    }
+    #[inline(always)]
     fn all(self) -> bool {
         self
     }

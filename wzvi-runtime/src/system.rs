@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use crate::error::{ConfigError, StepFailure};
 use crate::plan::Plan;
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar};
 use crate::state::{State, Vector};
 
 /// A partial derivative with respect to the coordinates and one with respect to the momenta.
@@ -117,6 +117,27 @@ pub struct EulerLagrangeResidual<V> {
     pub node: V,
     /// `∂L_d(next)/∂P`
     pub momentum: V,
+}
+
+/// One solved step of a system with `D` degrees of freedom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solution<S, const D: usize> {
+    /// `q_{i+1}`
+    pub q: [S; D],
+    /// `p_{i+1}`
+    pub p: [S; D],
+    /// `P`
+    pub momentum: [S; D],
+    /// Newton iterations, over all blocks.
+    pub iterations: u32,
+}
+
+impl<S: Scalar, const D: usize> Solution<S, D> {
+    /// Whether every component is finite.
+    #[inline(always)]
+    pub fn is_finite(&self) -> bool {
+        self.q.iter().chain(&self.p).all(|x| x.is_finite().all())
+    }
 }
 
 /// How hard a step was.

@@ -1,3 +1,41 @@
 //! From Hamiltonians to discrete Euler-Lagrange equations: mathematics only, no tokens.
+//!
+//! ```text
+//! Hamiltonians --lagrangian--> L_d --equations--> x = φ(x) --structure--> blocks in solving order
+//!            \--facts--> consistency, first integrals, class of the noise
+//! ```
 
+pub(crate) mod describe;
 pub(crate) mod embedding;
+pub(crate) mod equations;
+pub(crate) mod facts;
+pub(crate) mod lagrangian;
+pub(crate) mod structure;
+
+use crate::model::Model;
+use embedding::{Correction, Embedding};
+use equations::Equations;
+use facts::Facts;
+use lagrangian::DiscreteLagrangian;
+use structure::Structure;
+
+/// One scheme of one system, ready to be emitted.
+pub(crate) struct Scheme {
+    pub(crate) embedding: Embedding,
+    pub(crate) lagrangian: DiscreteLagrangian,
+    pub(crate) equations: Equations,
+    pub(crate) structure: Structure,
+    /// Whether the limit is the Stratonovich system.
+    pub(crate) consistent: bool,
+}
+
+/// Discretises `model` by `embedding`: the one road from a Hamiltonian to a step.
+pub(crate) fn discretise(model: &mut Model, facts: &Facts, embedding: &Embedding) -> Scheme {
+    let limit_is_right = facts.is_consistent(embedding.quadrature().1);
+    let corrected = embedding.correction() == Correction::Corrected && !limit_is_right;
+    let lagrangian = DiscreteLagrangian::new(model, embedding.quadrature(), corrected);
+    let equations = Equations::new(&mut model.graph, &lagrangian);
+    let structure = Structure::new(&mut model.graph, &lagrangian, &equations);
+    let embedding = embedding.clone();
+    Scheme { embedding, lagrangian, equations, structure, consistent: limit_is_right || corrected }
+}

@@ -1,6 +1,6 @@
 //! Dense factorisations of the small matrices of one step.
 
-use crate::error::StepFailure;
+use crate::error::{ConfigError, StepFailure};
 use crate::scalar::Scalar;
 
 /// A pivot below this many units of rounding of its row makes the matrix singular to working precision.
@@ -14,6 +14,27 @@ const PIVOT_ULPS: f64 = 4.0 * f64::EPSILON;
 pub fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
     let size = pivot.magnitude();
     if size > PIVOT_ULPS { Ok(pivot.recip()) } else { Err(singular(size, 1.0)) }
+}
+
+/// `rhs / pivot`, for the equation `(1 - c) x = rhs` of one unknown.
+///
+/// # Errors
+/// [`StepFailure::Singular`] where `1 - c` cancels to rounding.
+#[inline(always)]
+pub fn quotient<S: Scalar>(rhs: S, pivot: S) -> Result<S, StepFailure> {
+    let size = pivot.magnitude();
+    if size > PIVOT_ULPS { Ok(rhs / pivot) } else { Err(singular(size, 1.0)) }
+}
+
+/// What cannot be factored once for all steps is a mistake of the configuration, not of a step.
+///
+/// # Errors
+/// The cause, with the step size.
+pub fn prepared<T>(h: f64, outcome: Result<T, StepFailure>) -> Result<T, ConfigError> {
+    outcome.map_err(|cause| match cause {
+        StepFailure::Singular { pivot, scale } => ConfigError::Singular { h, pivot, scale },
+        _ => ConfigError::Parameter,
+    })
 }
 
 #[cold]
@@ -88,11 +109,25 @@ impl<S: Scalar, const N: usize> Factor<S, N> {
         }
         x
     }
+}
 
-    /// The same factors in another number type.
+impl<const N: usize> Factor<f64, N> {
+    /// `A⁻¹ b` for a right-hand side of any number type.
     #[inline(always)]
-    pub fn map<T: Scalar>(&self, convert: impl Fn(S) -> T) -> Factor<T, N> {
-        Factor { lu: self.lu.map(|row| row.map(&convert)), order: self.order }
+    pub fn apply<S: Scalar>(&self, b: [S; N]) -> [S; N] {
+        let mut x = self.order.map(|row| b[row]);
+        for i in 1..N {
+            for j in 0..i {
+                x[i] = x[i] - x[j] * self.lu[i][j];
+            }
+        }
+        for i in (0..N).rev() {
+            for j in i + 1..N {
+                x[i] = x[i] - x[j] * self.lu[i][j];
+            }
+            x[i] = x[i] * self.lu[i][i];
+        }
+        x
     }
 }
 

@@ -1,0 +1,55 @@
+//! The messages about the mathematics: what was derived contradicts what was declared.
+
+use proc_macro2::Span;
+use syn::Error;
+
+use crate::discretise::embedding::Embedding;
+use crate::discretise::facts::Knowledge;
+use crate::model::Located;
+use crate::symbolic::Graph;
+use crate::symbolic::zero::Witness;
+
+/// A bare scheme whose limit is not the Stratonovich system.
+pub(crate) fn inconsistent(embedding: &Located<Embedding>, defect: &str, constant: &Knowledge) -> Error {
+    let scheme = &embedding.value;
+    let finding = match constant {
+        Knowledge::Unknown => format!("whose defect D = {defect} could not be shown to be constant"),
+        _ => format!("with drift Hamiltonian H0 - D, where D = {defect}"),
+    };
+    Error::new(
+        embedding.span,
+        format!(
+            "`{scheme}` does not converge to this Stratonovich system as h -> 0, but to the one {finding}; \
+             write `Corrected<{scheme}>` to add the counter-term, or `Uncorrected<{scheme}>` to keep the scheme as it is \
+             (`Midpoint` is consistent with every noise)"
+        ),
+    )
+}
+
+/// A declared first integral that changes along the flow of term `term`, or may.
+pub(crate) fn no_invariant(span: Span, term: usize, rate: &str, knowledge: &Knowledge, graph: &Graph) -> Error {
+    let along = match term {
+        0 => "the drift: {H0, F} + ∂F/∂t".to_owned(),
+        k => format!("noise {k}: {{H{k}, F}}"),
+    };
+    let message = match knowledge {
+        Knowledge::Refuted(witness) => {
+            format!("this is not a first integral of {along} = {rate}{}", at_witness(witness, graph))
+        }
+        _ => format!(
+            "this could not be proven to be a first integral of {along} = {rate} vanishes wherever it was evaluated, but \
+             by no identity that the compiler knows; leave it out, or write both sides in the same functions"
+        ),
+    };
+    Error::new(span, message)
+}
+
+fn at_witness(witness: &Witness, graph: &Graph) -> String {
+    let point: Vec<String> =
+        witness.point.iter().map(|&(symbol, value)| format!("{} = {value}", graph.symbol_name(symbol))).collect();
+    let value = witness.value;
+    match point.is_empty() {
+        true => format!(", which is {value}"),
+        false => format!(", which is {value} at {}", point.join(", ")),
+    }
+}

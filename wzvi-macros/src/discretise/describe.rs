@@ -1,0 +1,142 @@
+//! The derivation as text: what `EQUATIONS` and the rustdoc of the struct say.
+
+use std::fmt::Write;
+
+use crate::discretise::Scheme;
+use crate::discretise::equations::MomentumUpdate;
+use crate::discretise::facts::{Facts, Knowledge};
+use crate::discretise::lagrangian::StepSymbols;
+use crate::discretise::structure::{Block, Solution, Unknown};
+use crate::model::Model;
+use crate::symbolic::{Expr, Graph, Rational, Symbol};
+
+/// The text of one scheme.
+pub(crate) fn describe(model: &mut Model, facts: &Facts, scheme: &Scheme) -> String {
+    let mut text = format!("{}\n", scheme.embedding);
+    hamiltonians(model, &mut text);
+    lagrangian(&mut model.graph, scheme, &mut text);
+    equations(&mut model.graph, scheme, &mut text);
+    step(&model.graph, scheme, &mut text);
+    properties(model, facts, scheme, &mut text);
+    text
+}
+
+/// Writing to a `String` cannot fail.
+fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
+    let _ = text.write_fmt(content);
+    text.push('\n');
+}
+
+fn hamiltonians(model: &Model, text: &mut String) {
+    line(text, format_args!("\nHamiltonians"));
+    for (k, term) in [model.drift].iter().chain(&model.noise).enumerate() {
+        line(text, format_args!("  H{k} = {}", model.graph.display(term.value)));
+    }
+}
+
+fn lagrangian(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
+    let symbols = &scheme.lagrangian.symbols;
+    line(text, format_args!("\nDiscrete Lagrangian of the step from t_i to t_i + h"));
+    line(text, format_args!("  L_d = {}", graph.display(scheme.lagrangian.value)));
+    for (q0, u) in symbols.q0.iter().zip(&symbols.u) {
+        let (node, increment) = (graph.symbol_name(*q0).to_owned(), graph.symbol_name(*u).to_owned());
+        let end = node.strip_suffix("_i").map_or_else(|| node.clone(), |name| format!("{name}_{{i+1}}"));
+        line(text, format_args!("  {increment} = {end} - {node}"));
+    }
+    for stage in symbols.stages.iter().filter(|stage| !stage.l.is_zero()) {
+        for (i, &point) in stage.q.iter().enumerate() {
+            let value = shifted(graph, symbols.q0[i], symbols.u[i], stage.l);
+            line(text, format_args!("  {} = {}", graph.symbol_name(point), graph.display(value)));
+        }
+    }
+}
+
+fn shifted(graph: &mut Graph, base: Symbol, by: Symbol, l: Rational) -> Expr {
+    let (base, by) = (graph.symbol(base), graph.symbol(by));
+    graph.linear_combination(&[(base, Rational::ONE), (by, l)])
+}
+
+fn equations(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
+    let symbols = &scheme.lagrangian.symbols;
+    line(text, format_args!("\nDiscrete Euler-Lagrange equations"));
+    for i in 0..symbols.u.len() {
+        let names = [symbols.momentum[i], symbols.u[i], symbols.p0[i], symbols.v[i]].map(|s| graph.symbol_name(s));
+        let [momentum, u, p0, v] = names.map(str::to_owned);
+        let equations = &scheme.equations;
+        line(text, format_args!("  ∂L_d/∂{momentum} = 0:  {u} = {}", graph.display(equations.phi_u[i])));
+        line(text, format_args!("  {p0} = -D1 L_d:  {momentum} = {p0} + {v},  {v} = {}", graph.display(equations.phi_v[i])));
+        let v = graph.symbol(symbols.v[i]);
+        let change = match equations.update[i] {
+            MomentumUpdate::Multiple(factor) => graph.scale(v, factor),
+            MomentumUpdate::Sum(rest) => graph.add(v, rest),
+        };
+        let end = p0.strip_suffix("_i").map_or_else(|| p0.clone(), |name| format!("{name}_{{i+1}}"));
+        line(text, format_args!("  {end} = D2 L_d:  {end} - {p0} = {}", graph.display(change)));
+    }
+}
+
+fn step(graph: &Graph, scheme: &Scheme, text: &mut String) {
+    let symbols = &scheme.lagrangian.symbols;
+    line(text, format_args!("\nStep"));
+    for block in &scheme.structure.blocks {
+        let Block { iterates, assigned, solution } = block;
+        let method = match solution {
+            Solution::Assigned => format!("assign {}", names(graph, symbols, assigned)),
+            Solution::Linear { .. } => format!("solve for {}: linear", names(graph, symbols, iterates)),
+            Solution::Newton { symmetric: true, .. } => {
+                format!("solve for {}: Newton, symmetric Jacobian", names(graph, symbols, iterates))
+            }
+            Solution::Newton { .. } => format!("solve for {}: Newton", names(graph, symbols, iterates)),
+        };
+        let also = match solution {
+            Solution::Linear { .. } | Solution::Newton { .. } if !assigned.is_empty() => {
+                format!(" (then {})", names(graph, symbols, assigned))
+            }
+            _ => String::new(),
+        };
+        line(text, format_args!("  {method}{also}"));
+    }
+}
+
+fn names(graph: &Graph, symbols: &StepSymbols, unknowns: &[Unknown]) -> String {
+    let names: Vec<&str> = unknowns.iter().map(|&x| graph.symbol_name(symbols.unknown(x))).collect();
+    names.join(", ")
+}
+
+fn properties(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &mut String) {
+    line(text, format_args!("\nFacts"));
+    let (drift_l, noise_l) = scheme.embedding.quadrature();
+    let graph = &mut model.graph;
+    if !model.noise.is_empty() {
+        let defect = facts.defect(graph, noise_l);
+        let verdict = if scheme.consistent {
+            "converges to the Stratonovich system"
+        } else {
+            "converges to another system, with drift Hamiltonian H0 - D"
+        };
+        line(text, format_args!("  {verdict}; D = {}", graph.display(defect)));
+        for (k, &rate) in facts.energy_rates.iter().enumerate() {
+            line(text, format_args!("  {{H{}, H0}} = {}", k + 1, graph.display(rate)));
+        }
+        let commuting = knowledge(&facts.commuting, "commute up to a constant", "do not commute");
+        if model.noise.len() > 1 {
+            line(text, format_args!("  the noises {commuting}"));
+        }
+    }
+    let energy = knowledge(&facts.conserves_energy, "is a first integral", "is not a first integral");
+    line(text, format_args!("  H0 {energy}"));
+    for invariant in &facts.invariants {
+        let is_kept = invariant.quadratic && drift_l == Rational::HALF && noise_l == Rational::HALF
+            || invariant.bilinear && (drift_l == noise_l || model.noise.is_empty());
+        let keeps = if is_kept { "kept by the step to rounding" } else { "kept by the step up to its order" };
+        line(text, format_args!("  first integral {}: {keeps}", graph.display(invariant.declared.value)));
+    }
+}
+
+fn knowledge(known: &Knowledge, proven: &str, refuted: &str) -> String {
+    match known {
+        Knowledge::Proven => proven.to_owned(),
+        Knowledge::Refuted(_) => refuted.to_owned(),
+        Knowledge::Unknown => format!("could not be shown to be otherwise: {proven}?"),
+    }
+}

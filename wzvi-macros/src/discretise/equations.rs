@@ -1,0 +1,61 @@
+//! The discrete Euler-Lagrange equations of one step as a fixed point `x = φ(x)` of the unknown increments
+//! `u = q_{i+1} - q_i` and `v = P - p_i`:
+//!
+//! ```text
+//! ∂L_d/∂P = 0        :  u = φ_u = u - ∂L_d/∂P
+//! p_i = -D_1 L_d     :  v = φ_v = P + D_1 L_d
+//! p_{i+1} = D_2 L_d  :  p_{i+1} - p_i = v + (D_2 L_d - P)
+//! ```
+
+use crate::discretise::lagrangian::DiscreteLagrangian;
+use crate::symbolic::{Expr, Graph, Rational};
+
+/// How `p_{i+1} - p_i` follows from the solved unknowns.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) enum MomentumUpdate {
+    /// `factor · v`: where `D_2 L_d - P` is a multiple of `φ_v`, the forces need not be evaluated again.
+    Multiple(Rational),
+    /// `v + (D_2 L_d - P)`; the expression is the bracket.
+    Sum(Expr),
+}
+
+/// `φ` and the momentum update, per degree of freedom.
+pub(crate) struct Equations {
+    pub(crate) phi_u: Vec<Expr>,
+    pub(crate) phi_v: Vec<Expr>,
+    pub(crate) update: Vec<MomentumUpdate>,
+}
+
+impl Equations {
+    pub(crate) fn new(graph: &mut Graph, lagrangian: &DiscreteLagrangian) -> Self {
+        let symbols = &lagrangian.symbols;
+        let mut equations = Self { phi_u: Vec::new(), phi_v: Vec::new(), update: Vec::new() };
+        for i in 0..symbols.u.len() {
+            let (u, momentum) = (graph.symbol(symbols.u[i]), graph.symbol(symbols.momentum[i]));
+            let phi_u = graph.subtract(u, lagrangian.by_momentum[i]);
+            let phi_v = graph.add(momentum, lagrangian.by_start[i]);
+            let rest = graph.subtract(lagrangian.by_end[i], momentum);
+            equations.update.push(momentum_update(graph, lagrangian, phi_v, rest));
+            equations.phi_u.push(phi_u);
+            equations.phi_v.push(phi_v);
+        }
+        equations
+    }
+}
+
+/// With one quadrature point `l < 1`, `φ_v = -(1-l) F_q` and `D_2 L_d - P = -l F_q`, so the update is `v / (1-l)`.
+/// With several, the same may still hold for one degree of freedom: every `l` is tried on the expressions themselves.
+fn momentum_update(graph: &mut Graph, lagrangian: &DiscreteLagrangian, phi_v: Expr, rest: Expr) -> MomentumUpdate {
+    if graph.is_zero(rest) {
+        return MomentumUpdate::Multiple(Rational::ONE);
+    }
+    for stage in &lagrangian.symbols.stages {
+        let Some(inverse) = stage.complement().recip() else { continue };
+        let ratio = stage.l.multiply(inverse).unwrap_or(Rational::ZERO);
+        let difference = graph.linear_combination(&[(rest, Rational::ONE), (phi_v, ratio.negate())]);
+        if graph.is_zero(difference) {
+            return MomentumUpdate::Multiple(inverse);
+        }
+    }
+    MomentumUpdate::Sum(rest)
+}

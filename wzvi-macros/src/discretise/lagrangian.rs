@@ -1,0 +1,202 @@
+//! The discrete Lagrangian, the single source of every generated step (MATH section 2):
+//!
+//! ```text
+//! L_d = P · u - F,   F = Σ_m c_m H_m(P, Q_l, T_l),   c_0 = h,  c_k = ΔW_k,
+//! u = q_{i+1} - q_i,   Q_l = q_i + l u,   T_l = t_i + l h,   l = l_m
+//! ```
+//!
+//! `Corrected` adds to `F` the increment form of the counter-term,
+//! `Σ_jk (1/2 - l) ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p`, at the quadrature point of the noise.
+
+use std::collections::HashMap;
+
+use crate::model::{Model, Phase};
+use crate::symbolic::{Expr, Graph, Rational, Symbol};
+
+/// One quadrature point `l` with the symbols of `Q_l` and `T_l`.
+pub(crate) struct Stage {
+    pub(crate) l: Rational,
+    pub(crate) q: Vec<Symbol>,
+    pub(crate) t: Symbol,
+}
+
+/// The symbols of one step.
+pub(crate) struct StepSymbols {
+    /// `q_i` and `p_i`, the node that the step starts from.
+    pub(crate) q0: Vec<Symbol>,
+    pub(crate) p0: Vec<Symbol>,
+    /// `u = q_{i+1} - q_i`, unknown.
+    pub(crate) u: Vec<Symbol>,
+    /// `v = P - p_i`, unknown.
+    pub(crate) v: Vec<Symbol>,
+    /// `P`, the momentum of the step.
+    pub(crate) momentum: Vec<Symbol>,
+    pub(crate) t: Symbol,
+    pub(crate) h: Symbol,
+    pub(crate) dw: Vec<Symbol>,
+    /// The distinct quadrature points.
+    pub(crate) stages: Vec<Stage>,
+}
+
+/// `L_d` and its partial derivatives, in the symbols `u`, `P`, `Q_l`, `T_l`, `h`, `ΔW` and the parameters.
+pub(crate) struct DiscreteLagrangian {
+    pub(crate) symbols: StepSymbols,
+    pub(crate) value: Expr,
+    /// `F`
+    pub(crate) step_hamiltonian: Expr,
+    /// `∂L_d/∂P`
+    pub(crate) by_momentum: Vec<Expr>,
+    /// `D_1 L_d = ∂L_d/∂q_i`
+    pub(crate) by_start: Vec<Expr>,
+    /// `D_2 L_d = ∂L_d/∂q_{i+1}`
+    pub(crate) by_end: Vec<Expr>,
+}
+
+impl DiscreteLagrangian {
+    /// `quadrature` holds `l` of the drift and of the noise.
+    pub(crate) fn new(model: &mut Model, quadrature: (Rational, Rational), corrected: bool) -> Self {
+        let symbols = StepSymbols::new(&mut model.graph, &model.phase, model.noise.len(), quadrature);
+        let step_hamiltonian = step_hamiltonian(model, &symbols, quadrature, corrected);
+        let graph = &mut model.graph;
+        let mut terms = vec![(step_hamiltonian, Rational::MINUS_ONE)];
+        for (&momentum, &u) in symbols.momentum.iter().zip(&symbols.u) {
+            let (momentum, u) = (graph.symbol(momentum), graph.symbol(u));
+            terms.push((graph.multiply(momentum, u), Rational::ONE));
+        }
+        let value = graph.linear_combination(&terms);
+        let by_momentum = symbols.momentum.iter().map(|&p| graph.derivative(value, p)).collect();
+        let by_start = (0..symbols.u.len()).map(|i| symbols.by_node(graph, value, i, Node::Start)).collect();
+        let by_end = (0..symbols.u.len()).map(|i| symbols.by_node(graph, value, i, Node::End)).collect();
+        Self { symbols, value, step_hamiltonian, by_momentum, by_start, by_end }
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Node {
+    Start,
+    End,
+}
+
+impl StepSymbols {
+    /// Names are those of the paper: nodes `q_i`, increments `Δq`, quadrature points `q_{i+1/2}`, the momentum `P`.
+    fn new(graph: &mut Graph, phase: &Phase, noises: usize, quadrature: (Rational, Rational)) -> Self {
+        let copies = |graph: &mut Graph, of: &[Symbol], name: &dyn Fn(&str) -> String| -> Vec<Symbol> {
+            let names: Vec<String> = of.iter().map(|&symbol| name(graph.symbol_name(symbol))).collect();
+            names.into_iter().map(|name| graph.new_symbol(name)).collect()
+        };
+        let is_single = phase.q.len() == 1;
+        let q0 = copies(graph, &phase.q, &|name| format!("{name}_i"));
+        let p0 = copies(graph, &phase.p, &|name| format!("{name}_i"));
+        let u = copies(graph, &phase.q, &|name| format!("Δ{name}"));
+        let v = copies(graph, &phase.p, &|name| format!("δ{name}"));
+        let momentum =
+            copies(graph, &phase.p, &|name| if is_single { "P".to_owned() } else { format!("P_{{{name}}}") });
+        let mut points = vec![quadrature.0];
+        if noises > 0 && quadrature.1 != quadrature.0 {
+            points.push(quadrature.1);
+        }
+        let stages = points
+            .into_iter()
+            .map(|l| Stage {
+                l,
+                q: copies(graph, &phase.q, &|name| format!("{name}_{}", node_index(l))),
+                t: graph.new_symbol(format!("t_{}", node_index(l))),
+            })
+            .collect();
+        let h = graph.new_symbol("h");
+        let t = graph.new_symbol("t_i");
+        let increment = |k: usize| if noises == 1 { "ΔW".to_owned() } else { format!("ΔW{k}") };
+        let dw = (1..=noises).map(|k| graph.new_symbol(increment(k))).collect();
+        Self { q0, p0, u, v, momentum, t, h, dw, stages }
+    }
+
+    /// `∂/∂q_i = -∂/∂u + Σ_l (1 - l) ∂/∂Q_l` and `∂/∂q_{i+1} = ∂/∂u + Σ_l l ∂/∂Q_l`.
+    fn by_node(&self, graph: &mut Graph, value: Expr, i: usize, node: Node) -> Expr {
+        let of_increment = graph.derivative(value, self.u[i]);
+        let mut terms = match node {
+            Node::Start => vec![(of_increment, Rational::MINUS_ONE)],
+            Node::End => vec![(of_increment, Rational::ONE)],
+        };
+        for stage in &self.stages {
+            let weight = match node {
+                Node::Start => stage.complement(),
+                Node::End => stage.l,
+            };
+            terms.push((graph.derivative(value, stage.q[i]), weight));
+        }
+        graph.linear_combination(&terms)
+    }
+}
+
+/// `i`, `{i+1}`, `{i+1/2}`
+fn node_index(l: Rational) -> String {
+    if l.is_zero() { "i".to_owned() } else { format!("{{i+{l}}}") }
+}
+
+impl Stage {
+    /// `1 - l`; exact, because `l` is a fraction of small integers.
+    pub(crate) fn complement(&self) -> Rational {
+        Rational::ONE.add(self.l.negate()).unwrap_or(Rational::ZERO)
+    }
+
+    /// Phase-space symbols to the symbols of this stage.
+    fn placement(&self, graph: &mut Graph, phase: &Phase, momentum: &[Symbol]) -> HashMap<Symbol, Expr> {
+        let from = phase.q.iter().chain(&phase.p).chain([&phase.t]);
+        let to = self.q.iter().chain(momentum).chain([&self.t]);
+        from.zip(to).map(|(&from, &to)| (from, graph.symbol(to))).collect()
+    }
+}
+
+/// `F = h H_0(P, Q_{l_0}, T_{l_0}) + Σ_k ΔW_k H_k(P, Q_{l_k}, T_{l_k})`, with the counter-term if `corrected`.
+fn step_hamiltonian(
+    model: &mut Model,
+    symbols: &StepSymbols,
+    quadrature: (Rational, Rational),
+    corrected: bool,
+) -> Expr {
+    let noise_l = quadrature.1;
+    let graph = &mut model.graph;
+    let drift_stage = &symbols.stages[0];
+    let noise_stage = symbols.stages.iter().find(|stage| stage.l == noise_l).unwrap_or(drift_stage);
+
+    let placement = drift_stage.placement(graph, &model.phase, &symbols.momentum);
+    let drift = graph.substitute(&[model.drift.value], &placement)[0];
+    let placement = noise_stage.placement(graph, &model.phase, &symbols.momentum);
+    let noise: Vec<Expr> = model.noise.iter().map(|noise| noise.value).collect();
+    let noise = graph.substitute(&noise, &placement);
+
+    let h = graph.symbol(symbols.h);
+    let mut terms = vec![graph.multiply(h, drift)];
+    for (&hamiltonian, &dw) in noise.iter().zip(&symbols.dw) {
+        let dw = graph.symbol(dw);
+        terms.push(graph.multiply(dw, hamiltonian));
+    }
+    if corrected {
+        terms.push(counter_term(graph, symbols, noise_stage, &noise));
+    }
+    graph.sum(&terms)
+}
+
+/// `(1/2 - l) (Σ_j ΔW_j ∂H_j/∂q) · (Σ_k ΔW_k ∂H_k/∂p)`, which is symmetric in the noises by itself.
+fn counter_term(graph: &mut Graph, symbols: &StepSymbols, stage: &Stage, noise: &[Expr]) -> Expr {
+    let mut terms = Vec::new();
+    for (&q, &p) in stage.q.iter().zip(&symbols.momentum) {
+        let mut weighted_slope = |symbol: Symbol| {
+            let slopes: Vec<Expr> = noise
+                .iter()
+                .zip(&symbols.dw)
+                .map(|(&hamiltonian, &dw)| {
+                    let slope = graph.derivative(hamiltonian, symbol);
+                    let dw = graph.symbol(dw);
+                    graph.multiply(dw, slope)
+                })
+                .collect();
+            graph.sum(&slopes)
+        };
+        let (force, velocity) = (weighted_slope(q), weighted_slope(p));
+        terms.push(graph.multiply(force, velocity));
+    }
+    let half_minus_l = Rational::HALF.add(stage.l.negate()).unwrap_or(Rational::ZERO);
+    let sum = graph.sum(&terms);
+    graph.scale(sum, half_minus_l)
+}

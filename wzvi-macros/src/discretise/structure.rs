@@ -1,0 +1,259 @@
+//! The order in which the unknowns of a step are solved, and how each block is (MATH section 4).
+//!
+//! `u_i` and `v_i` are the vertices of a graph with an edge from each unknown to those its `φ` reads. Strongly
+//! connected components in topological order are the blocks. Within a block a smallest set of unknowns that breaks
+//! every cycle is iterated on; the others are assigned from those. For `T(p) + V(q)` that leaves `d` of `2d`.
+
+use std::collections::HashMap;
+
+use crate::discretise::equations::Equations;
+use crate::discretise::lagrangian::{DiscreteLagrangian, StepSymbols};
+use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
+
+mod blocks;
+
+pub(crate) use blocks::Dependencies;
+
+/// One unknown increment.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+pub(crate) enum Unknown {
+    /// `u_i = q_{i+1} - q_i`, component `i`.
+    Coordinate(usize),
+    /// `v_i = P - p_i`, component `i`.
+    Momentum(usize),
+}
+
+/// How a block is solved for its iterates `x`.
+pub(crate) enum Solution {
+    /// Nothing to solve: every unknown is assigned.
+    Assigned,
+    /// `matrix · x = rhs`
+    Linear { matrix: Vec<Vec<Expr>>, rhs: Vec<Expr> },
+    /// `residual(x) = 0` with `jacobian = ∂residual/∂x`.
+    Newton { residual: Vec<Expr>, jacobian: Vec<Vec<Expr>>, symmetric: bool },
+}
+
+/// Unknowns that are solved together.
+pub(crate) struct Block {
+    /// What is solved for.
+    pub(crate) iterates: Vec<Unknown>,
+    /// What follows from the iterates, in order.
+    pub(crate) assigned: Vec<Unknown>,
+    pub(crate) solution: Solution,
+}
+
+/// The blocks in solving order, and what every symbol of the step stands for.
+pub(crate) struct Structure {
+    pub(crate) blocks: Vec<Block>,
+    /// `P`, `Q_l`, `T_l` and the assigned unknowns in terms of symbols that come before them.
+    pub(crate) definitions: HashMap<Symbol, Expr>,
+}
+
+impl Structure {
+    pub(crate) fn new(graph: &mut Graph, lagrangian: &DiscreteLagrangian, equations: &Equations) -> Self {
+        let symbols = &lagrangian.symbols;
+        let dependencies = Dependencies::new(graph, symbols, equations);
+        let mut definitions = HashMap::new();
+        let mut blocks = Vec::new();
+        for component in dependencies.components() {
+            let (iterates, assigned) = dependencies.split(&component);
+            for &unknown in &assigned {
+                definitions.insert(symbols.unknown(unknown), equations.phi(unknown));
+            }
+            let mut solver = BlockSolver { graph, symbols, equations, slopes: HashMap::new() };
+            let solution = solver.solve(&iterates, &assigned);
+            blocks.push(Block { iterates, assigned, solution });
+        }
+        define_points(graph, symbols, &mut definitions);
+        Self { blocks, definitions }
+    }
+
+    /// Size of the largest system that is solved.
+    pub(crate) fn unknowns(&self) -> usize {
+        self.blocks.iter().map(|block| block.iterates.len()).max().unwrap_or(0)
+    }
+}
+
+impl Equations {
+    pub(crate) fn phi(&self, unknown: Unknown) -> Expr {
+        match unknown {
+            Unknown::Coordinate(i) => self.phi_u[i],
+            Unknown::Momentum(i) => self.phi_v[i],
+        }
+    }
+}
+
+impl StepSymbols {
+    pub(crate) fn unknown(&self, unknown: Unknown) -> Symbol {
+        match unknown {
+            Unknown::Coordinate(i) => self.u[i],
+            Unknown::Momentum(i) => self.v[i],
+        }
+    }
+
+    /// `P` and every `Q_l`: states shifted by increments.
+    pub(crate) fn points(&self) -> Vec<Symbol> {
+        self.stages.iter().flat_map(|stage| &stage.q).chain(&self.momentum).copied().collect()
+    }
+
+    /// The component of the state that `unknown` is an increment of.
+    pub(crate) fn base(&self, unknown: Unknown) -> Symbol {
+        match unknown {
+            Unknown::Coordinate(i) => self.q0[i],
+            Unknown::Momentum(i) => self.p0[i],
+        }
+    }
+
+    /// The symbols through which an equation reads `unknown`, with `∂symbol/∂unknown`.
+    pub(crate) fn views(&self, unknown: Unknown) -> Vec<(Symbol, Rational)> {
+        match unknown {
+            Unknown::Coordinate(i) => {
+                self.stages.iter().filter(|stage| !stage.l.is_zero()).map(|stage| (stage.q[i], stage.l)).collect()
+            }
+            Unknown::Momentum(i) => vec![(self.momentum[i], Rational::ONE)],
+        }
+    }
+}
+
+/// `P = p_i + v`, `Q_l = q_i + l u`, `T_l = t + l h`.
+fn define_points(graph: &mut Graph, symbols: &StepSymbols, definitions: &mut HashMap<Symbol, Expr>) {
+    let shifted = |graph: &mut Graph, base: Symbol, by: Expr, l: Rational| {
+        let base = graph.symbol(base);
+        graph.linear_combination(&[(base, Rational::ONE), (by, l)])
+    };
+    for i in 0..symbols.u.len() {
+        let v = graph.symbol(symbols.v[i]);
+        let momentum = shifted(graph, symbols.p0[i], v, Rational::ONE);
+        definitions.insert(symbols.momentum[i], momentum);
+        let u = increment(graph, symbols.u[i], definitions);
+        for stage in &symbols.stages {
+            let point = shifted(graph, symbols.q0[i], u, stage.l);
+            definitions.insert(stage.q[i], point);
+        }
+    }
+    let h = graph.symbol(symbols.h);
+    for stage in &symbols.stages {
+        let time = shifted(graph, symbols.t, h, stage.l);
+        definitions.insert(stage.t, time);
+    }
+}
+
+/// The expression to scale and add to a state: the definition of an assigned increment where that is one product (the
+/// factor then merges with it), else its symbol, so that the terms of an increment are summed before the state is added.
+pub(crate) fn increment(graph: &mut Graph, symbol: Symbol, definitions: &HashMap<Symbol, Expr>) -> Expr {
+    match definitions.get(&symbol) {
+        Some(&definition) if !is_long_sum(graph, definition) => definition,
+        _ => graph.symbol(symbol),
+    }
+}
+
+impl Graph {
+    /// Whether `expr` contains no symbols but `symbols`.
+    pub(crate) fn reads_only(&self, expr: Expr, symbols: &[Symbol]) -> bool {
+        self.reachable(&[expr]).iter().all(|&e| self.as_symbol(e).is_none_or(|s| symbols.contains(&s)))
+    }
+}
+
+fn is_long_sum(graph: &Graph, expr: Expr) -> bool {
+    match graph.node(expr) {
+        Node::Sum { terms, constant } => terms.len() > 1 || !constant.is_zero(),
+        _ => false,
+    }
+}
+
+struct BlockSolver<'a> {
+    graph: &'a mut Graph,
+    symbols: &'a StepSymbols,
+    equations: &'a Equations,
+    /// `∂expr/∂symbol`, each computed once.
+    slopes: HashMap<(Expr, Symbol), Expr>,
+}
+
+impl BlockSolver<'_> {
+    fn solve(&mut self, iterates: &[Unknown], assigned: &[Unknown]) -> Solution {
+        if iterates.is_empty() {
+            return Solution::Assigned;
+        }
+        let jacobian: Vec<Vec<Expr>> = {
+            let columns: Vec<Vec<Expr>> = iterates.iter().map(|&x| self.column(iterates, assigned, x)).collect();
+            (0..iterates.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect()
+        };
+        let members: Vec<Symbol> =
+            iterates.iter().chain(assigned).flat_map(|&x| self.symbols.views(x)).map(|(view, _)| view).collect();
+        let is_linear = jacobian.iter().flatten().all(|&entry| !self.graph.depends_on(entry, &members));
+        if is_linear {
+            let rhs = self.at_zero(iterates, assigned);
+            return Solution::Linear { matrix: jacobian, rhs };
+        }
+        let residual = iterates
+            .iter()
+            .map(|&x| {
+                let unknown = self.graph.symbol(self.symbols.unknown(x));
+                self.graph.subtract(unknown, self.equations.phi(x))
+            })
+            .collect();
+        let n = iterates.len();
+        let symmetric = n > 1 && (0..n).all(|i| (0..i).all(|j| jacobian[i][j] == jacobian[j][i]));
+        Solution::Newton { residual, jacobian, symmetric }
+    }
+
+    /// `∂(x_a - φ_a)/∂x` for every iterate `x_a`, through the assigned unknowns.
+    fn column(&mut self, iterates: &[Unknown], assigned: &[Unknown], x: Unknown) -> Vec<Expr> {
+        let one = self.graph.integer(1);
+        let mut speeds = vec![(x, one)];
+        for &unknown in assigned {
+            let speed = self.total_slope(self.equations.phi(unknown), &speeds);
+            speeds.push((unknown, speed));
+        }
+        iterates
+            .iter()
+            .map(|&row| {
+                let slope = self.total_slope(self.equations.phi(row), &speeds);
+                let identity = if row == x { one } else { self.graph.integer(0) };
+                self.graph.subtract(identity, slope)
+            })
+            .collect()
+    }
+
+    /// `Σ_m ∂expr/∂x_m · speed_m`
+    fn total_slope(&mut self, expr: Expr, speeds: &[(Unknown, Expr)]) -> Expr {
+        let mut terms = Vec::new();
+        for &(unknown, speed) in speeds {
+            for (view, weight) in self.symbols.views(unknown) {
+                let slope = match self.slopes.get(&(expr, view)) {
+                    Some(&known) => known,
+                    None => {
+                        let slope = self.graph.derivative(expr, view);
+                        self.slopes.insert((expr, view), slope);
+                        slope
+                    }
+                };
+                terms.push((self.graph.multiply(slope, speed), weight));
+            }
+        }
+        self.graph.linear_combination(&terms)
+    }
+
+    /// `φ` of the iterates where every iterate is zero.
+    fn at_zero(&mut self, iterates: &[Unknown], assigned: &[Unknown]) -> Vec<Expr> {
+        let mut values: HashMap<Symbol, Expr> = HashMap::new();
+        let zero = self.graph.integer(0);
+        for &unknown in iterates {
+            self.place(unknown, zero, &mut values);
+        }
+        for &unknown in assigned {
+            let value = self.graph.substitute(&[self.equations.phi(unknown)], &values)[0];
+            self.place(unknown, value, &mut values);
+        }
+        let phi: Vec<Expr> = iterates.iter().map(|&x| self.equations.phi(x)).collect();
+        self.graph.substitute(&phi, &values)
+    }
+
+    fn place(&mut self, unknown: Unknown, value: Expr, values: &mut HashMap<Symbol, Expr>) {
+        let base = self.graph.symbol(self.symbols.base(unknown));
+        for (view, weight) in self.symbols.views(unknown) {
+            let point = self.graph.linear_combination(&[(base, Rational::ONE), (value, weight)]);
+            values.insert(view, point);
+        }
+    }
+}

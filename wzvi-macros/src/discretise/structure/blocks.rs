@@ -1,0 +1,164 @@
+//! The dependency graph of the unknowns: components and feedback vertices.
+
+use crate::discretise::equations::Equations;
+use crate::discretise::lagrangian::StepSymbols;
+use crate::discretise::structure::Unknown;
+use crate::symbolic::{Expr, Graph, Node};
+
+/// Up to this many candidates every subset is tried; beyond, a few natural ones.
+const EXHAUSTIVE: usize = 12;
+
+/// Which unknown reads which.
+pub(crate) struct Dependencies {
+    degrees: usize,
+    /// `reads[a]` lists the vertices that `φ_a` depends on.
+    reads: Vec<Vec<usize>>,
+    /// Rough price of evaluating `φ_a`.
+    cost: Vec<u32>,
+}
+
+impl Dependencies {
+    pub(crate) fn new(graph: &Graph, symbols: &StepSymbols, equations: &Equations) -> Self {
+        let degrees = symbols.u.len();
+        let mut reads = Vec::new();
+        let mut cost = Vec::new();
+        for a in 0..2 * degrees {
+            let phi = equations.phi(unknown(a, degrees));
+            let present: Vec<_> = graph.reachable(&[phi]).iter().filter_map(|&e| graph.as_symbol(e)).collect();
+            let is_read = |b: &usize| {
+                symbols.views(unknown(*b, degrees)).iter().any(|(view, _)| present.contains(view))
+            };
+            reads.push((0..2 * degrees).filter(is_read).collect());
+            cost.push(price(graph, phi));
+        }
+        Self { degrees, reads, cost }
+    }
+
+    /// Strongly connected components, each after those that it reads.
+    pub(crate) fn components(&self) -> Vec<Vec<usize>> {
+        let mut search = Tarjan {
+            reads: &self.reads,
+            index: vec![None; self.reads.len()],
+            low: vec![0; self.reads.len()],
+            on_stack: vec![false; self.reads.len()],
+            stack: Vec::new(),
+            next: 0,
+            components: Vec::new(),
+        };
+        for vertex in 0..self.reads.len() {
+            if search.index[vertex].is_none() {
+                search.visit(vertex);
+            }
+        }
+        search.components
+    }
+
+    /// Splits a component into the unknowns to iterate on and those assigned from them, in order.
+    pub(crate) fn split(&self, component: &[usize]) -> (Vec<Unknown>, Vec<Unknown>) {
+        let (forced, free): (Vec<usize>, Vec<usize>) =
+            component.iter().partition(|&&vertex| self.reads[vertex].contains(&vertex));
+        let feedback = self.smallest_feedback(component, &forced, &free);
+        let assigned = self.order_without(component, &feedback).unwrap_or_default();
+        let named = |vertices: Vec<usize>| vertices.into_iter().map(|a| unknown(a, self.degrees)).collect();
+        (named(feedback), named(assigned))
+    }
+
+    fn smallest_feedback(&self, component: &[usize], forced: &[usize], free: &[usize]) -> Vec<usize> {
+        let mut best: Option<(usize, u32, Vec<usize>)> = None;
+        for candidate in candidates(free, self.degrees) {
+            let mut feedback: Vec<usize> = forced.iter().chain(&candidate).copied().collect();
+            feedback.sort_unstable();
+            let assigned_cost =
+                component.iter().filter(|vertex| !feedback.contains(vertex)).map(|&vertex| self.cost[vertex]).sum();
+            let key = (feedback.len(), assigned_cost);
+            if best.as_ref().is_some_and(|(size, cost, _)| (*size, *cost) <= key) {
+                continue;
+            }
+            if self.order_without(component, &feedback).is_some() {
+                best = Some((key.0, key.1, feedback));
+            }
+        }
+        best.map_or_else(|| component.to_vec(), |(_, _, feedback)| feedback)
+    }
+
+    /// The vertices of `component` outside `feedback`, each after those that it reads; `None` if they have a cycle.
+    fn order_without(&self, component: &[usize], feedback: &[usize]) -> Option<Vec<usize>> {
+        let mut pending: Vec<usize> = component.iter().copied().filter(|v| !feedback.contains(v)).collect();
+        pending.sort_unstable();
+        let mut ordered = Vec::new();
+        while !pending.is_empty() {
+            let ready = pending.iter().position(|&v| self.reads[v].iter().all(|read| !pending.contains(read)))?;
+            ordered.push(pending.remove(ready));
+        }
+        Some(ordered)
+    }
+}
+
+fn unknown(vertex: usize, degrees: usize) -> Unknown {
+    if vertex < degrees { Unknown::Coordinate(vertex) } else { Unknown::Momentum(vertex - degrees) }
+}
+
+/// Subsets of `free` by increasing size, or the natural ones where there are too many.
+fn candidates(free: &[usize], degrees: usize) -> Vec<Vec<usize>> {
+    if free.len() <= EXHAUSTIVE {
+        let mut subsets: Vec<Vec<usize>> = (0..1usize << free.len())
+            .map(|bits| (0..free.len()).filter(|i| bits >> i & 1 == 1).map(|i| free[i]).collect())
+            .collect();
+        subsets.sort_by_key(Vec::len);
+        return subsets;
+    }
+    let coordinates = free.iter().copied().filter(|&v| v < degrees).collect();
+    let momenta = free.iter().copied().filter(|&v| v >= degrees).collect();
+    vec![Vec::new(), momenta, coordinates, free.to_vec()]
+}
+
+/// Nodes, with transcendental functions and roots counted as many.
+fn price(graph: &Graph, expr: Expr) -> u32 {
+    let weight = |&e: &Expr| match graph.node(e) {
+        Node::Apply(..) => 20,
+        Node::Product(factors) if factors.iter().any(|(_, exponent)| !exponent.is_integer()) => 20,
+        Node::Product(factors) if factors.iter().any(|(_, exponent)| exponent.is_negative()) => 5,
+        _ => 1,
+    };
+    graph.reachable(&[expr]).iter().map(weight).sum()
+}
+
+struct Tarjan<'a> {
+    reads: &'a [Vec<usize>],
+    index: Vec<Option<usize>>,
+    low: Vec<usize>,
+    on_stack: Vec<bool>,
+    stack: Vec<usize>,
+    next: usize,
+    components: Vec<Vec<usize>>,
+}
+
+impl Tarjan<'_> {
+    /// Depth is at most twice the degrees of freedom, which are few.
+    fn visit(&mut self, vertex: usize) {
+        self.index[vertex] = Some(self.next);
+        self.low[vertex] = self.next;
+        self.next += 1;
+        self.stack.push(vertex);
+        self.on_stack[vertex] = true;
+        for &read in &self.reads[vertex] {
+            match self.index[read] {
+                None => {
+                    self.visit(read);
+                    self.low[vertex] = self.low[vertex].min(self.low[read]);
+                }
+                Some(index) if self.on_stack[read] => self.low[vertex] = self.low[vertex].min(index),
+                Some(_) => {}
+            }
+        }
+        if Some(self.low[vertex]) == self.index[vertex] {
+            let start = self.stack.iter().rposition(|&v| v == vertex).unwrap_or(0);
+            let mut component = self.stack.split_off(start);
+            for &member in &component {
+                self.on_stack[member] = false;
+            }
+            component.sort_unstable();
+            self.components.push(component);
+        }
+    }
+}

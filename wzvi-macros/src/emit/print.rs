@@ -1,0 +1,271 @@
+//! Operations as Rust tokens: shared values get a name, the rest is written where it is used.
+
+use std::collections::HashMap;
+
+use proc_macro2::{Ident, Literal, Span, TokenStream};
+use quote::{format_ident, quote};
+
+use super::program::{Level, Op, Operation, Program};
+use crate::symbolic::{Function, Relation};
+
+/// An expression of more operations than this is broken by a name even if it is used once.
+const LONGEST_EXPRESSION: u32 = 14;
+
+/// How tightly an expression binds.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Binding {
+    Sum,
+    Product,
+    Prefix,
+    Atom,
+}
+
+/// Prints operations of one program for one scalar type, remembering what is already bound to a name.
+#[derive(Clone)]
+pub(crate) struct Printer<'p> {
+    program: &'p Program,
+    /// The type of state-level values.
+    scalar: TokenStream,
+    names: HashMap<Op, Ident>,
+    hints: &'p HashMap<Op, String>,
+    next: usize,
+}
+
+impl<'p> Printer<'p> {
+    pub(crate) fn new(program: &'p Program, scalar: TokenStream, hints: &'p HashMap<Op, String>) -> Self {
+        Self { program, scalar, names: HashMap::new(), hints, next: 0 }
+    }
+
+    /// Makes `op` known as `name`.
+    pub(crate) fn set(&mut self, op: Op, name: Ident) {
+        self.names.insert(op, name);
+    }
+
+    pub(crate) fn is_bound(&self, op: Op) -> bool {
+        self.names.contains_key(&op)
+    }
+
+    /// A fresh name: the hint of the operation, or a number.
+    pub(crate) fn name(&mut self, op: Op) -> Ident {
+        let name = match self.hints.get(&op) {
+            Some(hint) => format_ident!("__{hint}"),
+            None => {
+                self.next += 1;
+                format_ident!("__x{}", self.next - 1)
+            }
+        };
+        self.names.insert(op, name.clone());
+        name
+    }
+
+    /// `let` statements for what `roots` share; `uses` counts operands, and `forced` operations get a name anyway.
+    pub(crate) fn bind(&mut self, roots: &[Op], uses: &[u32], forced: &dyn Fn(Op) -> bool) -> TokenStream {
+        let needed = {
+            let names = &self.names;
+            self.program.needed(roots, &|op| names.contains_key(&op))
+        };
+        let mut length: HashMap<Op, u32> = HashMap::new();
+        let mut statements = TokenStream::new();
+        for &op in &needed {
+            if self.is_bound(op) {
+                continue;
+            }
+            let operation = self.program.operation(op);
+            let own: u32 = 1 + operation.operands().iter().map(|a| length.get(a).copied().unwrap_or(0)).sum::<u32>();
+            let is_shared = uses.get(op).copied().unwrap_or(0) > 1 || forced(op) || own > LONGEST_EXPRESSION;
+            if let Some(pair) = self.sine_and_cosine(op, &needed) {
+                statements.extend(self.bind_pair(pair));
+            } else if is_shared && !operation.is_trivial() {
+                let value = self.value(op);
+                let name = self.name(op);
+                statements.extend(quote!(let #name = #value;));
+            } else {
+                length.insert(op, own);
+            }
+        }
+        statements
+    }
+
+    /// The sine and the cosine of one argument, if both are needed.
+    fn sine_and_cosine(&self, op: Op, needed: &[Op]) -> Option<(Op, Op)> {
+        let Operation::Call(function @ (Function::Sin | Function::Cos), argument) = self.program.operation(op) else {
+            return None;
+        };
+        let other = if *function == Function::Sin { Function::Cos } else { Function::Sin };
+        let partner = self.program.find(&Operation::Call(other, argument.clone()))?;
+        if needed.binary_search(&partner).is_err() || self.is_bound(partner) {
+            return None;
+        }
+        Some(if *function == Function::Sin { (op, partner) } else { (partner, op) })
+    }
+
+    fn bind_pair(&mut self, (sine, cosine): (Op, Op)) -> TokenStream {
+        let argument = self.program.operation(sine).operands()[0];
+        let argument = self.atom(argument);
+        let (sine, cosine) = (self.name(sine), self.name(cosine));
+        quote!(let (#sine, #cosine) = #argument.sin_cos();)
+    }
+
+    /// The value of `op` as an expression.
+    pub(crate) fn value(&self, op: Op) -> TokenStream {
+        self.print(op).0
+    }
+
+    /// The value of `op` as an expression of the scalar type.
+    pub(crate) fn scalar_value(&self, op: Op) -> TokenStream {
+        let value = self.value(op);
+        if self.is_scalar(op) {
+            value
+        } else {
+            let scalar = &self.scalar;
+            quote!(<#scalar as __wzvi::Scalar>::from_f64(#value))
+        }
+    }
+
+    fn is_scalar(&self, op: Op) -> bool {
+        self.program.level(op) == Level::State
+    }
+
+    fn atom(&self, op: Op) -> TokenStream {
+        self.at_least(op, Binding::Atom)
+    }
+
+    fn at_least(&self, op: Op, binding: Binding) -> TokenStream {
+        let (value, own) = self.print(op);
+        if own >= binding { value } else { quote!((#value)) }
+    }
+
+    fn print(&self, op: Op) -> (TokenStream, Binding) {
+        if let Some(name) = self.names.get(&op) {
+            return (quote!(#name), Binding::Atom);
+        }
+        match self.program.operation(op) {
+            Operation::Constant(bits) => constant(f64::from_bits(*bits)),
+            // Every input is bound before it is read.
+            Operation::Input(_) => (quote!(()), Binding::Atom),
+            Operation::Add(a, b) => {
+                let (a, b) = if self.is_scalar(*a) { (*a, *b) } else { (*b, *a) };
+                let (a, b) = (self.at_least(a, Binding::Sum), self.at_least(b, Binding::Product));
+                (quote!(#a + #b), Binding::Sum)
+            }
+            Operation::Subtract(a, b) if !self.is_scalar(*a) && self.is_scalar(*b) => {
+                let (a, b) = (self.at_least(*a, Binding::Product), self.atom(*b));
+                (quote!(-#b + #a), Binding::Sum)
+            }
+            Operation::Subtract(a, b) => {
+                let (a, b) = (self.at_least(*a, Binding::Sum), self.at_least(*b, Binding::Product));
+                (quote!(#a - #b), Binding::Sum)
+            }
+            Operation::Multiply(a, b) => {
+                let (a, b) = if self.is_scalar(*a) { (*a, *b) } else { (*b, *a) };
+                let (a, b) = (self.at_least(a, Binding::Product), self.at_least(b, Binding::Prefix));
+                (quote!(#a * #b), Binding::Product)
+            }
+            Operation::Divide(a, b) => {
+                let mixed = self.is_scalar(*b) && !self.is_scalar(*a);
+                let a = if mixed { self.scalar_value(*a) } else { self.at_least(*a, Binding::Product) };
+                let b = self.at_least(*b, Binding::Prefix);
+                (quote!(#a / #b), Binding::Product)
+            }
+            Operation::Negate(a) => {
+                let a = self.atom(*a);
+                (quote!(-#a), Binding::Prefix)
+            }
+            Operation::Reciprocal(a) => {
+                let a = self.atom(*a);
+                (quote!(#a.recip()), Binding::Atom)
+            }
+            Operation::Power(a, exponent) => {
+                let (a, exponent) = (self.atom(*a), Literal::i32_suffixed(*exponent));
+                (quote!(#a.powi(#exponent)), Binding::Atom)
+            }
+            Operation::Call(function, arguments) => (self.call(op, *function, arguments), Binding::Atom),
+            Operation::Select(condition, then, otherwise) => {
+                (self.select(op, *condition, *then, *otherwise), Binding::Atom)
+            }
+            logical => (self.condition(op, logical), Binding::Atom),
+        }
+    }
+
+    fn call(&self, op: Op, function: Function, arguments: &[Op]) -> TokenStream {
+        let method = Ident::new(function.method(), Span::call_site());
+        if arguments.len() == 1 {
+            let argument = self.atom(arguments[0]);
+            return quote!(#argument.#method());
+        }
+        let scalar = if self.is_scalar(op) { self.scalar.clone() } else { f64_type() };
+        let arguments = arguments.iter().map(|&a| if self.is_scalar(op) { self.scalar_value(a) } else { self.value(a) });
+        quote!(<#scalar as __wzvi::Scalar>::#method(#(#arguments),*))
+    }
+
+    fn select(&self, op: Op, condition: Op, then: Op, otherwise: Op) -> TokenStream {
+        let branch = |a: Op| if self.is_scalar(op) { self.scalar_value(a) } else { self.value(a) };
+        let (then, otherwise) = (branch(then), branch(otherwise));
+        let value = self.value(condition);
+        if self.is_scalar(condition) {
+            quote!(__wzvi::Scalar::select(#value, #then, #otherwise))
+        } else {
+            quote!((if #value { #then } else { #otherwise }))
+        }
+    }
+
+    /// A comparison or a combination of truths: `bool` before the state is known, a mask of the scalar type after.
+    fn condition(&self, op: Op, operation: &Operation) -> TokenStream {
+        let lanes = self.is_scalar(op);
+        let truth = |a: Op| {
+            let value = self.atom(a);
+            let scalar = &self.scalar;
+            if lanes && !self.is_scalar(a) {
+                quote!(<<#scalar as __wzvi::Scalar>::Mask as __wzvi::Mask>::from_bool(#value))
+            } else {
+                value
+            }
+        };
+        match *operation {
+            Operation::Compare(relation, a, b) if lanes => {
+                let (a, b) = (self.scalar_value(a), self.scalar_value(b));
+                let method = match relation {
+                    Relation::Less => quote!(less),
+                    Relation::LessEqual => quote!(less_equal),
+                    Relation::Equal => quote!(equal),
+                };
+                quote!(__wzvi::Scalar::#method(#a, #b))
+            }
+            Operation::Compare(relation, a, b) => {
+                let (a, b) = (self.at_least(a, Binding::Sum), self.at_least(b, Binding::Sum));
+                match relation {
+                    Relation::Less => quote!((#a < #b)),
+                    Relation::LessEqual => quote!((#a <= #b)),
+                    Relation::Equal => quote!((#a == #b)),
+                }
+            }
+            Operation::Not(a) => {
+                let a = truth(a);
+                quote!((!#a))
+            }
+            Operation::And(a, b) => {
+                let (a, b) = (truth(a), truth(b));
+                quote!((#a & #b))
+            }
+            Operation::Or(a, b) => {
+                let (a, b) = (truth(a), truth(b));
+                quote!((#a | #b))
+            }
+            _ => quote!(()),
+        }
+    }
+}
+
+/// `f64`, whatever the user calls by that name.
+pub(crate) fn f64_type() -> TokenStream {
+    quote!(__wzvi::core::primitive::f64)
+}
+
+fn constant(value: f64) -> (TokenStream, Binding) {
+    if !value.is_finite() {
+        let (f64, bits) = (f64_type(), value.to_bits());
+        return (quote!(#f64::from_bits(#bits)), Binding::Atom);
+    }
+    let literal = Literal::f64_suffixed(value.abs());
+    if value.is_sign_negative() { (quote!(-#literal), Binding::Prefix) } else { (quote!(#literal), Binding::Atom) }
+}

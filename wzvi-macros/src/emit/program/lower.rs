@@ -1,0 +1,376 @@
+//! From the symbolic graph to a [`Program`]: definitions are followed, common factors taken out, sums and products
+//! split by level.
+
+use std::collections::{HashMap, HashSet};
+
+use super::{Level, Op, Operation, Program};
+use crate::symbolic::{Expr, Function, Graph, Node, Rational, Symbol};
+
+/// Integer powers up to this one are spelled out as products.
+const LARGEST_SPELLED_POWER: i64 = 16;
+
+/// Lowers expressions of one graph into one program.
+pub(crate) struct Lowering<'a> {
+    graph: &'a mut Graph,
+    definitions: HashMap<Symbol, Expr>,
+    lowered: HashMap<Expr, Op>,
+    /// Sums whose common factor was looked for: what they became, if it was worth it.
+    factored: HashMap<Expr, Option<Expr>>,
+    /// Sums that add an increment to a state: a common factor would drown the one in the other.
+    kept: HashSet<Expr>,
+    pub(crate) program: Program,
+}
+
+/// A value with the sign that it still has to get.
+#[derive(Clone, Copy)]
+struct Signed {
+    negative: bool,
+    op: Op,
+}
+
+impl<'a> Lowering<'a> {
+    /// `definitions` replace symbols; they must not be circular.
+    pub(crate) fn new(graph: &'a mut Graph, definitions: HashMap<Symbol, Expr>) -> Self {
+        let (lowered, factored, kept) = (HashMap::new(), HashMap::new(), HashSet::new());
+        Self { graph, definitions, lowered, factored, kept, program: Program::default() }
+    }
+
+    /// Keeps the terms of `sum` apart.
+    pub(crate) fn keep(&mut self, sum: Expr) {
+        self.kept.insert(sum);
+    }
+
+    pub(crate) fn graph(&mut self) -> &mut Graph {
+        self.graph
+    }
+
+    /// The operation that computes `root`.
+    pub(crate) fn lower(&mut self, root: Expr) -> Op {
+        let mut pending = vec![(root, false)];
+        while let Some((expr, is_ready)) = pending.pop() {
+            if self.lowered.contains_key(&expr) {
+                continue;
+            }
+            if is_ready {
+                let op = self.lower_node(expr);
+                self.lowered.insert(expr, op);
+                continue;
+            }
+            pending.push((expr, true));
+            let node = self.graph.node(expr).clone();
+            if let Some(factored) = self.factored(expr) {
+                pending.push((factored, false));
+                continue;
+            }
+            match node {
+                Node::Symbol(symbol) => pending.extend(self.definitions.get(&symbol).map(|&e| (e, false))),
+                node => pending.extend(self.dependencies(&node).into_iter().map(|e| (e, false))),
+            }
+        }
+        self.lowered[&root]
+    }
+
+    /// The operands, and where a product is a term of a sum, the operands of the product instead: its coefficient
+    /// joins its factors.
+    fn dependencies(&self, node: &Node) -> Vec<Expr> {
+        let Node::Sum { terms, .. } = node else { return node.operands() };
+        let of_term = |&(term, _): &(Expr, Rational)| match self.graph.node(term) {
+            product @ Node::Product(_) => product.operands(),
+            _ => vec![term],
+        };
+        terms.iter().flat_map(of_term).collect()
+    }
+
+    /// `a x + b x` as `(a + b) x`, by the factor that most terms share.
+    fn factored(&mut self, expr: Expr) -> Option<Expr> {
+        if let Some(&known) = self.factored.get(&expr) {
+            return known;
+        }
+        let factored = match self.graph.node(expr).clone() {
+            Node::Sum { terms, constant } if !self.kept.contains(&expr) => self.factor_out(expr, &terms, constant),
+            _ => None,
+        };
+        self.factored.insert(expr, factored);
+        factored
+    }
+
+    fn factor_out(&mut self, expr: Expr, terms: &[(Expr, Rational)], constant: Rational) -> Option<Expr> {
+        let mut counts: HashMap<Expr, usize> = HashMap::new();
+        for &(term, _) in terms {
+            for (base, _) in self.positive_factors(term) {
+                *counts.entry(base).or_default() += 1;
+            }
+        }
+        let (&factor, _) =
+            counts.iter().filter(|&(_, &count)| count > 1).max_by_key(|&(&base, &count)| (count, base))?;
+        let (mut inside, mut outside) = (Vec::new(), Vec::new());
+        for &(term, coefficient) in terms {
+            match self.without_factor(term, factor) {
+                Some(quotient) => inside.push((quotient, coefficient)),
+                None => outside.push((term, coefficient)),
+            }
+        }
+        let inside = self.graph.linear_combination(&inside);
+        let product = self.graph.multiply(inside, factor);
+        if outside.is_empty() && constant.is_zero() {
+            return (product != expr).then_some(product);
+        }
+        // The remaining sum is opened by the canonical form again: hide the product behind a symbol.
+        let hidden = self.graph.new_symbol("");
+        self.definitions.insert(hidden, product);
+        let one = self.graph.integer(1);
+        outside.push((self.graph.symbol(hidden), Rational::ONE));
+        outside.push((one, constant));
+        Some(self.graph.linear_combination(&outside))
+    }
+
+    /// Factors with a positive integer exponent.
+    fn positive_factors(&self, term: Expr) -> Vec<(Expr, Rational)> {
+        match self.graph.node(term) {
+            Node::Product(factors) => {
+                factors.iter().copied().filter(|(_, e)| e.is_integer() && !e.is_negative()).collect()
+            }
+            Node::Number(_) => Vec::new(),
+            _ => vec![(term, Rational::ONE)],
+        }
+    }
+
+    fn without_factor(&mut self, term: Expr, factor: Expr) -> Option<Expr> {
+        if term == factor {
+            return Some(self.graph.integer(1));
+        }
+        let Node::Product(factors) = self.graph.node(term).clone() else { return None };
+        let mut removed = false;
+        let mut rest = Vec::new();
+        for (base, exponent) in factors {
+            let exponent = if base == factor && exponent.is_integer() && !exponent.is_negative() {
+                removed = true;
+                exponent.add(Rational::MINUS_ONE)?
+            } else {
+                exponent
+            };
+            rest.push(self.graph.power(base, exponent));
+        }
+        removed.then(|| self.graph.product(&rest))
+    }
+
+    fn lower_node(&mut self, expr: Expr) -> Op {
+        if let Some(factored) = self.factored(expr) {
+            return self.lowered[&factored];
+        }
+        match self.graph.node(expr).clone() {
+            Node::Number(value) => self.program.constant(value.to_f64()),
+            Node::Float(bits) => self.program.constant(f64::from_bits(bits)),
+            Node::Symbol(symbol) => match self.definitions.get(&symbol) {
+                Some(definition) => self.lowered[definition],
+                None => self.program.input(symbol),
+            },
+            Node::Sum { terms, constant } => self.lower_sum(&terms, constant),
+            Node::Product(factors) => {
+                let signed = self.lower_product(&factors, Rational::ONE);
+                self.with_sign(signed)
+            }
+            Node::Apply(function, arguments) => {
+                let arguments = arguments.iter().map(|argument| self.lowered[argument]).collect();
+                self.program.push(Operation::Call(function, arguments))
+            }
+            Node::Select { condition, then, otherwise } => {
+                let [condition, then, otherwise] = [condition, then, otherwise].map(|e| self.lowered[&e]);
+                self.program.push(Operation::Select(condition, then, otherwise))
+            }
+            Node::Compare(relation, a, b) => {
+                let (a, b) = (self.lowered[&a], self.lowered[&b]);
+                self.program.push(Operation::Compare(relation, a, b))
+            }
+            Node::Not(a) => {
+                let a = self.lowered[&a];
+                self.program.push(Operation::Not(a))
+            }
+            Node::And(a, b) => {
+                let (a, b) = (self.lowered[&a], self.lowered[&b]);
+                self.program.push(Operation::And(a, b))
+            }
+            Node::Or(a, b) => {
+                let (a, b) = (self.lowered[&a], self.lowered[&b]);
+                self.program.push(Operation::Or(a, b))
+            }
+        }
+    }
+
+    fn with_sign(&mut self, signed: Signed) -> Op {
+        if signed.negative { self.program.push(Operation::Negate(signed.op)) } else { signed.op }
+    }
+
+    /// Terms are added level by level, so that the constant part is one number.
+    fn lower_sum(&mut self, terms: &[(Expr, Rational)], constant: Rational) -> Op {
+        let common = common_size(terms, constant);
+        let divide = |coefficient: Rational| match common {
+            Some(_) if coefficient.is_negative() => Rational::MINUS_ONE,
+            Some(_) => Rational::ONE,
+            None => coefficient,
+        };
+        let mut values: Vec<Signed> =
+            terms.iter().map(|&(term, coefficient)| self.lower_term(term, divide(coefficient))).collect();
+        if !constant.is_zero() {
+            let op = self.program.constant(constant.to_f64().abs());
+            values.push(Signed { negative: constant.is_negative(), op });
+        }
+        values.sort_by_key(|value| self.program.level(value.op));
+        let mut total: Option<Signed> = None;
+        for level in [Level::Prepared, Level::Time, Level::State] {
+            let group: Vec<Signed> =
+                values.iter().copied().filter(|value| self.program.level(value.op) == level).collect();
+            let Some(part) = self.add_up(&group) else { continue };
+            total = match total {
+                None => Some(part),
+                Some(before) => self.add_up(&[part, before]),
+            };
+        }
+        let total = match total {
+            Some(total) => self.with_sign(total),
+            None => self.program.constant(0.0),
+        };
+        match common {
+            Some(size) => {
+                let size = self.program.constant(size.to_f64());
+                self.program.push(Operation::Multiply(size, total))
+            }
+            None => total,
+        }
+    }
+
+    /// The sum of `values`, begun with a positive one where there is any.
+    fn add_up(&mut self, values: &[Signed]) -> Option<Signed> {
+        let first = values.iter().position(|value| !value.negative).unwrap_or(0);
+        let &start = values.get(first)?;
+        let mut op = start.op;
+        for (i, value) in values.iter().enumerate() {
+            if i != first {
+                let operation = if value.negative == start.negative {
+                    Operation::Add(op, value.op)
+                } else {
+                    Operation::Subtract(op, value.op)
+                };
+                op = self.program.push(operation);
+            }
+        }
+        Some(Signed { negative: start.negative, op })
+    }
+
+    fn lower_term(&mut self, term: Expr, coefficient: Rational) -> Signed {
+        match self.graph.node(term) {
+            Node::Product(factors) => {
+                let factors = factors.clone();
+                self.lower_product(&factors, coefficient)
+            }
+            _ => self.lower_product(&[(term, Rational::ONE)], coefficient),
+        }
+    }
+
+    /// `coefficient · Π base^exponent`: per level one product over one quotient; the coefficient joins the earliest.
+    fn lower_product(&mut self, factors: &[(Expr, Rational)], coefficient: Rational) -> Signed {
+        let mut total: Option<Op> = None;
+        let size = if coefficient.is_negative() { coefficient.negate() } else { coefficient };
+        if !size.is_one() {
+            total = Some(self.program.constant(size.to_f64()));
+        }
+        let mut negative = coefficient.is_negative();
+        for level in [Level::Prepared, Level::Time, Level::State] {
+            let (mut numerator, mut denominator): (Option<Op>, Option<Op>) = (None, None);
+            if level == Level::Prepared {
+                numerator = total.take();
+            }
+            for &(base, exponent) in factors {
+                let base = self.lowered[&base];
+                if self.program.level(base) != level {
+                    continue;
+                }
+                let (power, divides) = match exponent {
+                    exponent if !exponent.is_negative() => (self.lower_power(base, exponent), false),
+                    Rational::MINUS_ONE if !self.program.is_known(&Operation::Reciprocal(base)) => (base, true),
+                    exponent => (self.lower_inverse_power(base, exponent.negate()), false),
+                };
+                let into = if divides { &mut denominator } else { &mut numerator };
+                *into = Some(match *into {
+                    None => power,
+                    Some(product) => self.program.push(Operation::Multiply(product, power)),
+                });
+            }
+            let part = match (numerator, denominator) {
+                (None, None) => continue,
+                (Some(numerator), None) => numerator,
+                (None, Some(denominator)) => self.program.push(Operation::Reciprocal(denominator)),
+                (Some(numerator), Some(denominator)) => self.program.push(Operation::Divide(numerator, denominator)),
+            };
+            total = Some(match total {
+                None => part,
+                Some(before) => self.program.push(Operation::Multiply(before, part)),
+            });
+        }
+        let mut op = total.unwrap_or_else(|| self.program.constant(1.0));
+        if let Operation::Negate(inner) = *self.program.operation(op) {
+            (op, negative) = (inner, !negative);
+        }
+        Signed { negative, op }
+    }
+
+    /// `1 / base^size` through the one reciprocal that all inverse powers of the base share; half-integer powers as
+    /// `(√base / base) · base^-k`, in an order that neither overflows nor underflows before the result does.
+    fn lower_inverse_power(&mut self, base: Op, size: Rational) -> Op {
+        let inverse = self.program.push(Operation::Reciprocal(base));
+        let whole = size.numerator() / size.denominator();
+        if size.is_integer() {
+            return self.lower_integer_power(inverse, whole);
+        }
+        if size.denominator() != 2 || whole > LARGEST_SPELLED_POWER {
+            let exponent = self.program.constant(-size.to_f64());
+            return self.program.push(Operation::Call(Function::Powf, vec![base, exponent]));
+        }
+        let root = self.program.push(Operation::Call(Function::Sqrt, vec![base]));
+        let mut power = self.program.push(Operation::Multiply(root, inverse));
+        for _ in 0..whole {
+            power = self.program.push(Operation::Multiply(power, inverse));
+        }
+        power
+    }
+
+    /// `base^size`, through shared squares and one square root.
+    fn lower_power(&mut self, base: Op, size: Rational) -> Op {
+        let whole = size.numerator() / size.denominator();
+        let fraction = size.add(Rational::integer(i32::try_from(whole).unwrap_or(0)).negate());
+        let integer_part = (whole > 0).then(|| self.lower_integer_power(base, whole));
+        let root = match fraction {
+            Some(fraction) if fraction.is_zero() => None,
+            Some(Rational::HALF) => Some(self.program.push(Operation::Call(Function::Sqrt, vec![base]))),
+            _ => {
+                let exponent = self.program.constant(size.to_f64());
+                return self.program.push(Operation::Call(Function::Powf, vec![base, exponent]));
+            }
+        };
+        match (integer_part, root) {
+            (Some(power), Some(root)) => self.program.push(Operation::Multiply(power, root)),
+            (Some(only), None) | (None, Some(only)) => only,
+            (None, None) => self.program.constant(1.0),
+        }
+    }
+
+    fn lower_integer_power(&mut self, base: Op, exponent: i64) -> Op {
+        match exponent {
+            1 => base,
+            2..=LARGEST_SPELLED_POWER => {
+                let half = self.lower_integer_power(base, exponent / 2);
+                let square = self.program.push(Operation::Multiply(half, half));
+                if exponent % 2 == 0 { square } else { self.program.push(Operation::Multiply(square, base)) }
+            }
+            _ => self.program.push(Operation::Power(base, i32::try_from(exponent).unwrap_or(i32::MAX))),
+        }
+    }
+}
+
+/// The coefficient that all terms share up to sign, if taking it out saves products.
+fn common_size(terms: &[(Expr, Rational)], constant: Rational) -> Option<Rational> {
+    let size = |value: Rational| if value.is_negative() { value.negate() } else { value };
+    let first = size(terms.first()?.1);
+    let shared = terms.len() > 1 && constant.is_zero() && terms.iter().all(|&(_, c)| size(c) == first);
+    (shared && !first.is_one()).then_some(first)
+}

@@ -1,0 +1,437 @@
+//! `impl Discretized<E>`: what is prepared once, the step, the discrete Lagrangian and the plan.
+
+use proc_macro2::{Ident, TokenStream};
+use quote::{format_ident, quote};
+
+use super::embedding_type;
+use super::lagrangian;
+use super::print::{Printer, f64_type};
+use super::program::Op;
+use super::system::indexed;
+use crate::discretise::Scheme;
+use crate::discretise::facts::{Facts, Knowledge, NoiseClass};
+use crate::discretise::structure::Solution;
+use crate::model::Model;
+
+mod flow;
+
+use flow::{Flow, Solve};
+
+/// The implementation of one scheme.
+pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str) -> TokenStream {
+    let lagrangian = lagrangian::emit(model, scheme);
+    let plan = plan(facts, scheme);
+    let flow = Flow::new(&mut model.graph, &model.parameters, scheme, facts.noise == NoiseClass::None);
+    let step = Step::new(&flow, scheme);
+    let prepared_type = step.prepared_type();
+    let memory_type = step.memory_type();
+    let prepare = step.prepare(model);
+    let solve = step.solve();
+    let momentum = momentum(&flow, scheme);
+
+    let name = &model.item.ident;
+    let (generics, arguments, filter) = model.item.generics.split_for_impl();
+    let embedding = embedding_type(&scheme.embedding);
+    let f64 = f64_type();
+    let d = scheme.lagrangian.symbols.u.len();
+    let noises = scheme.lagrangian.symbols.dw.len();
+    quote! {
+        const _: () = {
+            type __Prepared = #prepared_type;
+            type __Memory<__S> = #memory_type;
+
+            #solve
+
+            #[automatically_derived]
+            impl #generics __wzvi::Discretized<#embedding> for #name #arguments #filter {
+                const PLAN: __wzvi::Plan = #plan;
+                const EQUATIONS: &'static __wzvi::core::primitive::str = #text;
+                type Prepared = __Prepared;
+                type Memory<__S: __wzvi::Scalar> = __Memory<__S>;
+
+                fn prepare(
+                    &self,
+                    __h: #f64,
+                ) -> __wzvi::core::result::Result<Self::Prepared, __wzvi::ConfigError> {
+                    #prepare
+                }
+
+                #[inline]
+                fn advance<__S: __wzvi::Scalar>(
+                    &self,
+                    __prepared: &Self::Prepared,
+                    __t: #f64,
+                    __h: #f64,
+                    __q: &mut [__S],
+                    __p: &mut [__S],
+                    __dw: &[__S],
+                    __memory: &mut Self::Memory<__S>,
+                ) -> __wzvi::core::result::Result<__wzvi::Solved, __wzvi::StepFailure> {
+                    let __q = __wzvi::array_mut::<__S, #d>(__q)?;
+                    let __p = __wzvi::array_mut::<__S, #d>(__p)?;
+                    let __dw = __wzvi::increments::<__S, #noises>(__dw)?;
+                    let __next = __solve(__prepared, __t, __h, *__q, *__p, __dw, __memory)?;
+                    *__q = __next.q;
+                    *__p = __next.p;
+                    __wzvi::core::result::Result::Ok(__wzvi::Solved { iterations: __next.iterations })
+                }
+
+                #lagrangian
+
+                #momentum
+            }
+        };
+    }
+}
+
+/// `step_momentum`: `P = p_i + (p_{i+1} - p_i) / factor` where the update is a multiple of `v`, else from the step.
+fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
+    let f64 = f64_type();
+    let signature = quote! {
+        fn step_momentum(
+            &self,
+            __before: &__wzvi::State<Self::Vector>,
+            __after: &__wzvi::State<Self::Vector>,
+            __h: #f64,
+            __dw: &[#f64],
+        ) -> Self::Vector
+    };
+    if let Some(factors) = flow.momentum_factors(scheme) {
+        let components = factors.iter().enumerate().map(|(i, factor)| {
+            quote!(__before.p[#i] + (__after.p[#i] - __before.p[#i]) * #factor)
+        });
+        return quote!(#signature { __wzvi::SVector::from([#(#components),*]) });
+    }
+    let noises = scheme.lagrangian.symbols.dw.len();
+    quote! {
+        #signature {
+            let __solved = __wzvi::increments::<#f64, #noises>(__dw).and_then(|__dw| {
+                let __prepared = <Self as __wzvi::Discretized<_>>::prepare(self, __h)
+                    .map_err(|_| __wzvi::StepFailure::NonFinite)?;
+                let (__q, __p) = (__before.q.into(), __before.p.into());
+                __solve(&__prepared, __before.t, __h, __q, __p, __dw, &mut __wzvi::core::default::Default::default())
+            });
+            match __solved {
+                __wzvi::core::result::Result::Ok(__solved) => __wzvi::SVector::from(__solved.momentum),
+                __wzvi::core::result::Result::Err(_) => __wzvi::SVector::repeat(#f64::NAN),
+            }
+        }
+    }
+}
+
+fn plan(facts: &Facts, scheme: &Scheme) -> TokenStream {
+    let hardest = scheme.structure.blocks.iter().map(|block| match block.solution {
+        Solution::Assigned => 0,
+        Solution::Linear { .. } => 1,
+        Solution::Newton { .. } => 2,
+    });
+    let solver = match hardest.max() {
+        Some(2) => quote!(Newton),
+        Some(1) => quote!(Linear),
+        _ => quote!(Explicit),
+    };
+    let unknowns = scheme.structure.unknowns();
+    let noise = match facts.noise {
+        NoiseClass::None => quote!(None),
+        NoiseClass::Additive => quote!(Additive),
+        NoiseClass::Position => quote!(Position),
+        NoiseClass::Momentum => quote!(Momentum),
+        NoiseClass::Multiplicative => quote!(Multiplicative),
+    };
+    let knowledge = |known: &Knowledge| match known {
+        Knowledge::Proven => quote!(Proven),
+        Knowledge::Refuted(_) => quote!(Refuted),
+        Knowledge::Unknown => quote!(Unknown),
+    };
+    let consistent = scheme.consistent;
+    let (energy, commuting) = (knowledge(&facts.conserves_energy), knowledge(&facts.commuting));
+    quote! {
+        __wzvi::Plan {
+            solver: __wzvi::Solver::#solver,
+            unknowns: #unknowns,
+            noise: __wzvi::NoiseClass::#noise,
+            consistent: #consistent,
+            conserves_energy: __wzvi::Knowledge::#energy,
+            commuting: __wzvi::Knowledge::#commuting,
+        }
+    }
+}
+
+/// One step as tokens.
+struct Step<'f> {
+    flow: &'f Flow,
+    scheme: &'f Scheme,
+    /// Values of level `Prepared` that the step reads.
+    constants: Vec<Op>,
+}
+
+impl<'f> Step<'f> {
+    fn new(flow: &'f Flow, scheme: &'f Scheme) -> Self {
+        Self { flow, scheme, constants: flow.constants() }
+    }
+
+    /// `[f64; constants]`, with one factor per matrix that never changes.
+    fn prepared_type(&self) -> TokenStream {
+        let (f64, count) = (f64_type(), self.constants.len());
+        let factors = self.flow.solves.iter().filter_map(|solve| match solve {
+            Solve::Factored { matrix, .. } => {
+                let n = matrix.len();
+                Some(quote!(__wzvi::Factor<#f64, #n>))
+            }
+            _ => None,
+        });
+        quote!(([#f64; #count], #(#factors,)*))
+    }
+
+    /// One extrapolation per Newton block of a system without noise.
+    fn memory_type(&self) -> TokenStream {
+        let sizes = self.flow.remembered();
+        match sizes.is_empty() {
+            // The parameter of the alias must be used.
+            true => quote!(__wzvi::core::marker::PhantomData<__S>),
+            false => quote!((#(__wzvi::Extrapolation<__S, #sizes>,)*)),
+        }
+    }
+
+    fn prepare(&self, model: &Model) -> TokenStream {
+        let flow = self.flow;
+        let f64 = f64_type();
+        let mut printer = Printer::new(&flow.program, f64.clone(), &flow.hints);
+        printer.set(flow.h, format_ident!("__h"));
+        let mut statements = TokenStream::new();
+        let mut read = Vec::new();
+        let wanted = flow.prepared_roots(&self.constants);
+        let used = flow.program.uses(&wanted);
+        for (i, (op, parameter)) in flow.parameters.iter().zip(&model.parameters).enumerate() {
+            if used[*op] > 0 {
+                let (name, tokens) = (format_ident!("__a{i}"), &parameter.tokens);
+                statements.extend(quote!(let #name: #f64 = #tokens;));
+                printer.set(*op, name.clone());
+                read.push(name);
+            }
+        }
+        if !read.is_empty() {
+            statements.extend(quote! {
+                if #(#read.is_nan())||* {
+                    return __wzvi::core::result::Result::Err(__wzvi::ConfigError::Parameter);
+                }
+            });
+        }
+        let mut factors = Vec::new();
+        for (i, solve) in flow.solves.iter().enumerate() {
+            match solve {
+                Solve::Inverted { pivot, inverse } => {
+                    statements.extend(printer.bind(&[*pivot], &used, &|_| false));
+                    let (name, value) = (printer.name(*inverse), printer.value(*pivot));
+                    statements.extend(quote!(let #name = __wzvi::prepared(__h, __wzvi::reciprocal(#value))?;));
+                }
+                Solve::Factored { matrix, .. } => {
+                    let entries: Vec<Op> = matrix.iter().flatten().copied().collect();
+                    statements.extend(printer.bind(&entries, &used, &|_| false));
+                    let rows = rows(&printer, matrix);
+                    let name = format_ident!("__factor{i}");
+                    statements.extend(quote!(let #name = __wzvi::prepared(__h, __wzvi::Factor::new([#(#rows),*]))?;));
+                    factors.push(name);
+                }
+                _ => {}
+            }
+        }
+        statements.extend(printer.bind(&self.constants, &used, &|_| false));
+        let constants = self.constants.iter().map(|&op| printer.value(op));
+        quote! {
+            #statements
+            __wzvi::core::result::Result::Ok(([#(#constants),*], #(#factors,)*))
+        }
+    }
+
+    fn solve(&self) -> TokenStream {
+        let flow = self.flow;
+        let symbols = &self.scheme.lagrangian.symbols;
+        let (d, noises) = (symbols.u.len(), symbols.dw.len());
+        let f64 = f64_type();
+        let mut printer = Printer::new(&flow.program, quote!(__S), &flow.hints);
+        printer.set(flow.h, format_ident!("__h"));
+        printer.set(flow.t, format_ident!("__t"));
+        let (q, p, dw) = (indexed("q", d), indexed("p", d), indexed("dw", noises));
+        for (ops, names) in [(&flow.q0, &q), (&flow.p0, &p), (&flow.dw, &dw)] {
+            for (&op, name) in ops.iter().zip(names) {
+                printer.set(op, name.clone());
+            }
+        }
+        let constants: Vec<Ident> = indexed("c", self.constants.len());
+        for (&op, name) in self.constants.iter().zip(&constants) {
+            printer.set(op, name.clone());
+        }
+        let body = SolveBody { flow, uses: flow.program.uses(&flow.roots()), printer, records: Vec::new() }.emit();
+        quote! {
+            #[inline(always)]
+            fn __solve<__S: __wzvi::Scalar>(
+                __prepared: &__Prepared,
+                __t: #f64,
+                __h: #f64,
+                [#(#q),*]: [__S; #d],
+                [#(#p),*]: [__S; #d],
+                [#(#dw),*]: [__S; #noises],
+                __memory: &mut __Memory<__S>,
+            ) -> __wzvi::core::result::Result<__wzvi::Solution<__S, #d>, __wzvi::StepFailure> {
+                let [#(#constants),*] = __prepared.0;
+                #body
+            }
+        }
+    }
+}
+
+fn rows(printer: &Printer<'_>, matrix: &[Vec<Op>]) -> Vec<TokenStream> {
+    matrix
+        .iter()
+        .map(|row| {
+            let entries = row.iter().map(|&entry| printer.scalar_value(entry));
+            quote!([#(#entries),*])
+        })
+        .collect()
+}
+
+/// The statements of a step, block by block.
+struct SolveBody<'f> {
+    flow: &'f Flow,
+    uses: Vec<u32>,
+    printer: Printer<'f>,
+    /// `memory.i.record(solution)`, done only if the whole step succeeds.
+    records: Vec<TokenStream>,
+}
+
+impl SolveBody<'_> {
+    fn emit(mut self) -> TokenStream {
+        let mut statements = TokenStream::new();
+        let mut counts = Vec::new();
+        let mut factors = 0_usize;
+        for (i, solve) in self.flow.solves.iter().enumerate() {
+            match solve {
+                Solve::Inverted { .. } => {}
+                Solve::Divided { pivot, rhs, unknown } => {
+                    statements.extend(self.bind(&[*pivot, *rhs]));
+                    let (rhs, pivot) = (self.printer.scalar_value(*rhs), self.printer.scalar_value(*pivot));
+                    let name = self.printer.name(*unknown);
+                    statements.extend(quote!(let #name = __wzvi::quotient::<__S>(#rhs, #pivot)?;));
+                }
+                Solve::Factored { rhs, unknowns, .. } => {
+                    factors += 1;
+                    let index = proc_macro2::Literal::usize_unsuffixed(factors);
+                    statements.extend(self.bind(rhs));
+                    let rhs: Vec<_> = rhs.iter().map(|&op| self.printer.scalar_value(op)).collect();
+                    let names: Vec<_> = unknowns.iter().map(|&op| self.printer.name(op)).collect();
+                    statements.extend(quote!(let [#(#names),*] = __prepared.#index.apply::<__S>([#(#rhs),*]);));
+                }
+                Solve::Linear { matrix, rhs, unknowns } => {
+                    let entries: Vec<Op> = matrix.iter().flatten().chain(rhs).copied().collect();
+                    statements.extend(self.bind(&entries));
+                    let rows = rows(&self.printer, matrix);
+                    let rhs: Vec<_> = rhs.iter().map(|&op| self.printer.scalar_value(op)).collect();
+                    let names: Vec<_> = unknowns.iter().map(|&op| self.printer.name(op)).collect();
+                    statements.extend(quote! {
+                        let [#(#names),*] = __wzvi::Factor::<__S, _>::new([#(#rows),*])?.solve([#(#rhs),*]);
+                    });
+                }
+                Solve::Newton { .. } => {
+                    let count = format_ident!("__iterations{i}");
+                    statements.extend(self.newton(solve, &count));
+                    counts.push(count);
+                }
+            }
+        }
+        statements.extend(self.finish(&counts));
+        statements
+    }
+
+    fn bind(&mut self, roots: &[Op]) -> TokenStream {
+        self.printer.bind(roots, &self.uses, &|_| false)
+    }
+
+    /// What does not read the iterates is computed before the iteration, once.
+    fn newton(&mut self, solve: &Solve, count: &Ident) -> TokenStream {
+        let Solve::Newton { residual, jacobian, unknowns, bases, symmetric } = solve else {
+            return TokenStream::new();
+        };
+        let program = &self.flow.program;
+        let roots: Vec<Op> = residual.iter().chain(jacobian.iter().flatten()).copied().collect();
+        let readers = program.readers_of(unknowns);
+        let outer: Vec<Op> = program
+            .needed(&roots, &|op| !readers[op])
+            .into_iter()
+            .flat_map(|op| program.operation(op).operands())
+            .chain(roots.iter().copied())
+            .filter(|&op| !readers[op] && !program.operation(op).is_trivial())
+            .collect();
+        let mut statements = self.printer.bind(&outer, &self.uses, &|op| outer.contains(&op));
+
+        let mut inner = self.printer.clone();
+        let names: Vec<Ident> = unknowns.iter().map(|&op| inner.name(op)).collect();
+        let inner_uses = program.uses(&roots);
+        let shared = inner.bind(&roots, &inner_uses, &|_| false);
+        let values: Vec<TokenStream> = residual.iter().map(|&op| inner.scalar_value(op)).collect();
+        let bases: Vec<TokenStream> = bases.iter().map(|&op| self.printer.scalar_value(op)).collect();
+        let start = self.start(unknowns.len());
+        if let [name] = names.as_slice() {
+            let (slope, value, base) = (inner.scalar_value(jacobian[0][0]), &values[0], &bases[0]);
+            statements.extend(quote! {
+                let (#name, #count) = __wzvi::newton_scalar(#start[0], #base, |#name: __S| {
+                    #shared
+                    (#value, #slope)
+                })?;
+            });
+        } else {
+            let n = names.len();
+            let rows = rows(&inner, jacobian);
+            let solver = if *symmetric { quote!(newton_symmetric) } else { quote!(newton) };
+            statements.extend(quote! {
+                let ([#(#names),*], #count) =
+                    __wzvi::#solver(#start, [#(#bases),*], |&[#(#names),*]: &[__S; #n]| {
+                        #shared
+                        ([#(#values),*], [#(#rows),*])
+                    })?;
+            });
+        }
+        if self.flow.remembers {
+            let index = proc_macro2::Literal::usize_unsuffixed(self.records.len());
+            self.records.push(quote!(__memory.#index.record([#(#names),*]);));
+        }
+        for (&op, name) in unknowns.iter().zip(names) {
+            self.printer.set(op, name);
+        }
+        statements
+    }
+
+    /// Without noise the last steps are extrapolated; with it the increments decide, and zero is as good a start.
+    fn start(&self, n: usize) -> TokenStream {
+        if self.flow.remembers {
+            let index = proc_macro2::Literal::usize_unsuffixed(self.records.len());
+            quote!(__memory.#index.guess())
+        } else {
+            quote!([<__S as __wzvi::Scalar>::from_f64(0.0); #n])
+        }
+    }
+
+    fn finish(&mut self, counts: &[Ident]) -> TokenStream {
+        let flow = self.flow;
+        let roots: Vec<Op> = flow.q1.iter().chain(&flow.p1).chain(&flow.momentum).copied().collect();
+        let statements = self.bind(&roots);
+        let values = |ops: &[Op]| -> Vec<TokenStream> { ops.iter().map(|&op| self.printer.scalar_value(op)).collect() };
+        let (q1, p1, momentum) = (values(&flow.q1), values(&flow.p1), values(&flow.momentum));
+        let iterations = if counts.is_empty() { quote!(0) } else { quote!(#(#counts)+*) };
+        let records = &self.records;
+        quote! {
+            #statements
+            let __next = __wzvi::Solution {
+                q: [#(#q1),*],
+                p: [#(#p1),*],
+                momentum: [#(#momentum),*],
+                iterations: #iterations,
+            };
+            if !__next.is_finite() {
+                return __wzvi::core::result::Result::Err(__wzvi::StepFailure::NonFinite);
+            }
+            #(#records)*
+            __wzvi::core::result::Result::Ok(__next)
+        }
+    }
+}

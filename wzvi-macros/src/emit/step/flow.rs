@@ -1,0 +1,248 @@
+//! One scheme lowered: its operations, block by block, before they become tokens.
+
+use std::collections::HashMap;
+
+use crate::discretise::Scheme;
+use crate::discretise::equations::MomentumUpdate;
+use crate::discretise::structure::{Block, Solution, increment};
+use crate::emit::program::{Level, Lowering, Op, Program};
+use crate::model::Parameter;
+use crate::symbolic::{Expr, Graph, Rational, Symbol};
+
+/// How a block is solved, in operations.
+pub(crate) enum Solve {
+    /// One linear unknown whose pivot never changes: its reciprocal is an input that `prepare` computes.
+    Inverted { pivot: Op, inverse: Op },
+    /// One linear unknown.
+    Divided { pivot: Op, rhs: Op, unknown: Op },
+    /// A linear system whose matrix never changes: factored by `prepare`.
+    Factored { matrix: Vec<Vec<Op>>, rhs: Vec<Op>, unknowns: Vec<Op> },
+    Linear { matrix: Vec<Vec<Op>>, rhs: Vec<Op>, unknowns: Vec<Op> },
+    Newton { residual: Vec<Op>, jacobian: Vec<Vec<Op>>, unknowns: Vec<Op>, bases: Vec<Op>, symmetric: bool },
+}
+
+/// The program of one step with the operations that have a role.
+pub(crate) struct Flow {
+    pub(crate) program: Program,
+    pub(crate) hints: HashMap<Op, String>,
+    pub(crate) parameters: Vec<Op>,
+    pub(crate) h: Op,
+    pub(crate) t: Op,
+    pub(crate) q0: Vec<Op>,
+    pub(crate) p0: Vec<Op>,
+    pub(crate) dw: Vec<Op>,
+    pub(crate) solves: Vec<Solve>,
+    pub(crate) q1: Vec<Op>,
+    pub(crate) p1: Vec<Op>,
+    pub(crate) momentum: Vec<Op>,
+    /// Whether Newton starts from past steps.
+    pub(crate) remembers: bool,
+}
+
+impl Flow {
+    pub(crate) fn new(graph: &mut Graph, parameters: &[Parameter], scheme: &Scheme, is_deterministic: bool) -> Self {
+        let symbols = &scheme.lagrangian.symbols;
+        let mut definitions = scheme.structure.definitions.clone();
+        let inverses = invert_constant_pivots(graph, parameters, symbols.h, scheme, &mut definitions);
+        let ends = ends(graph, scheme, &definitions);
+
+        let points: Vec<Expr> = symbols.points().iter().filter_map(|point| definitions.get(point)).copied().collect();
+        let mut lowering = Lowering::new(graph, definitions);
+        for &sum in points.iter().chain(ends.iter().flatten()) {
+            lowering.keep(sum);
+        }
+        let parameter_symbols: Vec<Symbol> = parameters.iter().map(|parameter| parameter.symbol).collect();
+        let constant = parameter_symbols.iter().chain([&symbols.h]).chain(inverses.iter().flatten());
+        for &symbol in constant {
+            lowering.program.declare(symbol, Level::Prepared);
+        }
+        lowering.program.declare(symbols.t, Level::Time);
+        let mut inputs = |of: &[Symbol]| -> Vec<Op> { of.iter().map(|&s| lowering.program.input(s)).collect() };
+        let (q0, p0, dw) = (inputs(&symbols.q0), inputs(&symbols.p0), inputs(&symbols.dw));
+        let parameters = inputs(&parameter_symbols);
+        let (h, t) = (lowering.program.input(symbols.h), lowering.program.input(symbols.t));
+
+        let mut solves = Vec::new();
+        for (block, inverse) in scheme.structure.blocks.iter().zip(&inverses) {
+            solves.extend(lower_block(&mut lowering, scheme, block, *inverse));
+        }
+        let [q1, p1, momentum] = ends.map(|ends| ends.into_iter().map(|end| lowering.lower(end)).collect());
+        let hints = hints(&mut lowering, scheme);
+        let has_newton = solves.iter().any(|solve| matches!(solve, Solve::Newton { .. }));
+        let remembers = is_deterministic && has_newton;
+        let program = lowering.program;
+        Self { program, hints, parameters, h, t, q0, p0, dw, solves, q1, p1, momentum, remembers }
+    }
+
+    /// Sizes of the Newton blocks that remember their solutions.
+    pub(crate) fn remembered(&self) -> Vec<usize> {
+        let sizes = self.solves.iter().filter_map(|solve| match solve {
+            Solve::Newton { unknowns, .. } => Some(unknowns.len()),
+            _ => None,
+        });
+        if self.remembers { sizes.collect() } else { Vec::new() }
+    }
+
+    /// Everything that the step computes.
+    pub(crate) fn roots(&self) -> Vec<Op> {
+        let mut roots: Vec<Op> = self.q1.iter().chain(&self.p1).chain(&self.momentum).copied().collect();
+        for solve in &self.solves {
+            match solve {
+                Solve::Inverted { .. } => {}
+                Solve::Divided { pivot, rhs, .. } => roots.extend([*pivot, *rhs]),
+                Solve::Factored { rhs, .. } => roots.extend(rhs),
+                Solve::Linear { matrix, rhs, .. } => roots.extend(matrix.iter().flatten().chain(rhs)),
+                Solve::Newton { residual, jacobian, .. } => {
+                    roots.extend(residual.iter().chain(jacobian.iter().flatten()));
+                }
+            }
+        }
+        roots
+    }
+
+    /// The values of level `Prepared` that the step reads, apart from literals and the step size.
+    pub(crate) fn constants(&self) -> Vec<Op> {
+        let roots = self.roots();
+        let is_later = |op: Op| self.program.level(op) > Level::Prepared;
+        let mut constants: Vec<Op> = self
+            .program
+            .needed(&roots, &|op| !is_later(op))
+            .into_iter()
+            .flat_map(|op| self.program.operation(op).operands())
+            .chain(roots.iter().copied())
+            .filter(|&op| !is_later(op) && op != self.h && !self.program.is_literal(op))
+            .collect();
+        constants.sort_unstable();
+        constants.dedup();
+        constants
+    }
+
+    /// What `prepare` computes, with multiplicity.
+    pub(crate) fn prepared_roots(&self, constants: &[Op]) -> Vec<Op> {
+        let mut roots = constants.to_vec();
+        for solve in &self.solves {
+            match solve {
+                Solve::Inverted { pivot, .. } => roots.push(*pivot),
+                Solve::Factored { matrix, .. } => roots.extend(matrix.iter().flatten()),
+                _ => {}
+            }
+        }
+        roots
+    }
+
+    /// `1 / factor` per degree of freedom, if every momentum update is a multiple of `v`.
+    pub(crate) fn momentum_factors(&self, scheme: &Scheme) -> Option<Vec<f64>> {
+        let factor = |update: &MomentumUpdate| match update {
+            MomentumUpdate::Multiple(factor) => factor.recip().map(Rational::to_f64),
+            MomentumUpdate::Sum(_) => None,
+        };
+        scheme.equations.update.iter().map(factor).collect()
+    }
+}
+
+/// A linear block of one unknown whose pivot depends on the system and the step size only: the unknown becomes an
+/// assigned one, `inverse · rhs`, and its constants merge with the others. Returns the symbol of each such inverse.
+fn invert_constant_pivots(
+    graph: &mut Graph,
+    parameters: &[Parameter],
+    h: Symbol,
+    scheme: &Scheme,
+    definitions: &mut HashMap<Symbol, Expr>,
+) -> Vec<Option<Symbol>> {
+    let constant: Vec<Symbol> = parameters.iter().map(|parameter| parameter.symbol).chain([h]).collect();
+    let mut inverses = Vec::new();
+    for block in &scheme.structure.blocks {
+        let inverse = match (&block.solution, block.iterates.as_slice()) {
+            (Solution::Linear { matrix, rhs }, &[unknown]) if graph.reads_only(matrix[0][0], &constant) => {
+                let inverse = graph.new_symbol("inverse");
+                let factor = graph.symbol(inverse);
+                let value = graph.multiply(factor, rhs[0]);
+                definitions.insert(scheme.lagrangian.symbols.unknown(unknown), value);
+                Some(inverse)
+            }
+            _ => None,
+        };
+        inverses.push(inverse);
+    }
+    inverses
+}
+
+/// `q_{i+1} = q_i + u`, `p_{i+1} = p_i + ...` and `P`.
+fn ends(graph: &mut Graph, scheme: &Scheme, definitions: &HashMap<Symbol, Expr>) -> [Vec<Expr>; 3] {
+    let symbols = &scheme.lagrangian.symbols;
+    let mut ends = [Vec::new(), Vec::new(), Vec::new()];
+    for i in 0..symbols.u.len() {
+        let (q0, p0) = (graph.symbol(symbols.q0[i]), graph.symbol(symbols.p0[i]));
+        let u = increment(graph, symbols.u[i], definitions);
+        ends[0].push(graph.add(q0, u));
+        let v = increment(graph, symbols.v[i], definitions);
+        ends[1].push(match scheme.equations.update[i] {
+            MomentumUpdate::Multiple(factor) => graph.linear_combination(&[(p0, Rational::ONE), (v, factor)]),
+            MomentumUpdate::Sum(rest) => graph.sum(&[p0, v, rest]),
+        });
+        ends[2].push(graph.symbol(symbols.momentum[i]));
+    }
+    ends
+}
+
+fn lower_block(
+    lowering: &mut Lowering<'_>,
+    scheme: &Scheme,
+    block: &Block,
+    inverse: Option<Symbol>,
+) -> Option<Solve> {
+    let symbols = &scheme.lagrangian.symbols;
+    let lower_rows = |lowering: &mut Lowering<'_>, rows: &[Vec<Expr>]| -> Vec<Vec<Op>> {
+        rows.iter().map(|row| row.iter().map(|&entry| lowering.lower(entry)).collect()).collect()
+    };
+    match &block.solution {
+        Solution::Assigned => None,
+        Solution::Linear { matrix, rhs } => {
+            let matrix = lower_rows(lowering, matrix);
+            if let Some(inverse) = inverse {
+                let inverse = lowering.program.input(inverse);
+                return Some(Solve::Inverted { pivot: matrix[0][0], inverse });
+            }
+            let rhs: Vec<Op> = rhs.iter().map(|&value| lowering.lower(value)).collect();
+            let unknowns: Vec<Op> =
+                block.iterates.iter().map(|&x| lowering.program.input(symbols.unknown(x))).collect();
+            let is_constant =
+                matrix.iter().flatten().all(|&entry| lowering.program.level(entry) == Level::Prepared);
+            Some(match (is_constant, unknowns.as_slice()) {
+                (_, &[unknown]) => Solve::Divided { pivot: matrix[0][0], rhs: rhs[0], unknown },
+                (true, _) => Solve::Factored { matrix, rhs, unknowns },
+                (false, _) => Solve::Linear { matrix, rhs, unknowns },
+            })
+        }
+        Solution::Newton { residual, jacobian, symmetric } => {
+            let unknowns = block.iterates.iter().map(|&x| lowering.program.input(symbols.unknown(x))).collect();
+            let bases = block.iterates.iter().map(|&x| lowering.program.input(symbols.base(x))).collect();
+            let residual = residual.iter().map(|&value| lowering.lower(value)).collect();
+            let jacobian = lower_rows(lowering, jacobian);
+            Some(Solve::Newton { residual, jacobian, unknowns, bases, symmetric: *symmetric })
+        }
+    }
+}
+
+/// Names for what a reader knows from the formulas.
+fn hints(lowering: &mut Lowering<'_>, scheme: &Scheme) -> HashMap<Op, String> {
+    let symbols = &scheme.lagrangian.symbols;
+    let mut named: Vec<(Symbol, String)> = Vec::new();
+    for i in 0..symbols.u.len() {
+        named.push((symbols.momentum[i], format!("momentum{i}")));
+        named.push((symbols.u[i], format!("u{i}")));
+        named.push((symbols.v[i], format!("v{i}")));
+        for (stage, point) in symbols.stages.iter().enumerate() {
+            named.push((point.q[i], if stage == 0 { format!("stage_q{i}") } else { format!("noise_q{i}") }));
+        }
+    }
+    let mut hints = HashMap::new();
+    for (symbol, name) in named {
+        let expr = lowering.graph().symbol(symbol);
+        let op = lowering.lower(expr);
+        if !hints.values().any(|known| *known == name) {
+            hints.entry(op).or_insert(name);
+        }
+    }
+    hints
+}
