@@ -53,6 +53,9 @@ impl<V> Observer<V> for Unobserved {
     fn observe(&mut self, _state: &State<V>, _node: &Node<'_>) {}
 }
 
+/// As far as a run went: the trajectory up to the last good state and, if that is not the end, what stopped it.
+pub type Partial<V, E> = (Trajectory<V, E>, Option<Error>);
+
 #[derive(Clone, Copy, Debug)]
 enum End {
     Time(f64),
@@ -175,7 +178,7 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
     ///
     /// # Errors
     /// [`Error::Config`] or [`Error::Noise`] if the run could not start: then there is no trajectory.
-    pub fn run_partial(self) -> Result<(Trajectory<H::Vector, E>, Option<Error>), Error> {
+    pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error> {
         let Self { system, h, start, noise, end, every, mut observer, .. } = self;
         let mut stepper = Stepper::<H, E>::new(system, h)?;
         let mut state = checked(system, start)?;
