@@ -1,3 +1,88 @@
-//! Symbolic discrete-embedding compiler for (stochastic) Hamiltonian systems.
+//! Variational integrators for (stochastic) Hamiltonian systems, derived at compile time.
+//!
+//! You write the Hamiltonians. `#[hamiltonian]` embeds the action principle in discrete time, differentiates the
+//! discrete Lagrangian symbolically and emits the step that solves the discrete Euler-Lagrange equations:
+//!
+//! ```ignore
+//! use wzvi::prelude::*;
+//!
+//! /// Kubo oscillator: a rotation whose angle diffuses.
+//! #[hamiltonian(
+//!     drift = |q, p| 0.5 * a * (q * q + p * p),
+//!     noise = [|q, p| 0.5 * sigma * (q * q + p * p)],
+//!     embedding = [Uncorrected<DeltaPlus>, Corrected<DeltaPlus>, Midpoint],
+//!     invariant = [|q, p| q * q + p * p],
+//! )]
+//! #[derive(Clone, Debug)]
+//! pub struct Kubo {
+//!     /// Mean angular frequency.
+//!     pub a: f64,
+//!     /// Intensity of the noise.
+//!     pub sigma: f64,
+//! }
+//!
+//! fn main() -> Result<(), wzvi::Error> {
+//!     let kubo = Kubo { a: 1.5, sigma: 1.0 };
+//!     let path = kubo
+//!         .simulate::<Midpoint>(0.02)                    // step size h
+//!         .start(State::new([0.0], [1.0]))               // q, p at t = 0
+//!         .noise(WongZakai::averaged(0.02).seed(7))      // or Wiener::seed(7), or given increments
+//!         .until(20.0)
+//!         .run()?;
+//!     println!("{:?} drift of H: {:.1e}", path.last(), path.energy_drift(&kubo));
+//!     Ok(())
+//! }
+//! ```
+//!
+//! # The tour
+//!
+//! * **System.** With drift `H_0` and noises `H_k`, in the sense of Stratonovich,
+//!   `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = -Σ_m ∂H_m/∂q ∘ dX_m` with `X_0 = t`, `X_k = W_k`. The struct implements
+//!   [`Hamiltonian`](system::Hamiltonian): energies, gradients, proven first integrals.
+//! * **Schemes** are types, the [embeddings](embedding): where the discrete antiderivative reads `q`. For each one
+//!   listed the struct implements [`Discretized`](system::Discretized); its [`PLAN`](plan::Plan) says what the compiler
+//!   found out (how the step is solved, whether the scheme is consistent, whether the energy is kept) and its
+//!   `EQUATIONS` print what was derived.
+//! * **One step at a time**: `kubo.stepper::<Midpoint>(h)?` is a [`Stepper`](step::Stepper);
+//!   `stepper.step(&mut state, &[dw])?` allocates nothing and on an error leaves the state bit for bit as it was.
+//! * **One path**: `kubo.simulate::<Midpoint>(h)` builds a [`Simulation`](simulate::Simulation), and running it gives a
+//!   [`Trajectory`](trajectory::Trajectory): states, increments, drifts of energy and invariants, what is left of the
+//!   discrete Euler-Lagrange equations. Given numbers serve as noise, too:
+//!   [`Increments::from`](increments::Increments).
+//! * **The discrete calculus** behind it, time scales and the operators on them, is [`calculus`];
+//!   [`Trajectory::observable`](trajectory::Trajectory::observable) takes a path there.
+//! * **Errors** are values that say where, why and what to do; [`Error`] is the sum of them all.
 
-pub use wzvi_runtime::{embedding, error, plan, scalar, state, step, system};
+pub use wzvi_runtime::error::Error;
+pub use wzvi_runtime::{
+    calculus, embedding, error, increments, integrate, plan, scalar, simulate, state, step, system,
+    trajectory,
+};
+
+/// Everything that a scene needs: `use wzvi::prelude::*`.
+pub mod prelude {
+    pub use wzvi_runtime::embedding::{
+        Corrected, DeltaMinus, DeltaPlus, Lambda, Midpoint, Mixed, Uncorrected,
+    };
+    pub use wzvi_runtime::increments::{Increments, Noise};
+    pub use wzvi_runtime::integrate::Integrate;
+    pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
+    pub use wzvi_runtime::state::State;
+    pub use wzvi_runtime::step::Stepper;
+    pub use wzvi_runtime::system::{Discretized, Hamiltonian};
+    pub use wzvi_runtime::trajectory::Trajectory;
+}
+
+/// What generated code names. Its version is pinned to that of the macro; nothing here is for people.
+#[doc(hidden)]
+pub mod __private {
+    pub use wzvi_runtime::error::{ConfigError, StepFailure};
+    pub use wzvi_runtime::nalgebra::{self, DVector, SVector};
+    pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
+    pub use wzvi_runtime::scalar::{Mask, Scalar};
+    pub use wzvi_runtime::solve::*;
+    pub use wzvi_runtime::state::{State, Vector};
+    pub use wzvi_runtime::system::{
+        Discretized, EulerLagrangeResidual, Gradient, Hamiltonian, LagrangianGradient, Segment, Solved,
+    };
+}

@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+pub use crate::calculus::DomainError;
+pub use crate::increments::NoiseError;
+
 /// Why the equations of one step have no (usable) solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepFailure {
@@ -147,7 +150,61 @@ impl fmt::Display for ConfigError {
 
 impl std::error::Error for ConfigError {}
 
-/// Anything that can go wrong in a run.
+/// A question that a recorded path cannot answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PathError {
+    /// Not every step was recorded, but the answer depends on every one.
+    Gaps {
+        /// What `record_every` was.
+        every: u64,
+    },
+    /// The recorded nodes are not evenly spaced: the last is not a multiple of `record_every` steps from the start.
+    Uneven {
+        /// What `record_every` was.
+        every: u64,
+        /// Steps of the path.
+        steps: u64,
+    },
+    /// The path has no step.
+    Empty,
+    /// The path is one of another system: degrees of freedom and noises differ.
+    System {
+        /// Degrees of freedom and noises of the path.
+        path: (usize, usize),
+        /// Degrees of freedom and noises of the system asked about.
+        system: (usize, usize),
+    },
+    /// The nodes are no time scale.
+    Domain(DomainError),
+}
+
+impl fmt::Display for PathError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Gaps { every } => {
+                write!(
+                    f,
+                    "this needs every step of the path, but it was run with record_every({every}); use 1"
+                )
+            }
+            Self::Uneven { every, steps } => write!(
+                f,
+                "the recorded nodes are not evenly spaced: record_every({every}) does not divide the {steps} steps"
+            ),
+            Self::Empty => f.write_str("the path has no step"),
+            Self::System { path, system } => write!(
+                f,
+                "the path is one of {} degrees of freedom and {} noises, the system has {} and {}",
+                path.0, path.1, system.0, system.1
+            ),
+            Self::Domain(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for PathError {}
+
+/// Anything that can go wrong, for `main` and `?`.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
@@ -155,6 +212,12 @@ pub enum Error {
     Config(ConfigError),
     /// A step failed.
     Step(StepError),
+    /// The source of the increments had none for this run or this step.
+    Noise(NoiseError),
+    /// A recorded path cannot answer.
+    Path(PathError),
+    /// A discrete function was evaluated off its time scale, or combined with one on another.
+    Domain(DomainError),
 }
 
 impl fmt::Display for Error {
@@ -162,6 +225,9 @@ impl fmt::Display for Error {
         match self {
             Self::Config(error) => error.fmt(f),
             Self::Step(error) => error.fmt(f),
+            Self::Noise(error) => error.fmt(f),
+            Self::Path(error) => error.fmt(f),
+            Self::Domain(error) => error.fmt(f),
         }
     }
 }
@@ -171,6 +237,9 @@ impl std::error::Error for Error {
         match self {
             Self::Config(error) => Some(error),
             Self::Step(error) => Some(error),
+            Self::Noise(error) => Some(error),
+            Self::Path(error) => Some(error),
+            Self::Domain(error) => Some(error),
         }
     }
 }
@@ -184,5 +253,29 @@ impl From<ConfigError> for Error {
 impl From<StepError> for Error {
     fn from(error: StepError) -> Self {
         Self::Step(error)
+    }
+}
+
+impl From<NoiseError> for Error {
+    fn from(error: NoiseError) -> Self {
+        Self::Noise(error)
+    }
+}
+
+impl From<PathError> for Error {
+    fn from(error: PathError) -> Self {
+        Self::Path(error)
+    }
+}
+
+impl From<DomainError> for Error {
+    fn from(error: DomainError) -> Self {
+        Self::Domain(error)
+    }
+}
+
+impl From<DomainError> for PathError {
+    fn from(error: DomainError) -> Self {
+        Self::Domain(error)
     }
 }

@@ -1,10 +1,18 @@
 //! Runtime of `wzvi`. Users depend on the facade crate `wzvi`; see there for the tour.
 
+pub mod calculus;
 pub mod embedding;
 pub mod error;
+pub mod increments;
+pub mod integrate;
 pub mod plan;
 pub mod scalar;
+pub mod simulate;
 pub mod solve;
 pub mod state;
 pub mod step;
+mod sum;
 pub mod system;
+pub mod trajectory;
+
+pub use nalgebra;

@@ -53,3 +53,12 @@ pub struct Plan {
     /// Whether `{H_j, H_k}` is constant for all noises: then the strong order of a consistent scheme is one.
     pub commuting: Knowledge,
 }
+
+impl Plan {
+    /// Whether the increments of random paths are truncated unless asked otherwise: the step is implicit and noise
+    /// enters its equations, so that an unbounded increment could hit a pole of the scheme.
+    pub const fn truncates_increments(&self) -> bool {
+        !matches!(self.solver, Solver::Explicit)
+            && !matches!(self.noise, NoiseClass::None | NoiseClass::Additive)
+    }
+}

@@ -2,8 +2,12 @@
 //!
 //! One emitted step serves `f64`, dual numbers (tests, sensitivities) and lanes of trajectories.
 
+mod dual;
+
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+pub use dual::Dual;
 
 /// The truth of a comparison: `bool` for one number, a mask for several at once.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {

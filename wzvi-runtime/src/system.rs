@@ -171,6 +171,10 @@ pub trait Discretized<E>: Hamiltonian {
 
     /// One step from `(q, p)` at `t` in place. Slices have [`Hamiltonian::degrees`] and [`Hamiltonian::noises`]
     /// elements. On `Err`, `q`, `p` and `memory` are as they were.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "generated code calls it, and each is one thing that a step reads"
+    )]
     fn advance<S: Scalar>(
         &self,
         prepared: &Self::Prepared,

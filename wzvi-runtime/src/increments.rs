@@ -1,0 +1,255 @@
+//! Where the increments of a path come from.
+//!
+//! A [`Noise`] fills in `ΔW_1 … ΔW_K` of each step. Given numbers are [`Increments`]; everything random is another
+//! module's business, so that a scene without noise compiles no generator.
+
+use std::fmt;
+
+use crate::plan::Plan;
+
+/// One step of a run: `[start, start + h]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// Time at the start of the step, in the units of the Hamiltonian.
+    pub start: f64,
+    /// Step size, same units; negative in a backward run.
+    pub h: f64,
+    /// Number of the step, from 0 at the start of the run.
+    pub step: u64,
+}
+
+/// A source of increments.
+pub trait Noise {
+    /// Told once, before the first step: what the scheme is (see [`Plan::truncates_increments`]), the step size, the
+    /// number of processes and the time of the start. Sources that need none of it keep this default.
+    ///
+    /// # Errors
+    /// [`NoiseError`] if the source cannot serve such a run.
+    fn prepare(&mut self, plan: &Plan, h: f64, processes: usize, start: f64) -> Result<(), NoiseError> {
+        let _ = (plan, h, processes, start);
+        Ok(())
+    }
+
+    /// Writes the increments of one step, one per process, with variance `|h|` each if they are Wiener increments.
+    ///
+    /// Not called for a system without noise.
+    ///
+    /// # Errors
+    /// [`NoiseError`]; the run ends there and keeps what it has.
+    fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError>;
+}
+
+impl<N: Noise + ?Sized> Noise for &mut N {
+    fn prepare(&mut self, plan: &Plan, h: f64, processes: usize, start: f64) -> Result<(), NoiseError> {
+        (**self).prepare(plan, h, processes, start)
+    }
+
+    fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
+        (**self).increments(interval, dw)
+    }
+}
+
+/// Why a source has no increments for a step.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum NoiseError {
+    /// Given increments ended before the run did.
+    Exhausted {
+        /// The step that has none, from 0.
+        step: u64,
+        /// Steps that there were increments for.
+        available: usize,
+    },
+    /// The source has another number of processes than the system has noises.
+    Processes {
+        /// Noises of the system.
+        expected: usize,
+        /// Processes of the source.
+        got: usize,
+    },
+    /// One row of given increments has another length than the first.
+    Ragged {
+        /// The row, from 0.
+        row: usize,
+        /// Length of the first row.
+        expected: usize,
+        /// Its length.
+        got: usize,
+    },
+    /// A setting of the source that makes no sense, with what to do.
+    Setting(String),
+}
+
+impl fmt::Display for NoiseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Exhausted { step, available } => {
+                write!(
+                    f,
+                    "step {step} has no increments: {available} steps were given; give more or end earlier"
+                )
+            }
+            Self::Processes { expected, got } => {
+                write!(f, "the system has {expected} noises, but the increments are those of {got} processes")
+            }
+            Self::Ragged { row, expected, got } => {
+                write!(f, "row {row} of the increments has length {got}, the first one {expected}")
+            }
+            Self::Setting(what) => f.write_str(what),
+        }
+    }
+}
+
+impl std::error::Error for NoiseError {}
+
+/// No noise at all: what a run of a deterministic system has by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct NoNoise;
+
+impl Noise for NoNoise {
+    fn increments(&mut self, _interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
+        if dw.is_empty() { Ok(()) } else { Err(NoiseError::Processes { expected: dw.len(), got: 0 }) }
+    }
+}
+
+/// Given increments, one row per step; the run starts at the first row.
+///
+/// From one `Vec` or array of numbers for one process, or of rows for several:
+/// `Increments::from(vec![0.1, -0.2])`, `Increments::from([[0.1, 0.3], [-0.2, 0.0]])`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Increments {
+    values: Vec<f64>,
+    processes: usize,
+    steps: usize,
+    ragged: Option<NoiseError>,
+}
+
+impl Increments {
+    /// Number of steps.
+    pub fn steps(&self) -> usize {
+        self.steps
+    }
+
+    /// Number of processes: the length of the first row.
+    pub fn processes(&self) -> usize {
+        self.processes
+    }
+
+    fn from_rows<R: AsRef<[f64]>>(rows: &[R]) -> Self {
+        let processes = rows.first().map_or(0, |row| row.as_ref().len());
+        let ragged = rows.iter().map(|row| row.as_ref().len()).enumerate().find(|&(_, len)| len != processes);
+        Self {
+            values: rows.iter().flat_map(|row| row.as_ref()).copied().collect(),
+            processes,
+            steps: rows.len(),
+            ragged: ragged.map(|(row, got)| NoiseError::Ragged { row, expected: processes, got }),
+        }
+    }
+
+    fn check(&self, processes: usize) -> Result<(), NoiseError> {
+        match &self.ragged {
+            Some(error) => Err(error.clone()),
+            // No rows at all fit any system, for no steps.
+            None if self.processes == processes || self.steps == 0 => Ok(()),
+            None => Err(NoiseError::Processes { expected: processes, got: self.processes }),
+        }
+    }
+}
+
+impl Noise for Increments {
+    fn prepare(&mut self, _plan: &Plan, _h: f64, processes: usize, _start: f64) -> Result<(), NoiseError> {
+        self.check(processes)
+    }
+
+    fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
+        self.check(dw.len())?;
+        let first = usize::try_from(interval.step).ok().and_then(|step| step.checked_mul(self.processes));
+        let row = first.and_then(|first| self.values.get(first..first.checked_add(self.processes)?));
+        match row {
+            Some(row) if row.len() == dw.len() => {
+                dw.copy_from_slice(row);
+                Ok(())
+            }
+            _ => Err(NoiseError::Exhausted { step: interval.step, available: self.steps }),
+        }
+    }
+}
+
+impl From<Vec<f64>> for Increments {
+    fn from(values: Vec<f64>) -> Self {
+        Self { steps: values.len(), values, processes: 1, ragged: None }
+    }
+}
+
+impl From<&[f64]> for Increments {
+    fn from(values: &[f64]) -> Self {
+        values.to_vec().into()
+    }
+}
+
+impl<const STEPS: usize> From<[f64; STEPS]> for Increments {
+    fn from(values: [f64; STEPS]) -> Self {
+        values.to_vec().into()
+    }
+}
+
+impl<const K: usize> From<Vec<[f64; K]>> for Increments {
+    fn from(rows: Vec<[f64; K]>) -> Self {
+        Self { processes: K, ..Self::from_rows(&rows) }
+    }
+}
+
+impl<const K: usize> From<&[[f64; K]]> for Increments {
+    fn from(rows: &[[f64; K]]) -> Self {
+        Self { processes: K, ..Self::from_rows(rows) }
+    }
+}
+
+impl<const K: usize, const STEPS: usize> From<[[f64; K]; STEPS]> for Increments {
+    fn from(rows: [[f64; K]; STEPS]) -> Self {
+        Self { processes: K, ..Self::from_rows(&rows) }
+    }
+}
+
+impl From<Vec<Vec<f64>>> for Increments {
+    fn from(rows: Vec<Vec<f64>>) -> Self {
+        Self::from_rows(&rows)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(mut noise: impl Noise, processes: usize) -> Result<Vec<Vec<f64>>, NoiseError> {
+        let mut dw = vec![0.0; processes];
+        let row = |step| {
+            noise.increments(&Interval { start: 0.0, h: 0.1, step }, &mut dw)?;
+            Ok(dw.clone())
+        };
+        (0..2).map(row).collect()
+    }
+
+    #[test]
+    fn every_form_of_the_same_numbers_is_the_same() {
+        let expected = vec![vec![0.5, 1.0], vec![-0.5, 2.0]];
+        let array = [[0.5, 1.0], [-0.5, 2.0]];
+        for form in
+            [Increments::from(array), array.to_vec().into(), array[..].into(), expected.clone().into()]
+        {
+            assert_eq!(rows(form, 2), Ok(expected.clone()));
+        }
+        assert_eq!(rows(Increments::from([0.5, -0.5]), 1), Ok(vec![vec![0.5], vec![-0.5]]));
+        assert_eq!(Increments::from([0.5, -0.5]), Increments::from(vec![0.5, -0.5]));
+    }
+
+    #[test]
+    fn what_does_not_fit_says_so() {
+        assert_eq!(rows(Increments::from([0.5]), 1), Err(NoiseError::Exhausted { step: 1, available: 1 }));
+        assert_eq!(rows(Increments::from([0.5, 0.5]), 2), Err(NoiseError::Processes { expected: 2, got: 1 }));
+        let ragged = Increments::from(vec![vec![0.5], vec![0.5, 1.0]]);
+        assert_eq!(rows(ragged, 1), Err(NoiseError::Ragged { row: 1, expected: 1, got: 2 }));
+        assert_eq!(rows(NoNoise, 0), Ok(vec![vec![], vec![]]));
+        assert_eq!(rows(NoNoise, 1), Err(NoiseError::Processes { expected: 1, got: 0 }));
+    }
+}

@@ -1,0 +1,31 @@
+//! What every system can do with its schemes.
+
+use crate::error::ConfigError;
+use crate::simulate::Simulation;
+use crate::step::Stepper;
+use crate::system::{Discretized, Hamiltonian};
+
+/// Runs a system by one of its schemes, `E`: the only parameter to name, as in `kubo.simulate::<Midpoint>(0.02)`.
+pub trait Integrate: Hamiltonian {
+    /// Single steps of size `h` (time units of the Hamiltonian; negative runs backwards) with given increments.
+    ///
+    /// # Errors
+    /// See [`Stepper::new`].
+    fn stepper<E>(&self, h: f64) -> Result<Stepper<'_, Self, E>, ConfigError>
+    where
+        Self: Discretized<E> + Sized,
+    {
+        Stepper::new(self, h)
+    }
+
+    /// One path in steps of size `h` (time units of the Hamiltonian; negative runs backwards). Whatever is wrong with
+    /// the settings, [`Simulation::run`] says it.
+    fn simulate<E>(&self, h: f64) -> Simulation<'_, Self, E>
+    where
+        Self: Discretized<E> + Sized,
+    {
+        Simulation::new(self, h)
+    }
+}
+
+impl<H: Hamiltonian + ?Sized> Integrate for H {}

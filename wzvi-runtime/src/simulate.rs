@@ -1,0 +1,308 @@
+//! One path: a builder, and the loop that it starts.
+
+use std::marker::PhantomData;
+
+use crate::error::{ConfigError, Error, StepFailure};
+use crate::increments::{Interval, NoNoise, Noise};
+use crate::state::{State, Vector};
+use crate::step::{StepInfo, Stepper};
+use crate::sum::Sums;
+use crate::system::Discretized;
+use crate::trajectory::{Recorder, Trajectory};
+
+/// Step numbers are exact as `f64` up to here; time is `t_0 + n h`.
+const MOST_STEPS: u64 = 1 << 53;
+
+/// What an observer is told of a node besides the state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node<'a> {
+    /// Steps from the start, 0 for the start itself.
+    pub step: u64,
+    /// `W(t) - W(t_0)`, one per noise: the sum of all increments so far.
+    pub wiener: &'a [f64],
+    /// Increments of the step that ended here, one per noise; zeros at the start.
+    pub increments: &'a [f64],
+    /// Newton iterations of that step; 0 at the start.
+    pub iterations: u32,
+}
+
+/// Sees the nodes of a run. Implemented by closures `|state, node| ...`.
+pub trait Observer<V> {
+    /// Whether it looks at all; a run without observer does not prepare what it would be told.
+    const LOOKS: bool = true;
+
+    /// Called at the start and then at each recorded node.
+    fn observe(&mut self, state: &State<V>, node: &Node<'_>);
+}
+
+impl<V, F: FnMut(&State<V>, &Node<'_>)> Observer<V> for F {
+    #[inline(always)]
+    fn observe(&mut self, state: &State<V>, node: &Node<'_>) {
+        self(state, node);
+    }
+}
+
+/// Nobody looks.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unobserved;
+
+impl<V> Observer<V> for Unobserved {
+    const LOOKS: bool = false;
+
+    #[inline(always)]
+    fn observe(&mut self, _state: &State<V>, _node: &Node<'_>) {}
+}
+
+/// As far as a run went: the trajectory up to the last good state and, if that is not the end, what stopped it.
+pub type Partial<V, E> = (Trajectory<V, E>, Option<Error>);
+
+#[derive(Clone, Copy, Debug)]
+enum End {
+    Time(f64),
+    Steps(u64),
+}
+
+/// One path to run: [`Integrate::simulate`](crate::integrate::Integrate::simulate) begins it, [`Simulation::run`]
+/// runs it.
+///
+/// A start and an end are needed, and a noise if the system has any. A later setting replaces an earlier one.
+#[derive(Clone, Debug)]
+#[must_use = "nothing happens before `run`"]
+pub struct Simulation<'a, H: Discretized<E>, E, N = NoNoise, O = Unobserved> {
+    system: &'a H,
+    h: f64,
+    start: Option<State<H::Vector>>,
+    noise: Option<N>,
+    end: Option<End>,
+    every: u64,
+    observer: O,
+    scheme: PhantomData<fn() -> E>,
+}
+
+impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
+    /// A path of `system` in steps of size `h`.
+    pub fn new(system: &'a H, h: f64) -> Self {
+        Self {
+            system,
+            h,
+            start: None,
+            noise: None,
+            end: None,
+            every: 1,
+            observer: Unobserved,
+            scheme: PhantomData,
+        }
+    }
+}
+
+impl<'a, H: Discretized<E>, E, N, O> Simulation<'a, H, E, N, O> {
+    /// The first state, at its own time.
+    pub fn start(mut self, start: State<H::Vector>) -> Self {
+        self.start = Some(start);
+        self
+    }
+
+    /// Where the increments come from; [`Increments`](crate::increments::Increments) for given ones. A `&mut` to a
+    /// source leaves it with the caller, to continue with. A system without noise takes any source and asks it
+    /// for nothing.
+    pub fn noise<M: Noise>(self, noise: M) -> Simulation<'a, H, E, M, O> {
+        Simulation {
+            noise: Some(noise),
+            system: self.system,
+            h: self.h,
+            start: self.start,
+            end: self.end,
+            every: self.every,
+            observer: self.observer,
+            scheme: self.scheme,
+        }
+    }
+
+    /// Runs to time `end` (time units of the Hamiltonian): the first node at or beyond it.
+    ///
+    /// That is `⌈(end - t_0)/h⌉` steps, with an allowance for rounding: `until(20.0)` with `h = 0.02` takes 1000.
+    pub fn until(mut self, end: f64) -> Self {
+        self.end = Some(End::Time(end));
+        self
+    }
+
+    /// Runs `steps` steps.
+    pub fn steps(mut self, steps: u64) -> Self {
+        self.end = Some(End::Steps(steps));
+        self
+    }
+
+    /// Keeps every `stride`-th node, the start and the last; 1 (all of them) if this is not called.
+    ///
+    /// With 0, only the start and the last node are kept and an observer sees every node: the memory of the run
+    /// does not grow.
+    pub fn record_every(mut self, stride: u64) -> Self {
+        self.every = stride;
+        self
+    }
+
+    /// Calls `observer(state, node)` at each recorded node (each node with `record_every(0)`), start and end
+    /// included, as the run gets there.
+    pub fn observe<F>(self, observer: F) -> Simulation<'a, H, E, N, F>
+    where
+        F: FnMut(&State<H::Vector>, &Node<'_>),
+    {
+        Simulation {
+            observer,
+            system: self.system,
+            h: self.h,
+            start: self.start,
+            noise: self.noise,
+            end: self.end,
+            every: self.every,
+            scheme: self.scheme,
+        }
+    }
+}
+
+impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E, N, O> {
+    /// Runs the path.
+    ///
+    /// # Errors
+    /// [`Error::Config`] if a setting is missing or makes no sense, [`Error::Noise`] if the source has no increments,
+    /// [`Error::Step`] if a step fails. To keep what was computed before, use [`Simulation::run_partial`].
+    pub fn run(self) -> Result<Trajectory<H::Vector, E>, Error> {
+        match self.run_partial()? {
+            (trajectory, None) => Ok(trajectory),
+            (_, Some(error)) => Err(error),
+        }
+    }
+
+    /// Runs the path as far as it goes: the trajectory up to the last good state, and what ended it early, if
+    /// anything did ([`Error::Step`] or [`Error::Noise`]).
+    ///
+    /// # Errors
+    /// [`Error::Config`] or [`Error::Noise`] if the run could not start: then there is no trajectory.
+    pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error> {
+        let Self { system, h, start, noise, end, every, mut observer, .. } = self;
+        let mut stepper = Stepper::<H, E>::new(system, h)?;
+        let mut state = checked(system, start)?;
+        let steps = count(end, state.t, h)?;
+        let processes = system.noises();
+        // A deterministic system asks its noise for nothing.
+        let mut noise = noise.filter(|_| processes > 0);
+        match &mut noise {
+            Some(noise) => noise.prepare(&H::PLAN, h, processes, state.t)?,
+            None if processes > 0 => return Err(ConfigError::Missing(NOISE).into()),
+            None => {}
+        }
+        let mut dw = vec![0.0; processes];
+        let mut path = Sums::new(processes);
+        let mut recorder = Recorder::new(&state, h, processes, every, steps)?;
+        observer.observe(&state, &Node { step: 0, wiener: path.totals(), increments: &dw, iterations: 0 });
+
+        for step in 0..steps {
+            let interval = Interval { start: state.t, h, step };
+            let drawn = match &mut noise {
+                Some(noise) => noise.increments(&interval, &mut dw).map_err(Error::from),
+                None => Ok(()),
+            };
+            let outcome = drawn.and_then(|()| stepper.step(&mut state, &dw).map_err(Error::from));
+            let StepInfo { iterations } = match outcome {
+                Ok(info) => info,
+                Err(error) => return Ok((recorder.finish(state), Some(error))),
+            };
+            recorder.step(&dw, iterations);
+            let node = step + 1;
+            let seen = recorder.reach(&state, node == steps);
+            if O::LOOKS {
+                path.add(&dw);
+                if seen {
+                    observer.observe(
+                        &state,
+                        &Node { step: node, wiener: path.totals(), increments: &dw, iterations },
+                    );
+                }
+            }
+        }
+        Ok((recorder.finish(state), None))
+    }
+}
+
+const START: &str = "a start: add `.start(State::new(q, p))`";
+const END: &str = "an end: add `.until(time)` or `.steps(number)`";
+const NOISE: &str = "increments for the noises of the system: add `.noise(...)` with a seeded source or \
+                     `Increments::from(...)`";
+
+fn checked<H: Discretized<E>, E>(
+    system: &H,
+    start: Option<State<H::Vector>>,
+) -> Result<State<H::Vector>, ConfigError> {
+    let state = start.ok_or(ConfigError::Missing(START))?;
+    let (q, p, expected) = (state.q.components(), state.p.components(), system.degrees());
+    for got in [q.len(), p.len()] {
+        if got != expected {
+            return Err(ConfigError::Start(StepFailure::Dimension { expected, got }));
+        }
+    }
+    if q.iter().chain(p).chain([&state.t]).all(|x| x.is_finite()) {
+        Ok(state)
+    } else {
+        Err(ConfigError::Start(StepFailure::NonFiniteInput))
+    }
+}
+
+fn count(end: Option<End>, start: f64, h: f64) -> Result<u64, ConfigError> {
+    match end.ok_or(ConfigError::Missing(END))? {
+        End::Time(end) => steps_between(start, end, h).ok_or(ConfigError::End { start, end, h }),
+        End::Steps(steps) if steps <= MOST_STEPS => Ok(steps),
+        End::Steps(steps) => Err(ConfigError::End { start, end: start + steps as f64 * h, h }),
+    }
+}
+
+/// `⌈(end - start)/h⌉`, or the integer that the quotient would be but for rounding; `None` if it is negative, NaN or
+/// more than can be counted.
+pub(crate) fn steps_between(start: f64, end: f64, h: f64) -> Option<u64> {
+    let quotient = (end - start) / h;
+    // One rounding each in start, end, their difference, h and the quotient, and one to spare.
+    let allowance = 2.0 * f64::EPSILON * (quotient + (start.abs() + end.abs()) / h.abs());
+    let nearest = quotient.round();
+    let steps = if (quotient - nearest).abs() <= allowance { nearest } else { quotient.ceil() };
+    // Also false for NaN.
+    (quotient >= 0.0 && steps <= MOST_STEPS as f64).then_some(steps as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_counted_despite_rounding() {
+        assert_eq!(steps_between(0.0, 20.0, 0.02), Some(1000));
+        assert_eq!(steps_between(0.0, 0.3, 0.1), Some(3)); // 2.9999999999999996
+        assert_eq!(steps_between(0.1, 0.7, 0.1), Some(6)); // 5.999999999999999
+        assert_eq!(steps_between(0.1 + 0.2, 0.9, 0.3), Some(2));
+        assert_eq!(steps_between(0.0, 1.0, 0.3), Some(4));
+        assert_eq!(steps_between(0.0, 1.0 + 1e-12, 0.25), Some(5));
+        assert_eq!(steps_between(0.0, 1e-17, 1.0), Some(1));
+        assert_eq!(steps_between(2.0, 2.0, 0.1), Some(0));
+        assert_eq!(steps_between(1.0, -1.0, -0.5), Some(4));
+        for n in 1..2000_u32 {
+            for h in [0.1, 0.02, 1e-3, 1.0 / 3.0, 0.7] {
+                for t0 in [0.0, 0.1, -17.3, 1e3] {
+                    assert_eq!(
+                        steps_between(t0, t0 + f64::from(n) * h, h),
+                        Some(u64::from(n)),
+                        "{t0} {n} {h}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn ends_that_cannot_be_reached_are_refused() {
+        let (nan, inf) = (f64::NAN, f64::INFINITY);
+        for (start, end, h) in
+            [(0.0, -1.0, 0.1), (0.0, 1.0, -0.1), (0.0, nan, 0.1), (0.0, inf, 0.1), (0.0, 1e300, 1e-300)]
+        {
+            assert_eq!(steps_between(start, end, h), None, "{start} {end} {h}");
+        }
+        assert_eq!(steps_between(0.0, 9_007_199_254_740_994.0, 1.0), None);
+    }
+}

@@ -1,0 +1,355 @@
+//! What a run leaves: states at the recorded nodes and the increments between them.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use crate::calculus::{Function, Interior, Nodes, TimeScale};
+use crate::error::{ConfigError, PathError};
+use crate::state::{State, Vector};
+use crate::sum::Sum;
+use crate::system::{Discretized, EulerLagrangeResidual, Hamiltonian, Segment};
+
+/// Newton iterations of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Iterations {
+    /// Over all steps.
+    pub total: u64,
+    /// The most that one step took.
+    pub largest: u32,
+}
+
+/// A path by the scheme `E`: never empty, its first state is the start.
+///
+/// It does not hold the system; what depends on it takes it again, as in `path.energy_drift(&kubo)`.
+pub struct Trajectory<V, E> {
+    path: Path<V>,
+    scheme: PhantomData<fn() -> E>,
+}
+
+/// The part of a trajectory that the scheme has no say in.
+#[derive(Clone, Debug, PartialEq)]
+struct Path<V> {
+    h: f64,
+    every: u64,
+    steps: u64,
+    iterations: Iterations,
+    processes: usize,
+    /// Sums of the increments from each recorded node to the next, by rows.
+    increments: Vec<f64>,
+    states: Vec<State<V>>,
+    last: State<V>,
+}
+
+impl<V: Clone, E> Clone for Trajectory<V, E> {
+    fn clone(&self) -> Self {
+        Self { path: self.path.clone(), scheme: PhantomData }
+    }
+}
+
+impl<V: fmt::Debug, E> fmt::Debug for Trajectory<V, E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Path { h, every, steps, iterations, processes, increments, states, last: _ } = &self.path;
+        f.debug_struct("Trajectory")
+            .field("h", h)
+            .field("every", every)
+            .field("steps", steps)
+            .field("iterations", iterations)
+            .field("processes", processes)
+            .field("increments", increments)
+            .field("states", states)
+            .finish()
+    }
+}
+
+impl<V: PartialEq, E> PartialEq for Trajectory<V, E> {
+    fn eq(&self, other: &Self) -> bool {
+        self.path == other.path
+    }
+}
+
+impl<V: Vector, E> Trajectory<V, E> {
+    /// The state at the end of the run.
+    pub fn last(&self) -> &State<V> {
+        &self.path.last
+    }
+
+    /// The states at the recorded nodes: the start, every `record_every`-th node, the end.
+    pub fn states(&self) -> &[State<V>] {
+        &self.path.states
+    }
+
+    /// The recorded states in order.
+    pub fn iter(&self) -> std::slice::Iter<'_, State<V>> {
+        self.path.states.iter()
+    }
+
+    /// Number of recorded nodes, at least 1.
+    pub fn len(&self) -> usize {
+        self.path.states.len()
+    }
+
+    /// Never: the start is always there.
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// Times of the recorded nodes, in the units of the Hamiltonian.
+    pub fn times(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
+        self.iter().map(|state| state.t)
+    }
+
+    /// The step size `h`, same units; negative for a backward run.
+    pub fn step_size(&self) -> f64 {
+        self.path.h
+    }
+
+    /// Number of steps taken.
+    pub fn steps(&self) -> u64 {
+        self.path.steps
+    }
+
+    /// What `record_every` was.
+    pub fn stride(&self) -> u64 {
+        self.path.every
+    }
+
+    /// Number of noises.
+    pub fn processes(&self) -> usize {
+        self.path.processes
+    }
+
+    /// Newton iterations, all zero for explicit and linear steps.
+    pub fn iterations(&self) -> Iterations {
+        self.path.iterations
+    }
+
+    /// The increments from each recorded node to the next, one row per interval and one number per noise: those of
+    /// the steps where every step was recorded, their sums otherwise.
+    ///
+    /// Given noise is no more than this, so [`Increments`](crate::increments::Increments) of them repeats the run.
+    pub fn increments(&self) -> impl ExactSizeIterator<Item = &[f64]> + '_ {
+        (0..self.len().saturating_sub(1)).map(|interval| self.row(interval))
+    }
+
+    fn row(&self, interval: usize) -> &[f64] {
+        let k = self.path.processes;
+        self.path.increments.get(interval * k..(interval + 1) * k).unwrap_or(&[])
+    }
+
+    /// `W_k(t) - W_k(t_0)` at the recorded nodes; noises count from 0, and one that does not exist is zero.
+    pub fn wiener(&self, k: usize) -> Vec<f64> {
+        let mut sum = Sum::default();
+        let steps = self.increments().map(|row| {
+            sum.add(row.get(k).copied().unwrap_or(0.0));
+            sum.total()
+        });
+        std::iter::once(0.0).chain(steps).collect()
+    }
+
+    /// `max_i |H_0(z_i, t_i) - H_0(z_0, t_0)|` over the recorded nodes: absolute, in units of energy; NaN if a value
+    /// is.
+    ///
+    /// Small where the system keeps its energy (`PLAN.conserves_energy`); elsewhere it measures what the noise does.
+    pub fn energy_drift<H: Hamiltonian<Vector = V>>(&self, system: &H) -> f64 {
+        self.drift(|state| system.energy(state))
+    }
+
+    /// `max_i |I(z_i) - I(z_0)|` over the recorded nodes for first integral `index` of the system, in the order of the
+    /// attribute; NaN for one that does not exist.
+    pub fn invariant_drift<H: Hamiltonian<Vector = V>>(&self, system: &H, index: usize) -> f64 {
+        self.drift(|state| system.invariant(index, state))
+    }
+
+    fn drift(&self, value: impl Fn(&State<V>) -> f64) -> f64 {
+        let mut values = self.iter().map(value);
+        let first = values.next().unwrap_or(f64::NAN);
+        // The start counts too: NaN there must show.
+        largest(std::iter::once(first).chain(values).map(|value| value - first))
+    }
+
+    /// The time scale T of the recorded nodes.
+    ///
+    /// # Errors
+    /// [`PathError::Empty`] for a path without steps, [`PathError::Uneven`] if the last interval is shorter.
+    pub fn time_scale(&self) -> Result<TimeScale, PathError> {
+        let Path { every, steps, states, last, .. } = &self.path;
+        let [first, .., _] = states.as_slice() else { return Err(PathError::Empty) };
+        if *every > 1 && states.len() > 2 && steps % every != 0 {
+            return Err(PathError::Uneven { every: *every, steps: *steps });
+        }
+        Ok(TimeScale::new(first.t, last.t, states.len() - 1)?)
+    }
+
+    /// An observable along the path, as a function on T: the discrete calculus starts here.
+    ///
+    /// # Errors
+    /// As [`Trajectory::time_scale`].
+    pub fn observable<T>(&self, value: impl FnMut(&State<V>) -> T) -> Result<Function<Nodes, T>, PathError> {
+        Ok(Function::new(self.time_scale()?, self.iter().map(value).collect())?)
+    }
+
+    /// What is left of the discrete Euler-Lagrange equations at each interior node (T^±): the equation of the node and
+    /// that of the momentum of the step that starts there.
+    ///
+    /// # Errors
+    /// [`PathError::Gaps`] unless every step was recorded, [`PathError::Empty`] for a path without steps,
+    /// [`PathError::System`] if the path is not one of `system`.
+    pub fn euler_lagrange<H>(
+        &self,
+        system: &H,
+    ) -> Result<Function<Interior, EulerLagrangeResidual<V>>, PathError>
+    where
+        H: Discretized<E, Vector = V>,
+    {
+        self.check_every_step(system)?;
+        let scale = self.time_scale()?;
+        let mut residuals = Vec::with_capacity(self.len().saturating_sub(2));
+        let mut previous: Option<(Segment<V>, &[f64])> = None;
+        for next in self.segments(system) {
+            if let Some((segment, dw)) = &previous {
+                residuals.push(system.euler_lagrange_residual(segment, &next.0, dw, next.1));
+            }
+            previous = Some(next);
+        }
+        Ok(Function::new(scale, residuals)?)
+    }
+
+    /// The largest residual of the discrete Euler-Lagrange equations, in absolute value: over the interior nodes
+    /// `|D_2 L_d(step i-1) + D_1 L_d(step i)|`, over all steps `|∂L_d/∂P|`. NaN if one is. At rounding level on any
+    /// path that the scheme computed.
+    ///
+    /// # Errors
+    /// As [`Trajectory::euler_lagrange`].
+    pub fn euler_lagrange_residual<H>(&self, system: &H) -> Result<f64, PathError>
+    where
+        H: Discretized<E, Vector = V>,
+    {
+        let interior = self.euler_lagrange(system)?;
+        let first = self.segments(system).next();
+        let first = first.map(|(segment, dw)| system.discrete_lagrangian_gradient(&segment, dw).p);
+        let both = interior.values().iter().flat_map(|residual| [&residual.node, &residual.momentum]);
+        Ok(largest(both.chain(&first).flat_map(|vector| vector.components()).copied()))
+    }
+
+    fn check_every_step<H: Hamiltonian<Vector = V>>(&self, system: &H) -> Result<(), PathError> {
+        if self.path.every != 1 && self.path.steps > 1 {
+            return Err(PathError::Gaps { every: self.path.every });
+        }
+        let path = (self.last().q.components().len(), self.processes());
+        let asked = (system.degrees(), system.noises());
+        if path == asked { Ok(()) } else { Err(PathError::System { path, system: asked }) }
+    }
+
+    /// The steps with their increments.
+    fn segments<H>(&self, system: &H) -> impl Iterator<Item = (Segment<V>, &[f64])>
+    where
+        H: Discretized<E, Vector = V>,
+    {
+        let h = self.step_size();
+        self.states().windows(2).zip(self.increments()).filter_map(move |(ends, dw)| {
+            let [before, after] = ends else { return None };
+            let p = system.step_momentum(before, after, h, dw);
+            Some((Segment { q0: before.q.clone(), q1: after.q.clone(), p, t: before.t, h }, dw))
+        })
+    }
+}
+
+/// The largest absolute value, 0 of none, NaN if one is.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values
+        .map(f64::abs)
+        .fold(0.0, |largest, value| if value <= largest || largest.is_nan() { largest } else { value })
+}
+
+impl<V, E> IntoIterator for Trajectory<V, E> {
+    type Item = State<V>;
+    type IntoIter = std::vec::IntoIter<State<V>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.path.states.into_iter()
+    }
+}
+
+impl<'a, V, E> IntoIterator for &'a Trajectory<V, E> {
+    type Item = &'a State<V>;
+    type IntoIter = std::slice::Iter<'a, State<V>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.path.states.iter()
+    }
+}
+
+/// A trajectory in the making.
+pub(crate) struct Recorder<V> {
+    path: Path<V>,
+    /// Sums of the increments since the last recorded node.
+    pending: Vec<Sum>,
+    /// Steps since then.
+    since: u64,
+}
+
+impl<V: Vector> Recorder<V> {
+    /// Makes room for the whole path at once, so that steps allocate nothing and a path too long for the memory is
+    /// refused before it runs.
+    pub(crate) fn new(
+        start: &State<V>,
+        h: f64,
+        processes: usize,
+        every: u64,
+        steps: u64,
+    ) -> Result<Self, ConfigError> {
+        let intervals = if every == 0 { steps.min(1) } else { steps.div_ceil(every) };
+        let (mut states, mut increments) = (Vec::new(), Vec::new());
+        let reserved = usize::try_from(intervals).ok().and_then(|intervals| {
+            states.try_reserve_exact(intervals.checked_add(1)?).ok()?;
+            increments.try_reserve_exact(intervals.checked_mul(processes)?).ok()
+        });
+        reserved.ok_or_else(|| {
+            let nodes = intervals.saturating_add(1);
+            ConfigError::Setting(format!("{nodes} states do not fit in memory; use a larger `record_every`"))
+        })?;
+        states.push(start.clone());
+        let iterations = Iterations::default();
+        let last = start.clone();
+        let path = Path { h, every, steps: 0, iterations, processes, increments, states, last };
+        Ok(Self { path, pending: vec![Sum::default(); processes], since: 0 })
+    }
+
+    /// A step was taken.
+    #[inline]
+    pub(crate) fn step(&mut self, dw: &[f64], iterations: u32) {
+        self.path.steps += 1;
+        self.path.iterations.total += u64::from(iterations);
+        self.path.iterations.largest = self.path.iterations.largest.max(iterations);
+        self.since += 1;
+        for (sum, &dw) in self.pending.iter_mut().zip(dw) {
+            sum.add(dw);
+        }
+    }
+
+    /// Keeps the node just reached if it is the `last` or one of the `every`-th; whether an observer is to see it.
+    #[inline]
+    pub(crate) fn reach(&mut self, state: &State<V>, last: bool) -> bool {
+        let due = last || self.since == self.path.every;
+        if due {
+            self.keep(state);
+        }
+        due || self.path.every == 0
+    }
+
+    fn keep(&mut self, state: &State<V>) {
+        self.path.states.push(state.clone());
+        self.path.increments.extend(self.pending.iter().map(|sum| sum.total()));
+        self.pending.fill(Sum::default());
+        self.since = 0;
+    }
+
+    /// The trajectory, which ends at `last`.
+    pub(crate) fn finish<E>(mut self, last: State<V>) -> Trajectory<V, E> {
+        if self.since > 0 {
+            self.keep(&last);
+        }
+        self.path.last = last;
+        Trajectory { path: self.path, scheme: PhantomData }
+    }
+}
