@@ -2,6 +2,8 @@
 
 pub mod embedding;
 pub mod error;
+#[cfg(feature = "noise")]
+pub mod noise;
 pub mod plan;
 pub mod scalar;
 pub mod solve;
