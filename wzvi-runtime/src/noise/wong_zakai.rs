@@ -117,6 +117,11 @@ impl WongZakai {
         self
     }
 
+    /// The path that is averaged.
+    pub fn into_wiener(self) -> Wiener {
+        self.early
+    }
+
     /// Width of the window.
     pub fn eps(&self) -> f64 {
         self.eps
