@@ -3,19 +3,42 @@
 //! A [`Noise`] fills in `ΔW_1 … ΔW_K` of each step. Given numbers are [`Increments`]; everything random is another
 //! module's business, so that a scene without noise compiles no generator.
 
-use std::fmt;
+mod error;
 
 use crate::plan::Plan;
+pub use error::NoiseError;
 
-/// One step of a run: `[start, start + h]`.
+/// One step of a run, `[start + n h, start + (n + 1) h]`. Times are computed from the number of the step, never
+/// accumulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// Time at the start of the step, in the units of the Hamiltonian.
+    /// Time at the start of the run, in the units of the Hamiltonian.
     pub start: f64,
     /// Step size, same units; negative in a backward run.
     pub h: f64,
-    /// Number of the step, from 0 at the start of the run.
+    /// Number `n` of the step, from 0 at the start of the run.
     pub step: u64,
+}
+
+impl Interval {
+    /// Time after `n` steps, `start + n h`.
+    #[inline]
+    pub fn time(&self, n: f64) -> f64 {
+        self.start + n * self.h
+    }
+
+    /// Time at the start of the step.
+    #[inline]
+    pub fn begin(&self) -> f64 {
+        self.time(self.step as f64)
+    }
+
+    /// Time at the end of the step.
+    #[inline]
+    pub fn end(&self) -> f64 {
+        // Above 2^53 steps the sum rounds; no run gets there.
+        self.time((self.step + 1) as f64)
+    }
 }
 
 /// A source of increments.
@@ -48,59 +71,6 @@ impl<N: Noise + ?Sized> Noise for &mut N {
         (**self).increments(interval, dw)
     }
 }
-
-/// Why a source has no increments for a step.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum NoiseError {
-    /// Given increments ended before the run did.
-    Exhausted {
-        /// The step that has none, from 0.
-        step: u64,
-        /// Steps that there were increments for.
-        available: usize,
-    },
-    /// The source has another number of processes than the system has noises.
-    Processes {
-        /// Noises of the system.
-        expected: usize,
-        /// Processes of the source.
-        got: usize,
-    },
-    /// One row of given increments has another length than the first.
-    Ragged {
-        /// The row, from 0.
-        row: usize,
-        /// Length of the first row.
-        expected: usize,
-        /// Its length.
-        got: usize,
-    },
-    /// A setting of the source that makes no sense, with what to do.
-    Setting(String),
-}
-
-impl fmt::Display for NoiseError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Exhausted { step, available } => {
-                write!(
-                    f,
-                    "step {step} has no increments: {available} steps were given; give more or end earlier"
-                )
-            }
-            Self::Processes { expected, got } => {
-                write!(f, "the system has {expected} noises, but the increments are those of {got} processes")
-            }
-            Self::Ragged { row, expected, got } => {
-                write!(f, "row {row} of the increments has length {got}, the first one {expected}")
-            }
-            Self::Setting(what) => f.write_str(what),
-        }
-    }
-}
-
-impl std::error::Error for NoiseError {}
 
 /// No noise at all: what a run of a deterministic system has by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -167,6 +137,9 @@ impl Noise for Increments {
         let row = first.and_then(|first| self.values.get(first..first.checked_add(self.processes)?));
         match row {
             Some(row) if row.len() == dw.len() => {
+                if let Some(process) = row.iter().position(|value| !value.is_finite()) {
+                    return Err(NoiseError::NonFinite { step: interval.step, process, value: row[process] });
+                }
                 dw.copy_from_slice(row);
                 Ok(())
             }
@@ -249,6 +222,8 @@ mod tests {
         assert_eq!(rows(Increments::from([0.5, 0.5]), 2), Err(NoiseError::Processes { expected: 2, got: 1 }));
         let ragged = Increments::from(vec![vec![0.5], vec![0.5, 1.0]]);
         assert_eq!(rows(ragged, 1), Err(NoiseError::Ragged { row: 1, expected: 1, got: 2 }));
+        let infinite = rows(Increments::from([0.5, f64::INFINITY]), 1);
+        assert_eq!(infinite, Err(NoiseError::NonFinite { step: 1, process: 0, value: f64::INFINITY }));
         assert_eq!(rows(NoNoise, 0), Ok(vec![vec![], vec![]]));
         assert_eq!(rows(NoNoise, 1), Err(NoiseError::Processes { expected: 1, got: 0 }));
     }

@@ -5,6 +5,8 @@ pub mod embedding;
 pub mod error;
 pub mod increments;
 pub mod integrate;
+#[cfg(feature = "noise")]
+pub mod noise;
 pub mod plan;
 pub mod scalar;
 pub mod simulate;

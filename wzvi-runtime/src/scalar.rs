@@ -42,8 +42,11 @@ pub trait Scalar:
 
     /// A constant.
     fn from_f64(value: f64) -> Self;
-    /// The largest absolute value among everything that the number carries (lanes, derivatives); NaN if any is.
+    /// The absolute value, without what the number carries besides (derivatives); the largest of several lanes.
     fn magnitude(self) -> f64;
+    /// How large the number is against `|a| + |b|`, part by part (value, derivatives, lanes): the largest ratio, 0 for
+    /// a part that vanishes; NaN if any part is.
+    fn relative_to(self, a: Self, b: Self) -> f64;
     /// Where every part of the number is finite.
     fn is_finite(self) -> Self::Mask;
     /// `self < other`
@@ -133,6 +136,10 @@ impl Scalar for f64 {
     #[inline(always)]
     fn magnitude(self) -> f64 {
         self.abs()
+    }
+    #[inline(always)]
+    fn relative_to(self, a: Self, b: Self) -> f64 {
+        self.abs() / (a.abs() + b.abs() + f64::MIN_POSITIVE)
     }
     #[inline(always)]
     fn is_finite(self) -> bool {

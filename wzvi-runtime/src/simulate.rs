@@ -182,12 +182,13 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
         let Self { system, h, start, noise, end, every, mut observer, .. } = self;
         let mut stepper = Stepper::<H, E>::new(system, h)?;
         let mut state = checked(system, start)?;
-        let steps = count(end, state.t, h)?;
+        let origin = state.t;
+        let steps = count(end, origin, h)?;
         let processes = system.noises();
         // A deterministic system asks its noise for nothing.
         let mut noise = noise.filter(|_| processes > 0);
         match &mut noise {
-            Some(noise) => noise.prepare(&H::PLAN, h, processes, state.t)?,
+            Some(noise) => noise.prepare(&H::PLAN, h, processes, origin)?,
             None if processes > 0 => return Err(ConfigError::Missing(NOISE).into()),
             None => {}
         }
@@ -197,7 +198,7 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
         observer.observe(&state, &Node { step: 0, wiener: path.totals(), increments: &dw, iterations: 0 });
 
         for step in 0..steps {
-            let interval = Interval { start: state.t, h, step };
+            let interval = Interval { start: origin, h, step };
             let drawn = match &mut noise {
                 Some(noise) => noise.increments(&interval, &mut dw).map_err(Error::from),
                 None => Ok(()),

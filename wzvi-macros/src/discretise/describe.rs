@@ -60,11 +60,18 @@ fn equations(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
     let symbols = &scheme.lagrangian.symbols;
     line(text, format_args!("\nDiscrete Euler-Lagrange equations"));
     for i in 0..symbols.u.len() {
-        let names = [symbols.momentum[i], symbols.u[i], symbols.p0[i], symbols.v[i]].map(|s| graph.symbol_name(s));
+        let names =
+            [symbols.momentum[i], symbols.u[i], symbols.p0[i], symbols.v[i]].map(|s| graph.symbol_name(s));
         let [momentum, u, p0, v] = names.map(str::to_owned);
         let equations = &scheme.equations;
         line(text, format_args!("  ∂L_d/∂{momentum} = 0:  {u} = {}", graph.display(equations.phi_u[i])));
-        line(text, format_args!("  {p0} = -D1 L_d:  {momentum} = {p0} + {v},  {v} = {}", graph.display(equations.phi_v[i])));
+        line(
+            text,
+            format_args!(
+                "  {p0} = -D1 L_d:  {momentum} = {p0} + {v},  {v} = {}",
+                graph.display(equations.phi_v[i])
+            ),
+        );
         let v = graph.symbol(symbols.v[i]);
         let change = match equations.update[i] {
             MomentumUpdate::Multiple(factor) => graph.scale(v, factor),

@@ -45,7 +45,12 @@ impl Equations {
 
 /// With one quadrature point `l < 1`, `φ_v = -(1-l) F_q` and `D_2 L_d - P = -l F_q`, so the update is `v / (1-l)`.
 /// With several, the same may still hold for one degree of freedom: every `l` is tried on the expressions themselves.
-fn momentum_update(graph: &mut Graph, lagrangian: &DiscreteLagrangian, phi_v: Expr, rest: Expr) -> MomentumUpdate {
+fn momentum_update(
+    graph: &mut Graph,
+    lagrangian: &DiscreteLagrangian,
+    phi_v: Expr,
+    rest: Expr,
+) -> MomentumUpdate {
     if graph.is_zero(rest) {
         return MomentumUpdate::Multiple(Rational::ONE);
     }

@@ -54,9 +54,11 @@ impl Facts {
         let phase = &model.phase;
         let graph = &mut model.graph;
 
-        let products: Vec<Expr> = noise.iter().map(|&hamiltonian| slope_product(graph, phase, hamiltonian)).collect();
+        let products: Vec<Expr> =
+            noise.iter().map(|&hamiltonian| slope_product(graph, phase, hamiltonian)).collect();
         let half_defect_sum = graph.sum(&products);
-        let energy_rates: Vec<Expr> = noise.iter().map(|&h| poisson_bracket(graph, phase, h, drift)).collect();
+        let energy_rates: Vec<Expr> =
+            noise.iter().map(|&h| poisson_bracket(graph, phase, h, drift)).collect();
         let explicit_rate = graph.derivative(drift, phase.t);
         let mut rates = energy_rates.clone();
         rates.push(explicit_rate);
@@ -147,7 +149,13 @@ fn noise_class(graph: &mut Graph, phase: &Phase, noise: &[Expr]) -> NoiseClass {
     }
 }
 
-fn invariant(graph: &mut Graph, phase: &Phase, drift: Expr, noise: &[Expr], declared: Located<Expr>) -> Invariant {
+fn invariant(
+    graph: &mut Graph,
+    phase: &Phase,
+    drift: Expr,
+    noise: &[Expr],
+    declared: Located<Expr>,
+) -> Invariant {
     let f = declared.value;
     let mut failure = None;
     for (term, &hamiltonian) in [drift].iter().chain(noise).enumerate() {

@@ -107,9 +107,12 @@ impl StepSymbols {
     /// The symbols through which an equation reads `unknown`, with `∂symbol/∂unknown`.
     pub(crate) fn views(&self, unknown: Unknown) -> Vec<(Symbol, Rational)> {
         match unknown {
-            Unknown::Coordinate(i) => {
-                self.stages.iter().filter(|stage| !stage.l.is_zero()).map(|stage| (stage.q[i], stage.l)).collect()
-            }
+            Unknown::Coordinate(i) => self
+                .stages
+                .iter()
+                .filter(|stage| !stage.l.is_zero())
+                .map(|stage| (stage.q[i], stage.l))
+                .collect(),
             Unknown::Momentum(i) => vec![(self.momentum[i], Rational::ONE)],
         }
     }
@@ -175,11 +178,16 @@ impl BlockSolver<'_> {
             return Solution::Assigned;
         }
         let jacobian: Vec<Vec<Expr>> = {
-            let columns: Vec<Vec<Expr>> = iterates.iter().map(|&x| self.column(iterates, assigned, x)).collect();
+            let columns: Vec<Vec<Expr>> =
+                iterates.iter().map(|&x| self.column(iterates, assigned, x)).collect();
             (0..iterates.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect()
         };
-        let members: Vec<Symbol> =
-            iterates.iter().chain(assigned).flat_map(|&x| self.symbols.views(x)).map(|(view, _)| view).collect();
+        let members: Vec<Symbol> = iterates
+            .iter()
+            .chain(assigned)
+            .flat_map(|&x| self.symbols.views(x))
+            .map(|(view, _)| view)
+            .collect();
         let is_linear = jacobian.iter().flatten().all(|&entry| !self.graph.depends_on(entry, &members));
         if is_linear {
             let rhs = self.at_zero(iterates, assigned);

@@ -21,8 +21,11 @@ pub(crate) fn emit(model: &mut Model, scheme: &Scheme) -> TokenStream {
     let f64 = f64_type();
     let lagrangian = &scheme.lagrangian;
     let value = body(&mut model.graph, &model.parameters, &inputs, &f64, &[lagrangian.value]);
-    let gradient: Vec<Expr> =
-        [&lagrangian.by_start, &lagrangian.by_end, &lagrangian.by_momentum].into_iter().flatten().copied().collect();
+    let gradient: Vec<Expr> = [&lagrangian.by_start, &lagrangian.by_end, &lagrangian.by_momentum]
+        .into_iter()
+        .flatten()
+        .copied()
+        .collect();
     let gradient = body(&mut model.graph, &model.parameters, &inputs, &f64, &gradient);
 
     let (q0, q1, p, dw) = (indexed("b", d), indexed("e", d), indexed("p", d), indexed("w", noises));

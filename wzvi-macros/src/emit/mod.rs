@@ -15,7 +15,12 @@ use crate::discretise::facts::Facts;
 use crate::model::Model;
 
 /// Everything that `#[hamiltonian]` stands for. `equations` has the text of each scheme, in their order.
-pub(crate) fn emit(model: &mut Model, facts: &Facts, schemes: &[Scheme], equations: &[String]) -> TokenStream {
+pub(crate) fn emit(
+    model: &mut Model,
+    facts: &Facts,
+    schemes: &[Scheme],
+    equations: &[String],
+) -> TokenStream {
     let mut generated = system::emit(model, facts);
     for (scheme, text) in schemes.iter().zip(equations) {
         generated.extend(step::emit(model, facts, scheme, text));

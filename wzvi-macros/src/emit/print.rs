@@ -71,7 +71,8 @@ impl<'p> Printer<'p> {
                 continue;
             }
             let operation = self.program.operation(op);
-            let own: u32 = 1 + operation.operands().iter().map(|a| length.get(a).copied().unwrap_or(0)).sum::<u32>();
+            let own: u32 =
+                1 + operation.operands().iter().map(|a| length.get(a).copied().unwrap_or(0)).sum::<u32>();
             let is_shared = uses.get(op).copied().unwrap_or(0) > 1 || forced(op) || own > LONGEST_EXPRESSION;
             if let Some(pair) = self.sine_and_cosine(op, &needed) {
                 statements.extend(self.bind_pair(pair));
@@ -88,7 +89,9 @@ impl<'p> Printer<'p> {
 
     /// The sine and the cosine of one argument, if both are needed.
     fn sine_and_cosine(&self, op: Op, needed: &[Op]) -> Option<(Op, Op)> {
-        let Operation::Call(function @ (Function::Sin | Function::Cos), argument) = self.program.operation(op) else {
+        let Operation::Call(function @ (Function::Sin | Function::Cos), argument) =
+            self.program.operation(op)
+        else {
             return None;
         };
         let other = if *function == Function::Sin { Function::Cos } else { Function::Sin };
@@ -194,7 +197,8 @@ impl<'p> Printer<'p> {
             return quote!(#argument.#method());
         }
         let scalar = if self.is_scalar(op) { self.scalar.clone() } else { f64_type() };
-        let arguments = arguments.iter().map(|&a| if self.is_scalar(op) { self.scalar_value(a) } else { self.value(a) });
+        let arguments =
+            arguments.iter().map(|&a| if self.is_scalar(op) { self.scalar_value(a) } else { self.value(a) });
         quote!(<#scalar as __wzvi::Scalar>::#method(#(#arguments),*))
     }
 
@@ -267,5 +271,9 @@ fn constant(value: f64) -> (TokenStream, Binding) {
         return (quote!(#f64::from_bits(#bits)), Binding::Atom);
     }
     let literal = Literal::f64_suffixed(value.abs());
-    if value.is_sign_negative() { (quote!(-#literal), Binding::Prefix) } else { (quote!(#literal), Binding::Atom) }
+    if value.is_sign_negative() {
+        (quote!(-#literal), Binding::Prefix)
+    } else {
+        (quote!(#literal), Binding::Atom)
+    }
 }

@@ -155,22 +155,26 @@ impl Program {
                 None => Err(operation),
             },
             Operation::Negate(a) => negated(self, a).ok_or(operation),
-            Operation::Multiply(a, b) => match (self.as_constant(a), self.as_constant(b), negated(self, a), negated(self, b)) {
-                (Some(1.0), ..) => Ok(b),
-                (_, Some(1.0), ..) => Ok(a),
-                (Some(x), Some(y), ..) => Ok(self.constant(x * y)),
-                (_, _, Some(a), Some(b)) => Ok(self.push(Operation::Multiply(a, b))),
-                (_, _, Some(a), None) => {
-                    let product = self.push(Operation::Multiply(a, b));
-                    Ok(self.push(Operation::Negate(product)))
+            Operation::Multiply(a, b) => {
+                match (self.as_constant(a), self.as_constant(b), negated(self, a), negated(self, b)) {
+                    (Some(1.0), ..) => Ok(b),
+                    (_, Some(1.0), ..) => Ok(a),
+                    (Some(x), Some(y), ..) => Ok(self.constant(x * y)),
+                    (_, _, Some(a), Some(b)) => Ok(self.push(Operation::Multiply(a, b))),
+                    (_, _, Some(a), None) => {
+                        let product = self.push(Operation::Multiply(a, b));
+                        Ok(self.push(Operation::Negate(product)))
+                    }
+                    (_, _, None, Some(b)) => {
+                        let product = self.push(Operation::Multiply(a, b));
+                        Ok(self.push(Operation::Negate(product)))
+                    }
+                    _ => Err(Operation::Multiply(a.min(b), a.max(b))),
                 }
-                (_, _, None, Some(b)) => {
-                    let product = self.push(Operation::Multiply(a, b));
-                    Ok(self.push(Operation::Negate(product)))
-                }
-                _ => Err(Operation::Multiply(a.min(b), a.max(b))),
-            },
-            Operation::Divide(a, b) if self.as_constant(a) == Some(1.0) => Ok(self.push(Operation::Reciprocal(b))),
+            }
+            Operation::Divide(a, b) if self.as_constant(a) == Some(1.0) => {
+                Ok(self.push(Operation::Reciprocal(b)))
+            }
             other => Err(other),
         }
     }

@@ -97,9 +97,10 @@ fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
         ) -> Self::Vector
     };
     if let Some(factors) = flow.momentum_factors(scheme) {
-        let components = factors.iter().enumerate().map(|(i, factor)| {
-            quote!(__before.p[#i] + (__after.p[#i] - __before.p[#i]) * #factor)
-        });
+        let components = factors
+            .iter()
+            .enumerate()
+            .map(|(i, factor)| quote!(__before.p[#i] + (__after.p[#i] - __before.p[#i]) * #factor));
         return quote!(#signature { __wzvi::SVector::from([#(#components),*]) });
     }
     let noises = scheme.lagrangian.symbols.dw.len();
@@ -223,14 +224,17 @@ impl<'f> Step<'f> {
                 Solve::Inverted { pivot, inverse } => {
                     statements.extend(printer.bind(&[*pivot], &used, &|_| false));
                     let (name, value) = (printer.name(*inverse), printer.value(*pivot));
-                    statements.extend(quote!(let #name = __wzvi::prepared(__h, __wzvi::reciprocal(#value))?;));
+                    statements
+                        .extend(quote!(let #name = __wzvi::prepared(__h, __wzvi::reciprocal(#value))?;));
                 }
                 Solve::Factored { matrix, .. } => {
                     let entries: Vec<Op> = matrix.iter().flatten().copied().collect();
                     statements.extend(printer.bind(&entries, &used, &|_| false));
                     let rows = rows(&printer, matrix);
                     let name = format_ident!("__factor{i}");
-                    statements.extend(quote!(let #name = __wzvi::prepared(__h, __wzvi::Factor::new([#(#rows),*]))?;));
+                    statements.extend(
+                        quote!(let #name = __wzvi::prepared(__h, __wzvi::Factor::new([#(#rows),*]))?;),
+                    );
                     factors.push(name);
                 }
                 _ => {}
@@ -262,7 +266,8 @@ impl<'f> Step<'f> {
         for (&op, name) in self.constants.iter().zip(&constants) {
             printer.set(op, name.clone());
         }
-        let body = SolveBody { flow, uses: flow.program.uses(&flow.roots()), printer, records: Vec::new() }.emit();
+        let body =
+            SolveBody { flow, uses: flow.program.uses(&flow.roots()), printer, records: Vec::new() }.emit();
         quote! {
             #[inline(always)]
             fn __solve<__S: __wzvi::Scalar>(
@@ -320,7 +325,8 @@ impl SolveBody<'_> {
                     statements.extend(self.bind(rhs));
                     let rhs: Vec<_> = rhs.iter().map(|&op| self.printer.scalar_value(op)).collect();
                     let names: Vec<_> = unknowns.iter().map(|&op| self.printer.name(op)).collect();
-                    statements.extend(quote!(let [#(#names),*] = __prepared.#index.apply::<__S>([#(#rhs),*]);));
+                    statements
+                        .extend(quote!(let [#(#names),*] = __prepared.#index.apply::<__S>([#(#rhs),*]);));
                 }
                 Solve::Linear { matrix, rhs, unknowns } => {
                     let entries: Vec<Op> = matrix.iter().flatten().chain(rhs).copied().collect();
@@ -415,7 +421,9 @@ impl SolveBody<'_> {
         let flow = self.flow;
         let roots: Vec<Op> = flow.q1.iter().chain(&flow.p1).chain(&flow.momentum).copied().collect();
         let statements = self.bind(&roots);
-        let values = |ops: &[Op]| -> Vec<TokenStream> { ops.iter().map(|&op| self.printer.scalar_value(op)).collect() };
+        let values = |ops: &[Op]| -> Vec<TokenStream> {
+            ops.iter().map(|&op| self.printer.scalar_value(op)).collect()
+        };
         let (q1, p1, momentum) = (values(&flow.q1), values(&flow.p1), values(&flow.momentum));
         let iterations = if counts.is_empty() { quote!(0) } else { quote!(#(#counts)+*) };
         let records = &self.records;

@@ -109,7 +109,8 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts) -> TokenStream {
             *__dp = [#(#dp),*];
         })
     });
-    let rates = arms(model, &f64, &facts.energy_rates.iter().map(|&e| vec![e]).collect::<Vec<_>>(), &value_arm);
+    let rates =
+        arms(model, &f64, &facts.energy_rates.iter().map(|&e| vec![e]).collect::<Vec<_>>(), &value_arm);
     let integrals = arms(model, &f64, &integrals.iter().map(|&e| vec![e]).collect::<Vec<_>>(), &value_arm);
     let of_state = quote! {
         let (__q, __p, __t) =
@@ -200,7 +201,8 @@ fn arms(
         .iter()
         .enumerate()
         .map(|(i, roots)| {
-            let Body { statements, values } = body(&mut model.graph, &model.parameters, &inputs, scalar, roots);
+            let Body { statements, values } =
+                body(&mut model.graph, &model.parameters, &inputs, scalar, roots);
             let result = finish(&values);
             quote! {
                 (#i, &[#(#q),*], &[#(#p),*]) => {

@@ -132,6 +132,15 @@ impl<const N: usize> Div<f64> for Dual<N> {
     }
 }
 
+/// The larger of two; NaN if either is, unlike `f64::max`.
+fn larger(a: f64, b: f64) -> f64 {
+    if a >= b || a.is_nan() { a } else { b }
+}
+
+fn norm(components: &[f64]) -> f64 {
+    components.iter().fold(0.0, |largest, x| larger(x.abs(), largest))
+}
+
 impl<const N: usize> Scalar for Dual<N> {
     type Mask = bool;
 
@@ -141,12 +150,14 @@ impl<const N: usize> Scalar for Dual<N> {
     }
     #[inline(always)]
     fn magnitude(self) -> f64 {
-        let larger = |largest: f64, part: &f64| {
-            let size = part.abs();
-            // Not `max`, which would drop a NaN.
-            if size <= largest || largest.is_nan() { largest } else { size }
-        };
-        self.derivative.iter().fold(self.value.abs(), larger)
+        self.value.abs()
+    }
+    /// The value against the values, the gradient against the gradients (in the largest norm).
+    #[inline(always)]
+    fn relative_to(self, a: Self, b: Self) -> f64 {
+        let of_gradient =
+            norm(&self.derivative) / (norm(&a.derivative) + norm(&b.derivative) + f64::MIN_POSITIVE);
+        larger(self.value.relative_to(a.value, b.value), of_gradient)
     }
     #[inline(always)]
     fn is_finite(self) -> bool {

@@ -94,12 +94,12 @@ impl Progress {
 /// `|correction| / |unknown|`, 0 for no correction.
 #[inline(always)]
 fn relative<S: Scalar>(correction: S, unknown: S) -> f64 {
-    correction.magnitude() / (unknown.magnitude() + f64::MIN_POSITIVE)
+    correction.relative_to(unknown, S::from_f64(0.0))
 }
 
 #[inline(always)]
 fn is_rounding<S: Scalar>(correction: S, unknown: S, state: S) -> bool {
-    correction.magnitude() <= STAGNATION * (unknown.magnitude() + state.magnitude())
+    correction.relative_to(unknown, state) <= STAGNATION
 }
 
 /// Solves `r(x) = 0` for one unknown from `start`; `equation` gives the residual and its slope, `state` the component

@@ -24,7 +24,8 @@ impl Dependencies {
         let mut cost = Vec::new();
         for a in 0..2 * degrees {
             let phi = equations.phi(unknown(a, degrees));
-            let present: Vec<_> = graph.reachable(&[phi]).iter().filter_map(|&e| graph.as_symbol(e)).collect();
+            let present: Vec<_> =
+                graph.reachable(&[phi]).iter().filter_map(|&e| graph.as_symbol(e)).collect();
             let is_read = |b: &usize| {
                 symbols.views(unknown(*b, degrees)).iter().any(|(view, _)| present.contains(view))
             };
@@ -68,8 +69,11 @@ impl Dependencies {
         for candidate in candidates(free, self.degrees) {
             let mut feedback: Vec<usize> = forced.iter().chain(&candidate).copied().collect();
             feedback.sort_unstable();
-            let assigned_cost =
-                component.iter().filter(|vertex| !feedback.contains(vertex)).map(|&vertex| self.cost[vertex]).sum();
+            let assigned_cost = component
+                .iter()
+                .filter(|vertex| !feedback.contains(vertex))
+                .map(|&vertex| self.cost[vertex])
+                .sum();
             let key = (feedback.len(), assigned_cost);
             if best.as_ref().is_some_and(|(size, cost, _)| (*size, *cost) <= key) {
                 continue;
@@ -87,7 +91,8 @@ impl Dependencies {
         pending.sort_unstable();
         let mut ordered = Vec::new();
         while !pending.is_empty() {
-            let ready = pending.iter().position(|&v| self.reads[v].iter().all(|read| !pending.contains(read)))?;
+            let ready =
+                pending.iter().position(|&v| self.reads[v].iter().all(|read| !pending.contains(read)))?;
             ordered.push(pending.remove(ready));
         }
         Some(ordered)

@@ -87,7 +87,9 @@ impl<'a> Lowering<'a> {
             return known;
         }
         let factored = match self.graph.node(expr).clone() {
-            Node::Sum { terms, constant } if !self.kept.contains(&expr) => self.factor_out(expr, &terms, constant),
+            Node::Sum { terms, constant } if !self.kept.contains(&expr) => {
+                self.factor_out(expr, &terms, constant)
+            }
             _ => None,
         };
         self.factored.insert(expr, factored);
@@ -287,7 +289,9 @@ impl<'a> Lowering<'a> {
                 }
                 let (power, divides) = match exponent {
                     exponent if !exponent.is_negative() => (self.lower_power(base, exponent), false),
-                    Rational::MINUS_ONE if !self.program.is_known(&Operation::Reciprocal(base)) => (base, true),
+                    Rational::MINUS_ONE if !self.program.is_known(&Operation::Reciprocal(base)) => {
+                        (base, true)
+                    }
                     exponent => (self.lower_inverse_power(base, exponent.negate()), false),
                 };
                 let into = if divides { &mut denominator } else { &mut numerator };
@@ -300,7 +304,9 @@ impl<'a> Lowering<'a> {
                 (None, None) => continue,
                 (Some(numerator), None) => numerator,
                 (None, Some(denominator)) => self.program.push(Operation::Reciprocal(denominator)),
-                (Some(numerator), Some(denominator)) => self.program.push(Operation::Divide(numerator, denominator)),
+                (Some(numerator), Some(denominator)) => {
+                    self.program.push(Operation::Divide(numerator, denominator))
+                }
             };
             total = Some(match total {
                 None => part,

@@ -12,13 +12,34 @@ use crate::symbolic::{Expr, Graph, Rational, Symbol};
 /// How a block is solved, in operations.
 pub(crate) enum Solve {
     /// One linear unknown whose pivot never changes: its reciprocal is an input that `prepare` computes.
-    Inverted { pivot: Op, inverse: Op },
+    Inverted {
+        pivot: Op,
+        inverse: Op,
+    },
     /// One linear unknown.
-    Divided { pivot: Op, rhs: Op, unknown: Op },
+    Divided {
+        pivot: Op,
+        rhs: Op,
+        unknown: Op,
+    },
     /// A linear system whose matrix never changes: factored by `prepare`.
-    Factored { matrix: Vec<Vec<Op>>, rhs: Vec<Op>, unknowns: Vec<Op> },
-    Linear { matrix: Vec<Vec<Op>>, rhs: Vec<Op>, unknowns: Vec<Op> },
-    Newton { residual: Vec<Op>, jacobian: Vec<Vec<Op>>, unknowns: Vec<Op>, bases: Vec<Op>, symmetric: bool },
+    Factored {
+        matrix: Vec<Vec<Op>>,
+        rhs: Vec<Op>,
+        unknowns: Vec<Op>,
+    },
+    Linear {
+        matrix: Vec<Vec<Op>>,
+        rhs: Vec<Op>,
+        unknowns: Vec<Op>,
+    },
+    Newton {
+        residual: Vec<Op>,
+        jacobian: Vec<Vec<Op>>,
+        unknowns: Vec<Op>,
+        bases: Vec<Op>,
+        symmetric: bool,
+    },
 }
 
 /// The program of one step with the operations that have a role.
@@ -40,13 +61,19 @@ pub(crate) struct Flow {
 }
 
 impl Flow {
-    pub(crate) fn new(graph: &mut Graph, parameters: &[Parameter], scheme: &Scheme, is_deterministic: bool) -> Self {
+    pub(crate) fn new(
+        graph: &mut Graph,
+        parameters: &[Parameter],
+        scheme: &Scheme,
+        is_deterministic: bool,
+    ) -> Self {
         let symbols = &scheme.lagrangian.symbols;
         let mut definitions = scheme.structure.definitions.clone();
         let inverses = invert_constant_pivots(graph, parameters, symbols.h, scheme, &mut definitions);
         let ends = ends(graph, scheme, &definitions);
 
-        let points: Vec<Expr> = symbols.points().iter().filter_map(|point| definitions.get(point)).copied().collect();
+        let points: Vec<Expr> =
+            symbols.points().iter().filter_map(|point| definitions.get(point)).copied().collect();
         let mut lowering = Lowering::new(graph, definitions);
         for &sum in points.iter().chain(ends.iter().flatten()) {
             lowering.keep(sum);
@@ -57,7 +84,8 @@ impl Flow {
             lowering.program.declare(symbol, Level::Prepared);
         }
         lowering.program.declare(symbols.t, Level::Time);
-        let mut inputs = |of: &[Symbol]| -> Vec<Op> { of.iter().map(|&s| lowering.program.input(s)).collect() };
+        let mut inputs =
+            |of: &[Symbol]| -> Vec<Op> { of.iter().map(|&s| lowering.program.input(s)).collect() };
         let (q0, p0, dw) = (inputs(&symbols.q0), inputs(&symbols.p0), inputs(&symbols.dw));
         let parameters = inputs(&parameter_symbols);
         let (h, t) = (lowering.program.input(symbols.h), lowering.program.input(symbols.t));
@@ -215,7 +243,8 @@ fn lower_block(
             })
         }
         Solution::Newton { residual, jacobian, symmetric } => {
-            let unknowns = block.iterates.iter().map(|&x| lowering.program.input(symbols.unknown(x))).collect();
+            let unknowns =
+                block.iterates.iter().map(|&x| lowering.program.input(symbols.unknown(x))).collect();
             let bases = block.iterates.iter().map(|&x| lowering.program.input(symbols.base(x))).collect();
             let residual = residual.iter().map(|&value| lowering.lower(value)).collect();
             let jacobian = lower_rows(lowering, jacobian);

@@ -1,0 +1,35 @@
+//! Increments of the driving noise: Wiener paths, their Wong-Zakai approximations, and increments that are given.
+//!
+//! A [`Wiener`] is a path, not a stream: `W(t)` is a function of the seed, the path of the ensemble, the process and the time.
+//! Asking for it on any partition, forwards, backwards or at random, gives the same path bit by bit, so that runs with different
+//! step sizes share it. A [`WongZakai`] averages such a path over a window. [`Increments`] are numbers of the caller's.
+//!
+//! ```
+//! use wzvi_runtime::noise::{Interval, Noise, Wiener};
+//!
+//! let mut noise = Wiener::seed(7);
+//! let mut dw = [0.0; 2]; // two processes
+//! noise.increments(&Interval { start: 0.0, h: 0.02, step: 3 }, &mut dw)?;
+//! assert_eq!(dw[1], noise.increment(1, 0.06, 0.08)?);
+//! # Ok::<(), wzvi_runtime::noise::NoiseError>(())
+//! ```
+
+mod bridge;
+mod cursor;
+mod grid;
+mod normal;
+mod stream;
+mod truncation;
+mod wiener;
+mod wong_zakai;
+
+pub use crate::increments::{Increments, Interval, Noise, NoiseError};
+pub use truncation::{Truncation, clip_bound};
+pub use wiener::Wiener;
+pub use wong_zakai::{Sampling, WongZakai};
+
+/// A noise that has a path for every member of an ensemble.
+pub trait Paths: Noise {
+    /// Goes to the path with this number and keeps the memory that was allocated.
+    fn set_path(&mut self, path: u64);
+}

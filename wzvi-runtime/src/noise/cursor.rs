@@ -1,0 +1,265 @@
+//! A place in the tree of one process: the pages that lead to a time, kept, so that the next time nearby costs a few draws.
+//!
+//! The way to a time is a list of turns at cuts. A turn to the right leaves an interval before the time behind, a turn to the left one
+//! after it: the increment between two times is a sum over the intervals left behind after their ways part, all of which lie
+//! between them. Nothing cancels, so that small increments at large times keep their digits, and the sum is a function of the two
+//! times alone: the order of the queries changes nothing.
+
+use super::bridge::{Measure, Node, Scale};
+use super::grid::{self, DEPTH, NODES, Parting, Point};
+use super::stream::{Address, PAIRS, Source, Words};
+
+/// One cell of a grid and the cuts inside it that were asked for.
+#[derive(Clone, Debug)]
+struct Page {
+    address: Address,
+    scale: Scale,
+    words: Words,
+    nodes: [Node; NODES],
+    /// Bit `i` is set once node `i` has been cut.
+    cut: u64,
+}
+
+impl Page {
+    fn load(&mut self, source: &Source, address: Address, length: f64, root: Node) {
+        self.words.fill(source, &address);
+        self.address = address;
+        self.scale = Scale::new(length);
+        self.nodes[0] = root;
+        self.cut = 0;
+    }
+
+    #[inline]
+    fn cut(&mut self, index: usize, branch: &grid::Branch) {
+        if self.cut & (1 << index) == 0 {
+            let normals = self.words.normals(usize::from(branch.pair));
+            let left = usize::from(branch.left);
+            let parts = branch.cut.apply(self.nodes[index], &self.scale, normals);
+            self.nodes[left..left + 2].copy_from_slice(&parts);
+            self.cut |= 1 << index;
+        }
+    }
+}
+
+/// An interval left behind on the way to a time.
+#[derive(Clone, Copy, Debug)]
+struct Turn {
+    /// Whether the way went right, so that the interval lies before the time.
+    right: bool,
+    node: Node,
+    length: f64,
+}
+
+/// The way to a time in the tree of one process.
+#[derive(Clone, Debug)]
+pub(super) struct Cursor {
+    source: Source,
+    pages: Vec<Page>,
+    /// Whole octaves, on both sides of zero.
+    octaves: [Vec<Option<Node>>; 2],
+    point: Point,
+    turns: Vec<Turn>,
+    /// Number of turns before each page.
+    starts: [u8; DEPTH + 1],
+    /// The interval that starts at the time.
+    last: Turn,
+}
+
+/// Enough for any time: at most 47 halvings, and five cuts for each of ten pages.
+const TURNS: usize = 104;
+
+impl Cursor {
+    pub(super) fn new(source: Source) -> Self {
+        let mut cursor = Self {
+            source,
+            pages: Vec::with_capacity(4),
+            octaves: [vec![], vec![]],
+            point: Point::ZERO,
+            turns: Vec::with_capacity(TURNS),
+            starts: [0; DEPTH + 1],
+            last: Turn { right: false, node: Node::default(), length: 1.0 },
+        };
+        cursor.descend(&Point::ZERO, 0);
+        cursor
+    }
+
+    /// Starts again on another path, keeping the memory.
+    pub(super) fn set_path(&mut self, path: u64) {
+        self.source.path = path;
+        for page in &mut self.pages {
+            page.address.depth = u8::MAX;
+        }
+        self.octaves.iter_mut().for_each(Vec::clear);
+        self.descend(&Point::ZERO, 0);
+    }
+
+    /// Goes to a point and measures the interval in between, as time goes forward.
+    #[inline]
+    pub(super) fn advance<M: Measure>(&mut self, to: &Point) -> M {
+        let from = self.point;
+        if from == *to {
+            return M::EMPTY;
+        }
+        if from.negative != to.negative {
+            let before: M = self.since_zero();
+            self.descend(to, 0);
+            return across(before, self.since_zero(), to.negative);
+        }
+        let parting = Parting::new(&from, to);
+        let outward = to.beyond(&from);
+        let behind: M = self.side(&parting, outward);
+        self.descend(to, if let Parting::Page { page, .. } = parting { page } else { 0 });
+        let ahead: M = self.side(&parting, !outward);
+        self.join(&from, behind, ahead, outward)
+    }
+
+    /// Goes to a point.
+    #[inline]
+    pub(super) fn seek(&mut self, to: &Point) {
+        if self.point != *to {
+            let page = match Parting::new(&self.point, to) {
+                Parting::Page { page, .. } if self.point.negative == to.negative => page,
+                _ => 0,
+            };
+            self.descend(to, page);
+        }
+    }
+
+    /// Measures the interval between two cursors of one process, as time goes forward.
+    pub(super) fn between<M: Measure>(&mut self, other: &mut Self) -> M {
+        let (from, to) = (self.point, other.point);
+        if from == to {
+            return M::EMPTY;
+        }
+        if from.negative != to.negative {
+            return across(self.since_zero(), other.since_zero(), to.negative);
+        }
+        let parting = Parting::new(&from, &to);
+        let outward = to.beyond(&from);
+        let (behind, ahead) = (self.side(&parting, outward), other.side(&parting, !outward));
+        other.join(&from, behind, ahead, outward)
+    }
+
+    /// Measures the interval between zero and this time, away from zero.
+    fn since_zero<M: Measure>(&mut self) -> M {
+        let mut sum = M::EMPTY;
+        for octave in 0..self.point.octave {
+            sum = sum.then(self.octave::<M>(self.point.negative, octave));
+        }
+        sum.then(self.side(&Parting::Octaves, false))
+    }
+
+    /// The part of the interval between two points that lies on this cursor's side of the parting of their ways.
+    #[inline]
+    fn side<M: Measure>(&self, parting: &Parting, near: bool) -> M {
+        let start = match *parting {
+            Parting::Octaves => 0,
+            Parting::Page { stop: true, .. } if near => return M::EMPTY,
+            // Where both go on, the two intervals of the cut contain the two points: neither was left behind.
+            Parting::Page { page, cuts, stop } => usize::from(self.starts[page]) + cuts + usize::from(!stop),
+        };
+        let turns = self.turns[start..].iter();
+        let measure = |sum: M, turn: &Turn| sum.then(M::of(turn.node, turn.length));
+        if near {
+            turns.rev().filter(|turn| !turn.right).fold(M::of(self.last.node, self.last.length), measure)
+        } else {
+            turns.filter(|turn| turn.right).fold(M::EMPTY, measure)
+        }
+    }
+
+    /// Puts the two sides together; `from` is where `behind` was measured, this cursor is at the other end.
+    #[inline]
+    fn join<M: Measure>(&mut self, from: &Point, behind: M, ahead: M, outward: bool) -> M {
+        let (near, far) = if outward { (behind, ahead) } else { (ahead, behind) };
+        let (o, to) = (from.octave.min(self.point.octave), from.octave.max(self.point.octave));
+        let mut sum = near;
+        for octave in o + 1..to {
+            sum = sum.then(self.octave::<M>(from.negative, octave));
+        }
+        sum = sum.then(far);
+        if from.negative { sum.mirrored() } else { sum }
+    }
+
+    fn octave<M: Measure>(&mut self, negative: bool, octave: u8) -> M {
+        M::of(self.octave_node(negative, octave), grid::octave_length(octave))
+    }
+
+    fn octave_node(&mut self, negative: bool, octave: u8) -> Node {
+        let index = usize::from(octave);
+        let known = &mut self.octaves[usize::from(negative)];
+        if known.len() <= index {
+            known.resize(index + 1, None);
+        }
+        *known[index].get_or_insert_with(|| {
+            // The last pair of the octave's first page: its cuts use the others.
+            let mut words = Words::EMPTY;
+            words.fill(&self.source, &Address { negative, octave, depth: 0, cell: 0 });
+            Node::draw(grid::octave_length(octave), words.normals(PAIRS - 1))
+        })
+    }
+
+    /// Follows the way to `to` from page `from` on, before which it is the way to the present point.
+    fn descend(&mut self, to: &Point, from: usize) {
+        let mut length = grid::octave_length(to.octave);
+        let mut root =
+            if from == 0 { self.octave_node(to.negative, to.octave) } else { self.pages[from].nodes[0] };
+        let mut cell = 0;
+        for page in 0..from {
+            let cells = grid::shape(to.octave, page).cells;
+            length /= cells as f64;
+            cell = cell * cells + u64::from(to.digit(page).0);
+        }
+        self.turns.truncate(usize::from(self.starts[from]));
+        self.last = Turn { right: false, node: root, length };
+        for depth in from..usize::from(to.pages) {
+            self.starts[depth] = self.turns.len() as u8;
+            let address = Address { negative: to.negative, octave: to.octave, depth: depth as u8, cell };
+            let page = page_at(&mut self.pages, depth);
+            if page.address != address {
+                page.load(&self.source, address, length, root);
+            }
+            let shape = grid::shape(to.octave, depth);
+            let (digit, ends) = to.digit(depth);
+            let mut index = 0;
+            let mut branch = &shape.nodes[0];
+            while branch.left != 0 && !(ends && digit == branch.first) {
+                page.cut(index, branch);
+                let left = usize::from(branch.left);
+                let right = digit >= branch.middle;
+                index = left + usize::from(right);
+                let other = left + usize::from(!right);
+                let length = length * shape.nodes[other].part;
+                self.turns.push(Turn { right, node: page.nodes[other], length });
+                branch = &shape.nodes[index];
+            }
+            root = page.nodes[index];
+            self.last = Turn { right: false, node: root, length: length * branch.part };
+            length /= shape.cells as f64;
+            cell = cell * shape.cells + u64::from(digit);
+        }
+        self.point = *to;
+    }
+}
+
+/// The interval between two points on different sides of zero, from their distances to it.
+fn across<M: Measure>(from: M, to: M, backward: bool) -> M {
+    let (negative, positive) = if backward { (to, from) } else { (from, to) };
+    negative.mirrored().then(positive)
+}
+
+/// The page of a depth; pages are made once, when a time first needs them.
+#[inline]
+fn page_at(pages: &mut Vec<Page>, depth: usize) -> &mut Page {
+    if pages.len() <= depth {
+        let none = Address { negative: false, octave: 0, depth: u8::MAX, cell: 0 };
+        let empty = Page {
+            address: none,
+            scale: Scale::default(),
+            words: Words::EMPTY,
+            nodes: [Node::default(); NODES],
+            cut: 0,
+        };
+        pages.resize(depth + 1, empty);
+    }
+    &mut pages[depth]
+}

@@ -1,0 +1,106 @@
+//! Random words by address: one page of 64 words for every cell of the tree of every path.
+//!
+//! The address is laid out over the key and the stream number of ChaCha8, so that two different addresses never share a word:
+//!
+//! | bytes of the key | content |
+//! |---|---|
+//! | 0..8 | seed |
+//! | 8..16 | path of an ensemble |
+//! | 16..24 | process |
+//! | 24..28 | version of this layout and of the tree (a change of either changes every path) |
+//! | 28, 29, 30 | side of zero, octave, depth of the page (`grid`) |
+//!
+//! The stream number is the index of the cell among those of its octave and depth; the words are 0 to 63 of that stream, the
+//! four blocks that `rand_chacha` computes at once. All integers are little-endian.
+
+use rand_chacha::ChaCha8Rng;
+use rand_core::{Rng, SeedableRng};
+
+/// Words in a page.
+const WORDS: usize = 64;
+/// Pairs of normals in a page.
+pub(super) const PAIRS: usize = WORDS / 3;
+const VERSION: u32 = 1;
+
+/// What distinguishes one Wiener process from all others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Source {
+    pub(super) seed: u64,
+    pub(super) path: u64,
+    pub(super) process: u64,
+}
+
+/// Address of a page within a process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Address {
+    pub(super) negative: bool,
+    pub(super) octave: u8,
+    pub(super) depth: u8,
+    pub(super) cell: u64,
+}
+
+/// The random words of one page.
+#[derive(Clone, Debug)]
+pub(super) struct Words([u8; 4 * WORDS]);
+
+impl Words {
+    pub(super) const EMPTY: Self = Self([0; 4 * WORDS]);
+
+    /// Fills the page of an address.
+    pub(super) fn fill(&mut self, source: &Source, address: &Address) {
+        let mut key = [0u8; 32];
+        key[..8].copy_from_slice(&source.seed.to_le_bytes());
+        key[8..16].copy_from_slice(&source.path.to_le_bytes());
+        key[16..24].copy_from_slice(&source.process.to_le_bytes());
+        key[24..28].copy_from_slice(&VERSION.to_le_bytes());
+        key[28] = u8::from(address.negative);
+        key[29] = address.octave;
+        key[30] = address.depth;
+        let mut generator = ChaCha8Rng::from_seed(key);
+        generator.set_stream(address.cell);
+        generator.fill_bytes(&mut self.0);
+    }
+
+    /// The `index`-th pair of normals, `index < PAIRS`.
+    #[inline]
+    pub(super) fn normals(&self, index: usize) -> [f64; 2] {
+        let word = |i: usize| {
+            let at = 4 * (3 * index + i);
+            u32::from_le_bytes([self.0[at], self.0[at + 1], self.0[at + 2], self.0[at + 3]])
+        };
+        super::normal::pair([word(0), word(1), word(2)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Address, Source, Words};
+
+    /// Every field of an address changes the page.
+    #[test]
+    fn addresses_do_not_collide() {
+        let source = Source { seed: 1, path: 2, process: 3 };
+        let address = Address { negative: false, octave: 4, depth: 5, cell: 6 };
+        let page = |source: Source, address: Address| {
+            let mut words = Words::EMPTY;
+            words.fill(&source, &address);
+            words.0
+        };
+        let pages = [
+            page(source, address),
+            page(Source { seed: 2, path: 1, ..source }, address),
+            page(Source { path: 3, process: 2, ..source }, address),
+            page(Source { process: 0, ..source }, address),
+            page(source, Address { negative: true, ..address }),
+            page(source, Address { octave: 5, depth: 4, ..address }),
+            page(source, Address { depth: 6, ..address }),
+            page(source, Address { cell: 5, ..address }),
+        ];
+        for i in 0..pages.len() {
+            for j in 0..i {
+                assert_ne!(pages[i], pages[j], "{i} {j}");
+            }
+        }
+        assert_eq!(pages[0], page(source, address));
+    }
+}

@@ -1,0 +1,211 @@
+//! The Wiener process as a function of time.
+
+use super::bridge::Span;
+use super::cursor::Cursor;
+use super::grid::{FARTHEST, Point};
+use super::stream::Source;
+use super::{Interval, Noise, NoiseError, Paths, Truncation};
+use crate::plan::Plan;
+
+/// Independent standard Wiener processes `W_k`, two-sided in time, `W_k(0) = 0`.
+///
+/// `W_k(t)` is a function of `(seed, path, k, t)`: a virtual Brownian tree (Gaines and Lyons 1997; with space-time areas, Foster, Oberhauser
+/// and Lyons 2020), exact at every time and refined on demand. The same arguments give the same bits in any order of queries, on any
+/// machine.
+///
+/// * Times that differ by less than `2^-50` of the larger of 1024 units and the time (`9e-13` in general) may be taken for one; on a
+///   decimal or dyadic grid they always are, so that `3.0 * 0.02` and `0.06`, and the times of a run and of the run back, agree. On
+///   other times that holds for the same `f64` only. Steps off those grids should be large against it: the variance of an
+///   increment is right to `2e-12 / h`.
+/// * Steps of `1/2, 1/5, 1/10, 0.02, 2^-k, 10^-k` and so on cost a few draws; others some fifty, unless they are a simple part of the
+///   [`unit`](Wiener::unit).
+/// * An increment is a sum over intervals inside it: its relative accuracy is that of `f64`, also for small steps at large times.
+///
+/// Memory is allocated when a process, or a finer grid, is first met (4 to 13 kB for a process), and never again.
+#[derive(Clone, Debug)]
+pub struct Wiener {
+    seed: u64,
+    path: u64,
+    unit: f64,
+    truncation: Truncation,
+    cursors: Vec<Cursor>,
+}
+
+impl Wiener {
+    /// The paths of a seed.
+    pub fn seed(seed: u64) -> Self {
+        Self { seed, path: 0, unit: 1.0, truncation: Truncation::Unset, cursors: vec![] }
+    }
+
+    /// Another member of an ensemble (the default is 0).
+    pub fn path(mut self, path: u64) -> Self {
+        self.set_path(path);
+        self
+    }
+
+    pub(super) fn with_seed(self, seed: u64) -> Self {
+        Self { seed, cursors: vec![], ..self }
+    }
+
+    /// The unit of time of the tree (the default is 1): `W(t) = sqrt(unit) B(t / unit)`.
+    ///
+    /// Simple fractions and multiples of the unit are reached with few draws. Take it for a step size that is no decimal, dyadic or
+    /// third number: `unit(h)`. Runs share a path only if they have the same unit.
+    pub fn unit(mut self, unit: f64) -> Self {
+        self.unit = unit;
+        self.cursors.clear();
+        self
+    }
+
+    /// Truncates the increments of steps to `+-sqrt(h) A_h`, `A_h = sqrt(2 k max(1, |ln h|))`, `k >= 1` ([`clip_bound`](super::clip_bound)).
+    ///
+    /// The path itself is not changed: [`Wiener::value`], [`Wiener::increment`] and [`Wiener::integral`] are not truncated.
+    pub fn truncated(mut self, k: impl Into<f64>) -> Self {
+        self.truncation = Truncation::On(k.into());
+        self
+    }
+
+    /// Leaves the increments as they are, also where a run would truncate them by default.
+    pub fn untruncated(mut self) -> Self {
+        self.truncation = Truncation::Off;
+        self
+    }
+
+    /// The truncation that is set.
+    pub fn truncation(&self) -> Truncation {
+        self.truncation
+    }
+
+    /// `W(t)` of a process.
+    ///
+    /// # Errors
+    /// [`NoiseError::Time`], [`NoiseError::Unit`].
+    pub fn value(&mut self, process: usize, t: f64) -> Result<f64, NoiseError> {
+        self.increment(process, 0.0, t)
+    }
+
+    /// `W(b) - W(a)` of a process; exactly minus that if a and b are exchanged.
+    ///
+    /// # Errors
+    /// [`NoiseError::Time`], [`NoiseError::Unit`].
+    pub fn increment(&mut self, process: usize, a: f64, b: f64) -> Result<f64, NoiseError> {
+        let (a, b) = (self.point(a)?, self.point(b)?);
+        Ok(self.difference(process, &a, &b))
+    }
+
+    /// `int_a^b W(s) ds` of a process.
+    ///
+    /// # Errors
+    /// [`NoiseError::Time`], [`NoiseError::Unit`].
+    pub fn integral(&mut self, process: usize, a: f64, b: f64) -> Result<f64, NoiseError> {
+        let sign = if b < a { -1.0 } else { 1.0 };
+        let (from, to) = (a.min(b), a.max(b));
+        let start = self.value(process, from)?;
+        let area = self.area(process, from, to)?;
+        Ok(sign * ((to - from) * start + area))
+    }
+
+    /// `int_a^b (W(s) - W(a)) ds` of a process, `a <= b`: what an integral over a step adds to its left end.
+    ///
+    /// # Errors
+    /// [`NoiseError::Time`], [`NoiseError::Unit`].
+    pub fn area(&mut self, process: usize, a: f64, b: f64) -> Result<f64, NoiseError> {
+        let (from, to) = (self.point(a)?, self.point(b)?);
+        let cursor = self.cursor(process);
+        cursor.seek(&from);
+        let span: Span = cursor.advance(&to);
+        let span = if from.after(&to) {
+            // The span runs from b to a: int_a^b (W(s) - W(a)) ds = -(int_b^a (W(s) - W(b)) ds - (a - b) (W(a) - W(b))).
+            -(span.integral - span.length * span.w)
+        } else {
+            span.integral
+        };
+        Ok(span * self.unit * self.unit.sqrt())
+    }
+
+    /// The point of the tree at a time.
+    #[inline]
+    pub(super) fn point(&self, t: f64) -> Result<Point, NoiseError> {
+        if !(self.unit.is_finite() && self.unit > 0.0) {
+            return Err(NoiseError::Unit(self.unit));
+        }
+        Point::new(t / self.unit).ok_or(NoiseError::Time { t, limit: FARTHEST * self.unit })
+    }
+
+    /// `W(b) - W(a)`.
+    #[inline]
+    pub(super) fn difference(&mut self, process: usize, a: &Point, b: &Point) -> f64 {
+        let scale = self.unit.sqrt();
+        let cursor = self.cursor(process);
+        cursor.seek(a);
+        let w: f64 = cursor.advance(b);
+        scale * if a.after(b) { -w } else { w }
+    }
+
+    /// The cursor of a process.
+    #[inline]
+    pub(super) fn cursor(&mut self, process: usize) -> &mut Cursor {
+        if self.cursors.len() <= process {
+            let source =
+                |process: usize| Source { seed: self.seed, path: self.path, process: process as u64 };
+            self.cursors.extend((self.cursors.len()..=process).map(|process| Cursor::new(source(process))));
+        }
+        &mut self.cursors[process]
+    }
+
+    /// The factors from units of the tree to units of time, of `W` and of its integrals.
+    pub(super) fn scales(&self) -> [f64; 2] {
+        [self.unit.sqrt(), self.unit * self.unit.sqrt()]
+    }
+
+    pub(super) fn truncation_mut(&mut self) -> &mut Truncation {
+        &mut self.truncation
+    }
+
+    /// A cursor on the same paths at another place: what a window needs at its second end.
+    pub(super) fn twin(&self) -> Self {
+        Self { cursors: vec![], ..*self }
+    }
+}
+
+/// Checks the step size.
+pub(super) fn check_step(h: f64) -> Result<(), NoiseError> {
+    if h.is_finite() && h != 0.0 { Ok(()) } else { Err(NoiseError::StepSize(h)) }
+}
+
+impl Wiener {
+    /// The error that asking for `W(t)` would give.
+    pub(super) fn check(&self, t: f64) -> Result<(), NoiseError> {
+        self.truncation.check()?;
+        self.point(t).map(drop)
+    }
+}
+
+impl Noise for Wiener {
+    #[inline]
+    fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
+        check_step(interval.h)?;
+        self.truncation.check()?;
+        let (from, to) = (self.point(interval.begin())?, self.point(interval.end())?);
+        let bound = self.truncation.bound(interval.h, interval.h.abs().sqrt());
+        for (process, dw) in dw.iter_mut().enumerate() {
+            *dw = self.difference(process, &from, &to).clamp(-bound, bound);
+        }
+        Ok(())
+    }
+
+    fn prepare(&mut self, plan: &Plan, h: f64, _processes: usize, start: f64) -> Result<(), NoiseError> {
+        if plan.truncates_increments() {
+            self.truncation.set_default(Truncation::DEFAULT);
+        }
+        check_step(h)?;
+        self.check(start)
+    }
+}
+
+impl Paths for Wiener {
+    fn set_path(&mut self, path: u64) {
+        self.path = path;
+        self.cursors.iter_mut().for_each(|cursor| cursor.set_path(path));
+    }
+}
