@@ -192,13 +192,14 @@ pub(super) fn bound_power(base: Bounded, exponent: Rational) -> Bounded {
     let e = exponent.to_f64();
     let value = power(x, exponent);
     let (low, high) = (x.abs() - error, x.abs() + error);
-    let slope = |at: f64| e.abs() * at.powf(e - 1.0);
+    // `|e| at^(e-1) · error`, ordered so that no power underflows where the result does not.
+    let spread = |at: f64| e.abs() * (at.powf(e) * (error / at) + TINY);
     let inherited = if error == 0.0 {
         0.0
     } else if exponent.is_integer() && !exponent.is_negative() {
-        slope(high) * error
+        spread(high)
     } else if low > 0.0 && (x > 0.0 || exponent.is_integer()) {
-        slope(low).max(slope(high)) * error
+        spread(low).max(spread(high))
     } else if !exponent.is_integer() && !exponent.is_negative() && x >= 0.0 {
         // The exact base is nonnegative (the power would not exist), so both powers are in [0, high^e].
         high.powf(e)

@@ -257,3 +257,15 @@ fn deep_sums_are_linear() {
         g.add(chain, root)
     });
 }
+
+#[test]
+fn bounds_survive_large_intermediate_values() {
+    let mut g = Graph::new();
+    let (_, [x]) = symbols(&mut g, ["x"]);
+    let third = g.scale(x, Rational::THIRD);
+    let cosine = g.apply(Function::Cosh, &[third]);
+    let inverse = g.power(cosine, Rational::MINUS_ONE);
+    // cosh(630) = 1e273 is finite, its square is not; the rounding of the argument is amplified 630 times.
+    let bounded = g.evaluate_bounded(&[inverse], &|_| 1890.5)[0];
+    assert!(bounded.error > 100.0 * f64::EPSILON * bounded.value && bounded.excludes_zero(), "{bounded:?}");
+}

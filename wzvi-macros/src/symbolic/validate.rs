@@ -81,8 +81,8 @@ impl Graph {
                 Node::Sum { terms, .. } => terms[0].1,
                 _ => Rational::ONE,
             };
-            // A large number may have left the exact range together with the coefficient of the product.
-            let large = number.numerator().unsigned_abs().max(number.denominator() as u64) > 1 << 20;
+            // A large number may have left the exact range together with those before it.
+            let large = number.numerator().unsigned_abs().max(number.denominator() as u64) > 1 << 10;
             (!large && self.opens(base, exponent)).then_some("an open factor")
         })
     }
