@@ -9,7 +9,7 @@ use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
 
 /// Longer sums and products are kept as one operand of a new one: opening them again and again would make a long
 /// chain of additions quadratic.
-pub(super) const OPEN_LIMIT: usize = 64;
+pub(super) const OPEN_LIMIT: usize = 32;
 
 /// A binary64 constant with a larger denominator (π) is no fraction that somebody meant: it stays one opaque number.
 const SMALL_DENOMINATOR: i64 = 1 << 20;
@@ -67,7 +67,7 @@ impl Graph {
         for &(operand, coefficient) in operands {
             self.collect(&mut collected, operand, coefficient);
         }
-        let Collected { mut terms, constant, overflow } = collected;
+        let Collected { mut terms, mut constant, overflow } = collected;
         for (number, coefficient) in overflow {
             terms.push((self.number(number), coefficient));
         }
@@ -83,11 +83,27 @@ impl Graph {
             }
         }
         merged.retain(|&(_, coefficient)| !coefficient.is_zero());
+        // A number that did not fit may fit now.
+        while let Some((i, total)) = merged.iter().enumerate().find_map(|(i, &(term, coefficient))| {
+            Some((i, coefficient.multiply(self.as_number(term)?)?.add(constant)?))
+        }) {
+            merged.remove(i);
+            constant = total;
+        }
+        // `s/2 + s/2` has become `s`, which may be a sum that can be opened now.
+        if merged.iter().any(|&(term, coefficient)| is_unit(coefficient) && self.is_open_sum(term)) {
+            merged.push((self.number(constant), Rational::ONE));
+            return self.linear_combination(&merged);
+        }
         match merged.as_slice() {
             [] => self.number(constant),
             &[(term, coefficient)] if coefficient.is_one() && constant.is_zero() => term,
             _ => self.intern(Node::Sum { terms: merged.into(), constant }),
         }
+    }
+
+    fn is_open_sum(&self, term: Expr) -> bool {
+        matches!(self.node(term), Node::Sum { terms, .. } if terms.len() <= OPEN_LIMIT)
     }
 
     /// Adds `coefficient · operand` to `into`, opening sums where that costs no multiplication. A number that does not
@@ -223,6 +239,13 @@ impl Graph {
             if let Some(rest) = rest {
                 self.collect_factor(coefficient, factors, rest, exponent);
             }
+            return;
+        }
+        if let Node::Product(inner) = self.node(operand)
+            && inner.len() <= OPEN_LIMIT
+            && exponent.is_one()
+        {
+            factors.extend_from_slice(inner);
             return;
         }
         if let Node::Product(inner) = self.node(operand)

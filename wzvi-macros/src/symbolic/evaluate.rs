@@ -29,7 +29,7 @@ impl Bounded {
     }
 
     /// `value` with an inherited `error` and `roundings` relative roundings of its own.
-    fn rounded(value: f64, error: f64, roundings: f64) -> Self {
+    pub(super) fn rounded(value: f64, error: f64, roundings: f64) -> Self {
         let error = error * (1.0 + 8.0 * EPSILON) + roundings * EPSILON * value.abs() + TINY;
         if value.is_finite() && error.is_finite() { Self { value, error } } else { Self::UNDEFINED }
     }
@@ -48,7 +48,7 @@ impl Bounded {
     }
 
     /// A condition: `None` if it is not decided.
-    fn decided(self) -> Option<bool> {
+    pub(super) fn decided(self) -> Option<bool> {
         self.is_defined().then_some(self.value != 0.0)
     }
 }
@@ -123,7 +123,11 @@ pub(super) fn power(base: f64, exponent: Rational) -> f64 {
     }
 }
 
-fn bound_node(node: &Node, values: &dyn Fn(Symbol) -> f64, value: &dyn Fn(Expr) -> Bounded) -> Bounded {
+pub(super) fn bound_node(
+    node: &Node,
+    values: &dyn Fn(Symbol) -> f64,
+    value: &dyn Fn(Expr) -> Bounded,
+) -> Bounded {
     match node {
         Node::Number(number) => bound_number(*number),
         Node::Float(bits) => Bounded::rounded(f64::from_bits(*bits), 0.0, 0.0),
@@ -162,7 +166,7 @@ fn bound_node(node: &Node, values: &dyn Fn(Symbol) -> f64, value: &dyn Fn(Expr) 
     }
 }
 
-fn bound_number(number: Rational) -> Bounded {
+pub(super) fn bound_number(number: Rational) -> Bounded {
     let value = number.to_f64();
     if number.denominator().count_ones() == 1 {
         Bounded::exact(value)
@@ -171,7 +175,7 @@ fn bound_number(number: Rational) -> Bounded {
     }
 }
 
-fn multiply(a: Bounded, b: Bounded) -> Bounded {
+pub(super) fn multiply(a: Bounded, b: Bounded) -> Bounded {
     // A factor of exactly ±1 must not lose the exactness of the other.
     if a.error == 0.0 && a.value.abs() == 1.0 {
         return Bounded { value: a.value * b.value, ..b };
@@ -180,7 +184,7 @@ fn multiply(a: Bounded, b: Bounded) -> Bounded {
     Bounded::rounded(a.value * b.value, error, 1.0)
 }
 
-fn bound_power(base: Bounded, exponent: Rational) -> Bounded {
+pub(super) fn bound_power(base: Bounded, exponent: Rational) -> Bounded {
     if exponent.is_one() {
         return base;
     }
@@ -188,13 +192,14 @@ fn bound_power(base: Bounded, exponent: Rational) -> Bounded {
     let e = exponent.to_f64();
     let value = power(x, exponent);
     let (low, high) = (x.abs() - error, x.abs() + error);
-    let slope = |at: f64| e.abs() * at.powf(e - 1.0);
+    // `|e| at^(e-1) · error`, ordered so that no power underflows where the result does not.
+    let spread = |at: f64| e.abs() * (at.powf(e) * (error / at) + TINY);
     let inherited = if error == 0.0 {
         0.0
     } else if exponent.is_integer() && !exponent.is_negative() {
-        slope(high) * error
+        spread(high)
     } else if low > 0.0 && (x > 0.0 || exponent.is_integer()) {
-        slope(low).max(slope(high)) * error
+        spread(low).max(spread(high))
     } else if !exponent.is_integer() && !exponent.is_negative() && x >= 0.0 {
         // The exact base is nonnegative (the power would not exist), so both powers are in [0, high^e].
         high.powf(e)
@@ -205,7 +210,7 @@ fn bound_power(base: Bounded, exponent: Rational) -> Bounded {
     Bounded::rounded(value, inherited, LIBRARY + 2.0 * e.abs() + inexact_exponent)
 }
 
-fn bound_comparison(relation: Relation, a: Bounded, b: Bounded) -> Bounded {
+pub(super) fn bound_comparison(relation: Relation, a: Bounded, b: Bounded) -> Bounded {
     if !a.is_defined() || !b.is_defined() {
         return Bounded::UNDEFINED;
     }
@@ -221,7 +226,7 @@ fn bound_comparison(relation: Relation, a: Bounded, b: Bounded) -> Bounded {
     })
 }
 
-fn bound_function(function: Function, arguments: &[Bounded]) -> Bounded {
+pub(super) fn bound_function(function: Function, arguments: &[Bounded]) -> Bounded {
     if arguments.iter().any(|argument| !argument.is_defined()) {
         return Bounded::UNDEFINED;
     }

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::collections::HashMap;
-use std::hash::{DefaultHasher, Hash, Hasher};
+use std::hash::{Hash, Hasher};
 
 use super::sign::Sign;
 use super::{Function, Rational};
@@ -107,6 +107,39 @@ pub(crate) struct Graph {
     marks: RefCell<Marks>,
 }
 
+/// Multiply and rotate, a word at a time: macros run unoptimised, where the standard hasher is most of the work.
+struct NodeHasher(u64);
+
+impl Hasher for NodeHasher {
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.write_u64(byte.into()));
+    }
+
+    fn write_u32(&mut self, word: u32) {
+        self.write_u64(word.into());
+    }
+
+    fn write_u64(&mut self, word: u64) {
+        self.0 = (self.0.rotate_left(23) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
+
+    fn write_i64(&mut self, word: i64) {
+        self.write_u64(word as u64);
+    }
+
+    fn write_usize(&mut self, word: usize) {
+        self.write_u64(word as u64);
+    }
+
+    fn write_isize(&mut self, word: isize) {
+        self.write_u64(word as u64);
+    }
+
+    fn finish(&self) -> u64 {
+        self.0
+    }
+}
+
 /// Which nodes the current traversal has met: those that carry its number. No traversal has to clear them.
 #[derive(Default)]
 struct Marks {
@@ -185,7 +218,7 @@ impl Graph {
 
     /// The handle of a node that is already in canonical form: only the constructors of `build` call this.
     pub(super) fn intern(&mut self, node: Node) -> Expr {
-        let mut hasher = DefaultHasher::new();
+        let mut hasher = NodeHasher(0);
         node.hash(&mut hasher);
         let mut key = hasher.finish();
         while let Some(&known) = self.handles.get(&key) {

@@ -9,6 +9,8 @@ mod display;
 pub(crate) mod evaluate;
 pub(crate) mod function;
 pub(crate) mod graph;
+#[cfg(test)]
+mod random_tests;
 pub(crate) mod rational;
 mod residue;
 pub(crate) mod sign;

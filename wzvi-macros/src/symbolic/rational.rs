@@ -27,6 +27,10 @@ impl Rational {
         if denominator == 0 {
             return None;
         }
+        if denominator == 1 {
+            return (numerator.abs() <= LIMIT)
+                .then_some(Self { numerator: numerator as i64, denominator: 1 });
+        }
         let divisor = gcd(numerator.unsigned_abs(), denominator.unsigned_abs()) as i128;
         let sign = denominator.signum();
         let (n, d) = (sign * numerator / divisor, sign * denominator / divisor);
@@ -81,6 +85,10 @@ impl Rational {
     }
 
     pub(crate) fn multiply(self, other: Self) -> Option<Self> {
+        // Nearly all coefficients and exponents are one.
+        if self.is_one() || other.is_one() {
+            return Some(if self.is_one() { other } else { self });
+        }
         let (a, b) = (i128::from(self.numerator), i128::from(self.denominator));
         let (c, d) = (i128::from(other.numerator), i128::from(other.denominator));
         Self::new(a * c, b * d)
@@ -164,6 +172,8 @@ impl fmt::Display for Rational {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+
     use super::*;
 
     #[test]

@@ -76,7 +76,14 @@ impl Graph {
             if !exponent.is_integer() && self.sign(base) < Sign::Nonnegative {
                 return Some("a fractional power of a base of unknown sign");
             }
-            self.opens(base, exponent).then_some("an open factor")
+            let number = match self.node(base) {
+                Node::Number(value) => *value,
+                Node::Sum { terms, .. } => terms[0].1,
+                _ => Rational::ONE,
+            };
+            // A large number may have left the exact range together with those before it.
+            let large = number.numerator().unsigned_abs().max(number.denominator() as u64) > 1 << 10;
+            (!large && self.opens(base, exponent)).then_some("an open factor")
         })
     }
 }

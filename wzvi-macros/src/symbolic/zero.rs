@@ -28,6 +28,9 @@ pub(crate) struct Witness {
 const SIMPLE: [f64; 12] = [0.5, 1.0, -0.75, 1.25, 2.0, -0.5, 1.5, 0.25, -1.0, 0.75, 3.0, -1.5];
 const SIMPLE_POINTS: usize = 10;
 const RANDOM_POINTS: usize = 40;
+/// Node evaluations after which a very large expression gets no further points than these.
+const WORK: usize = 200_000;
+const FEWEST_POINTS: usize = 3;
 
 impl Graph {
     /// Decides whether the real expression `expr` is zero wherever it is defined.
@@ -48,11 +51,12 @@ impl Graph {
     }
 
     fn find_witness(&self, expr: Expr) -> Option<Witness> {
-        let mut symbols: Vec<Symbol> =
-            self.reachable(&[expr]).into_iter().filter_map(|part| self.as_symbol(part)).collect();
+        let parts = self.reachable(&[expr]);
+        let trials = (WORK / parts.len()).clamp(FEWEST_POINTS, SIMPLE_POINTS + RANDOM_POINTS);
+        let mut symbols: Vec<Symbol> = parts.into_iter().filter_map(|part| self.as_symbol(part)).collect();
         symbols.sort_unstable();
         let mut random = SplitMix::new(0x5eed);
-        (0..SIMPLE_POINTS + RANDOM_POINTS).find_map(|trial| {
+        (0..trials).find_map(|trial| {
             let point: Vec<(Symbol, f64)> = symbols
                 .iter()
                 .enumerate()
@@ -72,10 +76,10 @@ fn coordinate(trial: usize, i: usize, random: &mut SplitMix) -> f64 {
     if trial < SIMPLE_POINTS {
         let value = SIMPLE[(trial + i * (1 + trial / SIMPLE.len()) + i / SIMPLE.len()) % SIMPLE.len()];
         // Every second simple point lies in the domain of roots and logarithms.
-        return if trial % 2 == 0 { value } else { value.abs() };
+        return if trial.is_multiple_of(2) { value } else { value.abs() };
     }
     let unit = random.unit();
-    let sign = if trial % 2 == 0 || random.unit() < 0.5 { 1.0 } else { -1.0 };
+    let sign = if trial.is_multiple_of(2) || random.unit() < 0.5 { 1.0 } else { -1.0 };
     let scale = match trial % 5 {
         0 => 10f64.powf(6.0 * random.unit() - 3.0),
         1 => 0.3,
