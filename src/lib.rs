@@ -53,7 +53,10 @@
 //!   [`Trajectory::observable`](trajectory::Trajectory::observable) takes a path there.
 //! * **Errors** are values that say where, why and what to do; [`Error`] is the sum of them all.
 
+pub use wzvi_macros::hamiltonian;
 pub use wzvi_runtime::error::Error;
+#[cfg(feature = "noise")]
+pub use wzvi_runtime::noise;
 pub use wzvi_runtime::{
     calculus, embedding, error, increments, integrate, plan, scalar, simulate, state, step, system,
     trajectory,
@@ -61,11 +64,14 @@ pub use wzvi_runtime::{
 
 /// Everything that a scene needs: `use wzvi::prelude::*`.
 pub mod prelude {
+    pub use wzvi_macros::hamiltonian;
     pub use wzvi_runtime::embedding::{
         Corrected, DeltaMinus, DeltaPlus, Lambda, Midpoint, Mixed, Uncorrected,
     };
     pub use wzvi_runtime::increments::{Increments, Noise};
     pub use wzvi_runtime::integrate::Integrate;
+    #[cfg(feature = "noise")]
+    pub use wzvi_runtime::noise::{Wiener, WongZakai};
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::state::State;
     pub use wzvi_runtime::step::Stepper;
@@ -76,13 +82,16 @@ pub mod prelude {
 /// What generated code names. Its version is pinned to that of the macro; nothing here is for people.
 #[doc(hidden)]
 pub mod __private {
+    pub use core;
+
+    pub use wzvi_runtime::embedding;
     pub use wzvi_runtime::error::{ConfigError, StepFailure};
-    pub use wzvi_runtime::nalgebra::{self, DVector, SVector};
+    pub use wzvi_runtime::nalgebra::SVector;
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scalar::{Mask, Scalar};
     pub use wzvi_runtime::solve::*;
     pub use wzvi_runtime::state::{State, Vector};
     pub use wzvi_runtime::system::{
-        Discretized, EulerLagrangeResidual, Gradient, Hamiltonian, LagrangianGradient, Segment, Solved,
+        Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, Solved, array_mut, increments,
     };
 }

@@ -140,6 +140,25 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
     }
 }
 
+/// `slice` as an array of the degrees of freedom.
+///
+/// # Errors
+/// [`StepFailure::Dimension`] if its length is another.
+#[inline(always)]
+pub fn array_mut<S, const D: usize>(slice: &mut [S]) -> Result<&mut [S; D], StepFailure> {
+    let got = slice.len();
+    slice.try_into().map_err(|_| StepFailure::Dimension { expected: D, got })
+}
+
+/// `dw` as an array of one increment per noise.
+///
+/// # Errors
+/// [`StepFailure::Increments`] if its length is another.
+#[inline(always)]
+pub fn increments<S: Copy, const K: usize>(dw: &[S]) -> Result<[S; K], StepFailure> {
+    dw.try_into().map_err(|_| StepFailure::Increments { expected: K, got: dw.len() })
+}
+
 /// How hard a step was.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Solved {

@@ -210,5 +210,5 @@ fn errors_say_what_is_wrong() {
         assert!(matches!(Wiener::seed(0).unit(unit).value(0, 0.0), Err(NoiseError::Unit(_))));
     }
     let error = ask(&mut Increments::from([0.5]), Interval { step: 1, ..step });
-    assert_eq!(error.to_string(), "step 1 has no increments: they were given for 1 steps");
+    assert_eq!(error.to_string(), "step 1 has no increments: 1 steps were given; give more or end earlier");
 }
