@@ -1,0 +1,3 @@
+//! From discrete equations to Rust.
+
+pub(crate) mod stubs;
