@@ -5,6 +5,7 @@
 
 use serde_json::Value;
 use wzvi::prelude::*;
+use wzvi::state::Vector;
 
 const BOUND: f64 = 1e-12;
 
@@ -96,7 +97,7 @@ fn size(parts: [&[f64]; 2]) -> f64 {
     parts.into_iter().flatten().fold(f64::MIN_POSITIVE, |largest, x| largest.max(x.abs()))
 }
 
-trait FromRow: wzvi::state::Vector {
+trait FromRow: Vector {
     fn from_row(row: &[f64]) -> Self {
         let mut vector = Self::zeros(row.len());
         vector.components_mut().copy_from_slice(row);
@@ -104,7 +105,7 @@ trait FromRow: wzvi::state::Vector {
     }
 }
 
-impl<V: wzvi::state::Vector> FromRow for V {}
+impl<V: Vector> FromRow for V {}
 
 fn check_trajectory<E, H: Discretized<E>>(system: &H, case: &Case, map: &str) {
     let trajectory = &case.0["trajectories"][map];
@@ -118,7 +119,11 @@ fn check_trajectory<E, H: Discretized<E>>(system: &H, case: &Case, map: &str) {
         stepper.step(&mut state, &row(&case.0["dW"][i])).unwrap();
         let (q, p) = (row(&trajectory["q"][i + 1]), row(&trajectory["p"][i + 1]));
         let scale = size([&q, &p]);
-        let error = relative_error(state.q.components(), &q, scale).max(relative_error(state.p.components(), &p, scale));
+        let error = relative_error(state.q.components(), &q, scale).max(relative_error(
+            state.p.components(),
+            &p,
+            scale,
+        ));
         assert!(error <= BOUND, "{map}, step {i}: off by {error:.1e}: {state:?} instead of {q:?}, {p:?}");
     }
 }
@@ -133,7 +138,8 @@ fn check_action<E, H: Discretized<E>>(system: &H, case: &Case, map: &str, l: f64
     let d = node("q", 0).len();
     let (mut action, mut by_q, mut by_p) = (0.0, vec![vec![0.0; d]; n + 1], vec![vec![0.0; d]; n + 1]);
     for i in 0..n {
-        let p: Vec<f64> = node("p", i).iter().zip(&node("p", i + 1)).map(|(a, b)| (1.0 - l) * a + l * b).collect();
+        let p: Vec<f64> =
+            node("p", i).iter().zip(&node("p", i + 1)).map(|(a, b)| (1.0 - l) * a + l * b).collect();
         let segment = wzvi::system::Segment {
             q0: H::Vector::from_row(&node("q", i)),
             q1: H::Vector::from_row(&node("q", i + 1)),

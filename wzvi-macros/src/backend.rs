@@ -18,7 +18,8 @@ pub(crate) fn back_end(mut model: Model, diagnostics: &mut Diagnostics) -> Token
     if diagnostics.has_errors() {
         return TokenStream::new();
     }
-    let embeddings: Vec<Embedding> = model.embeddings.iter().map(|embedding| embedding.value.clone()).collect();
+    let embeddings: Vec<Embedding> =
+        model.embeddings.iter().map(|embedding| embedding.value.clone()).collect();
     let schemes: Vec<Scheme> = embeddings.iter().map(|e| discretise(&mut model, &facts, e)).collect();
     let equations: Vec<String> = schemes.iter().map(|scheme| describe(&mut model, &facts, scheme)).collect();
     emit(&mut model, &facts, &schemes, &equations)

@@ -27,7 +27,13 @@ pub(crate) fn inconsistent(embedding: &Located<Embedding>, defect: &str, constan
 }
 
 /// A declared first integral that changes along the flow of term `term`, or may.
-pub(crate) fn no_invariant(span: Span, term: usize, rate: &str, knowledge: &Knowledge, graph: &Graph) -> Error {
+pub(crate) fn no_invariant(
+    span: Span,
+    term: usize,
+    rate: &str,
+    knowledge: &Knowledge,
+    graph: &Graph,
+) -> Error {
     let along = match term {
         0 => "the drift: {H0, F} + ∂F/∂t".to_owned(),
         k => format!("noise {k}: {{H{k}, F}}"),
@@ -45,8 +51,11 @@ pub(crate) fn no_invariant(span: Span, term: usize, rate: &str, knowledge: &Know
 }
 
 fn at_witness(witness: &Witness, graph: &Graph) -> String {
-    let point: Vec<String> =
-        witness.point.iter().map(|&(symbol, value)| format!("{} = {value}", graph.symbol_name(symbol))).collect();
+    let point: Vec<String> = witness
+        .point
+        .iter()
+        .map(|&(symbol, value)| format!("{} = {value}", graph.symbol_name(symbol)))
+        .collect();
     let value = witness.value;
     match point.is_empty() {
         true => format!(", which is {value}"),

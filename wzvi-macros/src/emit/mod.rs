@@ -4,6 +4,7 @@ mod lagrangian;
 mod print;
 mod program;
 mod step;
+pub(crate) mod stubs;
 mod system;
 
 use proc_macro2::TokenStream;

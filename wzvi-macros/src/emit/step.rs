@@ -104,10 +104,11 @@ fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
         return quote!(#signature { __wzvi::SVector::from([#(#components),*]) });
     }
     let noises = scheme.lagrangian.symbols.dw.len();
+    let embedding = embedding_type(&scheme.embedding);
     quote! {
         #signature {
             let __solved = __wzvi::increments::<#f64, #noises>(__dw).and_then(|__dw| {
-                let __prepared = <Self as __wzvi::Discretized<_>>::prepare(self, __h)
+                let __prepared = <Self as __wzvi::Discretized<#embedding>>::prepare(self, __h)
                     .map_err(|_| __wzvi::StepFailure::NonFinite)?;
                 let (__q, __p) = (__before.q.into(), __before.p.into());
                 __solve(&__prepared, __before.t, __h, __q, __p, __dw, &mut __wzvi::core::default::Default::default())

@@ -1,0 +1,43 @@
+//! The whole compiler on one page.
+
+use proc_macro2::TokenStream;
+
+use crate::backend::back_end;
+use crate::diagnostics::Diagnostics;
+use crate::emit::stubs::Stubs;
+use crate::input;
+use crate::lower::lower;
+
+/// The expansion of `#[hamiltonian(attribute)] item`: the struct with its integrators, or errors at the user's tokens
+/// with the struct and stubs, so that `rustc` adds nothing to them.
+pub(crate) fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
+    let mut diagnostics = Diagnostics::new();
+    let mut stubs = Stubs::unrecognised(item.clone());
+    let expansion = compile(attribute, item, &mut stubs, &mut diagnostics);
+    match diagnostics.finish() {
+        Ok(()) => expansion.unwrap_or_default(),
+        Err(errors) => stubs.with_errors(&errors),
+    }
+}
+
+/// Every pass, in order. `None` only after an error was reported.
+fn compile(
+    attribute: TokenStream,
+    item: TokenStream,
+    stubs: &mut Stubs,
+    diagnostics: &mut Diagnostics,
+) -> Option<TokenStream> {
+    let system = input::read_struct(item, diagnostics);
+    let declaration = input::read_attribute(attribute, diagnostics)?;
+    let system = system?;
+    stubs.recognise(&system.item, &declaration.crate_path, &declaration.embeddings);
+
+    let phase_space = input::read_phase_space(&declaration, diagnostics)?;
+    stubs.set_degrees(phase_space.degrees());
+
+    let model = lower(system, declaration, &phase_space, diagnostics)?;
+    if diagnostics.has_errors() {
+        return None;
+    }
+    Some(back_end(model, diagnostics))
+}

@@ -1,0 +1,57 @@
+//! Collects errors, so that independent mistakes are reported at once. The messages are in [`messages`].
+
+pub(crate) mod expressions;
+pub(crate) mod facts;
+pub(crate) mod messages;
+
+use std::collections::HashSet;
+
+use proc_macro2::TokenStream;
+
+/// The errors so far. It has to be finished: dropping it would lose them.
+#[must_use = "errors are lost unless `finish` turns them into tokens"]
+pub(crate) struct Diagnostics {
+    errors: Vec<syn::Error>,
+    /// Where and what was reported: an unrolled loop repeats its mistakes, the user should read them once.
+    seen: HashSet<(String, String)>,
+    finished: bool,
+}
+
+impl Diagnostics {
+    pub(crate) fn new() -> Self {
+        Self { errors: Vec::new(), seen: HashSet::new(), finished: false }
+    }
+
+    /// Adds an error, unless the same was reported at the same place.
+    pub(crate) fn report(&mut self, error: syn::Error) {
+        for error in error {
+            if self.seen.insert((format!("{:?}", error.span()), error.to_string())) {
+                self.errors.push(error);
+            }
+        }
+    }
+
+    /// The value, or `None` and the error reported.
+    pub(crate) fn accept<T>(&mut self, result: syn::Result<T>) -> Option<T> {
+        result.map_err(|error| self.report(error)).ok()
+    }
+
+    pub(crate) fn has_errors(&self) -> bool {
+        !self.errors.is_empty()
+    }
+
+    /// `Err` with a `compile_error!` per error, in the order of their report.
+    pub(crate) fn finish(mut self) -> Result<(), TokenStream> {
+        self.finished = true;
+        match self.errors.is_empty() {
+            true => Ok(()),
+            false => Err(self.errors.iter().map(syn::Error::to_compile_error).collect()),
+        }
+    }
+}
+
+impl Drop for Diagnostics {
+    fn drop(&mut self) {
+        debug_assert!(self.finished || std::thread::panicking(), "diagnostics were dropped unread");
+    }
+}

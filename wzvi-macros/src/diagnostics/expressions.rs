@@ -1,0 +1,177 @@
+//! The messages about the bodies of closures. One function per mistake.
+
+use proc_macro2::TokenStream;
+use quote::ToTokens;
+use syn::Error;
+
+use super::messages::{at, suggest};
+use crate::input::closest;
+
+pub(crate) fn unsupported(found: impl ToTokens, what: &str, remedy: &str) -> Error {
+    at(found, format!("{what} cannot be compiled to a symbolic expression; {remedy}"))
+}
+
+pub(crate) fn too_many_steps(found: impl ToTokens, limit: usize) -> Error {
+    at(found, format!("this Hamiltonian unrolls to more than {limit} operations; shorten its loops"))
+}
+
+pub(crate) fn too_deep(found: impl ToTokens, limit: usize) -> Error {
+    at(
+        found,
+        format!("this is nested more than {limit} levels deep; name parts of the expression with `let`"),
+    )
+}
+
+pub(crate) fn unknown_name(name: &syn::Ident, fields: &[String], locals: &[String]) -> Error {
+    let fields_text = match fields {
+        [] => "the struct has no fields".to_owned(),
+        fields => format!("the fields are {}", quoted(fields)),
+    };
+    let suggestion = closest(&name.to_string(), fields.iter().chain(locals).map(String::as_str));
+    at(name, suggest(format!("no field or variable named `{name}`; {fields_text}"), suggestion))
+}
+
+pub(crate) fn unknown_field(name: impl ToTokens, fields: &[String]) -> Error {
+    let text = name.to_token_stream().to_string();
+    let list = match fields {
+        [] => "it has none".to_owned(),
+        fields => format!("the fields are {}", quoted(fields)),
+    };
+    let suggestion = closest(&text, fields.iter().map(String::as_str));
+    at(name, suggest(format!("the struct has no field `{text}`; {list}"), suggestion))
+}
+
+fn quoted(names: &[String]) -> String {
+    let quoted: Vec<_> = names.iter().map(|name| format!("`{name}`")).collect();
+    quoted.join(", ")
+}
+
+pub(crate) fn field_type(found: impl ToTokens, name: &str, ty: &str) -> Error {
+    let remedy = match ty {
+        "f32" => "make it `f64`: all arithmetic is in binary64",
+        _ => "a Hamiltonian can read `f64`, integers, and arrays, `Vec`s and slices of them",
+    };
+    at(found, format!("`{name}` has the type `{ty}`; {remedy}"))
+}
+
+pub(crate) fn integer_not_real(found: impl ToTokens) -> Error {
+    let text = found.to_token_stream().to_string();
+    let remedy = match text.parse::<u64>() {
+        Ok(_) => format!("write `{text}.0`"),
+        Err(_) => format!("write `{text} as f64`"),
+    };
+    at(found, format!("expected an `f64`, found an integer; {remedy}"))
+}
+
+pub(crate) fn expected(found: impl ToTokens, expected: &str, actual: &str) -> Error {
+    at(found, format!("expected {expected}, found {actual}"))
+}
+
+pub(crate) fn index_not_known(found: impl ToTokens) -> Error {
+    at(
+        found,
+        "indices and bounds must be known at compile time: integer literals, loop variables over literal ranges and \
+         arithmetic on them; sizes from the struct or constants are not supported yet",
+    )
+}
+
+pub(crate) fn index_out_of_range(found: impl ToTokens, index: i128, len: usize) -> Error {
+    at(found, format!("index {index} is out of range: there are {len} elements"))
+}
+
+pub(crate) fn integer_arithmetic(found: impl ToTokens) -> Error {
+    at(found, "this integer arithmetic overflows, divides by zero or leaves its type")
+}
+
+pub(crate) fn parameter_integer(found: impl ToTokens) -> Error {
+    at(
+        found,
+        "arithmetic on integers that are not known at compile time is not supported; convert them first, as in `n as f64`",
+    )
+}
+
+pub(crate) fn truncation(found: impl ToTokens) -> Error {
+    at(found, "a real number cannot become an integer here: the result would not be differentiable")
+}
+
+pub(crate) fn single_precision(found: impl ToTokens) -> Error {
+    at(found, "`f32` is not supported: all arithmetic is in binary64; write `f64`")
+}
+
+pub(crate) fn unknown_cast(found: impl ToTokens) -> Error {
+    at(found, "only `as f64`, and `as` an integer type on known integers, are supported")
+}
+
+pub(crate) fn function_call(found: impl ToTokens) -> Error {
+    let text = found.to_token_stream().to_string().replace(' ', "");
+    at(
+        found,
+        format!(
+            "`{text}` is opaque to the compiler: only `f64` functions and local closures can be differentiated; \
+             write it as a local closure, `let f = |x: f64| ...;`"
+        ),
+    )
+}
+
+pub(crate) fn unknown_method(method: &syn::Ident, receiver: &str, known: &[&str]) -> Error {
+    let name = method.to_string();
+    let list: Vec<_> = known.iter().map(|known| format!("`{known}`")).collect();
+    let text = format!("`{name}` is not supported on {receiver}; supported are {}", list.join(", "));
+    at(method, suggest(text, closest(&name, known.iter().copied())))
+}
+
+pub(crate) fn argument_count(found: impl ToTokens, expected: usize, actual: usize) -> Error {
+    let plural = if expected == 1 { "" } else { "s" };
+    at(found, format!("expected {expected} argument{plural}, found {actual}"))
+}
+
+pub(crate) fn unsupported_pattern(pattern: impl ToTokens) -> Error {
+    at(pattern, "this pattern is not supported; use names, `_`, tuples and arrays")
+}
+
+pub(crate) fn pattern_mismatch(pattern: impl ToTokens, actual: &str) -> Error {
+    at(pattern, format!("this pattern does not fit {actual}"))
+}
+
+pub(crate) fn branches_differ(found: impl ToTokens) -> Error {
+    at(found, "both branches must have a value of the same shape: this condition is only known at run time")
+}
+
+pub(crate) fn missing_else(found: impl ToTokens) -> Error {
+    at(
+        found,
+        "this `if` needs an `else`: its condition is only known at run time, and a value is needed either way",
+    )
+}
+
+pub(crate) fn assignment_in_branch(found: impl ToTokens) -> Error {
+    at(
+        found,
+        "an assignment inside a branch that depends on the state or on parameters is not supported; write \
+         `let x = if condition { ... } else { ... };`",
+    )
+}
+
+pub(crate) fn assignment_target(found: impl ToTokens) -> Error {
+    at(found, "only local variables declared with `let mut` can be assigned")
+}
+
+pub(crate) fn not_callable(found: impl ToTokens, actual: &str) -> Error {
+    at(found, format!("this is {actual}, which cannot be called"))
+}
+
+pub(crate) fn list_of_unknown_length(found: TokenStream) -> Error {
+    at(
+        found,
+        "the length of this list is not known at compile time; use an array field such as `[f64; 3]`, or index it \
+         with known indices",
+    )
+}
+
+pub(crate) fn endless_range(found: impl ToTokens) -> Error {
+    at(found, "this range has no end; write `a..b`, or bound it with `take` or `zip`")
+}
+
+pub(crate) fn too_many_variables(found: impl ToTokens, limit: usize) -> Error {
+    at(found, format!("more than {limit} variables are in scope"))
+}

@@ -1,0 +1,202 @@
+//! The messages about declarations: the struct, the attribute and the phase space. One function per mistake.
+
+use std::fmt::Display;
+
+use proc_macro2::{Span, TokenStream};
+use quote::ToTokens;
+use syn::{Error, Item};
+
+use crate::discretise::embedding::Embedding;
+use crate::input::{Shape, closest};
+
+const KEYS: &str = "`drift`, `noise`, `embedding`, `invariant` and `crate`";
+const SCHEMES: &str = "`DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Mixed<Drift, Noise>`, \
+                       `Corrected<E>` and `Uncorrected<E>`";
+const PATTERNS: &str = "supported are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
+                        time as an optional third parameter";
+
+pub(super) fn at(tokens: impl ToTokens, message: impl Display) -> Error {
+    Error::new_spanned(tokens, message)
+}
+
+/// `text`, and what may have been meant.
+pub(super) fn suggest(text: String, suggestion: Option<&str>) -> String {
+    match suggestion {
+        Some(suggestion) => format!("{text}; did you mean `{suggestion}`?"),
+        None => text,
+    }
+}
+
+pub(crate) fn nested_too_deeply(token: impl ToTokens) -> Error {
+    at(token, "this is nested too deeply to compile; name parts of the expression with `let`")
+}
+
+pub(crate) fn not_a_struct(item: &Item) -> Error {
+    let message = "`#[hamiltonian]` goes on a struct, whose fields are the parameters of the system";
+    match item {
+        Item::Enum(item) => at(item.enum_token, message),
+        Item::Union(item) => at(item.union_token, message),
+        Item::Fn(item) => at(&item.sig, message),
+        other => at(other, message),
+    }
+}
+
+pub(crate) fn expected_key(tokens: TokenStream) -> Error {
+    at(tokens, format!("expected `key = value`; the keys are {KEYS}"))
+}
+
+pub(crate) fn unknown_key(key: &syn::Ident) -> Error {
+    let suggestion = closest(&key.to_string(), ["drift", "noise", "embedding", "invariant", "crate"])
+        .or_else(|| synonym(&key.to_string()));
+    at(key, suggest(format!("unknown key `{key}`; the keys are {KEYS}"), suggestion))
+}
+
+/// What other texts call the same thing.
+fn synonym(key: &str) -> Option<&'static str> {
+    match key {
+        "hamiltonian" | "energy" | "h" | "H" | "h0" | "H0" => Some("drift"),
+        "diffusion" | "stochastic" => Some("noise"),
+        "scheme" | "schemes" | "method" | "integrator" | "quadrature" => Some("embedding"),
+        "integral" | "first_integral" | "conserved" | "casimir" => Some("invariant"),
+        _ => None,
+    }
+}
+
+pub(crate) fn duplicate_key(key: &syn::Ident) -> Error {
+    at(key, format!("`{key}` is given twice; merge the two"))
+}
+
+pub(crate) fn missing_value(key: &syn::Ident) -> Error {
+    at(key, format!("`{key} =` has no value"))
+}
+
+pub(crate) fn missing_key(key: &str) -> Error {
+    let example = match key {
+        "drift" => "drift = |q, p| 0.5 * p * p + 0.5 * q * q",
+        _ => "embedding = Midpoint",
+    };
+    Error::new(Span::call_site(), format!("`{key}` is missing; for example `{example}`"))
+}
+
+pub(crate) fn unexpected_after_value(tokens: TokenStream) -> Error {
+    at(tokens, format!("expected `,` and the next `key = value`; the keys are {KEYS}"))
+}
+
+pub(crate) fn empty_list(key: &syn::Ident, list: &TokenStream) -> Error {
+    let remedy = match key.to_string().as_str() {
+        "embedding" => format!("list at least one scheme of {SCHEMES}"),
+        key => format!("leave `{key}` out if there is none"),
+    };
+    at(list, format!("this list is empty; {remedy}"))
+}
+
+pub(crate) fn not_a_closure(found: impl ToTokens) -> Error {
+    at(found, "expected a closure over coordinates and momenta, such as `|q, p| 0.5 * p * p`")
+}
+
+pub(crate) fn async_closure(token: TokenStream) -> Error {
+    at(token, "a Hamiltonian is a function of the state: it cannot be `async`")
+}
+
+pub(crate) fn noise_family(tokens: TokenStream) -> Error {
+    at(
+        tokens,
+        "families of noises `[|q, p, k| ...; N]` are not supported yet; list the closures: \
+         `[|q, p| ..., |q, p| ...]`",
+    )
+}
+
+pub(crate) fn not_a_scheme(found: impl ToTokens) -> Error {
+    at(found, format!("expected an embedding; there are {SCHEMES}"))
+}
+
+pub(crate) fn unknown_embedding(name: &syn::Ident) -> Error {
+    let names = ["DeltaPlus", "Midpoint", "DeltaMinus", "Lambda", "Mixed", "Corrected", "Uncorrected"];
+    let suggestion = closest(&name.to_string(), names);
+    at(name, suggest(format!("unknown embedding `{name}`; there are {SCHEMES}"), suggestion))
+}
+
+pub(crate) fn duplicate_embedding(found: impl ToTokens, embedding: &Embedding) -> Error {
+    at(found, format!("`{embedding}` is listed twice"))
+}
+
+pub(crate) fn scheme_arguments(found: impl ToTokens, example: &str) -> Error {
+    at(found, format!("wrong generic arguments; write it as in `{example}`"))
+}
+
+pub(crate) fn wrapper_inside(found: impl ToTokens) -> Error {
+    at(
+        found,
+        "`Corrected` and `Uncorrected` go around a whole scheme: `Corrected<Mixed<Midpoint, DeltaPlus>>`, \
+         never inside another",
+    )
+}
+
+pub(crate) fn mixed_inside_mixed(found: impl ToTokens) -> Error {
+    at(found, "the arguments of `Mixed` are `DeltaPlus`, `Midpoint`, `DeltaMinus` or `Lambda<N, D>`")
+}
+
+pub(crate) fn lambda_range(found: impl ToTokens) -> Error {
+    at(found, "`Lambda<N, D>` is the quadrature point N/D: it needs 0 <= N <= D and D > 0")
+}
+
+pub(crate) fn lambda_literal(found: impl ToTokens) -> Error {
+    at(found, "the arguments of `Lambda<N, D>` are integer literals, as in `Lambda<1, 3>`")
+}
+
+pub(crate) fn closure_arity(patterns: TokenStream, found: usize) -> Error {
+    at(
+        patterns,
+        format!(
+            "a Hamiltonian takes coordinates, momenta and, if it needs it, time; this takes {found} parameters: {PATTERNS}"
+        ),
+    )
+}
+
+pub(crate) fn momenta_disagree(momenta: impl ToTokens, q: &Shape, p: &Shape) -> Error {
+    at(momenta, format!("the momenta are `{p}`, but the coordinates are `{q}`; both need the same shape"))
+}
+
+pub(crate) fn shapes_disagree(pattern: impl ToTokens, found: &Shape, drift: &Shape) -> Error {
+    let remedy = match drift {
+        Shape::Real => "give both closures one coordinate".to_owned(),
+        Shape::Array(..) => format!("write it as `q: {drift}` or destructure it"),
+    };
+    at(pattern, format!("this is `{found}`, but the phase space of the drift is `{drift}`; {remedy}"))
+}
+
+pub(crate) fn shapes_disagree_within(pattern: impl ToTokens, found: &Shape, expected: &Shape) -> Error {
+    at(pattern, format!("this pattern has the shape `{found}`, but `{expected}` is expected here"))
+}
+
+pub(crate) fn no_degrees(found: impl ToTokens) -> Error {
+    at(found, "a system has at least one degree of freedom")
+}
+
+pub(crate) fn too_many_degrees(found: impl ToTokens, limit: usize) -> Error {
+    at(found, format!("at most {limit} degrees of freedom are supported: each is a variable of its own"))
+}
+
+pub(crate) fn unsupported_phase_pattern(pattern: impl ToTokens) -> Error {
+    at(pattern, format!("this pattern cannot declare a phase space; {PATTERNS}"))
+}
+
+pub(crate) fn unsupported_phase_type(ty: impl ToTokens) -> Error {
+    at(ty, format!("coordinates and momenta are `f64` or arrays of them; {PATTERNS}"))
+}
+
+pub(crate) fn size_not_literal(size: impl ToTokens) -> Error {
+    at(size, "sizes other than integer literals are not supported yet; write the number, as in `q: [f64; 3]`")
+}
+
+pub(crate) fn size_at_run_time(ty: impl ToTokens) -> Error {
+    at(ty, "sizes known at run time are not supported yet; write an array, as in `q: [f64; 3]`")
+}
+
+pub(crate) fn time_is_real(pattern: impl ToTokens) -> Error {
+    at(pattern, "the third parameter is time: a name, of type `f64` if it is given")
+}
+
+pub(crate) fn return_type(ty: impl ToTokens) -> Error {
+    at(ty, "the value of a Hamiltonian is an `f64`")
+}

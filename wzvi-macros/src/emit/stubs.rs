@@ -1,0 +1,148 @@
+//! What stands in for the integrators when there are errors: the struct, and implementations that type-check, so that
+//! `rustc` does not add "trait not implemented" to what was reported.
+
+use proc_macro2::TokenStream;
+use quote::quote;
+use syn::{ItemStruct, Path};
+
+use crate::discretise::embedding::Embedding;
+use crate::model::Located;
+
+/// What is known of the system so far.
+pub(crate) struct Stubs {
+    item: TokenStream,
+    system: Option<(TokenStream, TokenStream)>,
+    embeddings: Vec<TokenStream>,
+    crate_path: Option<Path>,
+    degrees: usize,
+}
+
+impl Stubs {
+    /// Nothing but the tokens of the item.
+    pub(crate) fn unrecognised(item: TokenStream) -> Self {
+        Self { item, system: None, embeddings: Vec::new(), crate_path: None, degrees: 1 }
+    }
+
+    /// The attribute was read.
+    pub(crate) fn recognise(
+        &mut self,
+        item: &ItemStruct,
+        crate_path: &Path,
+        embeddings: &[Located<Embedding>],
+    ) {
+        let (parameters, arguments, condition) = item.generics.split_for_impl();
+        let name = &item.ident;
+        self.system = Some((quote! { #parameters }, quote! { #name #arguments #condition }));
+        self.embeddings = embeddings.iter().map(|known| embedding_type(&known.value, crate_path)).collect();
+        self.crate_path = Some(crate_path.clone());
+    }
+
+    /// The phase space was read.
+    pub(crate) fn set_degrees(&mut self, degrees: usize) {
+        self.degrees = degrees;
+    }
+
+    /// The expansion that reports `errors`.
+    pub(crate) fn with_errors(&self, errors: &TokenStream) -> TokenStream {
+        let item = &self.item;
+        let implementations = self.implementations();
+        quote! { #item #errors #implementations }
+    }
+
+    fn implementations(&self) -> Option<TokenStream> {
+        let (parameters, system) = self.system.as_ref()?;
+        let wzvi = self.crate_path.as_ref()?;
+        let hamiltonian = self.hamiltonian(wzvi);
+        let discretized = discretized(wzvi);
+        let embeddings = &self.embeddings;
+        Some(quote! {
+            const _: () = {
+                #[allow(warnings)]
+                impl #parameters #wzvi::system::Hamiltonian for #system { #hamiltonian }
+                #(
+                    #[allow(warnings)]
+                    impl #parameters #wzvi::system::Discretized<#embeddings> for #system { #discretized }
+                )*
+            };
+        })
+    }
+
+    fn hamiltonian(&self, wzvi: &Path) -> TokenStream {
+        let degrees = self.degrees;
+        quote! {
+            type Vector = #wzvi::__private::SVector<::core::primitive::f64, #degrees>;
+            fn degrees(&self) -> ::core::primitive::usize { ::core::unimplemented!() }
+            fn noises(&self) -> ::core::primitive::usize { ::core::unimplemented!() }
+            fn invariants(&self) -> ::core::primitive::usize { ::core::unimplemented!() }
+            fn evaluate<S: #wzvi::scalar::Scalar>(
+                &self, _: ::core::primitive::usize, _: &[S], _: &[S], _: ::core::primitive::f64,
+            ) -> S { ::core::unimplemented!() }
+            fn differentiate<S: #wzvi::scalar::Scalar>(
+                &self, _: ::core::primitive::usize, _: &[S], _: &[S], _: ::core::primitive::f64,
+                _: &mut [S], _: &mut [S],
+            ) { ::core::unimplemented!() }
+            fn invariant(
+                &self, _: ::core::primitive::usize, _: &#wzvi::state::State<Self::Vector>,
+            ) -> ::core::primitive::f64 { ::core::unimplemented!() }
+            fn energy_rate(
+                &self, _: ::core::primitive::usize, _: &#wzvi::state::State<Self::Vector>,
+            ) -> ::core::primitive::f64 { ::core::unimplemented!() }
+        }
+    }
+}
+
+/// The items of `Discretized`, the same for every scheme.
+fn discretized(wzvi: &Path) -> TokenStream {
+    let vector = quote! { <Self as #wzvi::system::Hamiltonian>::Vector };
+    let segment = quote! { #wzvi::system::Segment<#vector> };
+    let state = quote! { #wzvi::state::State<#vector> };
+    let real = quote! { ::core::primitive::f64 };
+    quote! {
+        const PLAN: #wzvi::plan::Plan = #wzvi::plan::Plan {
+            solver: #wzvi::plan::Solver::Explicit,
+            unknowns: 0,
+            noise: #wzvi::plan::NoiseClass::None,
+            consistent: false,
+            conserves_energy: #wzvi::plan::Knowledge::Unknown,
+            commuting: #wzvi::plan::Knowledge::Unknown,
+        };
+        const EQUATIONS: &'static ::core::primitive::str = "";
+        type Prepared = ();
+        type Memory<S: #wzvi::scalar::Scalar> = ();
+        fn prepare(&self, _: #real) -> ::core::result::Result<(), #wzvi::error::ConfigError> {
+            ::core::unimplemented!()
+        }
+        fn advance<S: #wzvi::scalar::Scalar>(
+            &self, _: &(), _: #real, _: #real, _: &mut [S], _: &mut [S], _: &[S], _: &mut (),
+        ) -> ::core::result::Result<#wzvi::system::Solved, #wzvi::error::StepFailure> { ::core::unimplemented!() }
+        fn discrete_lagrangian(&self, _: &#segment, _: &[#real]) -> #real { ::core::unimplemented!() }
+        fn discrete_lagrangian_gradient(
+            &self, _: &#segment, _: &[#real],
+        ) -> #wzvi::system::LagrangianGradient<#vector> { ::core::unimplemented!() }
+        fn step_momentum(&self, _: &#state, _: &#state, _: #real, _: &[#real]) -> #vector {
+            ::core::unimplemented!()
+        }
+    }
+}
+
+/// The scheme as a type of the runtime.
+pub(crate) fn embedding_type(embedding: &Embedding, wzvi: &Path) -> TokenStream {
+    match embedding {
+        Embedding::DeltaPlus => quote! { #wzvi::embedding::DeltaPlus },
+        Embedding::Midpoint => quote! { #wzvi::embedding::Midpoint },
+        Embedding::DeltaMinus => quote! { #wzvi::embedding::DeltaMinus },
+        Embedding::Lambda(n, d) => quote! { #wzvi::embedding::Lambda<#n, #d> },
+        Embedding::Mixed(drift, noise) => {
+            let (drift, noise) = (embedding_type(drift, wzvi), embedding_type(noise, wzvi));
+            quote! { #wzvi::embedding::Mixed<#drift, #noise> }
+        }
+        Embedding::Corrected(inner) => {
+            let inner = embedding_type(inner, wzvi);
+            quote! { #wzvi::embedding::Corrected<#inner> }
+        }
+        Embedding::Uncorrected(inner) => {
+            let inner = embedding_type(inner, wzvi);
+            quote! { #wzvi::embedding::Uncorrected<#inner> }
+        }
+    }
+}

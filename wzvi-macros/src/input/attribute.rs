@@ -1,0 +1,234 @@
+//! The attribute's arguments, `key = value, ...`.
+
+use proc_macro2::{Delimiter, Group, Ident, Spacing, Span, TokenStream, TokenTree};
+use quote::ToTokens;
+use syn::ext::IdentExt;
+use syn::parse::{ParseStream, Parser};
+use syn::punctuated::Punctuated;
+use syn::{ExprClosure, Path, Token, token};
+
+use super::{embeddings, nesting};
+use crate::diagnostics::{Diagnostics, messages};
+use crate::discretise::embedding::Embedding;
+use crate::model::Located;
+
+pub(super) const KEYS: [&str; 5] = ["drift", "noise", "embedding", "invariant", "crate"];
+
+/// What the attribute says. A part that is missing or wrong has been reported.
+pub(crate) struct Declaration {
+    pub(crate) drift: Option<Hamiltonian>,
+    pub(crate) noise: Vec<Hamiltonian>,
+    pub(crate) invariants: Vec<Hamiltonian>,
+    pub(crate) embeddings: Vec<Located<Embedding>>,
+    pub(crate) crate_path: Path,
+}
+
+impl Declaration {
+    /// Every closure, the drift first.
+    pub(crate) fn closures(&self) -> impl Iterator<Item = &Hamiltonian> {
+        self.drift.iter().chain(&self.noise).chain(&self.invariants)
+    }
+}
+
+/// A closure over phase space.
+pub(crate) struct Hamiltonian {
+    pub(crate) closure: ExprClosure,
+    /// The closure's tokens as they were written.
+    pub(crate) tokens: TokenStream,
+}
+
+/// One `key = value`.
+struct Entry {
+    key: Ident,
+    value: TokenStream,
+}
+
+/// Reads the arguments of the attribute, each on its own: a mistake in one does not hide the others.
+pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Option<Declaration> {
+    if let Some(token) = nesting::too_deep(&attribute) {
+        diagnostics.report(messages::nested_too_deeply(token));
+        return None;
+    }
+    let mut declaration = Declaration {
+        drift: None,
+        noise: Vec::new(),
+        invariants: Vec::new(),
+        embeddings: Vec::new(),
+        crate_path: syn::parse_quote!(::wzvi),
+    };
+    let mut seen: Vec<String> = Vec::new();
+    for entry in split_entries(attribute, diagnostics) {
+        let key = entry.key.unraw().to_string();
+        if seen.contains(&key) {
+            diagnostics.report(messages::duplicate_key(&entry.key));
+            continue;
+        }
+        read_entry(&mut declaration, &key, &entry, diagnostics);
+        seen.push(key);
+    }
+    for required in ["drift", "embedding"] {
+        if !seen.iter().any(|key| key == required) {
+            diagnostics.report(messages::missing_key(required));
+        }
+    }
+    Some(declaration)
+}
+
+fn read_entry(declaration: &mut Declaration, key: &str, entry: &Entry, diagnostics: &mut Diagnostics) {
+    if !KEYS.contains(&key) {
+        diagnostics.report(messages::unknown_key(&entry.key));
+        return;
+    }
+    if entry.value.is_empty() {
+        diagnostics.report(messages::missing_value(&entry.key));
+        return;
+    }
+    match key {
+        "drift" => declaration.drift = diagnostics.accept(entry.parse(hamiltonian)),
+        "noise" => declaration.noise = entry.hamiltonians(diagnostics),
+        "invariant" => declaration.invariants = entry.hamiltonians(diagnostics),
+        "embedding" => declaration.embeddings = entry.embeddings(diagnostics),
+        _ => {
+            if let Some(path) = diagnostics.accept(entry.parse(Path::parse_mod_style)) {
+                declaration.crate_path = path;
+            }
+        }
+    }
+}
+
+impl Entry {
+    /// Parses the whole value. An unexpected end is reported at the last token, not at the attribute.
+    fn parse<T>(&self, parser: fn(ParseStream<'_>) -> syn::Result<T>) -> syn::Result<T> {
+        let end = self.value.clone().into_iter().last().map_or_else(Span::call_site, |token| token.span());
+        let mut group = Group::new(Delimiter::Brace, self.value.clone());
+        group.set_span(end);
+        let whole = |input: ParseStream<'_>| {
+            let content;
+            syn::braced!(content in input);
+            let value = parser(&content)?;
+            content.parse::<Option<Token![,]>>()?;
+            if content.is_empty() {
+                Ok(value)
+            } else {
+                Err(messages::unexpected_after_value(rest(&content)?))
+            }
+        };
+        whole.parse2(TokenTree::Group(group).into())
+    }
+
+    fn hamiltonians(&self, diagnostics: &mut Diagnostics) -> Vec<Hamiltonian> {
+        let Some(list) = diagnostics.accept(self.parse(hamiltonian_list)) else { return Vec::new() };
+        if list.is_empty() {
+            diagnostics.report(messages::empty_list(&self.key, &self.value));
+        }
+        list
+    }
+
+    fn embeddings(&self, diagnostics: &mut Diagnostics) -> Vec<Located<Embedding>> {
+        let Some(types) = diagnostics.accept(self.parse(type_list)) else { return Vec::new() };
+        if types.is_empty() {
+            diagnostics.report(messages::empty_list(&self.key, &self.value));
+        }
+        embeddings::read_embeddings(&types, diagnostics)
+    }
+}
+
+fn rest(input: ParseStream<'_>) -> syn::Result<TokenStream> {
+    input.parse()
+}
+
+fn hamiltonian(input: ParseStream<'_>) -> syn::Result<Hamiltonian> {
+    let starts = input.peek(Token![|])
+        || input.peek(Token![||])
+        || input.peek(Token![move])
+        || input.peek(Token![async])
+        || input.peek(Token![for]);
+    if !starts {
+        let found: TokenTree = input.parse()?;
+        rest(input)?;
+        return Err(messages::not_a_closure(found));
+    }
+    let mut cursor = input.cursor();
+    let closure: ExprClosure = input.parse()?;
+    let end = input.cursor();
+    let mut tokens = TokenStream::new();
+    while cursor != end {
+        let Some((token, next)) = cursor.token_tree() else { break };
+        tokens.extend([token]);
+        cursor = next;
+    }
+    if closure.asyncness.is_some() {
+        return Err(messages::async_closure(closure.asyncness.to_token_stream()));
+    }
+    Ok(Hamiltonian { closure, tokens })
+}
+
+fn hamiltonian_list(input: ParseStream<'_>) -> syn::Result<Vec<Hamiltonian>> {
+    if !input.peek(token::Bracket) {
+        return Ok(vec![hamiltonian(input)?]);
+    }
+    let content;
+    syn::bracketed!(content in input);
+    let mut list = Vec::new();
+    while !content.is_empty() {
+        list.push(hamiltonian(&content)?);
+        if content.peek(Token![;]) {
+            return Err(messages::noise_family(rest(&content)?));
+        }
+        if !content.is_empty() {
+            content.parse::<Token![,]>()?;
+        }
+    }
+    Ok(list)
+}
+
+fn type_list(input: ParseStream<'_>) -> syn::Result<Vec<syn::Type>> {
+    if !input.peek(token::Bracket) {
+        return Ok(vec![input.parse()?]);
+    }
+    let content;
+    syn::bracketed!(content in input);
+    Ok(Punctuated::<syn::Type, Token![,]>::parse_terminated(&content)?.into_iter().collect())
+}
+
+/// Splits at `, key =`, which no value contains at its top level.
+fn split_entries(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Vec<Entry> {
+    let tokens: Vec<TokenTree> = attribute.into_iter().collect();
+    let mut entries: Vec<Entry> = Vec::new();
+    let mut position = 0;
+    let mut stray = TokenStream::new();
+    while position < tokens.len() {
+        let at_start = position == 0 || is_punct(&tokens[position - 1], ',');
+        match &tokens[position] {
+            TokenTree::Ident(key) if at_start && is_assignment(&tokens[position + 1..]) => {
+                entries.push(Entry { key: key.clone(), value: TokenStream::new() });
+                position += 2;
+                continue;
+            }
+            token => match entries.last_mut() {
+                Some(entry) => entry.value.extend([token.clone()]),
+                None => stray.extend([token.clone()]),
+            },
+        }
+        position += 1;
+    }
+    if !stray.is_empty() {
+        diagnostics.report(messages::expected_key(stray));
+    }
+    entries
+}
+
+fn is_punct(token: &TokenTree, expected: char) -> bool {
+    matches!(token, TokenTree::Punct(punct) if punct.as_char() == expected)
+}
+
+/// Whether `tokens` start with `=`, and neither `==` nor `=>`.
+fn is_assignment(tokens: &[TokenTree]) -> bool {
+    match tokens {
+        [TokenTree::Punct(equals), rest @ ..] if equals.as_char() == '=' => {
+            let joint = equals.spacing() == Spacing::Joint;
+            !(joint && rest.first().is_some_and(|next| is_punct(next, '=') || is_punct(next, '>')))
+        }
+        _ => false,
+    }
+}

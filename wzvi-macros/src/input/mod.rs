@@ -1,0 +1,14 @@
+//! What the user declared: the struct, the attribute and the phase space, checked for what can be seen before any
+//! Hamiltonian is read.
+
+mod attribute;
+mod embeddings;
+mod nesting;
+mod phase_space;
+mod spelling;
+mod system;
+
+pub(crate) use attribute::{Declaration, Hamiltonian, read_attribute};
+pub(crate) use phase_space::{PhaseSpace, Shape, read_phase_space};
+pub(crate) use spelling::closest;
+pub(crate) use system::{Field, Kind, System, is_integer_type, read_struct};

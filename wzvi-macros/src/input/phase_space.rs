@@ -1,0 +1,253 @@
+//! The phase space that the patterns of the drift declare, and that every other closure has to repeat.
+
+use std::fmt;
+
+use proc_macro2::TokenStream;
+use quote::quote;
+use syn::ext::IdentExt;
+use syn::{Pat, Type};
+
+use super::attribute::{Declaration, Hamiltonian};
+use super::system::literal;
+use crate::diagnostics::{Diagnostics, messages};
+
+/// Largest number of degrees of freedom: each is a variable of its own in the symbolic graph.
+const MAX_DEGREES: usize = 1024;
+
+/// How coordinates (and momenta) are arranged.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Shape {
+    Real,
+    Array(Box<Shape>, usize),
+}
+
+/// The arrangement and the names of coordinates, momenta and time.
+pub(crate) struct PhaseSpace {
+    pub(crate) shape: Shape,
+    /// Names in the order of the state vector (row-major).
+    pub(crate) q: Vec<String>,
+    pub(crate) p: Vec<String>,
+    pub(crate) t: String,
+}
+
+impl PhaseSpace {
+    pub(crate) fn degrees(&self) -> usize {
+        self.shape.size().unwrap_or(MAX_DEGREES)
+    }
+}
+
+impl Shape {
+    /// Number of reals; `None` if it overflows.
+    fn size(&self) -> Option<usize> {
+        match self {
+            Self::Real => Some(1),
+            Self::Array(element, len) => element.size()?.checked_mul(*len),
+        }
+    }
+
+    /// The Rust type, whatever the user's names mean.
+    pub(crate) fn tokens(&self) -> TokenStream {
+        match self {
+            Self::Real => quote! { ::core::primitive::f64 },
+            Self::Array(element, len) => {
+                let element = element.tokens();
+                quote! { [#element; #len] }
+            }
+        }
+    }
+}
+
+impl fmt::Display for Shape {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Real => f.write_str("f64"),
+            Self::Array(element, len) => write!(f, "[{element}; {len}]"),
+        }
+    }
+}
+
+/// Reads the phase space from the drift and checks that the other closures agree with it.
+pub(crate) fn read_phase_space(
+    declaration: &Declaration,
+    diagnostics: &mut Diagnostics,
+) -> Option<PhaseSpace> {
+    let drift = declaration.drift.as_ref();
+    let phase_space = drift.and_then(|drift| diagnostics.accept(declared(drift)));
+    let others = declaration.noise.iter().chain(&declaration.invariants);
+    for other in others {
+        let agreed = match &phase_space {
+            Some(phase_space) => repeats(other, &phase_space.shape),
+            None => declared(other).map(|_| ()),
+        };
+        diagnostics.accept(agreed);
+    }
+    phase_space
+}
+
+/// The phase space of the drift.
+fn declared(drift: &Hamiltonian) -> syn::Result<PhaseSpace> {
+    let (q, p, t) = parameters(drift)?;
+    let (q_shape, p_shape) = (shape(q)?, shape(p)?);
+    let shape = match (q_shape, p_shape) {
+        (Some(q_shape), Some(p_shape)) if q_shape != p_shape => {
+            return Err(messages::momenta_disagree(p, &q_shape, &p_shape));
+        }
+        (Some(shape), _) | (None, Some(shape)) => shape,
+        (None, None) => Shape::Real,
+    };
+    if shape.size().is_none_or(|size| size > MAX_DEGREES) {
+        return Err(messages::too_many_degrees(q, MAX_DEGREES));
+    }
+    let mut names = PhaseSpace { shape, q: Vec::new(), p: Vec::new(), t: "t".to_owned() };
+    name(q, &names.shape, "q", &mut names.q);
+    name(p, &names.shape, "p", &mut names.p);
+    if let Some(t) = t {
+        names.t = time(t)?;
+    }
+    Ok(names)
+}
+
+/// Whether the patterns of another closure describe `expected`.
+fn repeats(closure: &Hamiltonian, expected: &Shape) -> syn::Result<()> {
+    let (q, p, t) = parameters(closure)?;
+    for pattern in [q, p] {
+        match shape(pattern)? {
+            Some(found) if found != *expected => {
+                return Err(messages::shapes_disagree(pattern, &found, expected));
+            }
+            _ => {}
+        }
+    }
+    t.map_or(Ok(()), |t| time(t).map(|_| ()))
+}
+
+/// The patterns of coordinates, momenta and time.
+fn parameters(closure: &Hamiltonian) -> syn::Result<(&Pat, &Pat, Option<&Pat>)> {
+    let inputs: Vec<&Pat> = closure.closure.inputs.iter().collect();
+    match *inputs.as_slice() {
+        [q, p] => Ok((q, p, None)),
+        [q, p, t] => Ok((q, p, Some(t))),
+        _ => {
+            let (begin, end) = (&closure.closure.inputs_begin, &closure.closure.inputs_end);
+            let inputs = &closure.closure.inputs;
+            Err(messages::closure_arity(quote! { #begin #inputs #end }, inputs.len()))
+        }
+    }
+}
+
+/// The shape that a pattern declares; `None` fits any.
+fn shape(pattern: &Pat) -> syn::Result<Option<Shape>> {
+    match pattern {
+        Pat::Wild(_) => Ok(None),
+        Pat::Paren(inner) => shape(&inner.pat),
+        Pat::Ident(ident)
+            if ident.by_ref.is_none() && ident.mutability.is_none() && ident.subpat.is_none() =>
+        {
+            Ok(Some(Shape::Real))
+        }
+        Pat::Type(typed) => {
+            let declared = type_shape(&typed.ty)?;
+            fits(&typed.pat, &declared)?;
+            Ok(Some(declared))
+        }
+        Pat::Slice(slice) => {
+            let mut element = None;
+            for inner in &slice.elems {
+                match (shape(inner)?, &element) {
+                    (Some(found), Some(expected)) if found != *expected => {
+                        return Err(messages::shapes_disagree_within(inner, &found, expected));
+                    }
+                    (Some(found), _) => element = Some(found),
+                    (None, _) => {}
+                }
+            }
+            match slice.elems.len() {
+                0 => Err(messages::no_degrees(slice)),
+                len => Ok(Some(Shape::Array(Box::new(element.unwrap_or(Shape::Real)), len))),
+            }
+        }
+        _ => Err(messages::unsupported_phase_pattern(pattern)),
+    }
+}
+
+/// Whether `pattern` can bind a value of shape `declared`.
+fn fits(pattern: &Pat, declared: &Shape) -> syn::Result<()> {
+    match (pattern, declared) {
+        (Pat::Slice(slice), Shape::Array(element, len)) if slice.elems.len() == *len => {
+            slice.elems.iter().try_for_each(|inner| fits(inner, element))
+        }
+        (Pat::Paren(inner), _) => fits(&inner.pat, declared),
+        (Pat::Ident(_) | Pat::Wild(_), _) => match shape(pattern) {
+            Err(error) => Err(error),
+            Ok(_) => Ok(()),
+        },
+        _ => match shape(pattern)? {
+            Some(found) if found != *declared => {
+                Err(messages::shapes_disagree_within(pattern, &found, declared))
+            }
+            _ => Ok(()),
+        },
+    }
+}
+
+/// The shape of a parameter's type.
+fn type_shape(ty: &Type) -> syn::Result<Shape> {
+    match ty {
+        Type::Paren(inner) => type_shape(&inner.elem),
+        Type::Group(inner) => type_shape(&inner.elem),
+        Type::Path(path) if path.path.segments.last().is_some_and(|last| last.ident == "f64") => {
+            Ok(Shape::Real)
+        }
+        Type::Array(array) => match literal(&array.len) {
+            Some(0) => Err(messages::no_degrees(ty)),
+            Some(len) => Ok(Shape::Array(Box::new(type_shape(&array.elem)?), len)),
+            None => Err(messages::size_not_literal(&array.len)),
+        },
+        Type::Reference(_) | Type::Slice(_) => Err(messages::size_at_run_time(ty)),
+        _ => Err(messages::unsupported_phase_type(ty)),
+    }
+}
+
+/// The name of time.
+fn time(pattern: &Pat) -> syn::Result<String> {
+    match pattern {
+        Pat::Wild(_) => Ok("t".to_owned()),
+        Pat::Paren(inner) => time(&inner.pat),
+        Pat::Ident(ident)
+            if ident.by_ref.is_none() && ident.mutability.is_none() && ident.subpat.is_none() =>
+        {
+            Ok(ident.ident.unraw().to_string())
+        }
+        Pat::Type(typed) => match type_shape(&typed.ty)? {
+            Shape::Real => time(&typed.pat),
+            Shape::Array(..) => Err(messages::time_is_real(pattern)),
+        },
+        _ => Err(messages::time_is_real(pattern)),
+    }
+}
+
+/// Appends the display names of the variables that `pattern` binds, `fallback` where it names none.
+fn name(pattern: &Pat, shape: &Shape, fallback: &str, names: &mut Vec<String>) {
+    match (pattern, shape) {
+        (Pat::Type(typed), _) => name(&typed.pat, shape, fallback, names),
+        (Pat::Paren(inner), _) => name(&inner.pat, shape, fallback, names),
+        (Pat::Ident(ident), _) => indexed(&ident.ident.unraw().to_string(), shape, names),
+        (Pat::Slice(slice), Shape::Array(element, _)) => {
+            for (i, inner) in slice.elems.iter().enumerate() {
+                name(inner, element, &format!("{fallback}[{i}]"), names);
+            }
+        }
+        _ => indexed(fallback, shape, names),
+    }
+}
+
+fn indexed(name: &str, shape: &Shape, names: &mut Vec<String>) {
+    match shape {
+        Shape::Real => names.push(name.to_owned()),
+        Shape::Array(element, len) => {
+            for i in 0..*len {
+                indexed(&format!("{name}[{i}]"), element, names);
+            }
+        }
+    }
+}

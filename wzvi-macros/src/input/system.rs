@@ -1,0 +1,138 @@
+//! The struct: its fields by what a Hamiltonian may do with them.
+
+use std::rc::Rc;
+
+use proc_macro2::TokenStream;
+use quote::ToTokens;
+use syn::{GenericArgument, GenericParam, Item, ItemStruct, Member, PathArguments, Type};
+
+use super::nesting;
+use crate::diagnostics::{Diagnostics, messages};
+
+/// A struct that can carry a Hamiltonian system.
+pub(crate) struct System {
+    pub(crate) item: ItemStruct,
+    pub(crate) fields: Vec<Field>,
+    /// Const generics of integer type.
+    pub(crate) sizes: Vec<syn::Ident>,
+}
+
+pub(crate) struct Field {
+    pub(crate) member: Member,
+    pub(crate) kind: Kind,
+    /// `#[cfg]` attributes: the field may not be there.
+    pub(crate) conditions: Vec<syn::Attribute>,
+}
+
+/// What a field, or an element of one, is to a Hamiltonian.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Kind {
+    Real,
+    Integer,
+    /// An array, slice or `Vec`; its length where it is a literal.
+    List(Rc<Kind>, Option<usize>),
+    /// A path to a constant, whose type only `rustc` knows.
+    Constant,
+    /// A type that no Hamiltonian can use, as written.
+    Other(String),
+}
+
+/// Reads the struct that carries the attribute.
+pub(crate) fn read_struct(item: TokenStream, diagnostics: &mut Diagnostics) -> Option<System> {
+    if let Some(token) = nesting::too_deep(&item) {
+        diagnostics.report(messages::nested_too_deeply(token));
+        return None;
+    }
+    let item = match diagnostics.accept(syn::parse2::<Item>(item))? {
+        Item::Struct(item) => item,
+        other => {
+            diagnostics.report(messages::not_a_struct(&other));
+            return None;
+        }
+    };
+    let fields = item.fields.members().zip(&item.fields).map(|(member, field)| Field {
+        member,
+        kind: kind(&field.ty),
+        conditions: field
+            .attrs
+            .iter()
+            .filter(|attribute| attribute.path().is_ident("cfg"))
+            .cloned()
+            .collect(),
+    });
+    let sizes = item.generics.params.iter().filter_map(|parameter| match parameter {
+        GenericParam::Const(parameter) if kind(&parameter.ty) == Kind::Integer => {
+            Some(parameter.ident.clone())
+        }
+        _ => None,
+    });
+    Some(System { fields: fields.collect(), sizes: sizes.collect(), item })
+}
+
+fn kind(ty: &Type) -> Kind {
+    match ty {
+        Type::Paren(inner) => kind(&inner.elem),
+        Type::Group(inner) => kind(&inner.elem),
+        Type::Array(array) => Kind::List(Rc::new(kind(&array.elem)), literal(&array.len)),
+        Type::Slice(slice) => Kind::List(Rc::new(kind(&slice.elem)), None),
+        Type::Reference(reference) => list_or_other(kind(&reference.elem), ty),
+        Type::Path(path) if path.qself.is_none() => match path.path.segments.last() {
+            Some(segment) => named_kind(segment, ty),
+            None => other(ty),
+        },
+        _ => other(ty),
+    }
+}
+
+fn named_kind(segment: &syn::PathSegment, ty: &Type) -> Kind {
+    let argument = match &segment.arguments {
+        PathArguments::AngleBracketed(arguments) => arguments.args.first(),
+        _ => None,
+    };
+    match (segment.ident.to_string().as_str(), argument) {
+        ("f64", None) => Kind::Real,
+        (name, None) if is_integer_type(name) => Kind::Integer,
+        ("Vec", Some(GenericArgument::Type(element))) => Kind::List(Rc::new(kind(element)), None),
+        ("Box" | "Rc" | "Arc", Some(GenericArgument::Type(inner))) => list_or_other(kind(inner), ty),
+        _ => other(ty),
+    }
+}
+
+/// Lists behind pointers index like lists; numbers behind pointers do not read like numbers.
+fn list_or_other(kind: Kind, ty: &Type) -> Kind {
+    match kind {
+        Kind::List(..) => kind,
+        _ => other(ty),
+    }
+}
+
+fn other(ty: &Type) -> Kind {
+    Kind::Other(source(ty))
+}
+
+/// The tokens as a user would write them: without the spaces that a token stream prints.
+pub(crate) fn source(tokens: &impl ToTokens) -> String {
+    let spaced = tokens.to_token_stream().to_string();
+    let mut text = String::with_capacity(spaced.len());
+    for (i, part) in spaced.split(' ').enumerate() {
+        let tight = |part: &str, ends: &str| part.chars().next().is_some_and(|c| ends.contains(c));
+        let after = text.chars().last().is_some_and(|c| "<[(&:".contains(c));
+        if i > 0 && !after && !tight(part, "<>[](),;:") {
+            text.push(' ');
+        }
+        text.push_str(part);
+    }
+    text
+}
+
+pub(crate) fn is_integer_type(name: &str) -> bool {
+    matches!(
+        name,
+        "i8" | "i16" | "i32" | "i64" | "i128" | "isize" | "u8" | "u16" | "u32" | "u64" | "u128" | "usize"
+    )
+}
+
+/// The value of an integer literal.
+pub(super) fn literal(tokens: &impl ToTokens) -> Option<usize> {
+    syn::parse2::<syn::LitInt>(tokens.to_token_stream()).ok()?.base10_parse().ok()
+}

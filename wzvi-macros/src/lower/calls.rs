@@ -1,0 +1,137 @@
+//! Calls: local closures and the functions of `f64`.
+
+use quote::ToTokens;
+use syn::{Expr as Syntax, ExprCall, ExprClosure, ExprMethodCall};
+
+use super::interpreter::{Closure, Interpreter};
+use super::names::{is_self, real_function};
+use super::value::Value;
+use crate::diagnostics::expressions;
+
+impl<'a> Interpreter<'a, '_> {
+    pub(super) fn closure(&mut self, syntax: &'a ExprClosure) -> Value {
+        if !self.spend(1 + self.scope.len() / 16, &syntax.inputs_begin) {
+            return Value::Poison;
+        }
+        let scope = match syntax.capture {
+            Some(_) => self.scope.snapshot(),
+            None => self.scope.clone(),
+        };
+        self.closures.push(Closure { syntax, scope });
+        Value::Closure(self.closures.len() - 1)
+    }
+
+    pub(super) fn call(&mut self, syntax: &'a ExprCall) -> Value {
+        let function = match &*syntax.func {
+            // A single name is a variable; as a function it is not one that can be seen into.
+            Syntax::Path(path) => match path.path.get_ident() {
+                Some(name) => match self.scope.find(name) {
+                    Some(binding) => binding.value.borrow().clone(),
+                    None => self.report(expressions::function_call(path)),
+                },
+                None => match real_function(path) {
+                    Some(function) => Value::Function(function.into()),
+                    None => self.report(expressions::function_call(path)),
+                },
+            },
+            other => self.evaluate(other),
+        };
+        let arguments: Vec<Value> = syntax.args.iter().map(|argument| self.evaluate(argument)).collect();
+        match &function {
+            Value::Function(name) => {
+                let places: Vec<&Syntax> = syntax.args.iter().collect();
+                self.real_call(name, arguments, &places, &syntax.func)
+            }
+            _ => self.apply(&function, arguments, syntax),
+        }
+    }
+
+    /// The value of a function at `arguments`.
+    pub(super) fn apply(&mut self, function: &Value, arguments: Vec<Value>, at: &dyn ToTokens) -> Value {
+        let id = match function {
+            Value::Poison => return Value::Poison,
+            Value::Function(name) => return self.real_call(name, arguments, &[], at),
+            Value::Closure(id) => *id,
+            other => return self.report(expressions::not_callable(at.to_token_stream(), other.describe())),
+        };
+        let Some(Closure { syntax, scope }) = self.closures.get(id) else { return Value::Poison };
+        let (syntax, captured) = (*syntax, scope.clone());
+        if syntax.inputs.len() != arguments.len() {
+            let error =
+                expressions::argument_count(at.to_token_stream(), syntax.inputs.len(), arguments.len());
+            return self.report(error);
+        }
+        if !self.spend(1 + captured.len() / 16, &at.to_token_stream()) {
+            return Value::Poison;
+        }
+        let caller = std::mem::replace(&mut self.scope, captured);
+        for (pattern, argument) in syntax.inputs.iter().zip(arguments) {
+            self.bind(pattern, argument);
+        }
+        let value = self.evaluate(&syntax.body);
+        self.scope = caller;
+        value
+    }
+
+    pub(super) fn method_call(&mut self, syntax: &'a ExprMethodCall) -> Value {
+        if is_self(&syntax.receiver) {
+            return self.report(expressions::function_call(&syntax.method));
+        }
+        let receiver = self.evaluate(&syntax.receiver);
+        let arguments: Vec<Value> = syntax.args.iter().map(|argument| self.evaluate(argument)).collect();
+        match receiver {
+            Value::Poison => Value::Poison,
+            // A constant that is not a list is a real number: integers have to be cast first.
+            Value::List(_) | Value::Iterator(_) | Value::Range(..) => {
+                self.sequence_method(receiver, arguments, syntax)
+            }
+            Value::Place(ref place) if matches!(place.kind, crate::input::Kind::List(..)) => {
+                self.sequence_method(receiver, arguments, syntax)
+            }
+            Value::Integer(value) => self.integer_method(value, &arguments, syntax),
+            Value::Real(_) | Value::Place(_) => {
+                let mut values = vec![receiver];
+                values.extend(arguments);
+                let mut places = vec![&*syntax.receiver];
+                places.extend(syntax.args.iter());
+                self.real_call(&syntax.method.to_string(), values, &places, &syntax.method)
+            }
+            other => match syntax.method.to_string().as_str() {
+                "clone" | "to_owned" if arguments.is_empty() => other,
+                _ => self.report(expressions::unknown_method(&syntax.method, other.describe(), &["clone"])),
+            },
+        }
+    }
+
+    fn integer_method(&mut self, value: i128, arguments: &[Value], syntax: &ExprMethodCall) -> Value {
+        const KNOWN: [&str; 8] =
+            ["pow", "abs", "abs_diff", "rem_euclid", "div_euclid", "min", "max", "clone"];
+        let name = syntax.method.to_string();
+        let mut known = Vec::new();
+        for (argument, at) in arguments.iter().zip(&syntax.args) {
+            match self.known_integer(argument.clone(), at) {
+                Some(argument) => known.push(argument),
+                None => return Value::Poison,
+            }
+        }
+        let result = match (name.as_str(), known.as_slice()) {
+            ("clone", []) => Some(value),
+            ("abs", []) => value.checked_abs(),
+            ("pow", &[n]) => u32::try_from(n).ok().and_then(|n| value.checked_pow(n)),
+            ("abs_diff", &[other]) => i128::try_from(value.abs_diff(other)).ok(),
+            ("rem_euclid", &[other]) => value.checked_rem_euclid(other),
+            ("div_euclid", &[other]) => value.checked_div_euclid(other),
+            ("min", &[other]) => Some(value.min(other)),
+            ("max", &[other]) => Some(value.max(other)),
+            (name, arguments) if KNOWN.contains(&name) => {
+                let expected = usize::from(!matches!(name, "clone" | "abs"));
+                return self.report(expressions::argument_count(&syntax.method, expected, arguments.len()));
+            }
+            _ if super::floats::is_real_method(&name) => {
+                return self.report(expressions::integer_not_real(&syntax.receiver));
+            }
+            _ => return self.report(expressions::unknown_method(&syntax.method, "integers", &KNOWN)),
+        };
+        result.map(Value::Integer).unwrap_or_else(|| self.report(expressions::integer_arithmetic(syntax)))
+    }
+}

@@ -1,0 +1,90 @@
+//! Lists: indices into them, and ranges.
+
+use quote::{ToTokens, quote};
+use syn::{ExprIndex, RangeLimits};
+
+use super::interpreter::Interpreter;
+use super::value::{Place, Value};
+use crate::diagnostics::expressions;
+use crate::input::Kind;
+
+impl<'a> Interpreter<'a, '_> {
+    pub(super) fn index(&mut self, syntax: &'a ExprIndex) -> Value {
+        let base = self.evaluate(&syntax.expr);
+        let index = self.evaluate(&syntax.index);
+        let at = &*syntax.index;
+        match (base, index) {
+            (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
+            (Value::List(list), Value::Range(start, end)) => {
+                let len = list.items.len();
+                let end = end.unwrap_or(len as i128);
+                match (usize::try_from(start), usize::try_from(end)) {
+                    (Ok(start), Ok(end)) if start <= end && end <= len => {
+                        Value::list(list.items[start..end].to_vec())
+                    }
+                    _ => self.report(expressions::index_out_of_range(at, end, len)),
+                }
+            }
+            (Value::List(list), index) => match self.known_integer(index, at) {
+                Some(i) => match usize::try_from(i).ok().and_then(|i| list.items.get(i)) {
+                    Some(item) => item.clone(),
+                    None => self.report(expressions::index_out_of_range(at, i, list.items.len())),
+                },
+                None => Value::Poison,
+            },
+            (Value::Place(place), index) => self.index_place(&place, index, syntax),
+            (base, _) => self.report(expressions::expected(&syntax.expr, "a list", base.describe())),
+        }
+    }
+
+    fn index_place(&mut self, place: &Place, index: Value, syntax: &ExprIndex) -> Value {
+        if !matches!(place.kind, Kind::List(..) | Kind::Constant) {
+            return self.report(expressions::expected(&syntax.expr, "a list", "an integer"));
+        }
+        match self.known_integer(index, &syntax.index) {
+            Some(i) => self.element(place, i, &syntax.index),
+            None => Value::Poison,
+        }
+    }
+
+    /// Element `i` of a list that the struct or a constant holds.
+    pub(super) fn element(&mut self, place: &Place, i: i128, at: &dyn ToTokens) -> Value {
+        let (kind, len) = match &place.kind {
+            Kind::List(element, len) => ((**element).clone(), *len),
+            _ => (Kind::Constant, None),
+        };
+        let Ok(i) = usize::try_from(i) else {
+            return self.report(expressions::index_out_of_range(at.to_token_stream(), i, len.unwrap_or(0)));
+        };
+        if let Some(len) = len.filter(|&len| i >= len) {
+            return self.report(expressions::index_out_of_range(at.to_token_stream(), i as i128, len));
+        }
+        let tokens = &place.tokens;
+        let literal = proc_macro2::Literal::usize_unsuffixed(i);
+        let element =
+            Place { name: format!("{}[{i}]", place.name), tokens: quote! { #tokens[#literal] }, kind };
+        self.place(element, at)
+    }
+
+    pub(super) fn range(&mut self, syntax: &'a syn::ExprRange) -> Value {
+        let start = match &syntax.start {
+            Some(start) => {
+                let value = self.evaluate(start);
+                self.known_integer(value, start)
+            }
+            None => Some(0),
+        };
+        let end = match &syntax.end {
+            Some(end) => {
+                let value = self.evaluate(end);
+                let inclusive = i128::from(matches!(syntax.limits, RangeLimits::Closed(_)));
+                self.known_integer(value, end).map(|end| Some(end.saturating_add(inclusive)))
+            }
+            None => Some(None),
+        };
+        match (start, end) {
+            (Some(start), Some(end)) => Value::Range(start, end),
+            _ => Value::Poison,
+        }
+    }
+}

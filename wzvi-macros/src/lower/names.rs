@@ -1,0 +1,167 @@
+//! What names stand for: variables, fields, constants.
+
+use std::collections::HashMap;
+
+use proc_macro2::TokenStream;
+use quote::{ToTokens, quote};
+use syn::ext::IdentExt;
+use syn::{Expr as Syntax, ExprField, ExprPath, Ident, Member, Type};
+
+use super::interpreter::Interpreter;
+use super::value::{Place, Value};
+use crate::diagnostics::expressions;
+use crate::input::{Field, Kind};
+use crate::model::Parameter;
+use crate::symbolic::{Graph, Symbol};
+
+/// The parameters in the order of their first use; one per distinct expression.
+#[derive(Default)]
+pub(super) struct Parameters {
+    list: Vec<Parameter>,
+    known: HashMap<String, Symbol>,
+}
+
+impl Parameters {
+    pub(super) fn symbol(&mut self, graph: &mut Graph, name: &str, tokens: TokenStream) -> Symbol {
+        *self.known.entry(tokens.to_string()).or_insert_with(|| {
+            let symbol = graph.new_symbol(name);
+            self.list.push(Parameter { symbol, tokens });
+            symbol
+        })
+    }
+
+    pub(super) fn into_list(self) -> Vec<Parameter> {
+        self.list
+    }
+}
+
+impl<'a> Interpreter<'a, '_> {
+    /// A path that is used as a value.
+    pub(super) fn path(&mut self, path: &ExprPath) -> Value {
+        match path.path.get_ident() {
+            Some(name) if path.qself.is_none() => self.name(name),
+            _ => self.long_path(path),
+        }
+    }
+
+    /// The innermost meaning of a name: variable, field, const generic, constant.
+    fn name(&mut self, name: &Ident) -> Value {
+        if let Some(binding) = self.scope.find(name) {
+            return binding.value.borrow().clone();
+        }
+        let field = |field: &&Field| matches!(&field.member, Member::Named(known) if known == name);
+        if let Some(field) = self.system.fields.iter().find(field) {
+            return self.read_field(field, name);
+        }
+        let tokens = name.to_token_stream();
+        if self.system.sizes.contains(name) {
+            return Value::Place(Place { name: name.to_string(), tokens, kind: Kind::Integer }.into());
+        }
+        if name == "self" {
+            let remedy = "name the field, as in `self.a` or `a`";
+            return self.report(expressions::unsupported(name, "the struct as a whole", remedy));
+        }
+        if is_constant_name(name) {
+            return Value::Place(Place { name: name.to_string(), tokens, kind: Kind::Constant }.into());
+        }
+        let fields = self.field_names();
+        let locals = self.scope.names();
+        self.report(expressions::unknown_name(name, &fields, &locals))
+    }
+
+    /// `std::f64::consts::PI`, `Self::STIFFNESS`, `f64::sin`.
+    fn long_path(&mut self, path: &ExprPath) -> Value {
+        let segments: Vec<String> = path.path.segments.iter().map(|s| s.ident.unraw().to_string()).collect();
+        let name = match segments.as_slice() {
+            [] => return Value::Poison,
+            [outer @ .., last] if outer.last().is_some_and(|outer| outer == "Self") => {
+                format!("Self::{last}")
+            }
+            [.., last] => last.clone(),
+        };
+        let is_constant = path.path.segments.last().is_some_and(|last| is_constant_name(&last.ident));
+        if is_constant {
+            return Value::Place(Place { name, tokens: path.to_token_stream(), kind: Kind::Constant }.into());
+        }
+        match real_function(path) {
+            Some(function) => Value::Function(function.into()),
+            None => self.report(expressions::function_call(path)),
+        }
+    }
+
+    /// `self.a` or a part of a tuple.
+    pub(super) fn field(&mut self, syntax: &'a ExprField) -> Value {
+        if is_self(&syntax.base) {
+            let field = self.system.fields.iter().find(|field| field.member == syntax.member);
+            return match field {
+                Some(field) => self.read_field(field, &syntax.member),
+                None => {
+                    let fields = self.field_names();
+                    self.report(expressions::unknown_field(&syntax.member, &fields))
+                }
+            };
+        }
+        match (self.evaluate(&syntax.base), &syntax.member) {
+            (Value::Poison, _) => Value::Poison,
+            (Value::Tuple(tuple), Member::Unnamed(index)) if (index.index as usize) < tuple.items.len() => {
+                tuple.items[index.index as usize].clone()
+            }
+            (value, member) => self.report(expressions::expected(
+                member,
+                "a field of the struct or of a tuple",
+                value.describe(),
+            )),
+        }
+    }
+
+    fn read_field(&mut self, field: &Field, at: &dyn ToTokens) -> Value {
+        let member = &field.member;
+        let name = match member {
+            Member::Named(name) => name.unraw().to_string(),
+            Member::Unnamed(index) => format!("self.{}", index.index),
+        };
+        // `self` has to be that of the method which the tokens end up in; a field's name is the same everywhere.
+        self.place(Place { name, tokens: quote! { self.#member }, kind: field.kind.clone() }, at)
+    }
+
+    fn field_names(&self) -> Vec<String> {
+        self.system.fields.iter().map(|field| field.member.to_token_stream().to_string()).collect()
+    }
+}
+
+/// `self`, in parentheses or not.
+pub(super) fn is_self(syntax: &Syntax) -> bool {
+    match syntax {
+        Syntax::Path(path) => path.path.is_ident("self"),
+        Syntax::Paren(inner) => is_self(&inner.expr),
+        Syntax::Group(inner) => is_self(&inner.expr),
+        _ => false,
+    }
+}
+
+/// The method behind a path such as `f64::sin`.
+pub(super) fn real_function(path: &ExprPath) -> Option<String> {
+    let segments = &path.path.segments;
+    let name = segments.last()?.ident.to_string();
+    let of_f64 = match &path.qself {
+        Some(qself) => is_real_type(&qself.ty) && segments.len() == 1,
+        None => segments.len() > 1 && segments.iter().rev().nth(1).is_some_and(|outer| outer.ident == "f64"),
+    };
+    of_f64.then_some(name)
+}
+
+/// A name in upper case: `rustc` tells whether there is such a constant.
+fn is_constant_name(name: &Ident) -> bool {
+    let name = name.unraw().to_string();
+    name.chars().any(char::is_uppercase) && !name.chars().any(char::is_lowercase)
+}
+
+/// Whether `ty` is `f64`, by its name.
+pub(super) fn is_real_type(ty: &Type) -> bool {
+    match ty {
+        Type::Path(path) => path.path.segments.last().is_some_and(|last| last.ident == "f64"),
+        Type::Paren(inner) => is_real_type(&inner.elem),
+        Type::Group(inner) => is_real_type(&inner.elem),
+        _ => false,
+    }
+}

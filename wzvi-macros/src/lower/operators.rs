@@ -1,0 +1,385 @@
+//! Literals, operators, casts, comparisons, indices.
+
+use quote::quote;
+use syn::{BinOp, Expr as Syntax, ExprBinary, ExprCast, ExprUnary, Lit, Type, UnOp};
+
+use super::interpreter::Interpreter;
+use super::names::is_real_type;
+use super::value::{Place, Value};
+use crate::diagnostics::expressions;
+use crate::input::{Kind, is_integer_type};
+use crate::symbolic::{Expr, Rational, Relation};
+
+/// The value of a chain of operators so far. Sums and products are collected before the graph sees them, so that a
+/// sum of n terms costs n and not n².
+enum Chain {
+    Value(Value),
+    Sum(Vec<(Expr, Rational)>),
+    Product(Vec<Expr>),
+}
+
+impl<'a> Interpreter<'a, '_> {
+    pub(super) fn literal(&mut self, literal: &Lit) -> Value {
+        match literal {
+            Lit::Float(float) => self.real_literal(float.base10_digits(), float.suffix(), literal),
+            Lit::Int(int) if matches!(int.suffix(), "f64" | "f32") => {
+                self.real_literal(int.base10_digits(), int.suffix(), literal)
+            }
+            Lit::Int(int) => match int.base10_parse::<i128>() {
+                Ok(value) => Value::Integer(value),
+                Err(_) => self.report(expressions::integer_arithmetic(literal)),
+            },
+            Lit::Bool(value) => Value::Known(value.value),
+            _ => self.report(expressions::expected(literal, "a number", "another literal")),
+        }
+    }
+
+    fn real_literal(&mut self, digits: &str, suffix: &str, at: &Lit) -> Value {
+        if suffix == "f32" {
+            return self.report(expressions::single_precision(at));
+        }
+        match (Rational::from_decimal(digits), digits.parse::<f64>()) {
+            (Some(exact), _) => Value::Real(self.graph.number(exact)),
+            (None, Ok(value)) => Value::Real(self.graph.float(value)),
+            (None, Err(_)) => self.report(expressions::expected(at, "a number", "another literal")),
+        }
+    }
+
+    pub(super) fn unary(&mut self, syntax: &'a ExprUnary) -> Value {
+        let value = self.evaluate(&syntax.expr);
+        match (syntax.op, value) {
+            (_, Value::Poison) => Value::Poison,
+            (UnOp::Deref(_), value) => value,
+            (UnOp::Not(_), Value::Known(value)) => Value::Known(!value),
+            (UnOp::Not(_), Value::Condition(value)) => Value::Condition(self.graph.not(value)),
+            (UnOp::Neg(_), Value::Integer(value)) => match value.checked_neg() {
+                Some(value) => Value::Integer(value),
+                None => self.report(expressions::integer_arithmetic(syntax)),
+            },
+            (UnOp::Neg(_), value) if value.is_integer() => {
+                self.report(expressions::parameter_integer(syntax))
+            }
+            (UnOp::Neg(_), value) => match self.real(value, &syntax.expr) {
+                Some(value) => Value::Real(self.graph.negate(value)),
+                None => Value::Poison,
+            },
+            (_, value) => self.report(expressions::expected(&syntax.expr, "a condition", value.describe())),
+        }
+    }
+
+    /// A binary operator. Long chains lean left: they are walked, not recursed into.
+    pub(super) fn binary(&mut self, syntax: &'a ExprBinary) -> Value {
+        if is_logical(&syntax.op) {
+            return self.logical(syntax);
+        }
+        if let Some(operator) = compound(&syntax.op) {
+            return self.assign_compound(syntax, operator);
+        }
+        if !is_arithmetic(&syntax.op) {
+            return self.comparison(syntax);
+        }
+        let mut spine = vec![syntax];
+        let mut first = &*syntax.left;
+        while let Syntax::Binary(inner) = first
+            && is_arithmetic(&inner.op)
+        {
+            spine.push(inner);
+            first = &inner.left;
+        }
+        let mut chain = Chain::Value(self.evaluate(first));
+        for &link in spine.iter().rev() {
+            let right = self.evaluate(&link.right);
+            chain = self.extend(chain, link, right);
+        }
+        self.close(chain)
+    }
+
+    fn extend(&mut self, chain: Chain, link: &'a ExprBinary, right: Value) -> Chain {
+        match (chain, right) {
+            (Chain::Value(Value::Poison), _) | (_, Value::Poison) => Chain::Value(Value::Poison),
+            (Chain::Value(left), right) if left.is_integer() && right.is_integer() => {
+                Chain::Value(self.integer_operation(&left, link.op, &right, link))
+            }
+            (chain, right) => self.extend_real(chain, link, right).unwrap_or(Chain::Value(Value::Poison)),
+        }
+    }
+
+    fn extend_real(&mut self, chain: Chain, link: &'a ExprBinary, right: Value) -> Option<Chain> {
+        // Both sides are read first: each may be wrong on its own.
+        let chain = match chain {
+            Chain::Value(left) => self.real(left, &link.left).map(|left| Chain::Value(Value::Real(left))),
+            chain => Some(chain),
+        };
+        let right = self.real(right, &link.right);
+        let (chain, right) = (chain?, right?);
+        let sign = match link.op {
+            BinOp::Add(_) => Rational::ONE,
+            BinOp::Sub(_) => Rational::MINUS_ONE,
+            BinOp::Mul(_) => return Some(Chain::Product(self.factors(chain, right)?)),
+            BinOp::Div(_) => {
+                let inverse = self.graph.power(right, Rational::MINUS_ONE);
+                return Some(Chain::Product(self.factors(chain, inverse)?));
+            }
+            _ => {
+                self.report(expressions::unsupported(
+                    link,
+                    "`%` on real numbers",
+                    "only `+ - * /` are differentiable",
+                ));
+                return None;
+            }
+        };
+        let mut terms = match chain {
+            Chain::Sum(terms) => terms,
+            chain => match self.close(chain) {
+                Value::Real(left) => vec![(left, Rational::ONE)],
+                _ => return None,
+            },
+        };
+        terms.push((right, sign));
+        Some(Chain::Sum(terms))
+    }
+
+    fn factors(&mut self, chain: Chain, right: Expr) -> Option<Vec<Expr>> {
+        let mut factors = match chain {
+            Chain::Product(factors) => factors,
+            chain => match self.close(chain) {
+                Value::Real(left) => vec![left],
+                _ => return None,
+            },
+        };
+        factors.push(right);
+        Some(factors)
+    }
+
+    fn close(&mut self, chain: Chain) -> Value {
+        match chain {
+            Chain::Value(value) => value,
+            Chain::Sum(terms) => Value::Real(self.graph.linear_combination(&terms)),
+            Chain::Product(factors) => Value::Real(self.graph.product(&factors)),
+        }
+    }
+
+    fn integer_operation(&mut self, left: &Value, operator: BinOp, right: &Value, at: &ExprBinary) -> Value {
+        let (&Value::Integer(a), &Value::Integer(b)) = (left, right) else {
+            return self.report(expressions::parameter_integer(at));
+        };
+        match integer_arithmetic(a, &operator, b) {
+            Some(value) => Value::Integer(value),
+            None => self.report(expressions::integer_arithmetic(at)),
+        }
+    }
+
+    /// `left op right` for one compound assignment.
+    pub(super) fn operate(
+        &mut self,
+        left: Value,
+        operator: BinOp,
+        right: Value,
+        at: &'a ExprBinary,
+    ) -> Value {
+        if left.is_poison() || right.is_poison() {
+            return Value::Poison;
+        }
+        if let (Value::Integer(a), Value::Integer(b)) = (&left, &right) {
+            let result = match operator {
+                BinOp::Add(_) => a.checked_add(*b),
+                BinOp::Sub(_) => a.checked_sub(*b),
+                BinOp::Mul(_) => a.checked_mul(*b),
+                BinOp::Div(_) => a.checked_div(*b),
+                _ => a.checked_rem(*b),
+            };
+            return result
+                .map(Value::Integer)
+                .unwrap_or_else(|| self.report(expressions::integer_arithmetic(at)));
+        }
+        let (left, right) = (self.real(left, &at.left), self.real(right, &at.right));
+        let (Some(left), Some(right)) = (left, right) else { return Value::Poison };
+        // Accumulating n terms one by one copies n² of them.
+        let size = self.graph.node(left).operands().len();
+        if !self.spend(size / 16, at) {
+            return Value::Poison;
+        }
+        Value::Real(match operator {
+            BinOp::Add(_) => self.graph.add(left, right),
+            BinOp::Sub(_) => self.graph.subtract(left, right),
+            BinOp::Mul(_) => self.graph.multiply(left, right),
+            BinOp::Div(_) => self.graph.divide(left, right),
+            _ => {
+                let remedy = "only `+ - * /` are differentiable";
+                return self.report(expressions::unsupported(at, "`%` on real numbers", remedy));
+            }
+        })
+    }
+
+    fn comparison(&mut self, syntax: &'a ExprBinary) -> Value {
+        let left = self.evaluate(&syntax.left);
+        let right = self.evaluate(&syntax.right);
+        let known = match (&left, &right) {
+            (Value::Poison, _) | (_, Value::Poison) => return Value::Poison,
+            (Value::Integer(a), Value::Integer(b)) => Some(a.cmp(b)),
+            (Value::Known(a), Value::Known(b)) => Some(a.cmp(b)),
+            _ if left.is_integer() && right.is_integer() => {
+                return self.report(expressions::parameter_integer(syntax));
+            }
+            _ => None,
+        };
+        if let Some(order) = known {
+            return match syntax.op {
+                BinOp::Lt(_) => Value::Known(order.is_lt()),
+                BinOp::Le(_) => Value::Known(order.is_le()),
+                BinOp::Gt(_) => Value::Known(order.is_gt()),
+                BinOp::Ge(_) => Value::Known(order.is_ge()),
+                BinOp::Eq(_) => Value::Known(order.is_eq()),
+                BinOp::Ne(_) => Value::Known(order.is_ne()),
+                _ => self.unsupported_operator(syntax),
+            };
+        }
+        let (left, right) = (self.real(left, &syntax.left), self.real(right, &syntax.right));
+        let (Some(left), Some(right)) = (left, right) else { return Value::Poison };
+        self.compare(left, right, syntax)
+    }
+
+    fn compare(&mut self, left: Expr, right: Expr, syntax: &ExprBinary) -> Value {
+        let (relation, left, right) = match syntax.op {
+            BinOp::Lt(_) => (Relation::Less, left, right),
+            BinOp::Le(_) => (Relation::LessEqual, left, right),
+            BinOp::Gt(_) => (Relation::Less, right, left),
+            BinOp::Ge(_) => (Relation::LessEqual, right, left),
+            BinOp::Eq(_) | BinOp::Ne(_) => (Relation::Equal, left, right),
+            _ => return self.unsupported_operator(syntax),
+        };
+        let negated = matches!(syntax.op, BinOp::Ne(_));
+        if let (Some(a), Some(b)) = (self.graph.as_number(left), self.graph.as_number(right)) {
+            let holds = match relation {
+                Relation::Less => a < b,
+                Relation::LessEqual => a <= b,
+                Relation::Equal => a == b,
+            };
+            return Value::Known(holds != negated);
+        }
+        let condition = self.graph.compare(relation, left, right);
+        Value::Condition(if negated { self.graph.not(condition) } else { condition })
+    }
+
+    fn unsupported_operator(&mut self, syntax: &ExprBinary) -> Value {
+        let remedy = "there are `+ - * / %`, comparisons, `&&`, `||` and `!`";
+        self.report(expressions::unsupported(syntax.op, "this operator", remedy))
+    }
+
+    fn logical(&mut self, syntax: &'a ExprBinary) -> Value {
+        let and = matches!(syntax.op, BinOp::And(_));
+        let left = self.evaluate(&syntax.left);
+        // As in Rust, the right side is not looked at when the left decides.
+        if let Value::Known(known) = left
+            && known != and
+        {
+            return Value::Known(known);
+        }
+        let right = self.evaluate(&syntax.right);
+        match (left, right) {
+            (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
+            (Value::Known(_), right @ (Value::Known(_) | Value::Condition(_))) => right,
+            (Value::Condition(_), Value::Known(known)) if known != and => Value::Known(known),
+            (Value::Condition(left), Value::Known(_)) => Value::Condition(left),
+            (Value::Condition(left), Value::Condition(right)) => Value::Condition(match and {
+                true => self.graph.and(left, right),
+                false => self.graph.or(left, right),
+            }),
+            (Value::Known(_) | Value::Condition(_), other) => {
+                self.report(expressions::expected(&syntax.right, "a condition", other.describe()))
+            }
+            (other, _) => self.report(expressions::expected(&syntax.left, "a condition", other.describe())),
+        }
+    }
+
+    pub(super) fn cast(&mut self, syntax: &'a ExprCast) -> Value {
+        let value = self.evaluate(&syntax.expr);
+        if value.is_poison() {
+            return Value::Poison;
+        }
+        if is_real_type(&syntax.ty) {
+            return self.cast_to_real(value, &syntax.expr);
+        }
+        let name = match &*syntax.ty {
+            Type::Path(path) => {
+                path.path.segments.last().map(|last| last.ident.to_string()).unwrap_or_default()
+            }
+            _ => String::new(),
+        };
+        match value {
+            _ if name == "f32" => self.report(expressions::single_precision(&syntax.ty)),
+            _ if !is_integer_type(&name) => self.report(expressions::unknown_cast(&syntax.ty)),
+            Value::Integer(value) if fits(value, &name) => Value::Integer(value),
+            Value::Integer(_) => self.report(expressions::integer_arithmetic(syntax)),
+            Value::Place(place) if place.kind == Kind::Integer => Value::Place(place),
+            Value::Place(place) if place.kind == Kind::Constant => {
+                let (name, tokens) = (place.name.clone(), &place.tokens);
+                let ty = &syntax.ty;
+                Value::Place(Place { name, tokens: quote! { (#tokens as #ty) }, kind: Kind::Integer }.into())
+            }
+            Value::Real(_) => self.report(expressions::truncation(syntax)),
+            other => self.report(expressions::expected(&syntax.expr, "a number", other.describe())),
+        }
+    }
+
+    /// `value as f64`
+    pub(super) fn cast_to_real(&mut self, value: Value, at: &Syntax) -> Value {
+        match value {
+            Value::Integer(value) => self.integer_as_real(value),
+            Value::Place(place) if matches!(place.kind, Kind::Integer | Kind::Constant) => {
+                let tokens = &place.tokens;
+                Value::Real(self.parameter(&place.name, quote! { (#tokens as ::core::primitive::f64) }))
+            }
+            value => self.real(value, at).map_or(Value::Poison, Value::Real),
+        }
+    }
+}
+
+fn is_arithmetic(operator: &BinOp) -> bool {
+    matches!(operator, BinOp::Add(_) | BinOp::Sub(_) | BinOp::Mul(_) | BinOp::Div(_) | BinOp::Rem(_))
+}
+
+fn is_logical(operator: &BinOp) -> bool {
+    matches!(operator, BinOp::And(_) | BinOp::Or(_))
+}
+
+/// The operator of a compound assignment.
+fn compound(operator: &BinOp) -> Option<BinOp> {
+    Some(match operator {
+        BinOp::AddAssign(_) => BinOp::Add(Default::default()),
+        BinOp::SubAssign(_) => BinOp::Sub(Default::default()),
+        BinOp::MulAssign(_) => BinOp::Mul(Default::default()),
+        BinOp::DivAssign(_) => BinOp::Div(Default::default()),
+        BinOp::RemAssign(_) => BinOp::Rem(Default::default()),
+        _ => return None,
+    })
+}
+
+/// The integer that Rust would compute; `None` where it would panic.
+fn integer_arithmetic(a: i128, operator: &BinOp, b: i128) -> Option<i128> {
+    match operator {
+        BinOp::Add(_) => a.checked_add(b),
+        BinOp::Sub(_) => a.checked_sub(b),
+        BinOp::Mul(_) => a.checked_mul(b),
+        BinOp::Div(_) => a.checked_div(b),
+        _ => a.checked_rem(b),
+    }
+}
+
+/// Whether an integer type holds `value`.
+fn fits(value: i128, ty: &str) -> bool {
+    let unsigned = ty.starts_with('u');
+    let bits = match ty.trim_start_matches(['i', 'u']) {
+        "8" => 8,
+        "16" => 16,
+        "32" => 32,
+        "128" => return !unsigned || value >= 0,
+        _ => 64,
+    };
+    let (low, high) = match unsigned {
+        true => (0, (1i128 << bits) - 1),
+        false => (-(1i128 << (bits - 1)), (1i128 << (bits - 1)) - 1),
+    };
+    (low..=high).contains(&value)
+}

@@ -1,0 +1,109 @@
+//! Patterns: which names a value gives itself.
+
+use proc_macro2::TokenStream;
+use quote::ToTokens;
+use syn::punctuated::Punctuated;
+use syn::{Pat, Token};
+
+use super::interpreter::Interpreter;
+use super::value::{Sequence, Value};
+use crate::diagnostics::expressions;
+
+impl<'a> Interpreter<'a, '_> {
+    /// Brings the names of `pattern` into scope.
+    pub(super) fn bind(&mut self, pattern: &'a Pat, value: Value) {
+        match pattern {
+            Pat::Wild(_) => {}
+            Pat::Ident(ident) => {
+                if let Some((_, inner)) = &ident.subpat {
+                    self.bind(inner, value.clone());
+                }
+                self.declare(ident.ident.clone(), value);
+            }
+            Pat::Type(typed) => self.bind(&typed.pat, value),
+            Pat::Paren(inner) => self.bind(&inner.pat, value),
+            Pat::Reference(inner) => self.bind(&inner.pat, value),
+            Pat::Tuple(tuple) => self.bind_elements(&tuple.elems, value, false, pattern),
+            Pat::Slice(slice) => self.bind_elements(&slice.elems, value, true, pattern),
+            _ => {
+                self.report(expressions::unsupported_pattern(pattern));
+            }
+        }
+    }
+
+    fn bind_elements(
+        &mut self,
+        patterns: &'a Punctuated<Pat, Token![,]>,
+        value: Value,
+        is_list: bool,
+        at: &Pat,
+    ) {
+        let Some(items) = self.parts(value, is_list, patterns, at.to_token_stream()) else {
+            // Names that are not bound would be reported again wherever they are used.
+            for pattern in patterns {
+                if !matches!(pattern, Pat::Rest(_)) {
+                    self.bind(pattern, Value::Poison);
+                }
+            }
+            return;
+        };
+        let rest = patterns.iter().position(is_rest).unwrap_or(patterns.len());
+        let skipped = items.len() + 1 - patterns.len().min(items.len() + 1);
+        for (i, pattern) in patterns.iter().enumerate() {
+            let position = if i < rest { i } else { i + skipped - 1 };
+            match pattern {
+                pattern if is_rest(pattern) => {
+                    self.bind_rest(pattern, &items[i..(i + skipped).min(items.len())])
+                }
+                pattern => self.bind(pattern, items.get(position).cloned().unwrap_or(Value::Poison)),
+            }
+        }
+    }
+
+    /// `rest @ ..`
+    fn bind_rest(&mut self, pattern: &'a Pat, items: &[Value]) {
+        if let Pat::Ident(ident) = pattern {
+            self.declare(ident.ident.clone(), Value::list(items.to_vec()));
+        }
+    }
+
+    /// The elements of `value`, if it is what the pattern takes apart.
+    fn parts(
+        &mut self,
+        value: Value,
+        is_list: bool,
+        patterns: &Punctuated<Pat, Token![,]>,
+        at: TokenStream,
+    ) -> Option<Vec<Value>> {
+        let rests = patterns.iter().filter(|pattern| is_rest(pattern)).count();
+        let items = match &value {
+            Value::Poison => return None,
+            Value::Tuple(Sequence { items, .. }) if !is_list => items.to_vec(),
+            Value::List(Sequence { items, .. }) if is_list => items.to_vec(),
+            Value::Place(_) if is_list => self.items(&value, None, &at)?,
+            _ => {
+                self.report(expressions::pattern_mismatch(at, value.describe()));
+                return None;
+            }
+        };
+        let named = patterns.len() - rests;
+        let fits = if rests == 0 { items.len() == named } else { rests == 1 && items.len() >= named };
+        if !fits {
+            let len = items.len();
+            self.report(expressions::pattern_mismatch(
+                at,
+                &format!("{} of {len} elements", value.describe()),
+            ));
+            return None;
+        }
+        Some(items)
+    }
+}
+
+fn is_rest(pattern: &Pat) -> bool {
+    match pattern {
+        Pat::Rest(_) => true,
+        Pat::Ident(ident) => ident.subpat.as_ref().is_some_and(|(_, inner)| matches!(**inner, Pat::Rest(_))),
+        _ => false,
+    }
+}

@@ -1,0 +1,108 @@
+//! Lowering against hand-built expressions and plain binary64 arithmetic.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod messages;
+mod robustness;
+mod values;
+
+use std::collections::HashMap;
+
+use proc_macro2::TokenStream;
+
+use crate::diagnostics::Diagnostics;
+use crate::input;
+use crate::model::Model;
+use crate::symbolic::{Expr, Graph, Node, Relation, Symbol};
+
+/// The fields of every test system, with their values.
+const STRUCT: &str = "struct System<const N: usize> { a: f64, sigma: f64, n: i32, masses: [f64; 3], table: Vec<f64>, \
+                      grid: [[f64; 2]; 2], name: String, single: f32 }";
+
+/// The model of `#[hamiltonian(attribute)] item`, or the messages.
+fn model_of(attribute: &str, item: &str) -> Result<Model, String> {
+    let attribute: TokenStream = attribute.parse().unwrap();
+    let mut diagnostics = Diagnostics::new();
+    let system = input::read_struct(item.parse().unwrap(), &mut diagnostics);
+    let model = input::read_attribute(attribute, &mut diagnostics).and_then(|declaration| {
+        let phase_space = input::read_phase_space(&declaration, &mut diagnostics)?;
+        super::lower(system?, declaration, &phase_space, &mut diagnostics)
+    });
+    match diagnostics.finish() {
+        Ok(()) => Ok(model.expect("a model or an error")),
+        Err(errors) => Err(errors.to_string()),
+    }
+}
+
+fn drift(closure: &str) -> Model {
+    model_of(&format!("drift = {closure}, embedding = Midpoint"), STRUCT)
+        .unwrap_or_else(|e| panic!("{closure}: {e}"))
+}
+
+/// The drift's value with coordinates `q`, momenta `p`, t = 0.75 and the parameters given by their display names.
+fn value(closure: &str, q: &[f64], p: &[f64], parameters: &[(&str, f64)]) -> f64 {
+    let model = drift(closure);
+    let mut values = HashMap::new();
+    values.extend(model.phase.q.iter().copied().zip(q.iter().copied()));
+    values.extend(model.phase.p.iter().copied().zip(p.iter().copied()));
+    values.insert(model.phase.t, 0.75);
+    for parameter in &model.parameters {
+        let name = model.graph.symbol_name(parameter.symbol);
+        let known = parameters.iter().find(|(known, _)| *known == name);
+        values.insert(parameter.symbol, known.unwrap_or_else(|| panic!("parameter {name}")).1);
+    }
+    evaluate(&model.graph, model.drift.value, &values)
+}
+
+fn evaluate(graph: &Graph, root: Expr, symbols: &HashMap<Symbol, f64>) -> f64 {
+    let mut values: HashMap<Expr, f64> = HashMap::new();
+    for expr in graph.reachable(&[root]) {
+        let of = |e: &Expr| values[e];
+        let truth = |holds: bool| if holds { 1.0 } else { 0.0 };
+        let value = match graph.node(expr) {
+            Node::Number(value) => value.to_f64(),
+            Node::Float(bits) => f64::from_bits(*bits),
+            Node::Symbol(symbol) => symbols[symbol],
+            Node::Sum { terms, constant } => {
+                terms.iter().map(|(term, c)| of(term) * c.to_f64()).sum::<f64>() + constant.to_f64()
+            }
+            Node::Product(factors) => factors.iter().map(|(base, e)| of(base).powf(e.to_f64())).product(),
+            Node::Apply(function, arguments) => {
+                function.evaluate(&arguments.iter().map(of).collect::<Vec<_>>())
+            }
+            Node::Select { condition, then, otherwise } => {
+                if of(condition) != 0.0 {
+                    of(then)
+                } else {
+                    of(otherwise)
+                }
+            }
+            Node::Compare(Relation::Less, a, b) => truth(of(a) < of(b)),
+            Node::Compare(Relation::LessEqual, a, b) => truth(of(a) <= of(b)),
+            Node::Compare(Relation::Equal, a, b) => truth(of(a) == of(b)),
+            Node::Not(a) => 1.0 - of(a),
+            Node::And(a, b) => of(a) * of(b),
+            Node::Or(a, b) => of(a).max(of(b)),
+        };
+        values.insert(expr, value);
+    }
+    values[&root]
+}
+
+/// Asserts that the closure, as the compiler reads it, is the same function as Rust compiles.
+macro_rules! same_as_rust {
+    ($closure:expr, [$($q:expr),*], [$($p:expr),*], { $($name:ident = $number:expr),* $(,)? }) => {{
+        let ours = $crate::lower::tests::value(
+            stringify!($closure), &[$($q),*], &[$($p),*], &[$((stringify!($name), f64::from($number))),*],
+        );
+        $( #[allow(unused)] let $name = $number; )*
+        let theirs: f64 = $crate::lower::tests::call($closure);
+        assert!((ours - theirs).abs() <= 1e-13 * theirs.abs().max(1.0), "{}: {ours} {theirs}", stringify!($closure));
+    }};
+}
+use same_as_rust;
+
+/// Calls a closure over one degree of freedom at the point where every such test is made.
+fn call(closure: impl Fn(f64, f64) -> f64) -> f64 {
+    closure(0.3, 1.7)
+}
