@@ -188,7 +188,7 @@ impl WongZakai {
         let h = interval.h.abs();
         let forward = interval.h > 0.0;
         // In steps: the earlier end of this step, counted along the direction of time.
-        let base = if forward { interval.step as f64 } else { -((interval.step + 1) as f64) };
+        let base = if forward { interval.step as f64 } else { -(interval.step as f64 + 1.0) };
         let ratio = self.eps / h;
         let whole = (ratio - ratio.round()).abs() <= 4.0 * f64::EPSILON * ratio;
         let (steps, rest) = if whole { (ratio.round(), 0.0) } else { (0.0, self.eps) };
