@@ -36,8 +36,7 @@ impl Interval {
     /// Time at the end of the step.
     #[inline]
     pub fn end(&self) -> f64 {
-        // Above 2^53 steps the sum rounds; no run gets there.
-        self.time((self.step + 1) as f64)
+        self.time(self.step as f64 + 1.0)
     }
 }
 

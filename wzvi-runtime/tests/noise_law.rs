@@ -159,40 +159,38 @@ fn covariances() {
     }
 }
 
-/// A quantity of consecutive increments: their variance in units of h is v for one path over n steps; correlated over the window.
-fn variance_ratio(mut noise: impl Noise, h: f64, block: u64, blocks: u64) -> (f64, f64) {
-    // The variance of sums over blocks much longer than the window tells what the limit as h -> 0 sees.
-    let mut dw = [0.0];
-    let mut sums = vec![];
-    for b in 0..blocks {
-        let mut sum = 0.0;
-        for i in 0..block {
-            noise.increments(&Interval { start: 0.0, h, step: b * block + i }, &mut dw).unwrap();
-            sum += dw[0];
-        }
-        sums.push(sum);
-    }
-    let mean = sums.iter().map(|x| x * x).sum::<f64>() / blocks as f64 / (block as f64 * h);
-    (mean, mean * (2.0 / blocks as f64).sqrt())
-}
-
-/// MATH section 5: v = 1 + f (1 - f) / rho^2, and 1 / rho for rho < 1; each block of N steps loses O(rho / N) at its ends.
+/// MATH section 5: increments sampled from windows converge to `sqrt(v) W`, v = 1 + f (1 - f) / rho^2, and 1 / rho for rho < 1.
+///
+/// Their sum over N steps has covariance T with W(T), so that the variance of the difference is (v - 1) T, up to the two ends, where windows
+/// stick out: at most (rho + 1) h together.
 #[test]
 fn sampled_windows_have_the_variance_of_theory() {
-    let (h, block, blocks) = (0.02, 400, 600);
-    for rho in [0.25, 0.5, 1.0, 1.5, 2.0, 2.25, 3.0, 4.5] {
+    let (h, steps, blocks) = (0.02, 200, 100);
+    for rho in [0.25, 0.5, 1.0, 1.5, 2.0, 2.25, 3.0] {
         let f = f64::fract(rho);
         let v = if rho < 1.0 { 1.0 / rho } else { 1.0 + f * (1.0 - f) / (rho * rho) };
         let make = || WongZakai::averaged(rho * h).seed(42);
-        for (what, noise) in
-            [("left", make().left()), ("centred", make().centred()), ("literal", make().literal())]
-        {
-            let (got, error) = variance_ratio(noise, h, block, blocks);
-            let edges = v * rho / block as f64;
-            assert!((got - v).abs() < BOUND * error + edges, "{what} {rho}: {got} {v} +- {error}");
+        let kinds = [
+            ("left", make(), v),
+            ("centred", make().centred(), v),
+            ("literal", make().literal(), v),
+            ("exact", make().exact(), 1.0),
+        ];
+        for (what, mut noise, v) in kinds {
+            let (mut path, mut dw, mut square) = (Wiener::seed(42), [0.0], 0.0);
+            for block in 0..blocks {
+                let (from, to) = (block * steps, (block + 1) * steps);
+                let mut gap = -path.increment(0, from as f64 * h, to as f64 * h).unwrap();
+                for step in from..to {
+                    noise.increments(&Interval { start: 0.0, h, step }, &mut dw).unwrap();
+                    gap += dw[0];
+                }
+                square += gap * gap / (blocks as f64 * steps as f64 * h);
+            }
+            let chance = 1.0 + BOUND * f64::sqrt(2.0 / blocks as f64);
+            let tolerance = (v - 1.0) * (chance - 1.0) + chance * (rho + 1.0) / steps as f64;
+            assert!((square - (v - 1.0)).abs() < tolerance, "{what} {rho}: {square} {v} {tolerance}");
         }
-        let (got, error) = variance_ratio(make().exact(), h, block, blocks);
-        assert!((got - 1.0).abs() < BOUND * error + rho / block as f64, "exact {rho}: {got}");
     }
 }
 

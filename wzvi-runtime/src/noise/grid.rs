@@ -19,8 +19,10 @@ pub(super) const FARTHEST: f64 = (1u64 << 47) as f64;
 const HALVINGS: u32 = 4;
 /// Cells of the pages within a unit.
 const FINE: [u64; 10] = [20, 20, 20, 20, 12, 20, 20, 20, 20, 20];
-/// Bound on the pages that lead to a time.
+/// Bound on the pages that lead to a time: 12 in an octave, 10 in a unit.
 pub(super) const DEPTH: usize = 24;
+/// Bits of a digit: cells of a page are numbered below 32.
+const DIGIT: u32 = 5;
 /// Bound on the nodes of a page.
 pub(super) const NODES: usize = 2 * (PAIRS - 1) + 1;
 
@@ -33,12 +35,12 @@ pub(super) struct Point {
     pub(super) octave: u8,
     /// Pages down to the coarsest grid that has this time as the left edge of a cell.
     pub(super) pages: u8,
-    /// The cell to enter in each page; zero beyond.
-    digits: [u8; DEPTH],
+    /// The cell to enter in each page, the first in the topmost bits; zero beyond.
+    digits: u128,
 }
 
 impl Point {
-    pub(super) const ZERO: Self = Self { negative: false, octave: 0, pages: 0, digits: [0; DEPTH] };
+    pub(super) const ZERO: Self = Self { negative: false, octave: 0, pages: 0, digits: 0 };
 
     /// The point of a time in units of the tree; `None` if it is NaN or too far.
     pub(super) fn new(time: f64) -> Option<Self> {
@@ -47,36 +49,40 @@ impl Point {
             return None;
         }
         let tolerance = TOLERANCE * t.max(BASE);
-        let mut unit = t as u64;
+        let mut unit = t as i64;
         let fraction = t - unit as f64;
-        // Coarsest grid: the number of cells in a unit, and the cell.
-        let (mut cells, mut level) = (1u64, 0usize);
-        let mut cell = (fraction + 0.5) as u64;
-        while (fraction * cells as f64 - cell as f64).abs() > tolerance * cells as f64 && level < FINE.len() {
-            cells *= FINE[level];
+        // The coarsest grid: its number of cells in a unit, and the cell.
+        let (mut cells, mut level) = (1.0, 0usize);
+        let mut cell = (fraction + 0.5) as i64;
+        while (fraction * cells - cell as f64).abs() > tolerance * cells && level < FINE.len() {
+            cells *= FINE[level] as f64;
             level += 1;
-            cell = (fraction * cells as f64 + 0.5) as u64;
+            cell = (fraction * cells + 0.5) as i64;
         }
-        if cell == cells {
-            (unit, cell, level) = (unit + 1, 0, 0);
+        if level == 0 {
+            (unit, cell) = (unit + cell, 0);
         }
+        let (unit, mut cell) = (unit as u64, cell as u64);
         let octave = u64::BITS - unit.leading_zeros();
         let halvings = octave.saturating_sub(1);
-        let coarse = halvings.div_ceil(HALVINGS) as usize;
-        let mut point =
-            Self { negative: false, octave: octave as u8, pages: (coarse + level) as u8, digits: [0; DEPTH] };
-        for (digit, radix) in point.digits[coarse..coarse + level].iter_mut().zip(FINE).rev() {
-            *digit = (cell % radix) as u8;
-            cell /= radix;
+        let coarse = halvings.div_ceil(HALVINGS);
+        let mut digits = 0;
+        let mut put = |page: u32, digit: u64| digits |= u128::from(digit) << place(page);
+        for fine in (0..level).rev() {
+            // Constants divide by multiplication.
+            let (rest, digit) =
+                if FINE[fine] == 20 { (cell / 20, cell % 20) } else { (cell / 12, cell % 12) };
+            put(coarse + fine as u32, digit);
+            cell = rest;
         }
         let mut offset = if octave == 0 { 0 } else { unit ^ (1 << halvings) };
-        for digit in point.digits[..coarse].iter_mut().rev() {
-            *digit = (offset & 15) as u8;
+        for page in (0..coarse).rev() {
+            put(page, offset & 15);
             offset >>= HALVINGS;
         }
-        while point.pages > 0 && point.digits[usize::from(point.pages) - 1] == 0 {
-            point.pages -= 1;
-        }
+        // Without the zeros at the end: the same edge is that of a larger cell.
+        let pages = (u128::BITS - digits.trailing_zeros()).div_ceil(DIGIT);
+        let mut point = Self { negative: false, octave: octave as u8, pages: pages as u8, digits };
         point.negative = time < 0.0 && (point.octave, point.pages) != (0, 0);
         Some(point)
     }
@@ -84,7 +90,7 @@ impl Point {
     /// The cell to enter in page `depth`, and whether its left edge is this point.
     #[inline]
     pub(super) fn digit(&self, depth: usize) -> (u8, bool) {
-        (self.digits[depth], depth + 1 == usize::from(self.pages))
+        ((self.digits >> place(depth as u32)) as u8 & 31, depth + 1 == usize::from(self.pages))
     }
 
     /// Whether this point is farther from zero than another on the same side of it.
@@ -102,6 +108,12 @@ impl Point {
             (negative, _) => !negative,
         }
     }
+}
+
+/// Lowest bit of the digit of a page.
+#[inline]
+fn place(page: u32) -> u32 {
+    u128::BITS - DIGIT * (page + 1)
 }
 
 /// Length of an octave, in units.
@@ -214,12 +226,13 @@ impl Parting {
         if p.octave != q.octave {
             return Self::Octaves;
         }
-        let depth = usize::from(p.pages.min(q.pages));
-        let page = (0..depth).find(|&page| p.digit(page) != q.digit(page)).unwrap_or(depth);
-        if page == depth {
-            // Only for the left edge of the octave: elsewhere the end of one way is a difference in its last page.
-            return Self::Page { page, cuts: 0, stop: true };
-        }
+        // The first page in which they differ: in the digit, or because the way to one of them ends there.
+        let first = ((p.digits ^ q.digits).leading_zeros() / DIGIT) as usize;
+        let Some(last) = usize::from(p.pages.min(q.pages)).checked_sub(1) else {
+            // The left edge of the octave.
+            return Self::Page { page: 0, cuts: 0, stop: true };
+        };
+        let page = first.min(last);
         let ((c, c_ends), (d, d_ends)) = (p.digit(page), q.digit(page));
         let nodes = &shape(p.octave, page).nodes;
         let (mut node, mut cuts) = (0, 0);

@@ -29,12 +29,17 @@ pub struct Wiener {
     unit: f64,
     truncation: Truncation,
     cursors: Vec<Cursor>,
+    /// The end of the last step: the next one starts there.
+    reached: (f64, Point),
 }
+
+/// No time equals NaN.
+pub(super) const NOWHERE: (f64, Point) = (f64::NAN, Point::ZERO);
 
 impl Wiener {
     /// The paths of a seed.
     pub fn seed(seed: u64) -> Self {
-        Self { seed, path: 0, unit: 1.0, truncation: Truncation::Unset, cursors: vec![] }
+        Self { seed, path: 0, unit: 1.0, truncation: Truncation::Unset, cursors: vec![], reached: NOWHERE }
     }
 
     /// Another member of an ensemble (the default is 0).
@@ -54,6 +59,7 @@ impl Wiener {
     pub fn unit(mut self, unit: f64) -> Self {
         self.unit = unit;
         self.cursors.clear();
+        self.reached = NOWHERE;
         self
     }
 
@@ -186,7 +192,10 @@ impl Noise for Wiener {
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         check_step(interval.h)?;
         self.truncation.check()?;
-        let (from, to) = (self.point(interval.begin())?, self.point(interval.end())?);
+        let (begin, end) = (interval.begin(), interval.end());
+        let from = if begin == self.reached.0 { self.reached.1 } else { self.point(begin)? };
+        let to = self.point(end)?;
+        self.reached = (end, to);
         let bound = self.truncation.bound(interval.h, interval.h.abs().sqrt());
         for (process, dw) in dw.iter_mut().enumerate() {
             *dw = self.difference(process, &from, &to).clamp(-bound, bound);

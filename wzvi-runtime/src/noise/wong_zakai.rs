@@ -12,7 +12,7 @@
 
 use super::bridge::Span;
 use super::grid::Point;
-use super::wiener::{Wiener, check_step};
+use super::wiener::{NOWHERE, Wiener, check_step};
 use super::{Interval, Noise, NoiseError, Paths, Truncation};
 use crate::plan::Plan;
 
@@ -45,6 +45,8 @@ pub struct WongZakai {
     early: Wiener,
     /// The same path, at the late end.
     late: Wiener,
+    /// Times of the last step, for the next.
+    reached: [(f64, Point); 2],
 }
 
 impl WongZakai {
@@ -55,7 +57,7 @@ impl WongZakai {
 
     /// The average over a window of width `eps` of a path that is given.
     pub fn of(wiener: Wiener, eps: f64) -> Self {
-        Self { eps, sampling: Sampling::Left, late: wiener.twin(), early: wiener }
+        Self { eps, sampling: Sampling::Left, late: wiener.twin(), early: wiener, reached: [NOWHERE; 2] }
     }
 
     fn on(self, wiener: impl FnOnce(Wiener) -> Wiener) -> Self {
@@ -187,7 +189,7 @@ impl WongZakai {
         let h = interval.h.abs();
         let forward = interval.h > 0.0;
         // In steps: the earlier end of this step, counted along the direction of time.
-        let base = if forward { interval.step as f64 } else { -((interval.step + 1) as f64) };
+        let base = if forward { interval.step as f64 } else { -(interval.step as f64 + 1.0) };
         let ratio = self.eps / h;
         let whole = (ratio - ratio.round()).abs() <= 4.0 * f64::EPSILON * ratio;
         let (steps, rest) = if whole { (ratio.round(), 0.0) } else { (0.0, self.eps) };
@@ -227,14 +229,20 @@ impl Noise for WongZakai {
         let h = interval.h.abs();
         let sign = interval.h.signum();
         let bound = self.truncation().bound(h, self.deviation(h));
+        let exact = matches!(self.sampling, Sampling::Exact | Sampling::ExactCentred);
         let times = self.times(interval);
         let mut points = [Point::ZERO; 4];
-        for (point, t) in points.iter_mut().zip(times) {
-            *point = self.early.point(t)?;
+        for (point, t) in points.iter_mut().zip(times).take(if exact { 4 } else { 2 }) {
+            *point = match self.reached.iter().find(|reached| reached.0 == t) {
+                Some(reached) => reached.1,
+                None => self.early.point(t)?,
+            };
         }
-        let exact = matches!(self.sampling, Sampling::Exact | Sampling::ExactCentred);
+        // Where the next step starts.
+        self.reached =
+            if exact { [(times[2], points[2]), (times[3], points[3])] } else { [(times[1], points[1]); 2] };
         for (process, dw) in dw.iter_mut().enumerate() {
-            let increment = if !exact && points[1] == points[2] {
+            let increment = if !exact && times[1] == times[2] {
                 // The windows of consecutive steps adjoin: one cursor serves both ends.
                 h / self.eps * self.early.difference(process, &points[0], &points[1])
             } else {
