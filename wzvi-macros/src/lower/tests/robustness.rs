@@ -108,7 +108,7 @@ fn mutated_inputs_never_panic() {
             .unwrap(),
         &mut donor,
     );
-    for _ in 0..6000 {
+    for _ in 0..3000 {
         let mut attribute: TokenStream = VALID[random.below(VALID.len())].parse().unwrap();
         let mut item: TokenStream = STRUCT.parse().unwrap();
         for _ in 0..1 + random.below(4) {
