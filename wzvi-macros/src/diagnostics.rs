@@ -40,6 +40,11 @@ impl Diagnostics {
         !self.errors.is_empty()
     }
 
+    #[cfg(test)]
+    pub(crate) fn errors(&self) -> &[syn::Error] {
+        &self.errors
+    }
+
     /// `Err` with a `compile_error!` per error, in the order of their report.
     pub(crate) fn finish(mut self) -> Result<(), TokenStream> {
         self.finished = true;
