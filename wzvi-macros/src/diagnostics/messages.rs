@@ -45,9 +45,14 @@ pub(crate) fn expected_key(tokens: TokenStream) -> Error {
     at(tokens, format!("expected `key = value`; the keys are {KEYS}"))
 }
 
+/// The key that `key` may stand for.
+pub(crate) fn intended_key(key: &syn::Ident) -> Option<&'static str> {
+    let key = key.to_string();
+    closest(&key, ["drift", "noise", "embedding", "invariant", "crate"]).or_else(|| synonym(&key))
+}
+
 pub(crate) fn unknown_key(key: &syn::Ident) -> Error {
-    let suggestion = closest(&key.to_string(), ["drift", "noise", "embedding", "invariant", "crate"])
-        .or_else(|| synonym(&key.to_string()));
+    let suggestion = intended_key(key);
     at(key, suggest(format!("unknown key `{key}`; the keys are {KEYS}"), suggestion))
 }
 

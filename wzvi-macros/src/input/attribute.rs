@@ -64,6 +64,10 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
             continue;
         }
         read_entry(&mut declaration, &key, &entry, diagnostics);
+        if !KEYS.contains(&key.as_str()) {
+            // A misspelled key is not a missing one as well.
+            seen.extend(messages::intended_key(&entry.key).map(str::to_owned));
+        }
         seen.push(key);
     }
     for required in ["drift", "embedding"] {
@@ -106,7 +110,6 @@ impl Entry {
             let content;
             syn::braced!(content in input);
             let value = parser(&content)?;
-            content.parse::<Option<Token![,]>>()?;
             if content.is_empty() {
                 Ok(value)
             } else {
@@ -205,6 +208,8 @@ fn split_entries(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Vec<E
                 position += 2;
                 continue;
             }
+            // The comma between two entries, or after the last.
+            token if is_punct(token, ',') && ends_entry(&tokens[position + 1..]) && !entries.is_empty() => {}
             token => match entries.last_mut() {
                 Some(entry) => entry.value.extend([token.clone()]),
                 None => stray.extend([token.clone()]),
@@ -216,6 +221,15 @@ fn split_entries(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Vec<E
         diagnostics.report(messages::expected_key(stray));
     }
     entries
+}
+
+/// Whether nothing or the next `key =` follows.
+fn ends_entry(rest: &[TokenTree]) -> bool {
+    match rest {
+        [] => true,
+        [TokenTree::Ident(_), rest @ ..] => is_assignment(rest),
+        _ => false,
+    }
 }
 
 fn is_punct(token: &TokenTree, expected: char) -> bool {

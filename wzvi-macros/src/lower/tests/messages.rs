@@ -48,16 +48,11 @@ fn attribute(attribute: &str, expected: &[(&str, &str)]) {
 
 #[test]
 fn keys() {
-    attribute(
-        "drfit = |q, p| q, embedding = Midpoint",
-        &[("drfit", "did you mean `drift`?"), ("", "`drift` is missing")],
-    );
-    attribute(
-        "drift = |q, p| q, scheme = Midpoint",
-        &[("scheme", "did you mean `embedding`?"), ("", "`embedding` is missing")],
-    );
+    attribute("drfit = |q, p| q, embedding = Midpoint", &[("drfit", "did you mean `drift`?")]);
+    attribute("drift = |q, p| q, scheme = Midpoint", &[("scheme", "did you mean `embedding`?")]);
     attribute("drift = |q, p| q, drift = |q, p| p, embedding = Midpoint", &[("drift", "given twice")]);
-    attribute("drift = , embedding = Midpoint", &[("", "expected a closure")]);
+    attribute("drift = , embedding = Midpoint", &[("drift", "`drift =` has no value")]);
+    attribute("drift = |q, p| q, x = 1", &[("x", "unknown key"), ("", "`embedding` is missing")]);
     attribute(
         "drift = |q, p| q embedding = Midpoint",
         &[("embedding = Midpoint", "expected `,`"), ("", "`embedding` is missing")],

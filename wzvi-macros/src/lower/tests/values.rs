@@ -70,7 +70,7 @@ fn bindings_closures_and_branches() {
             let a = 3.0;
             a * q * p
         },
-        |q, p| if q > p && !(p < 0.0) || q == p {
+        |q, p| if q > p && !(p == 0.0) || q == p {
             q
         } else if q <= 0.3 {
             p * 2.0
