@@ -267,6 +267,8 @@ impl<'f> Step<'f> {
         for (&op, name) in self.constants.iter().zip(&constants) {
             printer.set(op, name.clone());
         }
+        let open =
+            if constants.is_empty() { quote!() } else { quote!(let [#(#constants),*] = __prepared.0;) };
         let body =
             SolveBody { flow, uses: flow.program.uses(&flow.roots()), printer, records: Vec::new() }.emit();
         quote! {
@@ -280,7 +282,7 @@ impl<'f> Step<'f> {
                 [#(#dw),*]: [__S; #noises],
                 __memory: &mut __Memory<__S>,
             ) -> __wzvi::core::result::Result<__wzvi::Solution<__S, #d>, __wzvi::StepFailure> {
-                let [#(#constants),*] = __prepared.0;
+                #open
                 #body
             }
         }
