@@ -20,6 +20,8 @@ pub(crate) struct Declaration {
     pub(crate) noise: Vec<Hamiltonian>,
     pub(crate) invariants: Vec<Hamiltonian>,
     pub(crate) embeddings: Vec<Located<Embedding>>,
+    /// The types that were read as `embeddings`, in their order.
+    pub(crate) embedding_types: Vec<syn::Type>,
     pub(crate) crate_path: Path,
 }
 
@@ -54,6 +56,7 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
         noise: Vec::new(),
         invariants: Vec::new(),
         embeddings: Vec::new(),
+        embedding_types: Vec::new(),
         crate_path: syn::parse_quote!(::wzvi),
     };
     let mut seen: Vec<String> = Vec::new();
@@ -91,7 +94,10 @@ fn read_entry(declaration: &mut Declaration, key: &str, entry: &Entry, diagnosti
         "drift" => declaration.drift = diagnostics.accept(entry.parse(hamiltonian)),
         "noise" => declaration.noise = entry.hamiltonians(diagnostics),
         "invariant" => declaration.invariants = entry.hamiltonians(diagnostics),
-        "embedding" => declaration.embeddings = entry.embeddings(diagnostics),
+        "embedding" => {
+            (declaration.embeddings, declaration.embedding_types) =
+                entry.embeddings(diagnostics).into_iter().unzip();
+        }
         _ => {
             if let Some(path) = diagnostics.accept(entry.parse(Path::parse_mod_style)) {
                 declaration.crate_path = path;
@@ -127,7 +133,7 @@ impl Entry {
         list
     }
 
-    fn embeddings(&self, diagnostics: &mut Diagnostics) -> Vec<Located<Embedding>> {
+    fn embeddings(&self, diagnostics: &mut Diagnostics) -> Vec<(Located<Embedding>, syn::Type)> {
         let Some(types) = diagnostics.accept(self.parse(type_list)) else { return Vec::new() };
         if types.is_empty() {
             diagnostics.report(messages::empty_list(&self.key, &self.value));
