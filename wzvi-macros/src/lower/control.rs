@@ -160,7 +160,7 @@ impl<'a> Interpreter<'a, '_> {
         match value {
             Value::Real(expr) => Some(*expr),
             Value::Place(place) if place.kind == crate::input::Kind::Constant => {
-                Some(self.parameter(&place.name, place.tokens.clone()))
+                Some(self.parameter(&place.name, place.value()))
             }
             _ => None,
         }

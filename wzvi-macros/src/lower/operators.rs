@@ -314,9 +314,8 @@ impl<'a> Interpreter<'a, '_> {
             Value::Integer(_) => self.report(expressions::integer_arithmetic(syntax)),
             Value::Place(place) if place.kind == Kind::Integer => Value::Place(place),
             Value::Place(place) if place.kind == Kind::Constant => {
-                let (name, tokens) = (place.name.clone(), &place.tokens);
-                let ty = &syntax.ty;
-                Value::Place(Place { name, tokens: quote! { (#tokens as #ty) }, kind: Kind::Integer }.into())
+                let (name, tokens, ty) = (place.name.clone(), &place.tokens, &syntax.ty);
+                Value::Place(Place::new(name, quote! { (#tokens as #ty) }, Kind::Integer).into())
             }
             Value::Real(_) => self.report(expressions::truncation(syntax)),
             other => self.report(expressions::expected(&syntax.expr, "a number", other.describe())),
@@ -328,8 +327,7 @@ impl<'a> Interpreter<'a, '_> {
         match value {
             Value::Integer(value) => self.integer_as_real(value),
             Value::Place(place) if matches!(place.kind, Kind::Integer | Kind::Constant) => {
-                let tokens = &place.tokens;
-                Value::Real(self.parameter(&place.name, quote! { (#tokens as ::core::primitive::f64) }))
+                Value::Real(self.parameter(&place.name, place.as_real()))
             }
             value => self.real(value, at).map_or(Value::Poison, Value::Real),
         }

@@ -128,17 +128,18 @@ impl Flow {
         roots
     }
 
-    /// The values of level `Prepared` that the step reads, apart from literals and the step size.
+    /// The numbers of level `Prepared` that the step reads, apart from literals and the step size. A truth is no number:
+    /// the step compares again.
     pub(crate) fn constants(&self) -> Vec<Op> {
+        let program = &self.program;
         let roots = self.roots();
-        let is_later = |op: Op| self.program.level(op) > Level::Prepared;
-        let mut constants: Vec<Op> = self
-            .program
-            .needed(&roots, &|op| !is_later(op))
+        let is_constant = |op: Op| program.level(op) == Level::Prepared && !program.operation(op).is_truth();
+        let mut constants: Vec<Op> = program
+            .needed(&roots, &is_constant)
             .into_iter()
-            .flat_map(|op| self.program.operation(op).operands())
+            .flat_map(|op| program.operation(op).operands())
             .chain(roots.iter().copied())
-            .filter(|&op| !is_later(op) && op != self.h && !self.program.is_literal(op))
+            .filter(|&op| is_constant(op) && op != self.h && !program.is_literal(op))
             .collect();
         constants.sort_unstable();
         constants.dedup();
