@@ -14,6 +14,8 @@ use crate::scalar::Scalar;
 const ROUNDING: f64 = f64::EPSILON;
 /// Stagnation counts as convergence below this fraction of the unknown or of the state component that it changes.
 const STAGNATION: f64 = 1e-9;
+/// A determinant above this fraction of its two products has lost three digits at most, which Newton's method makes up.
+const SAFE_DETERMINANT: f64 = 1e-3;
 /// More iterations than any step needs that converges at all.
 const MOST_ITERATIONS: u32 = 50;
 
@@ -159,7 +161,10 @@ pub fn newton<S: Scalar, const N: usize>(
 ) -> Result<([S; N], u32), StepFailure> {
     iterate(start, state, |x| {
         let (residual, jacobian) = equations(x);
-        Ok(Factor::new(jacobian)?.solve(residual))
+        match solve_pair(&jacobian, &residual) {
+            Some(correction) => Ok(correction),
+            None => factored(jacobian, residual),
+        }
     })
 }
 
@@ -174,9 +179,48 @@ pub fn newton_symmetric<S: Scalar, const N: usize>(
     mut equations: impl FnMut(&[S; N]) -> ([S; N], [[S; N]; N]),
 ) -> Result<([S; N], u32), StepFailure> {
     iterate(start, state, |x| {
-        let (residual, jacobian) = equations(x);
-        Ok(SymmetricFactor::new(jacobian)?.solve(residual))
+        let (residual, mut jacobian) = equations(x);
+        if N == 2 {
+            jacobian[0][1] = jacobian[1][0];
+        }
+        match solve_pair(&jacobian, &residual) {
+            Some(correction) => Ok(correction),
+            None => factored_symmetric(jacobian, residual),
+        }
     })
+}
+
+/// Two unknowns by Cramer's rule; `None` for another number of them, and where the determinant cancels so far that
+/// pivoting is worth its price.
+#[inline(always)]
+fn solve_pair<S: Scalar, const N: usize>(matrix: &[[S; N]; N], b: &[S; N]) -> Option<[S; N]> {
+    if N != 2 {
+        return None;
+    }
+    let ([m00, m01], [m10, m11]) = ([matrix[0][0], matrix[0][1]], [matrix[1][0], matrix[1][1]]);
+    let (main, cross) = (m00 * m11, m01 * m10);
+    let determinant = main - cross;
+    // Also false for NaN and where a product overflows.
+    let is_safe = determinant.magnitude() > SAFE_DETERMINANT * (main.magnitude() + cross.magnitude());
+    if !(is_safe && determinant.magnitude() < f64::INFINITY) {
+        return None;
+    }
+    let inverse = determinant.recip();
+    let x = [(b[0] * m11 - b[1] * m01) * inverse, (b[1] * m00 - b[0] * m10) * inverse];
+    Some(std::array::from_fn(|i| x[i]))
+}
+
+#[inline(never)]
+fn factored<S: Scalar, const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
+    Ok(Factor::new(matrix)?.solve(b))
+}
+
+#[inline(never)]
+fn factored_symmetric<S: Scalar, const N: usize>(
+    matrix: [[S; N]; N],
+    b: [S; N],
+) -> Result<[S; N], StepFailure> {
+    Ok(SymmetricFactor::new(matrix)?.solve(b))
 }
 
 #[inline(always)]
