@@ -36,7 +36,7 @@ fn commit<const D: usize>(
         return Err(Failure::NonFinite);
     }
     *steps += 1;
-    *state = State { q, p, t: *steps as f64 * h };
+    *state = State { q, p, t: steps.cast_signed() as f64 * h };
     Ok(())
 }
 

@@ -143,7 +143,7 @@ impl Scalar for f64 {
     }
     #[inline(always)]
     fn is_finite(self) -> bool {
-        f64::is_finite(self)
+        self.abs() < f64::INFINITY
     }
     #[inline(always)]
     fn less(self, other: Self) -> bool {

@@ -119,8 +119,9 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         }
     }
 
-    #[cold]
+    #[inline(always)]
     fn restart(&mut self, t: f64) {
+        cold();
         self.memory = Default::default();
         self.before += self.clock.ticks;
         self.clock = Clock::started(t);
@@ -136,8 +137,11 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     }
 
     /// Bad input shows in the result of a step, so that a good step does not pay for the check.
-    #[cold]
+    ///
+    /// Inlined, because state and stepper stay in registers only where no function is given their address.
+    #[inline(always)]
     fn error(&self, state: &State<H::Vector>, dw: &[f64], cause: StepFailure) -> StepError {
+        cold();
         let inputs = || state.q.components().iter().chain(state.p.components()).chain(dw).chain([&state.t]);
         let cause = match cause {
             StepFailure::Increments { .. } | StepFailure::Dimension { .. } => cause,
@@ -147,3 +151,8 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         StepError { step: self.steps(), t: state.t, h: self.h, cause }
     }
 }
+
+/// Marks the branch that calls it as the unlikely one.
+#[cold]
+#[inline(never)]
+fn cold() {}

@@ -136,7 +136,9 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
     /// Whether every component is finite.
     #[inline(always)]
     pub fn is_finite(&self) -> bool {
-        self.q.iter().chain(&self.p).all(|x| x.is_finite().all())
+        // Zero times a finite number is zero, and NaN otherwise: one test for all components.
+        let zeros = self.q.iter().chain(&self.p).fold(S::from_f64(0.0), |sum, &x| sum + x * 0.0);
+        zeros.is_finite().all()
     }
 }
 

@@ -56,7 +56,7 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
                     #prepare
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn advance<__S: __wzvi::Scalar>(
                     &self,
                     __prepared: &Self::Prepared,
