@@ -41,6 +41,17 @@ impl Graph {
         }
     }
 
+    /// Whether the expression is 1 plus something nonnegative.
+    pub(crate) fn exceeds_one(&self, expr: Expr) -> bool {
+        match self.node(expr) {
+            Node::Sum { constant, .. } => {
+                let rest = constant.add(Rational::MINUS_ONE);
+                rest.is_some_and(|rest| !rest.is_negative()) && self.sign(expr) == Sign::Positive
+            }
+            _ => false,
+        }
+    }
+
     fn sum_sign(&self, terms: &[(Expr, Rational)], constant: Rational) -> Sign {
         let mut strongest = number_sign(constant);
         if constant.is_negative() {
