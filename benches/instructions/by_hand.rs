@@ -1,5 +1,7 @@
 //! The same steps as an expert writes them: solved to the last digit, a typed error instead of a result that is not
-//! finite, the state untouched on an error, time as `n h`.
+//! finite, the state untouched on an error, time as `t_0 + n h`.
+
+use std::hint::black_box;
 
 /// Coordinates, momenta and time.
 #[derive(Clone, Copy)]
@@ -23,33 +25,47 @@ pub(crate) trait Step<const D: usize, const K: usize> {
 
 const MOST_ITERATIONS: u32 = 50;
 
-/// Commits what is finite.
-#[inline(always)]
-fn commit<const D: usize>(
-    state: &mut State<D>,
-    q: [f64; D],
-    p: [f64; D],
-    steps: &mut u64,
+/// Time as `start + n h`.
+struct Clock {
+    start: f64,
+    ticks: u64,
     h: f64,
-) -> Result<(), Failure> {
-    if !q.iter().chain(&p).all(|x| x.is_finite()) {
-        return Err(Failure::NonFinite);
+}
+
+impl Clock {
+    fn new(h: f64) -> Self {
+        Self { start: black_box(0.0), ticks: 0, h }
     }
-    *steps += 1;
-    *state = State { q, p, t: steps.cast_signed() as f64 * h };
-    Ok(())
+
+    /// Commits what is finite.
+    #[inline(always)]
+    fn commit<const D: usize>(
+        &mut self,
+        state: &mut State<D>,
+        q: [f64; D],
+        p: [f64; D],
+    ) -> Result<(), Failure> {
+        let ticks = self.ticks + 1;
+        let t = self.start + ticks.cast_signed() as f64 * self.h;
+        // Zero times a finite number is zero, and NaN otherwise.
+        if q.iter().chain(&p).fold(t * 0.0, |sum, x| sum + x * 0.0).is_nan() {
+            return Err(Failure::NonFinite);
+        }
+        self.ticks = ticks;
+        *state = State { q, p, t };
+        Ok(())
+    }
 }
 
 pub(crate) struct Kubo {
-    h: f64,
     half_turn: f64,
     half_sigma: f64,
-    steps: u64,
+    clock: Clock,
 }
 
 impl Kubo {
     pub(crate) fn new(a: f64, sigma: f64, h: f64) -> Self {
-        Self { h, half_turn: 0.5 * a * h, half_sigma: 0.5 * sigma, steps: 0 }
+        Self { half_turn: 0.5 * a * h, half_sigma: 0.5 * sigma, clock: Clock::new(h) }
     }
 }
 
@@ -61,19 +77,18 @@ impl Step<1, 1> for Kubo {
         let c = self.half_turn + self.half_sigma * dw;
         let d = 1.0 / (1.0 + c * c);
         let (cos, sin) = ((1.0 - c * c) * d, 2.0 * c * d);
-        commit(state, [sin * p + cos * q], [cos * p - sin * q], &mut self.steps, self.h)?;
+        self.clock.commit(state, [sin * p + cos * q], [cos * p - sin * q])?;
         Ok(0)
     }
 }
 
 pub(crate) struct TwoAdditive {
-    h: f64,
     cos: f64,
     sin: f64,
     /// What an increment of the first and of the second noise adds to `q` and to `p`.
     by_first: [f64; 2],
     by_second: [f64; 2],
-    steps: u64,
+    clock: Clock,
 }
 
 impl TwoAdditive {
@@ -81,12 +96,11 @@ impl TwoAdditive {
         let c = 0.5 * h;
         let d = 1.0 / (1.0 + c * c);
         Self {
-            h,
             cos: (1.0 - c * c) * d,
             sin: 2.0 * c * d,
             by_first: [sigma * d, -sigma * c * d],
             by_second: [gamma * c * d, gamma * d],
-            steps: 0,
+            clock: Clock::new(h),
         }
     }
 }
@@ -97,21 +111,20 @@ impl Step<1, 2> for TwoAdditive {
         let ([q], [p]) = (state.q, state.p);
         let next_q = self.cos * q + self.sin * p + self.by_first[0] * a + self.by_second[0] * b;
         let next_p = self.cos * p - self.sin * q + self.by_first[1] * a + self.by_second[1] * b;
-        commit(state, [next_q], [next_p], &mut self.steps, self.h)?;
+        self.clock.commit(state, [next_q], [next_p])?;
         Ok(0)
     }
 }
 
 pub(crate) struct DoubleWell {
-    h: f64,
     half_h: f64,
     half_sigma: f64,
-    steps: u64,
+    clock: Clock,
 }
 
 impl DoubleWell {
     pub(crate) fn new(sigma: f64, h: f64) -> Self {
-        Self { h, half_h: 0.5 * h, half_sigma: 0.5 * sigma, steps: 0 }
+        Self { half_h: 0.5 * h, half_sigma: 0.5 * sigma, clock: Clock::new(h) }
     }
 }
 
@@ -140,7 +153,7 @@ impl Step<1, 1> for DoubleWell {
             }
         }
         let momentum = (p - self.half_h * (mid * mid - 1.0) * mid) * inverse;
-        commit(state, [2.0 * mid - q], [2.0 * momentum - p], &mut self.steps, self.h)?;
+        self.clock.commit(state, [2.0 * mid - q], [2.0 * momentum - p])?;
         Ok(iterations)
     }
 }
@@ -151,13 +164,13 @@ pub(crate) struct Pendulum {
     quarter: f64,
     /// The sines of the two steps before.
     past: [f64; 2],
-    steps: u64,
+    clock: Clock,
 }
 
 impl Pendulum {
     pub(crate) fn new(h: f64) -> Self {
         let start = 2.0_f64.sin();
-        Self { h, half_h: 0.5 * h, quarter: 0.25 * h * h, past: [start; 2], steps: 0 }
+        Self { h, half_h: 0.5 * h, quarter: 0.25 * h * h, past: [start; 2], clock: Clock::new(h) }
     }
 }
 
@@ -182,7 +195,7 @@ impl Step<1, 0> for Pendulum {
                 return Err(Failure::NotConverged);
             }
         };
-        commit(state, [2.0 * mid - q], [p - self.h * force], &mut self.steps, self.h)?;
+        self.clock.commit(state, [2.0 * mid - q], [p - self.h * force])?;
         self.past = [force, self.past[0]];
         Ok(iterations)
     }
@@ -190,12 +203,12 @@ impl Step<1, 0> for Pendulum {
 
 pub(crate) struct PendulumEuler {
     h: f64,
-    steps: u64,
+    clock: Clock,
 }
 
 impl PendulumEuler {
     pub(crate) fn new(h: f64) -> Self {
-        Self { h, steps: 0 }
+        Self { h, clock: Clock::new(h) }
     }
 }
 
@@ -204,7 +217,7 @@ impl Step<1, 0> for PendulumEuler {
     fn step(&mut self, state: &mut State<1>, _: [f64; 0]) -> Result<u32, Failure> {
         let ([q], [p]) = (state.q, state.p);
         let next_p = p - self.h * q.sin();
-        commit(state, [q + self.h * next_p], [next_p], &mut self.steps, self.h)?;
+        self.clock.commit(state, [q + self.h * next_p], [next_p])?;
         Ok(0)
     }
 }
@@ -216,12 +229,19 @@ struct Plane {
     quarter: f64,
     past: [[f64; 2]; 2],
     known: bool,
-    steps: u64,
+    clock: Clock,
 }
 
 impl Plane {
     fn new(h: f64) -> Self {
-        Self { h, half_h: 0.5 * h, quarter: 0.25 * h * h, past: [[0.0; 2]; 2], known: false, steps: 0 }
+        Self {
+            h,
+            half_h: 0.5 * h,
+            quarter: 0.25 * h * h,
+            past: [[0.0; 2]; 2],
+            known: false,
+            clock: Clock::new(h),
+        }
     }
 
     /// `acceleration` answers with `a` and the derivatives `a_xx`, `a_xy`, `a_yy`.
@@ -255,7 +275,7 @@ impl Plane {
             }
         };
         let p = [u + self.h * force[0], v + self.h * force[1]];
-        commit(state, [2.0 * mid_x - x, 2.0 * mid_y - y], p, &mut self.steps, self.h)?;
+        self.clock.commit(state, [2.0 * mid_x - x, 2.0 * mid_y - y], p)?;
         self.past = [force, if self.known { last } else { force }];
         self.known = true;
         Ok(iterations)

@@ -101,11 +101,13 @@ fn outcome<V: Vector>(state: &State<V>, iterations: u64) -> Outcome {
 /// Steps with `K` increments each through the stepper.
 fn stepped<E, H: Discretized<E>, const K: usize>(
     (system, h): (H, f64),
-    mut state: State<H::Vector>,
+    state: State<H::Vector>,
     n: u64,
 ) -> Outcome {
     let (system, h, dw) = (black_box(system), black_box(h), table(h));
     let mut stepper = system.stepper::<E>(h).unwrap();
+    // On the stack of this function, as the state by hand is.
+    let mut state = state.clone();
     let mut iterations = 0;
     for i in 0..n as usize {
         let dw: [f64; K] = std::array::from_fn(|k| dw[(i + 100 * k) % 512]);
@@ -117,12 +119,14 @@ fn stepped<E, H: Discretized<E>, const K: usize>(
 /// The same through the bare map.
 fn advanced<E, H: Discretized<E>, const K: usize>(
     (system, h): (H, f64),
-    mut state: State<H::Vector>,
+    state: State<H::Vector>,
     n: u64,
 ) -> Outcome {
     let (system, h, dw) = (black_box(system), black_box(h), table(h));
     let prepared = system.prepare(h).unwrap();
     let mut memory = H::Memory::<f64>::default();
+    // On the stack of this function, as the state by hand is.
+    let mut state = state.clone();
     let mut iterations = 0;
     for i in 0..n as usize {
         let dw: [f64; K] = std::array::from_fn(|k| dw[(i + 100 * k) % 512]);

@@ -3,6 +3,7 @@
 use std::marker::PhantomData;
 
 use crate::error::{ConfigError, StepError, StepFailure};
+use crate::scalar::Scalar as _;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
 
@@ -100,7 +101,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         }
         let next = self.clock.next(self.h);
         let (q, p) = (state.q.components_mut(), state.p.components_mut());
-        let outcome = if next.now.is_finite() {
+        let outcome = if f64::are_finite([next.now].into_iter()) {
             self.system.advance(&self.prepared, state.t, self.h, q, p, dw, &mut self.memory)
         } else {
             Err(StepFailure::NonFinite)

@@ -136,9 +136,7 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
     /// Whether every component is finite.
     #[inline(always)]
     pub fn is_finite(&self) -> bool {
-        // Zero times a finite number is zero, and NaN otherwise: one test for all components.
-        let zeros = self.q.iter().chain(&self.p).fold(S::from_f64(0.0), |sum, &x| sum + x * 0.0);
-        zeros.is_finite().all()
+        S::are_finite(self.q.iter().chain(&self.p).copied()).all()
     }
 }
 
