@@ -3,6 +3,7 @@
 use std::marker::PhantomData;
 
 use crate::error::{ConfigError, StepError, StepFailure};
+use crate::scalar::Scalar as _;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
 
@@ -22,9 +23,11 @@ pub struct Stepper<'a, H: Discretized<E>, E> {
     h: f64,
     prepared: H::Prepared,
     memory: H::Memory<f64>,
-    steps: u64,
+    /// Steps before the clock was last restarted.
+    before: u64,
     clock: Clock,
-    reached: State<H::Vector>,
+    /// `q` and `p` after the last step.
+    reached: [H::Vector; 2],
     scheme: PhantomData<E>,
 }
 
@@ -33,12 +36,19 @@ pub struct Stepper<'a, H: Discretized<E>, E> {
 struct Clock {
     start: f64,
     ticks: u64,
+    now: f64,
 }
 
 impl Clock {
-    #[inline]
-    fn now(self, h: f64) -> f64 {
-        self.start + self.ticks as f64 * h
+    fn started(at: f64) -> Self {
+        Self { start: at, ticks: 0, now: at }
+    }
+
+    #[inline(always)]
+    fn next(self, h: f64) -> Self {
+        let ticks = self.ticks + 1;
+        // The conversion of a signed integer is one instruction.
+        Self { ticks, now: self.start + ticks.cast_signed() as f64 * h, ..self }
     }
 }
 
@@ -58,9 +68,9 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             h,
             prepared: system.prepare(h)?,
             memory: Default::default(),
-            steps: 0,
-            clock: Clock { start: f64::NAN, ticks: 0 },
-            reached: State { q: H::Vector::zeros(d), p: H::Vector::zeros(d), t: f64::NAN },
+            before: 0,
+            clock: Clock::started(f64::NAN),
+            reached: [H::Vector::zeros(d), H::Vector::zeros(d)],
             scheme: PhantomData,
         })
     }
@@ -77,7 +87,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
 
     /// Number of successful steps so far.
     pub fn steps(&self) -> u64 {
-        self.steps
+        self.before + self.clock.ticks
     }
 
     /// One step of `state` with the given increments, one per noise (`&[]` without noise).
@@ -86,13 +96,12 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     /// [`StepError`] with time, step number and cause. The state is then bit for bit what it was.
     #[inline]
     pub fn step(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
-        if state.t != self.clock.now(self.h) || self.jumped(state) {
-            self.memory = Default::default();
-            self.clock = Clock { start: state.t, ticks: 0 };
+        if state.t != self.clock.now || self.jumped(state) {
+            self.restart(state.t);
         }
-        let next = Clock { ticks: self.clock.ticks + 1, ..self.clock };
+        let next = self.clock.next(self.h);
         let (q, p) = (state.q.components_mut(), state.p.components_mut());
-        let outcome = if next.now(self.h).is_finite() {
+        let outcome = if f64::are_finite([next.now].into_iter()) {
             self.system.advance(&self.prepared, state.t, self.h, q, p, dw, &mut self.memory)
         } else {
             Err(StepFailure::NonFinite)
@@ -100,15 +109,23 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         match outcome {
             Ok(solved) => {
                 self.clock = next;
-                state.t = next.now(self.h);
-                self.steps += 1;
+                state.t = next.now;
                 if Self::REMEMBERS {
-                    self.reached.clone_from(state);
+                    self.reached[0].clone_from(&state.q);
+                    self.reached[1].clone_from(&state.p);
                 }
                 Ok(StepInfo { iterations: solved.iterations })
             }
             Err(cause) => Err(self.error(state, dw, cause)),
         }
+    }
+
+    #[inline(always)]
+    fn restart(&mut self, t: f64) {
+        cold();
+        self.memory = Default::default();
+        self.before += self.clock.ticks;
+        self.clock = Clock::started(t);
     }
 
     /// Whether steps start from what the ones before left; otherwise nothing of them is kept.
@@ -117,18 +134,26 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     /// Whether the caller moved the state since the last step: then what that step left is no guide.
     #[inline]
     fn jumped(&self, state: &State<H::Vector>) -> bool {
-        Self::REMEMBERS && *state != self.reached
+        Self::REMEMBERS && (state.q != self.reached[0] || state.p != self.reached[1])
     }
 
     /// Bad input shows in the result of a step, so that a good step does not pay for the check.
-    #[cold]
+    ///
+    /// Inlined, because state and stepper stay in registers only where no function is given their address.
+    #[inline(always)]
     fn error(&self, state: &State<H::Vector>, dw: &[f64], cause: StepFailure) -> StepError {
+        cold();
         let inputs = || state.q.components().iter().chain(state.p.components()).chain(dw).chain([&state.t]);
         let cause = match cause {
             StepFailure::Increments { .. } | StepFailure::Dimension { .. } => cause,
             _ if inputs().all(|x| x.is_finite()) => cause,
             _ => StepFailure::NonFiniteInput,
         };
-        StepError { step: self.steps, t: state.t, h: self.h, cause }
+        StepError { step: self.steps(), t: state.t, h: self.h, cause }
     }
 }
+
+/// Marks the branch that calls it as the unlikely one.
+#[cold]
+#[inline(never)]
+fn cold() {}

@@ -136,7 +136,7 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
     /// Whether every component is finite.
     #[inline(always)]
     pub fn is_finite(&self) -> bool {
-        self.q.iter().chain(&self.p).all(|x| x.is_finite().all())
+        S::are_finite(self.q.iter().chain(&self.p).copied()).all()
     }
 }
 

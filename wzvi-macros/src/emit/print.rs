@@ -129,7 +129,7 @@ impl<'p> Printer<'p> {
     }
 
     fn is_scalar(&self, op: Op) -> bool {
-        self.program.level(op) == Level::State
+        self.program.level(op) >= Level::Increments
     }
 
     fn atom(&self, op: Op) -> TokenStream {

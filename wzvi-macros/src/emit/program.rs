@@ -23,7 +23,9 @@ pub(crate) enum Level {
     Prepared,
     /// From the time as well: once per step, the same for every trajectory.
     Time,
-    /// From the state or the increments.
+    /// From the increments as well: off the path from one state to the next.
+    Increments,
+    /// From the state.
     State,
 }
 

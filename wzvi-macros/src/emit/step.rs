@@ -56,7 +56,7 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
                     #prepare
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn advance<__S: __wzvi::Scalar>(
                     &self,
                     __prepared: &Self::Prepared,
@@ -316,6 +316,14 @@ impl SolveBody<'_> {
         for (i, solve) in self.flow.solves.iter().enumerate() {
             match solve {
                 Solve::Inverted { .. } => {}
+                Solve::Reciprocal { pivot, inverse, is_safe } => {
+                    statements.extend(self.bind(&[*pivot]));
+                    let (value, name) = (self.printer.scalar_value(*pivot), self.printer.name(*inverse));
+                    statements.extend(match is_safe {
+                        true => quote!(let #name = __wzvi::Scalar::recip(#value);),
+                        false => quote!(let #name = __wzvi::reciprocal::<__S>(#value)?;),
+                    });
+                }
                 Solve::Divided { pivot, rhs, unknown } => {
                     statements.extend(self.bind(&[*pivot, *rhs]));
                     let (rhs, pivot) = (self.printer.scalar_value(*rhs), self.printer.scalar_value(*pivot));

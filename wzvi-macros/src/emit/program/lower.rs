@@ -279,7 +279,7 @@ impl<'a> Lowering<'a> {
         }
         values.sort_by_key(|value| self.program.level(value.op));
         let mut total: Option<Signed> = None;
-        for level in [Level::Prepared, Level::Time, Level::State] {
+        for level in [Level::Prepared, Level::Time, Level::Increments, Level::State] {
             let group: Vec<Signed> =
                 values.iter().copied().filter(|value| self.program.level(value.op) == level).collect();
             let Some(part) = self.add_up(&group) else { continue };
@@ -332,7 +332,7 @@ impl<'a> Lowering<'a> {
             total = Some(self.program.constant(size.to_f64()));
         }
         let mut negative = coefficient.is_negative();
-        for level in [Level::Prepared, Level::Time, Level::State] {
+        for level in [Level::Prepared, Level::Time, Level::Increments, Level::State] {
             let (mut numerator, mut denominator): (Option<Op>, Option<Op>) = (None, None);
             if level == Level::Prepared {
                 numerator = total.take();
