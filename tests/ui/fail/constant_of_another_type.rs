@@ -1,8 +1,8 @@
 use wzvi::prelude::*;
 
-const N: usize = 3;
+const SMOOTH: bool = true;
 
-#[hamiltonian(drift = |q, p| q * p + N, embedding = Midpoint)]
+#[hamiltonian(drift = |q, p| q * p.max(SMOOTH), embedding = Midpoint)]
 struct System;
 
 fn main() {}

@@ -87,6 +87,14 @@ pub(crate) fn unexpected_after_value(tokens: TokenStream) -> Error {
     at(tokens, format!("expected `,` and the next `key = value`; the keys are {KEYS}"))
 }
 
+pub(crate) fn missing_comma(key: &syn::Ident) -> Error {
+    at(key, format!("expected `,` before `{key}`"))
+}
+
+pub(crate) fn not_a_path(found: impl ToTokens) -> Error {
+    at(found, "expected the path of the crate `wzvi`, such as `crate = ::wzvi`")
+}
+
 pub(crate) fn empty_list(key: &syn::Ident, list: &TokenStream) -> Error {
     let remedy = match key.to_string().as_str() {
         "embedding" => format!("list at least one scheme of {SCHEMES}"),
@@ -122,7 +130,7 @@ pub(crate) fn unknown_embedding(name: &syn::Ident) -> Error {
 }
 
 pub(crate) fn duplicate_embedding(found: impl ToTokens, embedding: &Embedding) -> Error {
-    at(found, format!("`{embedding}` is listed twice"))
+    at(found, format!("`{embedding}` is listed twice; once is enough"))
 }
 
 pub(crate) fn scheme_arguments(found: impl ToTokens, example: &str) -> Error {
@@ -150,10 +158,12 @@ pub(crate) fn lambda_literal(found: impl ToTokens) -> Error {
 }
 
 pub(crate) fn closure_arity(patterns: TokenStream, found: usize) -> Error {
+    let plural = if found == 1 { "" } else { "s" };
     at(
         patterns,
         format!(
-            "a Hamiltonian takes coordinates, momenta and, if it needs it, time; this takes {found} parameters: {PATTERNS}"
+            "a Hamiltonian takes coordinates, momenta and, if it needs it, time; this takes {found} parameter{plural}: \
+             {PATTERNS}"
         ),
     )
 }

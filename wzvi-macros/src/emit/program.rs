@@ -68,7 +68,7 @@ impl Operation {
         }
     }
 
-    /// Whether the value is a truth and not a number.
+    /// Whether the value is a truth and no number.
     pub(crate) fn is_truth(&self) -> bool {
         matches!(self, Self::Compare(..) | Self::Not(_) | Self::And(..) | Self::Or(..))
     }

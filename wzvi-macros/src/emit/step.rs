@@ -163,16 +163,20 @@ fn plan(facts: &Facts, scheme: &Scheme) -> TokenStream {
 struct Step<'f> {
     flow: &'f Flow,
     scheme: &'f Scheme,
-    /// Values of level `Prepared` that the step reads.
+    /// Numbers of level `Prepared` that the step reads.
     constants: Vec<Op>,
+    /// Truths of level `Prepared` that the step reads.
+    truths: Vec<Op>,
 }
 
 impl<'f> Step<'f> {
     fn new(flow: &'f Flow, scheme: &'f Scheme) -> Self {
-        Self { flow, scheme, constants: flow.constants() }
+        let is_truth = |&op: &Op| flow.program.operation(op).is_truth();
+        let (truths, constants) = flow.constants().into_iter().partition(is_truth);
+        Self { flow, scheme, constants, truths }
     }
 
-    /// `[f64; constants]`, with one factor per matrix that never changes.
+    /// `[f64; constants]`, with one factor per matrix that never changes, then `[bool; truths]` if there are any.
     fn prepared_type(&self) -> TokenStream {
         let (f64, count) = (f64_type(), self.constants.len());
         let factors = self.flow.solves.iter().filter_map(|solve| match solve {
@@ -182,7 +186,9 @@ impl<'f> Step<'f> {
             }
             _ => None,
         });
-        quote!(([#f64; #count], #(#factors,)*))
+        let truths = self.truths.len();
+        let truths = (truths > 0).then(|| quote!([__wzvi::core::primitive::bool; #truths]));
+        quote!(([#f64; #count], #(#factors,)* #truths))
     }
 
     /// One extrapolation per Newton block of a system without noise.
@@ -202,7 +208,8 @@ impl<'f> Step<'f> {
         printer.set(flow.h, format_ident!("__h"));
         let mut statements = TokenStream::new();
         let mut read = Vec::new();
-        let wanted = flow.prepared_roots(&self.constants);
+        let read_by_step: Vec<Op> = self.constants.iter().chain(&self.truths).copied().collect();
+        let wanted = flow.prepared_roots(&read_by_step);
         let used = flow.program.uses(&wanted);
         for (i, (op, parameter)) in flow.parameters.iter().zip(&model.parameters).enumerate() {
             if used[*op] > 0 {
@@ -241,11 +248,13 @@ impl<'f> Step<'f> {
                 _ => {}
             }
         }
-        statements.extend(printer.bind(&self.constants, &used, &|_| false));
+        statements.extend(printer.bind(&read_by_step, &used, &|_| false));
         let constants = self.constants.iter().map(|&op| printer.value(op));
+        let truths = self.truths.iter().map(|&op| printer.value(op));
+        let truths = (!self.truths.is_empty()).then(|| quote!([#(#truths),*]));
         quote! {
             #statements
-            __wzvi::core::result::Result::Ok(([#(#constants),*], #(#factors,)*))
+            __wzvi::core::result::Result::Ok(([#(#constants),*], #(#factors,)* #truths))
         }
     }
 
@@ -269,6 +278,13 @@ impl<'f> Step<'f> {
         }
         let open =
             if constants.is_empty() { quote!() } else { quote!(let [#(#constants),*] = __prepared.0;) };
+        let truths: Vec<Ident> = indexed("b", self.truths.len());
+        for (&op, name) in self.truths.iter().zip(&truths) {
+            printer.set(op, name.clone());
+        }
+        let factors = flow.solves.iter().filter(|solve| matches!(solve, Solve::Factored { .. })).count();
+        let last = proc_macro2::Literal::usize_unsuffixed(factors + 1);
+        let truths = (!truths.is_empty()).then(|| quote!(let [#(#truths),*] = __prepared.#last;));
         let body =
             SolveBody { flow, uses: flow.program.uses(&flow.roots()), printer, records: Vec::new() }.emit();
         quote! {
@@ -283,6 +299,7 @@ impl<'f> Step<'f> {
                 __memory: &mut __Memory<__S>,
             ) -> __wzvi::core::result::Result<__wzvi::Solution<__S, #d>, __wzvi::StepFailure> {
                 #open
+                #truths
                 #body
             }
         }

@@ -22,6 +22,8 @@ pub(crate) struct Declaration {
     pub(crate) embeddings: Vec<Located<Embedding>>,
     /// The types that were read as `embeddings`, in their order.
     pub(crate) embedding_types: Vec<syn::Type>,
+    /// Whether there are no others than `embeddings`: none was misspelled.
+    pub(crate) all_embeddings_known: bool,
     pub(crate) crate_path: Path,
 }
 
@@ -57,20 +59,24 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
         invariants: Vec::new(),
         embeddings: Vec::new(),
         embedding_types: Vec::new(),
+        all_embeddings_known: false,
         crate_path: syn::parse_quote!(::wzvi),
     };
     let mut seen: Vec<String> = Vec::new();
     for entry in split_entries(attribute, diagnostics) {
-        let key = entry.key.unraw().to_string();
-        if seen.contains(&key) {
+        let mut key = entry.key.unraw().to_string();
+        if !KEYS.contains(&key.as_str()) {
+            diagnostics.report(messages::unknown_key(&entry.key));
+            // A misspelled key is not a missing one as well, and its value may have mistakes of its own.
+            match messages::intended_key(&entry.key) {
+                Some(intended) if !seen.iter().any(|known| known == intended) => key = intended.to_owned(),
+                _ => continue,
+            }
+        } else if seen.contains(&key) {
             diagnostics.report(messages::duplicate_key(&entry.key));
             continue;
         }
         read_entry(&mut declaration, &key, &entry, diagnostics);
-        if !KEYS.contains(&key.as_str()) {
-            // A misspelled key is not a missing one as well.
-            seen.extend(messages::intended_key(&entry.key).map(str::to_owned));
-        }
         seen.push(key);
     }
     for required in ["drift", "embedding"] {
@@ -82,10 +88,6 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
 }
 
 fn read_entry(declaration: &mut Declaration, key: &str, entry: &Entry, diagnostics: &mut Diagnostics) {
-    if !KEYS.contains(&key) {
-        diagnostics.report(messages::unknown_key(&entry.key));
-        return;
-    }
     if entry.value.is_empty() {
         diagnostics.report(messages::missing_value(&entry.key));
         return;
@@ -95,11 +97,15 @@ fn read_entry(declaration: &mut Declaration, key: &str, entry: &Entry, diagnosti
         "noise" => declaration.noise = entry.hamiltonians(diagnostics),
         "invariant" => declaration.invariants = entry.hamiltonians(diagnostics),
         "embedding" => {
+            let before = diagnostics.count();
             (declaration.embeddings, declaration.embedding_types) =
                 entry.embeddings(diagnostics).into_iter().unzip();
+            declaration.all_embeddings_known = diagnostics.count() == before;
         }
         _ => {
-            if let Some(path) = diagnostics.accept(entry.parse(Path::parse_mod_style)) {
+            let path = entry.parse(Path::parse_mod_style);
+            let path = path.map_err(|_| messages::not_a_path(&entry.value));
+            if let Some(path) = diagnostics.accept(path) {
                 declaration.crate_path = path;
             }
         }
@@ -207,7 +213,16 @@ fn split_entries(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Vec<E
     let mut position = 0;
     let mut stray = TokenStream::new();
     while position < tokens.len() {
-        let at_start = position == 0 || is_punct(&tokens[position - 1], ',');
+        let before = position.checked_sub(1).map(|before| &tokens[before]);
+        let mut at_start = before.is_none_or(|before| is_punct(before, ','));
+        if let (TokenTree::Ident(key), Some(before)) = (&tokens[position], before)
+            && KEYS.contains(&key.to_string().as_str())
+            && ends_operand(before)
+            && is_assignment(&tokens[position + 1..])
+        {
+            diagnostics.report(messages::missing_comma(key));
+            at_start = true;
+        }
         match &tokens[position] {
             TokenTree::Ident(key) if at_start && is_assignment(&tokens[position + 1..]) => {
                 entries.push(Entry { key: key.clone(), value: TokenStream::new() });
@@ -235,6 +250,15 @@ fn ends_entry(rest: &[TokenTree]) -> bool {
         [] => true,
         [TokenTree::Ident(_), rest @ ..] => is_assignment(rest),
         _ => false,
+    }
+}
+
+/// Whether no expression goes on with a name after `token`.
+fn ends_operand(token: &TokenTree) -> bool {
+    match token {
+        TokenTree::Ident(name) => syn::parse2::<Ident>(name.to_token_stream()).is_ok(),
+        TokenTree::Punct(punct) => punct.as_char() == '>',
+        TokenTree::Group(_) | TokenTree::Literal(_) => true,
     }
 }
 

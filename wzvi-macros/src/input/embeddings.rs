@@ -1,12 +1,11 @@
 //! The schemes of `embedding = ...`.
 
 use quote::ToTokens;
-use syn::spanned::Spanned;
 use syn::{GenericArgument, PathArguments, Type};
 
 use crate::diagnostics::{Diagnostics, messages};
 use crate::discretise::embedding::Embedding;
-use crate::model::Located;
+use crate::model::{Extent, Located};
 
 pub(super) const NAMES: [&str; 7] =
     ["DeltaPlus", "Midpoint", "DeltaMinus", "Lambda", "Mixed", "Corrected", "Uncorrected"];
@@ -22,7 +21,7 @@ pub(super) fn read_embeddings(
         if embeddings.iter().any(|(known, _)| known.value == value) {
             diagnostics.report(messages::duplicate_embedding(ty, &value));
         } else {
-            embeddings.push((Located { value, span: ty.span() }, ty.clone()));
+            embeddings.push((Located { value, extent: Extent::of(ty) }, ty.clone()));
         }
     }
     embeddings

@@ -170,7 +170,16 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             Syntax::Unsafe(_) => ("`unsafe`", "write safe arithmetic"),
             _ => ("this expression", "use arithmetic, `f64` methods, `let`, `if`, closures and iterators"),
         };
-        self.report(expressions::unsupported(syntax, what, remedy))
+        let at = match syntax {
+            Syntax::Match(syntax) => syntax.match_token.to_token_stream(),
+            Syntax::While(syntax) => syntax.while_token.to_token_stream(),
+            Syntax::Loop(syntax) => syntax.loop_token.to_token_stream(),
+            Syntax::Return(syntax) => syntax.return_token.to_token_stream(),
+            Syntax::Unsafe(syntax) => syntax.unsafe_token.to_token_stream(),
+            Syntax::Try(syntax) => syntax.question_token.to_token_stream(),
+            _ => syntax.to_token_stream(),
+        };
+        self.report(expressions::unsupported(at, what, remedy))
     }
 
     /// `value` as a real number; what it is instead is reported at `at`.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 use syn::ext::IdentExt;
-use syn::{Expr as Syntax, ExprField, ExprPath, Ident, Member, Type};
+use syn::{Expr as Syntax, ExprField, ExprPath, Ident, Member, Type, UnOp};
 
 use super::interpreter::Interpreter;
 use super::value::{Place, Value};
@@ -135,6 +135,7 @@ pub(super) fn is_self(syntax: &Syntax) -> bool {
         Syntax::Path(path) => path.path.is_ident("self"),
         Syntax::Paren(inner) => is_self(&inner.expr),
         Syntax::Group(inner) => is_self(&inner.expr),
+        Syntax::Unary(inner) if matches!(inner.op, UnOp::Deref(_)) => is_self(&inner.expr),
         _ => false,
     }
 }

@@ -96,7 +96,14 @@ impl<'a> Interpreter<'a, '_> {
 
     fn extend(&mut self, chain: Chain, link: &'a ExprBinary, right: Value) -> Chain {
         match (chain, right) {
-            (Chain::Value(Value::Poison), _) | (_, Value::Poison) => Chain::Value(Value::Poison),
+            (Chain::Value(Value::Poison), right) => {
+                // An integer may be right; anything else that is no number is wrong by itself.
+                if !right.is_integer() {
+                    self.real(right, &link.right);
+                }
+                Chain::Value(Value::Poison)
+            }
+            (_, Value::Poison) => Chain::Value(Value::Poison),
             (Chain::Value(left), right) if left.is_integer() && right.is_integer() => {
                 Chain::Value(self.integer_operation(&left, link.op, &right, link))
             }

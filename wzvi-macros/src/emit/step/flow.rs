@@ -142,12 +142,11 @@ impl Flow {
         roots
     }
 
-    /// The numbers of level `Prepared` that the step reads, apart from literals and the step size. A truth is no number:
-    /// the step compares again.
+    /// The values of level `Prepared` that the step reads, apart from literals and the step size.
     pub(crate) fn constants(&self) -> Vec<Op> {
         let program = &self.program;
         let roots = self.roots();
-        let is_constant = |op: Op| program.level(op) == Level::Prepared && !program.operation(op).is_truth();
+        let is_constant = |op: Op| program.level(op) == Level::Prepared;
         let mut constants: Vec<Op> = program
             .needed(&roots, &is_constant)
             .into_iter()
