@@ -57,7 +57,7 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
                 }
 
                 #[inline(always)]
-                fn advance<__S: __wzvi::Scalar>(
+                fn advance_carrying<__S: __wzvi::Scalar, __C: __wzvi::Carry<__S>>(
                     &self,
                     __prepared: &Self::Prepared,
                     __t: #f64,
@@ -66,14 +66,13 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
                     __p: &mut [__S],
                     __dw: &[__S],
                     __memory: &mut Self::Memory<__S>,
+                    __carry: &mut __C,
                 ) -> __wzvi::core::result::Result<__wzvi::Solved, __wzvi::StepFailure> {
                     let __q = __wzvi::array_mut::<__S, #d>(__q)?;
                     let __p = __wzvi::array_mut::<__S, #d>(__p)?;
                     let __dw = __wzvi::increments::<__S, #noises>(__dw)?;
-                    let __next = __solve(__prepared, __t, __h, *__q, *__p, __dw, __memory)?;
-                    *__q = __next.q;
-                    *__p = __next.p;
-                    __wzvi::core::result::Result::Ok(__wzvi::Solved { iterations: __next.iterations })
+                    let __next = __solve(__prepared, __t, __h, *__q, *__p, __dw, __memory, __carry)?;
+                    __wzvi::core::result::Result::Ok(__next.store(__q, __p, __carry))
                 }
 
                 #lagrangian
@@ -111,7 +110,8 @@ fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
                 let __prepared = <Self as __wzvi::Discretized<#embedding>>::prepare(self, __h)
                     .map_err(|_| __wzvi::StepFailure::NonFinite)?;
                 let (__q, __p) = (__wzvi::core::convert::Into::into(__before.q), __wzvi::core::convert::Into::into(__before.p));
-                __solve(&__prepared, __before.t, __h, __q, __p, __dw, &mut __wzvi::core::default::Default::default())
+                let mut __memory = __wzvi::core::default::Default::default();
+                __solve(&__prepared, __before.t, __h, __q, __p, __dw, &mut __memory, &__wzvi::Plain)
             });
             match __solved {
                 __wzvi::core::result::Result::Ok(__solved) => __wzvi::core::convert::From::from(__solved.momentum),
@@ -289,7 +289,7 @@ impl<'f> Step<'f> {
             SolveBody { flow, uses: flow.program.uses(&flow.roots()), printer, records: Vec::new() }.emit();
         quote! {
             #[inline(always)]
-            fn __solve<__S: __wzvi::Scalar>(
+            fn __solve<__S: __wzvi::Scalar, __C: __wzvi::Carry<__S>>(
                 __prepared: &__Prepared,
                 __t: #f64,
                 __h: #f64,
@@ -297,6 +297,7 @@ impl<'f> Step<'f> {
                 [#(#p),*]: [__S; #d],
                 [#(#dw),*]: [__S; #noises],
                 __memory: &mut __Memory<__S>,
+                __carry: &__C,
             ) -> __wzvi::core::result::Result<__wzvi::Solution<__S, #d>, __wzvi::StepFailure> {
                 #open
                 #truths
@@ -447,22 +448,24 @@ impl SolveBody<'_> {
 
     fn finish(&mut self, counts: &[Ident]) -> TokenStream {
         let flow = self.flow;
-        let roots: Vec<Op> = flow.q1.iter().chain(&flow.p1).chain(&flow.momentum).copied().collect();
+        let roots: Vec<Op> = flow.dq.iter().chain(&flow.dp).chain(&flow.momentum).copied().collect();
         let statements = self.bind(&roots);
         let values = |ops: &[Op]| -> Vec<TokenStream> {
             ops.iter().map(|&op| self.printer.scalar_value(op)).collect()
         };
-        let (q1, p1, momentum) = (values(&flow.q1), values(&flow.p1), values(&flow.momentum));
+        let (q, p) = (values(&flow.q0), values(&flow.p0));
+        let (dq, dp, momentum) = (values(&flow.dq), values(&flow.dp), values(&flow.momentum));
         let iterations = if counts.is_empty() { quote!(0) } else { quote!(#(#counts)+*) };
         let records = &self.records;
         quote! {
             #statements
-            let __next = __wzvi::Solution {
-                q: [#(#q1),*],
-                p: [#(#p1),*],
-                momentum: [#(#momentum),*],
-                iterations: #iterations,
-            };
+            let __next = __wzvi::Solution::new(
+                __carry,
+                [[#(#q),*], [#(#p),*]],
+                [[#(#dq),*], [#(#dp),*]],
+                [#(#momentum),*],
+                #iterations,
+            );
             if !__next.is_finite() {
                 return __wzvi::core::result::Result::Err(__wzvi::StepFailure::NonFinite);
             }
