@@ -101,7 +101,7 @@ fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
             .iter()
             .enumerate()
             .map(|(i, factor)| quote!(__before.p[#i] + (__after.p[#i] - __before.p[#i]) * #factor));
-        return quote!(#signature { __wzvi::SVector::from([#(#components),*]) });
+        return quote!(#signature { __wzvi::core::convert::From::from([#(#components),*]) });
     }
     let noises = scheme.lagrangian.symbols.dw.len();
     let embedding = embedding_type(&scheme.embedding);
@@ -110,11 +110,11 @@ fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
             let __solved = __wzvi::increments::<#f64, #noises>(__dw).and_then(|__dw| {
                 let __prepared = <Self as __wzvi::Discretized<#embedding>>::prepare(self, __h)
                     .map_err(|_| __wzvi::StepFailure::NonFinite)?;
-                let (__q, __p) = (__before.q.into(), __before.p.into());
+                let (__q, __p) = (__wzvi::core::convert::Into::into(__before.q), __wzvi::core::convert::Into::into(__before.p));
                 __solve(&__prepared, __before.t, __h, __q, __p, __dw, &mut __wzvi::core::default::Default::default())
             });
             match __solved {
-                __wzvi::core::result::Result::Ok(__solved) => __wzvi::SVector::from(__solved.momentum),
+                __wzvi::core::result::Result::Ok(__solved) => __wzvi::core::convert::From::from(__solved.momentum),
                 __wzvi::core::result::Result::Err(_) => __wzvi::SVector::repeat(#f64::NAN),
             }
         }
