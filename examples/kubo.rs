@@ -213,8 +213,8 @@ fn limit() -> Result<(), Box<dyn Error>> {
 /// Of the uncorrected and the corrected `DeltaPlus` and of `Midpoint`, on the same paths.
 fn second_moments(power: i32, paths: u64) -> Result<[Mean; 3], wzvi::Error> {
     let h = 0.5_f64.powi(power);
-    // In its own unit of time a path costs the least; runs with other step sizes need not share it here.
-    let mut noise = Wiener::seed(SEED).unit(h);
+    // In the unit h a path costs the least. The rows of the table are to be independent: each has its own seed.
+    let mut noise = Wiener::seed(SEED + power as u64).unit(h);
     let mut uncorrected = KUBO.stepper::<Uncorrected<DeltaPlus>>(h)?;
     let mut corrected = KUBO.stepper::<Corrected<DeltaPlus>>(h)?;
     let mut midpoint = KUBO.stepper::<Midpoint>(h)?;
