@@ -29,7 +29,7 @@ struct DoublePendulum;
 
 type Pair = State<SVector<f64, 2>>;
 
-/// The start, in rad: both rods up, at rest.
+/// The start, in rad from hanging: both rods above the horizontal, at rest.
 const START: [f64; 2] = [2.0, 2.5];
 const APART: f64 = 1e-9;
 const H: f64 = 0.01;

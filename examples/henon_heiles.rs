@@ -10,7 +10,7 @@ mod table;
 
 use std::error::Error;
 
-use plot::{BLACK, BLUE, GREEN, ORANGE, PURPLE, Panel, SKY, VERMILION};
+use plot::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Panel, SKY, VERMILION};
 use wzvi::prelude::*;
 
 #[hamiltonian(
@@ -20,19 +20,38 @@ use wzvi::prelude::*;
 struct HenonHeiles;
 
 const H: f64 = 0.02;
-const END: f64 = 4000.0;
+const END: f64 = 8000.0;
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("Hénon-Heiles, Midpoint, h = {H}, t ≤ {END}\n");
     let colors = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK];
     // (y, py) on the section.
-    let regular =
-        [(0.0, 0.05), (0.0, 0.12), (0.12, 0.0), (0.25, 0.0), (0.35, 0.0), (-0.1, 0.0), (-0.25, 0.0)];
-    let mixed = [(0.0, 0.06), (0.0, 0.15), (0.15, 0.0), (0.28, 0.0), (0.4, 0.0), (-0.15, 0.0), (-0.27, 0.0)];
+    let regular = [
+        (0.0, 0.05),
+        (0.0, 0.12),
+        (0.0, 0.17),
+        (0.0, 0.3),
+        (0.0, -0.3),
+        (0.18, 0.0),
+        (-0.2, 0.0),
+        (-0.3, 0.0),
+    ];
+    let mixed = [
+        (0.0, 0.07),
+        (0.0, 0.15),
+        (0.0, 0.4),
+        (0.0, -0.4),
+        (0.15, 0.0),
+        (0.25, 0.0),
+        (-0.15, 0.0),
+        (-0.27, 0.0),
+    ];
     let (mut rows, mut panels) = (Vec::new(), Vec::new());
     for (name, energy, starts) in [("1/12", 1.0 / 12.0, regular), ("1/8", 0.125, mixed)] {
-        let mut panel = Panel::new(&format!("E = {name}: section x = 0, px > 0"), "y", "py").equal_axes();
-        for ((y, py), color) in starts.into_iter().zip(colors) {
+        let mut panel = Panel::new(&format!("E = {name}: section x = 0, px > 0"), "y", "py")
+            .equal_axes()
+            .line("edge of what the energy allows", GREY, edge(energy));
+        for ((y, py), color) in starts.into_iter().zip(colors.into_iter().cycle()) {
             let Section { points, drift, iterations } = section(energy, y, py)?;
             rows.push([
                 name.into(),
@@ -48,6 +67,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     table::print(["E", "start (y, py)", "crossings", "max |H - E|", "Newton/step"], &rows);
     println!();
     plot::save("henon_heiles", "sections", 2, (1000, 1000), &panels)
+}
+
+/// Where `px = 0` on the section: `py² + y² - 2 y³/3 = 2 E`, in polar coordinates by bisection.
+fn edge(energy: f64) -> impl Iterator<Item = (f64, f64)> {
+    (0..=360).map(move |degree| {
+        let (sin, cos) = f64::from(degree).to_radians().sin_cos();
+        let inside = |r: f64| r * r * (1.0 - 2.0 / 3.0 * r * cos.powi(3)) < 2.0 * energy;
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if inside(middle) { low = middle } else { high = middle }
+        }
+        (low * cos, low * sin)
+    })
 }
 
 struct Section {
