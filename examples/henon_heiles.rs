@@ -26,32 +26,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("Hénon-Heiles, Midpoint, h = {H}, t ≤ {END}\n");
     let colors = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK];
     // (y, py) on the section.
-    let regular = [
-        (0.0, 0.05),
-        (0.0, 0.12),
-        (0.0, 0.17),
-        (0.0, 0.3),
-        (0.0, -0.3),
-        (0.18, 0.0),
-        (-0.2, 0.0),
-        (-0.3, 0.0),
-    ];
-    let mixed = [
-        (0.0, 0.07),
-        (0.0, 0.15),
-        (0.0, 0.4),
-        (0.0, -0.4),
-        (0.15, 0.0),
-        (0.25, 0.0),
-        (-0.15, 0.0),
-        (-0.27, 0.0),
-    ];
+    let regular = [(0.0, 0.05), (0.0, 0.12), (0.0, 0.17), (0.0, -0.17), (0.0, 0.3), (0.18, 0.0), (-0.3, 0.0)];
+    let mixed = [(0.0, 0.07), (0.0, 0.15), (0.0, 0.4), (0.15, 0.0), (0.25, 0.0), (-0.15, 0.0), (-0.27, 0.0)];
     let (mut rows, mut panels) = (Vec::new(), Vec::new());
     for (name, energy, starts) in [("1/12", 1.0 / 12.0, regular), ("1/8", 0.125, mixed)] {
         let mut panel = Panel::new(&format!("E = {name}: section x = 0, px > 0"), "y", "py")
             .equal_axes()
             .line("edge of what the energy allows", GREY, edge(energy));
-        for ((y, py), color) in starts.into_iter().zip(colors.into_iter().cycle()) {
+        for ((y, py), color) in starts.into_iter().zip(colors) {
             let Section { points, drift, iterations } = section(energy, y, py)?;
             rows.push([
                 name.into(),
