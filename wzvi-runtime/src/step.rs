@@ -2,7 +2,10 @@
 
 use std::marker::PhantomData;
 
+use crate::carry::Compensation;
 use crate::error::{ConfigError, StepError, StepFailure};
+use crate::plan::Solver;
+use crate::scalar::Scalar as _;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
 
@@ -22,9 +25,13 @@ pub struct Stepper<'a, H: Discretized<E>, E> {
     h: f64,
     prepared: H::Prepared,
     memory: H::Memory<f64>,
-    steps: u64,
+    /// What rounding took from the state, if it is kept.
+    carry: Option<Compensation<f64>>,
+    /// Steps before the clock was last restarted.
+    before: u64,
     clock: Clock,
-    reached: State<H::Vector>,
+    /// `q` and `p` after the last step.
+    reached: [H::Vector; 2],
     scheme: PhantomData<E>,
 }
 
@@ -33,12 +40,19 @@ pub struct Stepper<'a, H: Discretized<E>, E> {
 struct Clock {
     start: f64,
     ticks: u64,
+    now: f64,
 }
 
 impl Clock {
-    #[inline]
-    fn now(self, h: f64) -> f64 {
-        self.start + self.ticks as f64 * h
+    fn started(at: f64) -> Self {
+        Self { start: at, ticks: 0, now: at }
+    }
+
+    #[inline(always)]
+    fn next(self, h: f64) -> Self {
+        let ticks = self.ticks + 1;
+        // The conversion of a signed integer is one instruction.
+        Self { ticks, now: self.start + ticks.cast_signed() as f64 * h, ..self }
     }
 }
 
@@ -58,11 +72,23 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             h,
             prepared: system.prepare(h)?,
             memory: Default::default(),
-            steps: 0,
-            clock: Clock { start: f64::NAN, ticks: 0 },
-            reached: State { q: H::Vector::zeros(d), p: H::Vector::zeros(d), t: f64::NAN },
+            carry: matches!(H::PLAN.solver, Solver::Newton).then(|| Compensation::new(d)),
+            before: 0,
+            clock: Clock::started(f64::NAN),
+            reached: [H::Vector::zeros(d), H::Vector::zeros(d)],
             scheme: PhantomData,
         })
+    }
+
+    /// Whether what rounding takes from the state is carried to the next step ([`crate::carry`]): the drift of first
+    /// integrals by rounding shrinks by about the ratio of a step's increment to the state.
+    ///
+    /// On by default where Newton's method makes its cost small; `docs/stability.md` has the figures.
+    #[must_use]
+    pub fn compensated(mut self, on: bool) -> Self {
+        self.carry = on.then(|| Compensation::new(self.system.degrees()));
+        self.clock = Clock::started(f64::NAN);
+        self
     }
 
     /// The step size.
@@ -77,7 +103,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
 
     /// Number of successful steps so far.
     pub fn steps(&self) -> u64 {
-        self.steps
+        self.before + self.clock.ticks
     }
 
     /// One step of `state` with the given increments, one per noise (`&[]` without noise).
@@ -86,29 +112,43 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     /// [`StepError`] with time, step number and cause. The state is then bit for bit what it was.
     #[inline]
     pub fn step(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
-        if state.t != self.clock.now(self.h) || self.jumped(state) {
-            self.memory = Default::default();
-            self.clock = Clock { start: state.t, ticks: 0 };
+        if state.t != self.clock.now || self.jumped(state) {
+            self.restart(state.t);
         }
-        let next = Clock { ticks: self.clock.ticks + 1, ..self.clock };
+        let next = self.clock.next(self.h);
         let (q, p) = (state.q.components_mut(), state.p.components_mut());
-        let outcome = if next.now(self.h).is_finite() {
-            self.system.advance(&self.prepared, state.t, self.h, q, p, dw, &mut self.memory)
+        let outcome = if f64::are_finite([next.now].into_iter()) {
+            let (t, h, prepared, memory) = (state.t, self.h, &self.prepared, &mut self.memory);
+            match &mut self.carry {
+                Some(carry) => self.system.advance_carrying(prepared, t, h, q, p, dw, memory, carry),
+                None => self.system.advance(prepared, t, h, q, p, dw, memory),
+            }
         } else {
             Err(StepFailure::NonFinite)
         };
         match outcome {
             Ok(solved) => {
                 self.clock = next;
-                state.t = next.now(self.h);
-                self.steps += 1;
-                if Self::REMEMBERS {
-                    self.reached.clone_from(state);
+                state.t = next.now;
+                if Self::REMEMBERS || self.carry.is_some() {
+                    self.reached[0].clone_from(&state.q);
+                    self.reached[1].clone_from(&state.p);
                 }
                 Ok(StepInfo { iterations: solved.iterations })
             }
             Err(cause) => Err(self.error(state, dw, cause)),
         }
+    }
+
+    #[inline(always)]
+    fn restart(&mut self, t: f64) {
+        cold();
+        self.memory = Default::default();
+        if let Some(carry) = &mut self.carry {
+            carry.clear();
+        }
+        self.before += self.clock.ticks;
+        self.clock = Clock::started(t);
     }
 
     /// Whether steps start from what the ones before left; otherwise nothing of them is kept.
@@ -117,18 +157,27 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     /// Whether the caller moved the state since the last step: then what that step left is no guide.
     #[inline]
     fn jumped(&self, state: &State<H::Vector>) -> bool {
-        Self::REMEMBERS && *state != self.reached
+        (Self::REMEMBERS || self.carry.is_some())
+            && (state.q != self.reached[0] || state.p != self.reached[1])
     }
 
     /// Bad input shows in the result of a step, so that a good step does not pay for the check.
-    #[cold]
+    ///
+    /// Inlined, because state and stepper stay in registers only where no function is given their address.
+    #[inline(always)]
     fn error(&self, state: &State<H::Vector>, dw: &[f64], cause: StepFailure) -> StepError {
+        cold();
         let inputs = || state.q.components().iter().chain(state.p.components()).chain(dw).chain([&state.t]);
         let cause = match cause {
             StepFailure::Increments { .. } | StepFailure::Dimension { .. } => cause,
             _ if inputs().all(|x| x.is_finite()) => cause,
             _ => StepFailure::NonFiniteInput,
         };
-        StepError { step: self.steps, t: state.t, h: self.h, cause }
+        StepError { step: self.steps(), t: state.t, h: self.h, cause }
     }
 }
+
+/// Marks the branch that calls it as the unlikely one.
+#[cold]
+#[inline(never)]
+fn cold() {}

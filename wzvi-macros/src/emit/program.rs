@@ -23,7 +23,9 @@ pub(crate) enum Level {
     Prepared,
     /// From the time as well: once per step, the same for every trajectory.
     Time,
-    /// From the state or the increments.
+    /// From the increments as well: off the path from one state to the next.
+    Increments,
+    /// From the state.
     State,
 }
 
@@ -64,6 +66,11 @@ impl Operation {
             Self::Select(a, b, c) => vec![*a, *b, *c],
             Self::Call(_, arguments) => arguments.clone(),
         }
+    }
+
+    /// Whether the value is a truth and no number.
+    pub(crate) fn is_truth(&self) -> bool {
+        matches!(self, Self::Compare(..) | Self::Not(_) | Self::And(..) | Self::Or(..))
     }
 
     /// Whether naming the value gains nothing.
