@@ -73,7 +73,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let exact = path::<X2>()?.1;
     let mut paths = Panel::new("One path", "time t", "X").broad("exact", GREY, exact.iter().copied());
     let mut ratios = Panel::new("Divided by the exact solution", "time t", "X / exact")
-        .y_range(0.4..1.2)
+        .y_range(0.5..1.1)
         .broad("exact", GREY, [(0.0, 1.0), (1.0, 1.0)])
         .dashes(
             "exp(-b² t/2)",
