@@ -1,5 +1,7 @@
 //! What a scene does not use is not there.
 
+#![allow(clippy::unwrap_used, reason = "a test stops at the first error")]
+
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
