@@ -87,7 +87,7 @@ pub mod prelude {
 pub mod __private {
     pub use core;
 
-    pub use wzvi_runtime::carry::{Carry, Plain};
+    pub use wzvi_runtime::carry::{Carry, Compensation, Plain};
     pub use wzvi_runtime::embedding;
     pub use wzvi_runtime::error::{ConfigError, StepFailure};
     pub use wzvi_runtime::nalgebra::SVector;

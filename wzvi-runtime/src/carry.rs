@@ -5,13 +5,17 @@
 //! errors of these additions do not add up. What remains is the rounding of the increments themselves, which is
 //! smaller by the ratio of increment to state.
 
+use std::fmt::Debug;
+
 use crate::scalar::Scalar;
 
 /// What rounding took from a state, or nothing at all.
-pub trait Carry<S> {
-    /// What is still to be added to coordinate `i`.
+pub trait Carry<S>: Clone + Debug + Default {
+    /// Whether it holds anything.
+    const CARRIES: bool;
+    /// What is still to be added to coordinate `i`, which is less than the degrees of freedom.
     fn of_coordinate(&self, i: usize) -> S;
-    /// What is still to be added to momentum `i`.
+    /// What is still to be added to momentum `i`, likewise.
     fn of_momentum(&self, i: usize) -> S;
     /// `base + increment` with what is carried, and what rounding takes from that.
     fn add(base: S, increment: S, carried: S) -> (S, S);
@@ -24,6 +28,8 @@ pub trait Carry<S> {
 pub struct Plain;
 
 impl<S: Scalar> Carry<S> for Plain {
+    const CARRIES: bool = false;
+
     #[inline(always)]
     fn of_coordinate(&self, _i: usize) -> S {
         S::from_f64(0.0)
@@ -40,35 +46,29 @@ impl<S: Scalar> Carry<S> for Plain {
     fn keep(&mut self, _coordinates: &[S], _momenta: &[S]) {}
 }
 
-/// Sums that carry what rounding takes.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Compensation<S> {
-    coordinates: Vec<S>,
-    momenta: Vec<S>,
+/// Sums that carry what rounding takes, for `D` degrees of freedom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compensation<S, const D: usize> {
+    coordinates: [S; D],
+    momenta: [S; D],
 }
 
-impl<S: Scalar> Compensation<S> {
-    /// Nothing carried yet, for `degrees` degrees of freedom.
-    pub fn new(degrees: usize) -> Self {
-        let zeros = vec![S::from_f64(0.0); degrees];
-        Self { coordinates: zeros.clone(), momenta: zeros }
-    }
-
-    /// Forgets what was carried: the state is another.
-    pub fn clear(&mut self) {
-        self.coordinates.fill(S::from_f64(0.0));
-        self.momenta.fill(S::from_f64(0.0));
+impl<S: Scalar, const D: usize> Default for Compensation<S, D> {
+    fn default() -> Self {
+        Self { coordinates: [S::from_f64(0.0); D], momenta: [S::from_f64(0.0); D] }
     }
 }
 
-impl<S: Scalar> Carry<S> for Compensation<S> {
+impl<S: Scalar, const D: usize> Carry<S> for Compensation<S, D> {
+    const CARRIES: bool = true;
+
     #[inline(always)]
     fn of_coordinate(&self, i: usize) -> S {
-        self.coordinates.get(i).copied().unwrap_or(S::from_f64(0.0))
+        self.coordinates[i]
     }
     #[inline(always)]
     fn of_momentum(&self, i: usize) -> S {
-        self.momenta.get(i).copied().unwrap_or(S::from_f64(0.0))
+        self.momenta[i]
     }
     /// The exact error of the rounded sum, whichever of the two is larger.
     #[inline(always)]
@@ -97,12 +97,12 @@ mod tests {
     #[test]
     fn nothing_is_lost() {
         // Ten million additions of a tenth: exact but for the rounding of 0.1 itself.
-        let mut carry = Compensation::<f64>::new(1);
+        let mut carry = Compensation::<f64, 1>::default();
         let (mut plain, mut sum) = (0.0_f64, 0.0_f64);
         for _ in 0..10_000_000 {
             plain += 0.1;
             let lost;
-            (sum, lost) = Compensation::add(sum, 0.1, carry.of_coordinate(0));
+            (sum, lost) = Compensation::<f64, 1>::add(sum, 0.1, carry.of_coordinate(0));
             carry.keep(&[lost], &[0.0]);
         }
         assert_eq!(sum, 1e6);
@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn the_lost_part_is_exact() {
         for (base, increment) in [(1.0, 1e-17), (1e-17, 1.0), (1e16, 1.5), (-3.0, 2.999_999_999_999_999_6)] {
-            let (sum, lost) = <Compensation<f64> as Carry<f64>>::add(base, increment, 0.0);
+            let (sum, lost) = <Compensation<f64, 1> as Carry<f64>>::add(base, increment, 0.0);
             assert_eq!(sum, base + increment);
             // Both parts are representable: check by exact integer arithmetic on scaled values.
             let scale = 2.0_f64.powi(60);

@@ -2,9 +2,8 @@
 
 use std::marker::PhantomData;
 
-use crate::carry::Compensation;
+use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepError, StepFailure};
-use crate::plan::Solver;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
 
@@ -19,13 +18,13 @@ pub struct StepInfo {
 ///
 /// Its steps allocate nothing. Time is `t_0 + n h` for `n` consecutive steps of one state, never accumulated.
 #[derive(Debug)]
-pub struct Stepper<'a, H: Discretized<E>, E> {
+pub struct Stepper<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f64>> {
     system: &'a H,
     h: f64,
     prepared: H::Prepared,
     memory: H::Memory<f64>,
     /// What rounding took from the state, if it is kept.
-    carry: Option<Compensation<f64>>,
+    carry: C,
     /// Steps before the clock was last restarted.
     before: u64,
     clock: Clock,
@@ -74,7 +73,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             h,
             prepared: system.prepare(h)?,
             memory: Default::default(),
-            carry: matches!(H::PLAN.solver, Solver::Newton).then(|| Compensation::new(d)),
+            carry: Default::default(),
             before: 0,
             clock: Clock::started(f64::NAN),
             reached: [H::Vector::zeros(d), H::Vector::zeros(d)],
@@ -82,15 +81,37 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         })
     }
 
-    /// Whether what rounding takes from the state is carried to the next step ([`crate::carry`]): the drift of first
-    /// integrals by rounding shrinks by about the ratio of a step's increment to the state.
-    ///
-    /// On by default where Newton's method makes its cost small; `docs/stability.md` has the figures.
-    #[must_use]
-    pub fn compensated(mut self, on: bool) -> Self {
-        self.carry = on.then(|| Compensation::new(self.system.degrees()));
-        self.clock = Clock::started(f64::NAN);
-        self
+    /// The same steps, but what rounding takes from the state is carried to the next one ([`crate::carry`]): the drift
+    /// of first integrals by rounding shrinks by about the ratio of a step's increment to the state. Costs six
+    /// additions per component; on from the start where that is less than about 5 % of the step.
+    pub fn compensated(self) -> Stepper<'a, H, E, H::Compensated<f64>> {
+        self.carrying()
+    }
+
+    /// The same steps with plain sums.
+    pub fn plain(self) -> Stepper<'a, H, E, Plain> {
+        self.carrying()
+    }
+
+    fn carrying<C: Carry<f64>>(self) -> Stepper<'a, H, E, C> {
+        Stepper {
+            carry: C::default(),
+            clock: Clock::started(f64::NAN),
+            before: self.before + self.clock.ticks,
+            system: self.system,
+            h: self.h,
+            prepared: self.prepared,
+            memory: self.memory,
+            reached: self.reached,
+            scheme: PhantomData,
+        }
+    }
+}
+
+impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
+    /// Whether what rounding takes is carried.
+    pub fn is_compensated(&self) -> bool {
+        C::CARRIES
     }
 
     /// The step size.
@@ -120,15 +141,12 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         let next = self.clock.next(self.h);
         let (q, p) = (state.q.components_mut(), state.p.components_mut());
         let (t, h, prepared, memory) = (state.t, self.h, &self.prepared, &mut self.memory);
-        let outcome = match &mut self.carry {
-            Some(carry) => self.system.advance_carrying(prepared, t, h, q, p, dw, memory, carry),
-            None => self.system.advance(prepared, t, h, q, p, dw, memory),
-        };
+        let outcome = self.system.advance_carrying(prepared, t, h, q, p, dw, memory, &mut self.carry);
         match outcome {
             Ok(solved) => {
                 self.clock = next;
                 state.t = next.now;
-                if Self::REMEMBERS || self.carry.is_some() {
+                if Self::REMEMBERS {
                     self.reached[0].clone_from(&state.q);
                     self.reached[1].clone_from(&state.p);
                 }
@@ -143,9 +161,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     fn restart(&mut self, t: f64) -> bool {
         cold();
         self.memory = Default::default();
-        if let Some(carry) = &mut self.carry {
-            carry.clear();
-        }
+        self.carry = C::default();
         self.before += self.clock.ticks;
         let is_safe = (t.abs() + MOST_TICKS * self.h.abs()).is_finite();
         // At NaN the next step comes here again.
@@ -153,14 +169,13 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         is_safe
     }
 
-    /// Whether steps start from what the ones before left; otherwise nothing of them is kept.
-    const REMEMBERS: bool = size_of::<H::Memory<f64>>() != 0;
+    /// Whether steps use what the ones before left; otherwise nothing of them is kept.
+    const REMEMBERS: bool = size_of::<H::Memory<f64>>() != 0 || C::CARRIES;
 
     /// Whether the caller moved the state since the last step: then what that step left is no guide.
     #[inline]
     fn jumped(&self, state: &State<H::Vector>) -> bool {
-        (Self::REMEMBERS || self.carry.is_some())
-            && (state.q != self.reached[0] || state.p != self.reached[1])
+        Self::REMEMBERS && (state.q != self.reached[0] || state.p != self.reached[1])
     }
 
     /// Bad input shows in the result of a step, so that a good step does not pay for the check.

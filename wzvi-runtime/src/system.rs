@@ -209,6 +209,13 @@ pub trait Discretized<E>: Hamiltonian {
     /// What one step leaves for the starting value of the next; `()` where nothing is iterated.
     type Memory<S: Scalar>: Clone + Debug + Default;
 
+    /// Compensated sums of the state's increments: [`Compensation`](crate::carry::Compensation).
+    type Compensated<S: Scalar>: Carry<S>;
+
+    /// How increments are added unless the user chooses: compensated where that is less than about 5 % of the step,
+    /// else [`Plain`].
+    type Carry<S: Scalar>: Carry<S>;
+
     /// Computes what does not change from step to step; fails if a matrix that is factored here is singular.
     fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError>;
 

@@ -212,6 +212,16 @@ impl Program {
         uses
     }
 
+    /// Rough price of an operation in additions.
+    pub(crate) fn price(&self, op: Op) -> usize {
+        match &self.operations[op] {
+            Operation::Constant(_) | Operation::Input(_) => 0,
+            Operation::Divide(..) | Operation::Reciprocal(_) | Operation::Call(Function::Sqrt, _) => 5,
+            Operation::Call(..) | Operation::Power(..) => 30,
+            _ => 1,
+        }
+    }
+
     /// Which operations depend on any of `inputs`, themselves included.
     pub(crate) fn readers_of(&self, inputs: &[Op]) -> Vec<bool> {
         let mut reads = vec![false; self.operations.len()];

@@ -28,6 +28,8 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
     let prepare = step.prepare(model);
     let solve = step.solve();
     let momentum = momentum(&flow, scheme);
+    let carry =
+        if flow.affords_compensation() { quote!(Self::Compensated<__S>) } else { quote!(__wzvi::Plain) };
 
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
@@ -48,6 +50,8 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
                 const EQUATIONS: &'static __wzvi::core::primitive::str = #text;
                 type Prepared = __Prepared;
                 type Memory<__S: __wzvi::Scalar> = __Memory<__S>;
+                type Compensated<__S: __wzvi::Scalar> = __wzvi::Compensation<__S, #d>;
+                type Carry<__S: __wzvi::Scalar> = #carry;
 
                 fn prepare(
                     &self,

@@ -116,6 +116,8 @@ fn discretized(wzvi: &Path) -> TokenStream {
         const EQUATIONS: &'static ::core::primitive::str = "";
         type Prepared = ();
         type Memory<S: #wzvi::scalar::Scalar> = ();
+        type Compensated<S: #wzvi::scalar::Scalar> = #wzvi::__private::Plain;
+        type Carry<S: #wzvi::scalar::Scalar> = #wzvi::__private::Plain;
         fn prepare(&self, _: #real) -> ::core::result::Result<(), #wzvi::error::ConfigError> {
             ::core::unimplemented!()
         }

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "every test uses its own")]
 
 use nalgebra::{DVector, SVector};
-use wzvi_runtime::carry::Carry;
+use wzvi_runtime::carry::{Carry, Plain};
 use wzvi_runtime::embedding::{DeltaPlus, Midpoint};
 use wzvi_runtime::error::{ConfigError, StepFailure};
 use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
@@ -97,6 +97,8 @@ impl Discretized<Midpoint> for Kubo {
     const EQUATIONS: &'static str = "";
     type Prepared = ();
     type Memory<S: Scalar> = ();
+    type Compensated<S: Scalar> = Plain;
+    type Carry<S: Scalar> = Plain;
     fn prepare(&self, h: f64) -> Result<(), ConfigError> {
         if (self.a * h).is_finite() && self.sigma.is_finite() { Ok(()) } else { Err(ConfigError::Parameter) }
     }
@@ -186,6 +188,8 @@ impl Discretized<Midpoint> for Pendulum {
     /// `h ω²`
     type Prepared = f64;
     type Memory<S: Scalar> = Extrapolation<S, 1>;
+    type Compensated<S: Scalar> = Plain;
+    type Carry<S: Scalar> = Plain;
     fn prepare(&self, h: f64) -> Result<f64, ConfigError> {
         Some(h * self.omega * self.omega).filter(|x| x.is_finite()).ok_or(ConfigError::Parameter)
     }
@@ -283,6 +287,8 @@ impl Discretized<DeltaPlus> for Rotors {
     const EQUATIONS: &'static str = "";
     type Prepared = ();
     type Memory<S: Scalar> = ();
+    type Compensated<S: Scalar> = Plain;
+    type Carry<S: Scalar> = Plain;
     fn prepare(&self, _h: f64) -> Result<(), ConfigError> {
         Ok(())
     }

@@ -115,6 +115,16 @@ impl Flow {
         Self { program, hints, parameters, h, t, q0, p0, dw, solves, dq, dp, momentum, remembers }
     }
 
+    /// Whether compensated sums, six additions per component, are less than 5 % of the step; a Newton step iterates
+    /// about twice.
+    pub(crate) fn affords_compensation(&self) -> bool {
+        let price: usize =
+            self.program.needed(&self.roots(), &|_| false).iter().map(|&op| self.program.price(op)).sum();
+        let has_newton = self.solves.iter().any(|solve| matches!(solve, Solve::Newton { .. }));
+        let step = if has_newton { 2 * price } else { price };
+        step > 20 * 6 * 2 * self.q0.len()
+    }
+
     /// Sizes of the Newton blocks that remember their solutions.
     pub(crate) fn remembered(&self) -> Vec<usize> {
         let sizes = self.solves.iter().filter_map(|solve| match solve {
