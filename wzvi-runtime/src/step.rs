@@ -2,7 +2,9 @@
 
 use std::marker::PhantomData;
 
+use crate::carry::Compensation;
 use crate::error::{ConfigError, StepError, StepFailure};
+use crate::plan::Solver;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
 
@@ -22,6 +24,8 @@ pub struct Stepper<'a, H: Discretized<E>, E> {
     h: f64,
     prepared: H::Prepared,
     memory: H::Memory<f64>,
+    /// What rounding took from the state, if it is kept.
+    carry: Option<Compensation<f64>>,
     /// Steps before the clock was last restarted.
     before: u64,
     clock: Clock,
@@ -70,11 +74,23 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             h,
             prepared: system.prepare(h)?,
             memory: Default::default(),
+            carry: matches!(H::PLAN.solver, Solver::Newton).then(|| Compensation::new(d)),
             before: 0,
             clock: Clock::started(f64::NAN),
             reached: [H::Vector::zeros(d), H::Vector::zeros(d)],
             scheme: PhantomData,
         })
+    }
+
+    /// Whether what rounding takes from the state is carried to the next step ([`crate::carry`]): the drift of first
+    /// integrals by rounding shrinks by about the ratio of a step's increment to the state.
+    ///
+    /// On by default where Newton's method makes its cost small; `docs/stability.md` has the figures.
+    #[must_use]
+    pub fn compensated(mut self, on: bool) -> Self {
+        self.carry = on.then(|| Compensation::new(self.system.degrees()));
+        self.clock = Clock::started(f64::NAN);
+        self
     }
 
     /// The step size.
@@ -103,12 +119,16 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         }
         let next = self.clock.next(self.h);
         let (q, p) = (state.q.components_mut(), state.p.components_mut());
-        let outcome = self.system.advance(&self.prepared, state.t, self.h, q, p, dw, &mut self.memory);
+        let (t, h, prepared, memory) = (state.t, self.h, &self.prepared, &mut self.memory);
+        let outcome = match &mut self.carry {
+            Some(carry) => self.system.advance_carrying(prepared, t, h, q, p, dw, memory, carry),
+            None => self.system.advance(prepared, t, h, q, p, dw, memory),
+        };
         match outcome {
             Ok(solved) => {
                 self.clock = next;
                 state.t = next.now;
-                if Self::REMEMBERS {
+                if Self::REMEMBERS || self.carry.is_some() {
                     self.reached[0].clone_from(&state.q);
                     self.reached[1].clone_from(&state.p);
                 }
@@ -123,6 +143,9 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     fn restart(&mut self, t: f64) -> bool {
         cold();
         self.memory = Default::default();
+        if let Some(carry) = &mut self.carry {
+            carry.clear();
+        }
         self.before += self.clock.ticks;
         let is_safe = (t.abs() + MOST_TICKS * self.h.abs()).is_finite();
         // At NaN the next step comes here again.
@@ -136,7 +159,8 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     /// Whether the caller moved the state since the last step: then what that step left is no guide.
     #[inline]
     fn jumped(&self, state: &State<H::Vector>) -> bool {
-        Self::REMEMBERS && (state.q != self.reached[0] || state.p != self.reached[1])
+        (Self::REMEMBERS || self.carry.is_some())
+            && (state.q != self.reached[0] || state.p != self.reached[1])
     }
 
     /// Bad input shows in the result of a step, so that a good step does not pay for the check.

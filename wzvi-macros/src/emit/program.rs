@@ -68,6 +68,11 @@ impl Operation {
         }
     }
 
+    /// Whether the value is a truth and no number.
+    pub(crate) fn is_truth(&self) -> bool {
+        matches!(self, Self::Compare(..) | Self::Not(_) | Self::And(..) | Self::Or(..))
+    }
+
     /// Whether naming the value gains nothing.
     pub(crate) fn is_trivial(&self) -> bool {
         matches!(self, Self::Constant(_) | Self::Input(_))

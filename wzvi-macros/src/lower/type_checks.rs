@@ -6,13 +6,19 @@ use syn::Member;
 use syn::visit_mut::VisitMut;
 
 use super::dereference::Dereference;
+use crate::emit::stubs::embedding_type;
 use crate::input::{Declaration, Field, Hamiltonian, Kind, Shape, System};
 
-/// A block of dead code with every closure, its parameters typed by the phase space.
+/// A block of dead code with every closure, its parameters typed by the phase space, and with every scheme as it was
+/// written: it has to name the type that it was read as, and its import is in use.
 pub(super) fn type_checks(system: &System, declaration: &Declaration, shape: &Shape) -> TokenStream {
     let name = &system.item.ident;
     let (parameters, arguments, condition) = system.item.generics.split_for_impl();
     let checks = declaration.closures().map(|hamiltonian| check(system, hamiltonian));
+    let schemes = declaration.embeddings.iter().zip(&declaration.embedding_types).map(|(embedding, written)| {
+        let meant = embedding_type(&embedding.value, &declaration.crate_path);
+        quote! { __wzvi_scheme(::core::marker::PhantomData::<#meant>, ::core::marker::PhantomData::<#written>); }
+    });
     let vector = shape.tokens();
     let real = quote! { ::core::primitive::f64 };
     // Lints would fire at the user's tokens a second time; `rustc` and clippy see the closures nowhere else, but what
@@ -34,6 +40,8 @@ pub(super) fn type_checks(system: &System, declaration: &Declaration, shape: &Sh
                 fn __wzvi_type_checks(&self) {
                     fn __wzvi_hamiltonian<F: ::core::ops::Fn(#vector, #vector) -> #real>(_: F) {}
                     fn __wzvi_hamiltonian_of_time<F: ::core::ops::Fn(#vector, #vector, #real) -> #real>(_: F) {}
+                    fn __wzvi_scheme<E>(_: ::core::marker::PhantomData<E>, _: ::core::marker::PhantomData<E>) {}
+                    #( #schemes )*
                     #( #checks )*
                 }
             }

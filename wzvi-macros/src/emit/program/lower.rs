@@ -34,6 +34,8 @@ struct Signed {
 impl<'a> Lowering<'a> {
     /// `definitions` replace symbols; they must not be circular.
     pub(crate) fn new(graph: &'a mut Graph, definitions: HashMap<Symbol, Expr>) -> Self {
+        let (symbols, expressions): (Vec<Symbol>, Vec<Expr>) = definitions.into_iter().unzip();
+        let definitions = symbols.into_iter().zip(graph.stabilise(&expressions)).collect();
         let (lowered, factored, kept) = (HashMap::new(), HashMap::new(), HashSet::new());
         Self { graph, definitions, lowered, factored, kept, program: Program::default() }
     }
@@ -49,6 +51,7 @@ impl<'a> Lowering<'a> {
 
     /// The operation that computes `root`.
     pub(crate) fn lower(&mut self, root: Expr) -> Op {
+        let root = self.graph.stabilise(&[root])[0];
         let mut pending = vec![(root, false)];
         while let Some((expr, is_ready)) = pending.pop() {
             if self.lowered.contains_key(&expr) {

@@ -61,8 +61,8 @@ pub(crate) struct Flow {
     pub(crate) p0: Vec<Op>,
     pub(crate) dw: Vec<Op>,
     pub(crate) solves: Vec<Solve>,
-    pub(crate) q1: Vec<Op>,
-    pub(crate) p1: Vec<Op>,
+    pub(crate) dq: Vec<Op>,
+    pub(crate) dp: Vec<Op>,
     pub(crate) momentum: Vec<Op>,
     /// Whether Newton starts from past steps.
     pub(crate) remembers: bool,
@@ -107,12 +107,12 @@ impl Flow {
         for (block, inverse) in scheme.structure.blocks.iter().zip(&inverses) {
             solves.extend(lower_block(&mut lowering, scheme, block, inverse.as_ref()));
         }
-        let [q1, p1, momentum] = ends.map(|ends| ends.into_iter().map(|end| lowering.lower(end)).collect());
+        let [dq, dp, momentum] = ends.map(|ends| ends.into_iter().map(|end| lowering.lower(end)).collect());
         let hints = hints(&mut lowering, scheme);
         let has_newton = solves.iter().any(|solve| matches!(solve, Solve::Newton { .. }));
         let remembers = is_deterministic && has_newton;
         let program = lowering.program;
-        Self { program, hints, parameters, h, t, q0, p0, dw, solves, q1, p1, momentum, remembers }
+        Self { program, hints, parameters, h, t, q0, p0, dw, solves, dq, dp, momentum, remembers }
     }
 
     /// Sizes of the Newton blocks that remember their solutions.
@@ -126,7 +126,7 @@ impl Flow {
 
     /// Everything that the step computes.
     pub(crate) fn roots(&self) -> Vec<Op> {
-        let mut roots: Vec<Op> = self.q1.iter().chain(&self.p1).chain(&self.momentum).copied().collect();
+        let mut roots: Vec<Op> = self.dq.iter().chain(&self.dp).chain(&self.momentum).copied().collect();
         for solve in &self.solves {
             match solve {
                 Solve::Inverted { .. } => {}
@@ -144,15 +144,15 @@ impl Flow {
 
     /// The values of level `Prepared` that the step reads, apart from literals and the step size.
     pub(crate) fn constants(&self) -> Vec<Op> {
+        let program = &self.program;
         let roots = self.roots();
-        let is_later = |op: Op| self.program.level(op) > Level::Prepared;
-        let mut constants: Vec<Op> = self
-            .program
-            .needed(&roots, &|op| !is_later(op))
+        let is_constant = |op: Op| program.level(op) == Level::Prepared;
+        let mut constants: Vec<Op> = program
+            .needed(&roots, &is_constant)
             .into_iter()
-            .flat_map(|op| self.program.operation(op).operands())
+            .flat_map(|op| program.operation(op).operands())
             .chain(roots.iter().copied())
-            .filter(|&op| !is_later(op) && op != self.h && !self.program.is_literal(op))
+            .filter(|&op| is_constant(op) && op != self.h && !program.is_literal(op))
             .collect();
         constants.sort_unstable();
         constants.dedup();
@@ -224,18 +224,17 @@ fn invert_constant_pivots(
     inverses
 }
 
-/// `q_{i+1} = q_i + u`, `p_{i+1} = p_i + ...` and `P`.
+/// `q_{i+1} - q_i = u`, `p_{i+1} - p_i` and `P`. The increments stay apart from the state: whoever adds them may keep
+/// what rounding takes.
 fn ends(graph: &mut Graph, scheme: &Scheme, definitions: &HashMap<Symbol, Expr>) -> [Vec<Expr>; 3] {
     let symbols = &scheme.lagrangian.symbols;
     let mut ends = [Vec::new(), Vec::new(), Vec::new()];
     for i in 0..symbols.u.len() {
-        let (q0, p0) = (graph.symbol(symbols.q0[i]), graph.symbol(symbols.p0[i]));
-        let u = increment(graph, symbols.u[i], definitions);
-        ends[0].push(graph.add(q0, u));
+        ends[0].push(increment(graph, symbols.u[i], definitions));
         let v = increment(graph, symbols.v[i], definitions);
         ends[1].push(match scheme.equations.update[i] {
-            MomentumUpdate::Multiple(factor) => graph.linear_combination(&[(p0, Rational::ONE), (v, factor)]),
-            MomentumUpdate::Sum(rest) => graph.sum(&[p0, v, rest]),
+            MomentumUpdate::Multiple(factor) => graph.scale(v, factor),
+            MomentumUpdate::Sum(rest) => graph.add(v, rest),
         });
         ends[2].push(graph.symbol(symbols.momentum[i]));
     }
