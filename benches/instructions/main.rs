@@ -5,6 +5,8 @@
 //! outside of the loop cancels. Without valgrind the counts are left out. `-- --check` fails where a generated step
 //! takes more than 1.1 times the instructions of the one by hand.
 
+#![allow(clippy::unwrap_used, reason = "a benchmark stops at the first error")]
+
 mod by_hand;
 mod scenes;
 

@@ -41,3 +41,6 @@ fn compile(
     }
     Some(back_end(model, diagnostics))
 }
+
+#[cfg(test)]
+mod timing;

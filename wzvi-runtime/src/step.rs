@@ -5,7 +5,6 @@ use std::marker::PhantomData;
 use crate::carry::Compensation;
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::plan::Solver;
-use crate::scalar::Scalar as _;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
 
@@ -42,6 +41,9 @@ struct Clock {
     ticks: u64,
     now: f64,
 }
+
+/// More steps than anyone takes.
+const MOST_TICKS: f64 = (1_u64 << 63) as f64;
 
 impl Clock {
     fn started(at: f64) -> Self {
@@ -112,19 +114,15 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     /// [`StepError`] with time, step number and cause. The state is then bit for bit what it was.
     #[inline]
     pub fn step(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
-        if state.t != self.clock.now || self.jumped(state) {
-            self.restart(state.t);
+        if (state.t != self.clock.now || self.jumped(state)) && !self.restart(state.t) {
+            return Err(self.error(state, dw, StepFailure::NonFinite));
         }
         let next = self.clock.next(self.h);
         let (q, p) = (state.q.components_mut(), state.p.components_mut());
-        let outcome = if f64::are_finite([next.now].into_iter()) {
-            let (t, h, prepared, memory) = (state.t, self.h, &self.prepared, &mut self.memory);
-            match &mut self.carry {
-                Some(carry) => self.system.advance_carrying(prepared, t, h, q, p, dw, memory, carry),
-                None => self.system.advance(prepared, t, h, q, p, dw, memory),
-            }
-        } else {
-            Err(StepFailure::NonFinite)
+        let (t, h, prepared, memory) = (state.t, self.h, &self.prepared, &mut self.memory);
+        let outcome = match &mut self.carry {
+            Some(carry) => self.system.advance_carrying(prepared, t, h, q, p, dw, memory, carry),
+            None => self.system.advance(prepared, t, h, q, p, dw, memory),
         };
         match outcome {
             Ok(solved) => {
@@ -140,15 +138,19 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         }
     }
 
+    /// Starts to count from `t`; `false` if time could overflow from there, so that no step needs to check its own.
     #[inline(always)]
-    fn restart(&mut self, t: f64) {
+    fn restart(&mut self, t: f64) -> bool {
         cold();
         self.memory = Default::default();
         if let Some(carry) = &mut self.carry {
             carry.clear();
         }
         self.before += self.clock.ticks;
-        self.clock = Clock::started(t);
+        let is_safe = (t.abs() + MOST_TICKS * self.h.abs()).is_finite();
+        // At NaN the next step comes here again.
+        self.clock = Clock::started(if is_safe { t } else { f64::NAN });
+        is_safe
     }
 
     /// Whether steps start from what the ones before left; otherwise nothing of them is kept.

@@ -83,7 +83,7 @@ impl<'a> Interpreter<'a, '_> {
             Syntax::Paren(inner) => return self.store(&inner.expr, value),
             _ => None,
         };
-        let error = match name.and_then(|name| self.scope.find(name)) {
+        let error = match name.and_then(|name| self.scope.find_from_anywhere(name)) {
             Some(binding) if binding.branch == self.branch => {
                 *binding.value.borrow_mut() = value;
                 return;

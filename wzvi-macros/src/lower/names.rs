@@ -49,13 +49,16 @@ impl<'a> Interpreter<'a, '_> {
         if let Some(binding) = self.scope.find(name) {
             return binding.value.borrow().clone();
         }
-        let field = |field: &&Field| matches!(&field.member, Member::Named(known) if known == name);
-        if let Some(field) = self.system.fields.iter().find(field) {
+        if let Some(field) = self.find_field(|member| matches!(member, Member::Named(known) if known == name))
+        {
             return self.read_field(field, name);
         }
         let tokens = name.to_token_stream();
         if self.system.sizes.contains(name) {
             return Value::Place(Place::new(name.to_string(), tokens, Kind::Integer).into());
+        }
+        if let Some(binding) = self.scope.find_from_anywhere(name) {
+            return binding.value.borrow().clone();
         }
         if name == "self" {
             let remedy = "name the field, as in `self.a` or `a`";
@@ -92,8 +95,7 @@ impl<'a> Interpreter<'a, '_> {
     /// `self.a` or a part of a tuple.
     pub(super) fn field(&mut self, syntax: &'a ExprField) -> Value {
         if is_self(&syntax.base) {
-            let field = self.system.fields.iter().find(|field| field.member == syntax.member);
-            return match field {
+            return match self.find_field(|member| *member == syntax.member) {
                 Some(field) => self.read_field(field, &syntax.member),
                 None => {
                     let fields = self.field_names();
@@ -112,6 +114,15 @@ impl<'a> Interpreter<'a, '_> {
                 value.describe(),
             )),
         }
+    }
+
+    /// The field, and of several under different `#[cfg]`s one that can be read.
+    fn find_field(&self, wanted: impl Fn(&Member) -> bool) -> Option<&'a Field> {
+        let system = self.system;
+        let mut fields = system.fields.iter().filter(|field| wanted(&field.member));
+        let first = fields.next()?;
+        let is_usable = |field: &&Field| !matches!(field.kind, Kind::Other(_));
+        Some(if is_usable(&first) { first } else { fields.find(is_usable).unwrap_or(first) })
     }
 
     fn read_field(&mut self, field: &Field, at: &dyn ToTokens) -> Value {

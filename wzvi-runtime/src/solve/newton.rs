@@ -90,8 +90,7 @@ impl Progress {
         if square * relative <= self.enough {
             return Ok(Verdict::Converged);
         }
-        // Also true for NaN.
-        if !(relative < 0.5 * self.last) {
+        if relative >= 0.5 * self.last || relative.is_nan() {
             if relative.is_nan() {
                 return Err(StepFailure::NonFinite);
             }
@@ -115,7 +114,9 @@ fn relative<S: Scalar>(correction: S, unknown: S) -> f64 {
     correction.relative_to(unknown, S::from_f64(0.0))
 }
 
-#[inline(always)]
+/// Rarely asked; inlined it would keep its operands in registers for every iteration.
+#[cold]
+#[inline(never)]
 fn is_rounding<S: Scalar>(correction: S, unknown: S, state: S) -> bool {
     correction.relative_to(unknown, state) <= STAGNATION
 }

@@ -121,6 +121,129 @@ fn mutated_inputs_never_panic() {
     }
 }
 
+/// Tokens in any order and nesting, as a whole attribute or as the body of a drift: 4000 streams.
+#[test]
+fn arbitrary_token_streams_never_panic() {
+    let mut random = Random(11);
+    let mut donor = Vec::new();
+    for attribute in VALID {
+        flatten(attribute.parse().unwrap(), &mut donor);
+    }
+    for i in 0..4000 {
+        let tokens = arbitrary(&mut random, &donor, 0);
+        let attribute = match i % 4 {
+            0 => tokens,
+            1 => quote::quote! { drift = |q, p| { #tokens }, embedding = Midpoint },
+            2 => quote::quote! { drift = |q, p| q * p, embedding = [Midpoint, #tokens] },
+            _ => quote::quote! { drift = |[x, y], _| x, noise = [|#tokens| y], embedding = Midpoint },
+        };
+        let item = if i % 16 == 0 { arbitrary(&mut random, &donor, 0) } else { STRUCT.parse().unwrap() };
+        expands(attribute, item);
+    }
+}
+
+fn arbitrary(random: &mut Random, donor: &[TokenTree], depth: usize) -> TokenStream {
+    (0..random.below(12))
+        .map(|_| {
+            if random.below(6) > 0 || depth > 4 {
+                return donor[random.below(donor.len())].clone();
+            }
+            let delimiters = [Delimiter::Parenthesis, Delimiter::Bracket, Delimiter::Brace, Delimiter::None];
+            let delimiter = delimiters[random.below(4)];
+            Group::new(delimiter, arbitrary(random, donor, depth + 1)).into()
+        })
+        .collect()
+}
+
+/// Hamiltonians at the edge of what numbers and graphs can hold, through the whole compiler, with every kind of
+/// scheme. What they are has to be code or errors; `tests/ui/pass/constants_only.rs` runs the shorter ones.
+#[test]
+fn nasty_hamiltonians_compile_or_are_refused() {
+    let unary = [
+        "sqrt", "cbrt", "exp", "exp2", "exp_m1", "ln", "ln_1p", "log2", "log10", "sin", "cos", "tan", "asin",
+        "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "abs", "signum", "recip",
+    ];
+    let mut bodies: Vec<String> = unary.iter().flat_map(|f| twice(&unary, f)).collect();
+    for f in unary {
+        for number in ["0.0", "1.0", "(-1.0)", "1e308", "1e-320", "1e400", "0.5"] {
+            bodies.push(format!("{number}.{f}() * q * p"));
+        }
+    }
+    let sum: Vec<String> = (0..300).map(|i| format!("(q - {i}.25).powi(2) * p")).collect();
+    bodies.push(sum.join(" + "));
+    bodies.push(format!("{}q{}", "(1.0 + ".repeat(60), " * p).sin()".repeat(60)));
+    bodies.push(format!("q{} + p", ".sin()".repeat(100)));
+    bodies.push(format!("p * p + q{}", " / (1.0 + q * q)".repeat(100)));
+    bodies.push((0..14).fold("q * p".to_owned(), |inner, _| format!("({inner}).powi(2)")));
+    bodies.push(
+        (0..8).fold("q".to_owned(), |inner, i| format!("if q > {i}.5 * p {{ {inner} }} else {{ p * q }}")),
+    );
+    bodies.extend(NASTY.iter().map(|&body| body.to_owned()));
+    assert!(bodies.len() > 780);
+    for (i, body) in bodies.iter().enumerate() {
+        // All schemes for some, two of them for each.
+        let schemes = match i % 24 {
+            0 => "Corrected<DeltaPlus>, Midpoint, Uncorrected<Lambda<1, 3>>, Mixed<DeltaMinus, Midpoint>",
+            i if i % 2 == 0 => "Uncorrected<DeltaPlus>",
+            _ => "Midpoint",
+        };
+        let attribute = format!("drift = |q, p| {body}, embedding = [{schemes}]");
+        expands(attribute.parse().unwrap(), STRUCT.parse().unwrap());
+    }
+    for body in NASTY {
+        let attribute = format!(
+            "drift = |q, p| 0.5 * p * p, noise = [|q, p| {body}], embedding = [DeltaPlus, Corrected<DeltaMinus>], \
+             invariant = [|q, p| {body}]"
+        );
+        expands(attribute.parse().unwrap(), STRUCT.parse().unwrap());
+    }
+}
+
+fn twice(unary: &[&str], outer: &str) -> Vec<String> {
+    unary.iter().map(|inner| format!("0.5 * p * p + (q * q - 0.5).{inner}().{outer}()")).collect()
+}
+
+const NASTY: [&str; 38] = [
+    "q / 0.0",
+    "0.0 / 0.0",
+    "q * p / (1.0 - 1.0)",
+    "0.0.powi(-1) + q",
+    "q.powi(0) + p.powf(0.0)",
+    "q.powi(-2147483648) * p",
+    "q.powi(2147483647) * p.powi(-2147483647)",
+    "q.powf(1e300) + p",
+    "q.powf(p) + p.powf(q)",
+    "(-1.0).powf(0.5) * q",
+    "1e400 * q",
+    "1e-400 * q + p",
+    "-1e400 + 1e400 * p",
+    "1e308 * 1e308 * q * p",
+    "f64::NAN * q + p",
+    "f64::INFINITY + q",
+    "(f64::MAX + f64::MIN_POSITIVE) * q",
+    "0.1 + 0.2 - 0.3 + q * 1e16 - p * 1e-16",
+    "170141183460469231731687303715884105727i128 as f64 * q",
+    "(170141183460469231731687303715884105727 - 1) as f64 + q",
+    "-170141183460469231731687303715884105728 as f64 + q",
+    "9007199254740993 as f64 * q",
+    "{}",
+    "{ {} q }",
+    "{ ; q }",
+    "()",
+    "1.0",
+    "q",
+    "p",
+    "0.0 * q",
+    "q - q + p - p",
+    "if 1.0 < 2.0 { q } else { 1.0 / 0.0 }",
+    "if f64::NAN < 1.0 { q } else { p }",
+    "if q > 0.0 { 1.0 / q } else { if q == q { p } else { q } }",
+    "if 0.1 + 0.2 == 0.3 { q } else { p * p }",
+    "q.atan2(q) + p.hypot(p) + q.min(q) + p.max(-p) + q.clamp(1.0, 0.0)",
+    "{ let r#type = q; let ω = p; let _x = r#type * ω; _x + r#a }",
+    "{ let q = q; let q = q * q; let p = q; p * q }",
+];
+
 #[test]
 fn malformed_inputs_never_panic() {
     for attribute in [
