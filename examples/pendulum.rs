@@ -81,10 +81,14 @@ where
         .run()?;
     let period = (turns[turns.len() - 1] - turns[0]) / (turns.len() - 1) as f64;
 
-    let clock = Instant::now();
-    let path = Pendulum.simulate::<E>(h).start(start).steps(STEPS).record_every(0).run()?;
-    let cost = clock.elapsed().as_secs_f64() / STEPS as f64;
-    let iterations = path.iterations().total as f64 / STEPS as f64;
+    // The best of some runs: what else the machine does is no part of the cost.
+    let (mut cost, mut iterations) = (f64::INFINITY, 0.0);
+    for _ in 0..5 {
+        let clock = Instant::now();
+        let path = Pendulum.simulate::<E>(h).start(start).steps(STEPS).record_every(0).run()?;
+        cost = cost.min(clock.elapsed().as_secs_f64() / STEPS as f64);
+        iterations = path.iterations().total as f64 / STEPS as f64;
+    }
     Ok([
         name.into(),
         format!("{h}"),
