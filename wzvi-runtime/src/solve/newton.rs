@@ -249,7 +249,7 @@ fn iterate<S: Scalar, const N: usize>(
                 x[i] = x[i] - correction[i];
                 let size = relative(correction[i], x[i]);
                 // Not `max`, which would drop a NaN.
-                largest = if size <= largest { largest } else { size };
+                largest = if size <= largest || largest.is_nan() { largest } else { size };
             }
             progress.judge(largest, || (0..N).all(|i| is_rounding(correction[i], x[i], state[i])))
         });
