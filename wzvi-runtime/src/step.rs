@@ -132,19 +132,28 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// One step of `state` with the given increments, one per noise (`&[]` without noise).
     ///
     /// # Errors
-    /// [`StepError`] with time, step number and cause. The state is then bit for bit what it was.
+    /// [`StepError`] with time, step number and cause. The state is then bit for bit what it was, and so is the
+    /// stepper.
     #[inline]
     pub fn step(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
-        if (state.t != self.clock.now || self.jumped(state)) && !self.restart(state.t) {
-            return Err(self.error(state, dw, StepFailure::NonFinite));
+        // What the step changes is a copy until it succeeds.
+        let (mut memory, mut carry, mut clock, mut before) =
+            (self.memory.clone(), self.carry.clone(), self.clock, self.before);
+        if state.t != clock.now || self.jumped(state) {
+            cold();
+            if !(state.t.abs() + MOST_TICKS * self.h.abs()).is_finite() {
+                return Err(self.error(state, dw, StepFailure::NonFinite));
+            }
+            (memory, carry) = (Default::default(), C::default());
+            before += clock.ticks;
+            clock = Clock::started(state.t);
         }
-        let next = self.clock.next(self.h);
+        let next = clock.next(self.h);
         let (q, p) = (state.q.components_mut(), state.p.components_mut());
-        let (t, h, prepared, memory) = (state.t, self.h, &self.prepared, &mut self.memory);
-        let outcome = self.system.advance_carrying(prepared, t, h, q, p, dw, memory, &mut self.carry);
-        match outcome {
+        let (t, h, prepared) = (state.t, self.h, &self.prepared);
+        match self.system.advance_carrying(prepared, t, h, q, p, dw, &mut memory, &mut carry) {
             Ok(solved) => {
-                self.clock = next;
+                (self.memory, self.carry, self.clock, self.before) = (memory, carry, next, before);
                 state.t = next.now;
                 if Self::REMEMBERS {
                     self.reached[0].clone_from(&state.q);
@@ -154,19 +163,6 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             }
             Err(cause) => Err(self.error(state, dw, cause)),
         }
-    }
-
-    /// Starts to count from `t`; `false` if time could overflow from there, so that no step needs to check its own.
-    #[inline(always)]
-    fn restart(&mut self, t: f64) -> bool {
-        cold();
-        self.memory = Default::default();
-        self.carry = C::default();
-        self.before += self.clock.ticks;
-        let is_safe = (t.abs() + MOST_TICKS * self.h.abs()).is_finite();
-        // At NaN the next step comes here again.
-        self.clock = Clock::started(if is_safe { t } else { f64::NAN });
-        is_safe
     }
 
     /// Whether steps use what the ones before left; otherwise nothing of them is kept.
