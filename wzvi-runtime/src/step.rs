@@ -136,24 +136,23 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// stepper.
     #[inline]
     pub fn step(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
-        // What the step changes is a copy until it succeeds.
-        let (mut memory, mut carry, mut clock, mut before) =
-            (self.memory.clone(), self.carry.clone(), self.clock, self.before);
-        if state.t != clock.now || self.jumped(state) {
+        // What the last step left is no guide from another state; it comes back if the step fails.
+        let left = if state.t != self.clock.now || self.jumped(state) {
             cold();
-            if !(state.t.abs() + MOST_TICKS * self.h.abs()).is_finite() {
+            let left = (self.memory.clone(), self.carry.clone(), self.clock, self.before);
+            if !self.restart(state.t) {
                 return Err(self.error(state, dw, StepFailure::NonFinite));
             }
-            (memory, carry) = (Default::default(), C::default());
-            before += clock.ticks;
-            clock = Clock::started(state.t);
-        }
-        let next = clock.next(self.h);
+            Some(left)
+        } else {
+            None
+        };
+        let next = self.clock.next(self.h);
         let (q, p) = (state.q.components_mut(), state.p.components_mut());
-        let (t, h, prepared) = (state.t, self.h, &self.prepared);
-        match self.system.advance_carrying(prepared, t, h, q, p, dw, &mut memory, &mut carry) {
+        let (t, h, prepared, memory) = (state.t, self.h, &self.prepared, &mut self.memory);
+        match self.system.advance_carrying(prepared, t, h, q, p, dw, memory, &mut self.carry) {
             Ok(solved) => {
-                (self.memory, self.carry, self.clock, self.before) = (memory, carry, next, before);
+                self.clock = next;
                 state.t = next.now;
                 if Self::REMEMBERS {
                     self.reached[0].clone_from(&state.q);
@@ -161,8 +160,26 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
                 }
                 Ok(StepInfo { iterations: solved.iterations })
             }
-            Err(cause) => Err(self.error(state, dw, cause)),
+            Err(cause) => {
+                if let Some(left) = left {
+                    (self.memory, self.carry, self.clock, self.before) = left;
+                }
+                Err(self.error(state, dw, cause))
+            }
         }
+    }
+
+    /// Starts to count from `t`; `false`, and nothing done, if time could overflow from there: no step needs to check
+    /// its own.
+    #[inline(always)]
+    fn restart(&mut self, t: f64) -> bool {
+        let is_safe = (t.abs() + MOST_TICKS * self.h.abs()).is_finite();
+        if is_safe {
+            (self.memory, self.carry) = (Default::default(), C::default());
+            self.before += self.clock.ticks;
+            self.clock = Clock::started(t);
+        }
+        is_safe
     }
 
     /// Whether steps use what the ones before left; otherwise nothing of them is kept.
