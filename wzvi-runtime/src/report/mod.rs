@@ -28,21 +28,28 @@
 //! Slopes are fitted on the part of the curve that is straight ([`fit`]).
 
 mod data;
+mod document;
 mod error;
+mod figure;
+mod figures;
 mod files;
 pub mod fit;
 mod machine;
 mod measure;
 mod overlay;
 mod pareto;
+mod plot;
 mod progress;
 mod scheme;
 pub mod statistics;
 mod table;
+mod ticks;
 mod write;
 
 pub use data::{Cell, Report, Weak};
+pub use document::Document;
 pub use error::ReportError;
+pub use figure::{Axis, Figure, Look, Series};
 pub use files::{create_folder, write_file};
 pub use machine::Machine;
 pub use measure::WorkPrecision;

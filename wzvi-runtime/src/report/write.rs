@@ -1,8 +1,6 @@
-//! The files of a measurement.
+//! A measurement as CSV and JSON.
 
-use std::path::Path;
-
-use super::{Report, ReportError, create_folder, write_file};
+use super::{Report, ReportError};
 
 /// Rows as CSV.
 pub(crate) fn csv_text<R>(rows: impl IntoIterator<Item = R>) -> Result<Vec<u8>, ReportError>
@@ -82,18 +80,5 @@ impl Report {
     /// [`ReportError::Format`].
     pub fn json(&self) -> Result<String, ReportError> {
         serde_json::to_string_pretty(self).map_err(|error| ReportError::Format(error.to_string()))
-    }
-
-    /// Writes `measurements.csv`, `measurements.json`, plots as SVG and PNG, and `index.html` into a folder, which is made if
-    /// it is not there.
-    ///
-    /// # Errors
-    /// [`ReportError::File`] with the path that could not be written. A file is there complete or not at all.
-    pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), ReportError> {
-        let folder = folder.as_ref();
-        create_folder(folder)?;
-        write_file(&folder.join("measurements.csv"), &self.csv()?)?;
-        write_file(&folder.join("measurements.json"), self.json()?.as_bytes())?;
-        Ok(())
     }
 }
