@@ -247,7 +247,12 @@ impl<'a> Plot<'a> {
     fn legend<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Outcome<B::ErrorType> {
         let s = self.scale;
         let (left, mut y) = (s * (FRAME[2] + 22), s * (FRAME[1] + 10));
-        for (number, series) in self.figure.series.iter().enumerate() {
+        let all = &self.figure.series;
+        for (number, series) in all.iter().enumerate() {
+            // Series of one name and look are one in the legend.
+            if all.iter().take(number).any(|other| (&other.name, other.look) == (&series.name, series.look)) {
+                continue;
+            }
             self.stroke(area, series, vec![(left, y), (left + 26 * s, y)])?;
             if series.marked() {
                 self.mark(area, number, series, (left + 13 * s, y))?;
