@@ -125,7 +125,7 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
         .with(Series::new("order one", Look::Line, 1, wong_zakai_energy(&one)))
         .with(Series::new("order two", Look::Line, 0, energies));
     let shift = |path: Vec<(f64, f64)>| -> Vec<(f64, f64)> {
-        path.into_iter().map(|(t, value)| (t, (value - 1.0).abs().max(1e-17))).collect()
+        path.into_iter().map(|(t, value)| (t, (value - 1.0).abs())).collect()
     };
     let square = |state: &State<Vector>| KUBO.invariant(0, state);
     let invariant = Figure::new(

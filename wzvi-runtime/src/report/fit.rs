@@ -4,7 +4,8 @@
 //! `1 / σ_k^2`, `σ_k^2 = (s_k / e_k)^2 + MODEL^2`; MODEL is how far from a straight line an honest power law may be. Of all runs of
 //! consecutive step sizes the longest is taken that
 //!
-//! * has at least [`LEAST`] points and is straight: `χ^2 / (n - 2) <= STRAIGHT`, and no residual beyond `3 σ`,
+//! * has at least [`LEAST`] points and is straight: `χ^2 / (n - 2) <= STRAIGHT`, no residual beyond `3 σ`, and the slopes of its
+//!   two halves differ by no more than `BEND` and the standard error of that difference,
 //! * falls: slope at least [`FLAT`].
 //!
 //! Among runs of the same length the one with the smallest steps wins. What is left of it (larger steps) is
@@ -21,6 +22,8 @@ pub const FLAT: f64 = 0.2;
 const MODEL: f64 = 0.04;
 /// Largest `χ^2` per degree of freedom of what is called straight.
 const STRAIGHT: f64 = 2.5;
+/// Difference between the slopes of both halves of what is called straight.
+const BEND: f64 = 0.1;
 
 /// One measured error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,7 +98,7 @@ pub fn fit(samples: &[Sample]) -> Slope {
         // The smallest steps first.
         for begin in (0..=n - length).rev() {
             let Some(line) = line(&samples[begin..begin + length]) else { continue };
-            if !line.straight {
+            if !line.straight || bent(&samples[begin..begin + length]) {
                 continue;
             }
             if line.order >= FLAT {
@@ -120,6 +123,23 @@ pub fn fit(samples: &[Sample]) -> Slope {
         }
     }
     flat.unwrap_or(Slope::Crooked { points: n })
+}
+
+/// Whether the two halves have different slopes: a bend that is too smooth for residuals to show.
+fn bent(samples: &[Sample]) -> bool {
+    let half = samples.len().div_ceil(2);
+    let halves = (samples.get(..half), samples.get(samples.len() - half..));
+    let (Some(first), Some(second)) = halves else { return false };
+    if half == samples.len() || samples.len() == LEAST {
+        return false;
+    }
+    let (Some(a), Some(b)) = (line(first), line(second)) else { return false };
+    let chance = |samples: &[Sample]| {
+        let (Some(one), Some(two)) = (samples.first(), samples.last()) else { return 0.0 };
+        let relative = |sample: &Sample| sample.standard_error / sample.error;
+        relative(one).hypot(relative(two)) / (one.h / two.h).ln()
+    };
+    (a.order - b.order).abs() > BEND + chance(first).hypot(chance(second))
 }
 
 fn line(samples: &[Sample]) -> Option<Line> {

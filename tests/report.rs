@@ -1,0 +1,10 @@
+//! Reports: the fit on curves with known slopes, the estimators against closed forms, the files and the page.
+
+#![cfg(feature = "report")]
+
+mod report {
+    mod estimators;
+    mod files;
+    mod fit;
+    mod page;
+}
