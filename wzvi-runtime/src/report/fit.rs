@@ -56,7 +56,7 @@ pub enum Slope {
     },
     /// The error does not depend on the step size.
     Flat {
-        /// Where it stays.
+        /// Where it stays: at the smallest step.
         error: f64,
         /// The step sizes, the largest first.
         used: Vec<f64>,
@@ -113,8 +113,7 @@ pub fn fit(samples: &[Sample]) -> Slope {
             }
             // The whole curve, or its end: no matter what larger steps do, this is where it leads.
             if line.order.abs() < FLAT && begin + length == n && 2 * length > n {
-                let mean = samples[begin..].iter().map(|s| s.error.ln()).sum::<f64>() / length as f64;
-                let found = Slope::Flat { error: mean.exp(), used: steps(&samples[begin..]) };
+                let found = Slope::Flat { error: samples[n - 1].error, used: steps(&samples[begin..]) };
                 flat.get_or_insert(found);
             }
         }
@@ -159,8 +158,7 @@ fn line(samples: &[Sample]) -> Option<Line> {
         xx += w * (x - x0) * (x - x0);
         xy += w * (x - x0) * (y - y0);
     }
-    // Also false for NaN.
-    if !(xx > 0.0) {
+    if xx <= 0.0 || xx.is_nan() {
         return None;
     }
     let order = xy / xx;

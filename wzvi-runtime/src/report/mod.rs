@@ -40,6 +40,7 @@ mod overlay;
 mod pareto;
 mod plot;
 mod progress;
+mod run;
 mod scheme;
 pub mod statistics;
 mod table;

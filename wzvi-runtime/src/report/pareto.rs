@@ -54,17 +54,21 @@ impl Report {
         cheapest.map(|(seconds, cell)| Choice { error, cell, seconds })
     }
 
-    /// The cheapest ways to errors `10^-k`, as far as they were reached.
+    /// The cheapest ways to errors `10^-k`, as far as they were reached, the largest error first.
     pub fn choices(&self) -> Vec<Choice<'_>> {
         let errors = || self.candidates().map(|(_, cell)| cell.strong.value).filter(|error| *error > 0.0);
         let (largest, smallest) = (errors().fold(0.0, f64::max), errors().fold(f64::INFINITY, f64::min));
-        if !(largest > 0.0) {
+        if largest <= 0.0 {
             return vec![];
         }
         let (first, last) = (largest.log10().ceil() as i32, smallest.log10().floor() as i32);
         // From the exponent as text: powi is off by an ulp now and then.
         let power = |k: i32| format!("1e{k}").parse().unwrap_or(f64::NAN);
-        (last..=first).rev().filter_map(|k| self.cheapest(power(k))).collect()
+        let mut choices: Vec<Choice<'_>> = (last..=first).filter_map(|k| self.cheapest(power(k))).collect();
+        // What reaches a smaller error, too, is said once.
+        choices.dedup_by(|larger, smaller| std::ptr::eq(larger.cell, smaller.cell));
+        choices.reverse();
+        choices
     }
 
     fn candidates(&self) -> impl Iterator<Item = (f64, &Cell)> {

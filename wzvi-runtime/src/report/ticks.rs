@@ -43,7 +43,7 @@ fn linear(low: f64, high: f64) -> Vec<Tick> {
     let size = low.abs().max(high.abs());
     let label = |value: f64| match value {
         0.0 => "0".to_owned(),
-        _ if size >= 1e5 || size < 1e-3 => format!("{value:.1e}"),
+        _ if !(1e-3..1e5).contains(&size) => format!("{value:.1e}"),
         _ => format!("{value:.decimals$}"),
     };
     let first = (low / step).ceil() as i64;
