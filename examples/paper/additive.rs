@@ -104,7 +104,7 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     let figure = Figure::new("figure-4a", "Figure 4: additive noise", Axis::linear("t"), Axis::linear("q"))
         .shows(format!(
             "All follow the exact path up to t = 200, of size {}: the left point at most {} off, the mid-point {}. With additive noise the \
-             defect D is constant, so that both are consistent. {} the paper's figure.",
+             defect D is constant, so that both are consistent. {} the paper's conclusion that additive noise needs no more than order one.",
             number(size),
             number(worst(&one)),
             number(worst(&two)),

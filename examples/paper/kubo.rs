@@ -78,7 +78,7 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     let first = Figure::new("figure-1", "Figure 1: Kubo, order one", x, y)
         .shows(format!(
             "The left-point embedding leaves the exact path: at most {} off, with growing amplitude, since it converges to the system \
-             with drift H_0 - sigma² q p / 2. {} the paper's figure, where order one fails.",
+             with drift H_0 - sigma² q p / 2. {} the paper's conclusion that multiplicative noise needs order two.",
             number(off[0]),
             agrees(off[0] > 1.0)
         ))
@@ -88,7 +88,7 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     let second = Figure::new("figure-2", "Figure 2: Kubo, order two", x, y)
         .shows(format!(
             "The mid-point embedding follows the exact path: at most {} off up to t = {END}. The counter-term repairs order one, too: \
-             {} off. {} the paper's figure.",
+             {} off. {} the paper's conclusion.",
             number(off[1]),
             number(off[2]),
             agrees(off[1] < 0.3)
@@ -100,7 +100,7 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     let third = Figure::new("figure-3a", "Figure 3: the energy H", Axis::linear("t"), Axis::linear("H"))
         .shows(format!(
             "H is a first integral, {{H_1, H_0}} = 0. Order two keeps it to {}; order one moves it by {}, order one with counter-term \
-             by {}. {} the paper's figure.",
+             by {}. {} the paper's conclusion that order two keeps the energy.",
             number(drift),
             number(one.energy_drift(&KUBO)),
             number(corrected.energy_drift(&KUBO)),
@@ -116,8 +116,7 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     let fourth = Figure::new("figure-3b", "Figure 3: the energy H_WZ", Axis::linear("t"), Axis::linear("H_WZ"))
         .shows(format!(
             "H_WZ = H_0 + H_1 dW_eps/dt jumps with the noise: deviation {}, where sigma |z|² / (2 sqrt(eps)) = {} is expected of order \
-             two; it grows without bound as eps goes to 0 and is no measure of a scheme. {} the paper's figure in kind; the paper prints \
-             the Hamiltonian without the dot on W.",
+             two; it grows without bound as eps goes to 0 and is no measure of a scheme. {} that law. (The paper prints this Hamiltonian without the dot on W.)",
             number(deviation),
             number(expected),
             agrees((deviation / expected - 1.0).abs() < 0.2)

@@ -58,7 +58,7 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     let shows = format!(
         "The quadrature of the noise decides. With the mid-point for the noise the end is {} % (X_12) and {} % (X_2) off the \
          Stratonovich solution; with the left point it is {} % (X_1) and {} % (X_21) off, because those two converge to the Itô \
-         solution, exp((a - b²/2) t + b W). The order of the drift hardly matters. {} the paper's figure.",
+         solution, exp((a - b²/2) t + b W). The order of the drift hardly matters. {} the paper's conclusion that the noise needs the second order.",
         number(100.0 * x12),
         number(100.0 * x2),
         number(100.0 * x1),

@@ -101,7 +101,7 @@ fn limits(map: &[Point]) -> Figure {
     }
     figure.shows(format!(
         "With h = {} the steps cost little, and the error is that of W_eps: of order 1/2 in eps, half as large for the centred kernel. The \
-         measurements are within {} % of the limits where h is small against eps and eps against 1. {} the predictions; the paper gives no rate.",
+         measurements are within {} % of the limits where h is small against eps and eps against 1. {} the predictions.",
         number(least),
         number(100.0 * worst),
         agrees(worst < 0.25)
@@ -131,8 +131,7 @@ fn diagonal(map: &[Point]) -> Figure {
         .with(Series::new("the mid-point itself: order one", Look::Dashed, 0, own(|c, h| c * h, first)))
         .shows(format!(
             "Sampled at the left end, or centred, the increments are those of the Wiener path and the strong order is one. Taken literally, the \
-             kernel looks half a step too far ahead: the order falls to 1/2, within {} % of sigma sqrt(h). {} the predictions; the paper does not \
-             tell the two apart.",
+             kernel looks half a step too far ahead: the order falls to 1/2, within {} % of sigma sqrt(h). {} the predictions.",
             number(100.0 * literal_off),
             agrees(literal_off < 0.3)
         ))

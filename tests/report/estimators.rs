@@ -196,3 +196,35 @@ fn what_is_missing_is_named() {
     assert!(matches!(kubo().steps([f64::NAN]).run(), Err(Error::Config(ConfigError::End { .. }))));
     assert!(matches!(kubo().paths(0).run(), Err(Error::Config(ConfigError::Setting(_)))));
 }
+
+/// Runs for a minute unless it is interrupted: the other half of the test below.
+#[test]
+#[ignore = "started by `ctrl_c_ends_the_measurement_not_the_program`"]
+fn long_measurement() {
+    println!("measuring");
+    let report = kubo().paths(200_000).run().unwrap();
+    println!("interrupted: {}, {} cells", report.interrupted, report.cells.len());
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_ends_the_measurement_not_the_program() {
+    use std::io::{BufRead as _, BufReader};
+    use std::process::{Command, Stdio};
+
+    let mut child = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "report::estimators::long_measurement", "--ignored", "--nocapture"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
+    assert!(lines.any(|line| line.ends_with("measuring")));
+    // Long enough for all the references and some paths.
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    let last: Vec<String> = lines.collect();
+    assert!(last.iter().any(|line| line.starts_with("interrupted: true")), "{last:?}");
+    assert!(child.wait().unwrap().success());
+}
