@@ -160,7 +160,7 @@ fn drawn(figure: &Figure) -> Result<String, ReportError> {
     let caption = match stride {
         1 => format!("The numbers behind “{}”", figure.title),
         _ => {
-            format!("Every {stride}th of the numbers behind “{}”; all are in {}.csv", figure.title, figure.id)
+            format!("One in {stride} of the numbers behind “{}”; all are in {}.csv", figure.title, figure.id)
         }
     };
     let rows: Vec<_> = rows.into_iter().step_by(stride).collect();
