@@ -7,8 +7,8 @@ mod step;
 pub(crate) mod stubs;
 mod system;
 
-use proc_macro2::TokenStream;
-use quote::quote;
+use proc_macro2::{Ident, Span, TokenStream};
+use quote::{ToTokens, quote};
 
 use crate::discretise::Scheme;
 use crate::discretise::embedding::Embedding;
@@ -47,24 +47,22 @@ fn documentation(equations: &[String]) -> TokenStream {
     quote!(#[doc = #text])
 }
 
-/// The type of an embedding, by absolute path.
-pub(crate) fn embedding_type(embedding: &Embedding) -> TokenStream {
+/// The scheme as a type of the facade or of what stands for it, by its path.
+pub(crate) fn embedding_type(embedding: &Embedding, wzvi: &impl ToTokens) -> TokenStream {
+    let wrapped = |name: &str, inner: &Embedding| {
+        let (name, inner) = (Ident::new(name, Span::call_site()), embedding_type(inner, wzvi));
+        quote!(#wzvi::embedding::#name<#inner>)
+    };
     match embedding {
-        Embedding::DeltaPlus => quote!(__wzvi::embedding::DeltaPlus),
-        Embedding::Midpoint => quote!(__wzvi::embedding::Midpoint),
-        Embedding::DeltaMinus => quote!(__wzvi::embedding::DeltaMinus),
-        Embedding::Lambda(n, d) => quote!(__wzvi::embedding::Lambda<#n, #d>),
+        Embedding::DeltaPlus => quote!(#wzvi::embedding::DeltaPlus),
+        Embedding::Midpoint => quote!(#wzvi::embedding::Midpoint),
+        Embedding::DeltaMinus => quote!(#wzvi::embedding::DeltaMinus),
+        Embedding::Lambda(n, d) => quote!(#wzvi::embedding::Lambda<#n, #d>),
         Embedding::Mixed(drift, noise) => {
-            let (drift, noise) = (embedding_type(drift), embedding_type(noise));
-            quote!(__wzvi::embedding::Mixed<#drift, #noise>)
+            let (drift, noise) = (embedding_type(drift, wzvi), embedding_type(noise, wzvi));
+            quote!(#wzvi::embedding::Mixed<#drift, #noise>)
         }
-        Embedding::Corrected(inner) => {
-            let inner = embedding_type(inner);
-            quote!(__wzvi::embedding::Corrected<#inner>)
-        }
-        Embedding::Uncorrected(inner) => {
-            let inner = embedding_type(inner);
-            quote!(__wzvi::embedding::Uncorrected<#inner>)
-        }
+        Embedding::Corrected(inner) => wrapped("Corrected", inner),
+        Embedding::Uncorrected(inner) => wrapped("Uncorrected", inner),
     }
 }

@@ -33,7 +33,7 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
 
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let embedding = embedding_type(&scheme.embedding);
+    let embedding = embedding_type(&scheme.embedding, &quote!(__wzvi));
     let f64 = f64_type();
     let d = scheme.lagrangian.symbols.u.len();
     let noises = scheme.lagrangian.symbols.dw.len();
@@ -107,7 +107,7 @@ fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
         return quote!(#signature { __wzvi::core::convert::From::from([#(#components),*]) });
     }
     let noises = scheme.lagrangian.symbols.dw.len();
-    let embedding = embedding_type(&scheme.embedding);
+    let embedding = embedding_type(&scheme.embedding, &quote!(__wzvi));
     quote! {
         #signature {
             let __solved = __wzvi::increments::<#f64, #noises>(__dw).and_then(|__dw| {

@@ -5,7 +5,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 use syn::{ItemStruct, Path};
 
-use crate::discretise::embedding::Embedding;
+use crate::emit::embedding_type;
 use crate::input::Declaration;
 
 /// What is known of the system so far.
@@ -130,28 +130,6 @@ fn discretized(wzvi: &Path) -> TokenStream {
         ) -> #wzvi::system::LagrangianGradient<#vector> { ::core::unimplemented!() }
         fn step_momentum(&self, _: &#state, _: &#state, _: #real, _: &[#real]) -> #vector {
             ::core::unimplemented!()
-        }
-    }
-}
-
-/// The scheme as a type of the runtime.
-pub(crate) fn embedding_type(embedding: &Embedding, wzvi: &Path) -> TokenStream {
-    match embedding {
-        Embedding::DeltaPlus => quote! { #wzvi::embedding::DeltaPlus },
-        Embedding::Midpoint => quote! { #wzvi::embedding::Midpoint },
-        Embedding::DeltaMinus => quote! { #wzvi::embedding::DeltaMinus },
-        Embedding::Lambda(n, d) => quote! { #wzvi::embedding::Lambda<#n, #d> },
-        Embedding::Mixed(drift, noise) => {
-            let (drift, noise) = (embedding_type(drift, wzvi), embedding_type(noise, wzvi));
-            quote! { #wzvi::embedding::Mixed<#drift, #noise> }
-        }
-        Embedding::Corrected(inner) => {
-            let inner = embedding_type(inner, wzvi);
-            quote! { #wzvi::embedding::Corrected<#inner> }
-        }
-        Embedding::Uncorrected(inner) => {
-            let inner = embedding_type(inner, wzvi);
-            quote! { #wzvi::embedding::Uncorrected<#inner> }
         }
     }
 }

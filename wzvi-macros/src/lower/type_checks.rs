@@ -9,7 +9,7 @@ use syn::visit_mut::VisitMut;
 
 use super::dereference::Dereference;
 use super::scope::context;
-use crate::emit::stubs::embedding_type;
+use crate::emit::embedding_type;
 use crate::input::{Declaration, Field, Hamiltonian, Kind, Shape, System};
 
 /// A block of dead code with every closure, its parameters typed by the phase space, and with every scheme as it was
