@@ -83,22 +83,27 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     /// One step of `state` with the given increments, one per noise (`&[]` without noise).
     ///
     /// # Errors
-    /// [`StepError`] with time, step number and cause. The state is then bit for bit what it was.
+    /// [`StepError`] with time, step number and cause. The state is then bit for bit what it was, and so is the
+    /// stepper.
     #[inline]
     pub fn step(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
-        if state.t != self.clock.now(self.h) || self.jumped(state) {
-            self.memory = Default::default();
-            self.clock = Clock { start: state.t, ticks: 0 };
-        }
-        let next = Clock { ticks: self.clock.ticks + 1, ..self.clock };
+        let jumped = state.t != self.clock.now(self.h) || self.jumped(state);
+        // A step that fails leaves the stepper as it was, too.
+        let mut forgotten = Default::default();
+        let clock = if jumped { Clock { start: state.t, ticks: 0 } } else { self.clock };
+        let memory = if jumped { &mut forgotten } else { &mut self.memory };
+        let next = Clock { ticks: clock.ticks + 1, ..clock };
         let (q, p) = (state.q.components_mut(), state.p.components_mut());
         let outcome = if next.now(self.h).is_finite() {
-            self.system.advance(&self.prepared, state.t, self.h, q, p, dw, &mut self.memory)
+            self.system.advance(&self.prepared, state.t, self.h, q, p, dw, memory)
         } else {
             Err(StepFailure::NonFinite)
         };
         match outcome {
             Ok(solved) => {
+                if jumped {
+                    self.memory = forgotten;
+                }
                 self.clock = next;
                 state.t = next.now(self.h);
                 self.steps += 1;

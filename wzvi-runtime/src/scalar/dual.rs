@@ -38,13 +38,13 @@ impl<const N: usize> Dual<N> {
     }
 
     /// `f(self)` from `f(value)` and `f'(value)`.
-    #[inline(always)]
+    #[inline]
     fn chain(self, value: f64, slope: f64) -> Self {
         Self { value, derivative: self.derivative.map(|d| weigh(d, slope)) }
     }
 
     /// `f(self, other)` from its value and its two partial derivatives.
-    #[inline(always)]
+    #[inline]
     fn chain2(self, other: Self, value: f64, slopes: [f64; 2]) -> Self {
         let derivative = std::array::from_fn(|i| {
             weigh(self.derivative[i], slopes[0]) + weigh(other.derivative[i], slopes[1])
@@ -54,14 +54,14 @@ impl<const N: usize> Dual<N> {
 }
 
 /// `derivative slope`, and 0 for what does not depend on the direction even where the slope is infinite or undefined.
-#[inline(always)]
+#[inline]
 fn weigh(derivative: f64, slope: f64) -> f64 {
     if derivative == 0.0 { 0.0 } else { derivative * slope }
 }
 
 impl<const N: usize> Neg for Dual<N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn neg(self) -> Self {
         Self { value: -self.value, derivative: self.derivative.map(Neg::neg) }
     }
@@ -69,7 +69,7 @@ impl<const N: usize> Neg for Dual<N> {
 
 impl<const N: usize> Add for Dual<N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn add(self, other: Self) -> Self {
         self.chain2(other, self.value + other.value, [1.0, 1.0])
     }
@@ -77,7 +77,7 @@ impl<const N: usize> Add for Dual<N> {
 
 impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn sub(self, other: Self) -> Self {
         self.chain2(other, self.value - other.value, [1.0, -1.0])
     }
@@ -85,7 +85,7 @@ impl<const N: usize> Sub for Dual<N> {
 
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn mul(self, other: Self) -> Self {
         self.chain2(other, self.value * other.value, [other.value, self.value])
     }
@@ -93,7 +93,7 @@ impl<const N: usize> Mul for Dual<N> {
 
 impl<const N: usize> Div for Dual<N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn div(self, other: Self) -> Self {
         let quotient = self.value / other.value;
         self.chain2(other, quotient, [1.0 / other.value, -quotient / other.value])
@@ -102,7 +102,7 @@ impl<const N: usize> Div for Dual<N> {
 
 impl<const N: usize> Add<f64> for Dual<N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn add(self, other: f64) -> Self {
         Self { value: self.value + other, ..self }
     }
@@ -110,7 +110,7 @@ impl<const N: usize> Add<f64> for Dual<N> {
 
 impl<const N: usize> Sub<f64> for Dual<N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn sub(self, other: f64) -> Self {
         Self { value: self.value - other, ..self }
     }
@@ -118,7 +118,7 @@ impl<const N: usize> Sub<f64> for Dual<N> {
 
 impl<const N: usize> Mul<f64> for Dual<N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn mul(self, other: f64) -> Self {
         self.chain(self.value * other, other)
     }
@@ -126,7 +126,7 @@ impl<const N: usize> Mul<f64> for Dual<N> {
 
 impl<const N: usize> Div<f64> for Dual<N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn div(self, other: f64) -> Self {
         self.chain(self.value / other, 1.0 / other)
     }
@@ -144,38 +144,38 @@ fn norm(components: &[f64]) -> f64 {
 impl<const N: usize> Scalar for Dual<N> {
     type Mask = bool;
 
-    #[inline(always)]
+    #[inline]
     fn from_f64(value: f64) -> Self {
         Self::constant(value)
     }
-    #[inline(always)]
+    #[inline]
     fn magnitude(self) -> f64 {
         self.value.abs()
     }
     /// The value against the values, the gradient against the gradients (in the largest norm).
-    #[inline(always)]
+    #[inline]
     fn relative_to(self, a: Self, b: Self) -> f64 {
         let of_gradient =
             norm(&self.derivative) / (norm(&a.derivative) + norm(&b.derivative) + f64::MIN_POSITIVE);
         larger(self.value.relative_to(a.value, b.value), of_gradient)
     }
-    #[inline(always)]
+    #[inline]
     fn is_finite(self) -> bool {
         self.value.is_finite() && self.derivative.iter().all(|d| d.is_finite())
     }
-    #[inline(always)]
+    #[inline]
     fn less(self, other: Self) -> bool {
         self.value < other.value
     }
-    #[inline(always)]
+    #[inline]
     fn less_equal(self, other: Self) -> bool {
         self.value <= other.value
     }
-    #[inline(always)]
+    #[inline]
     fn equal(self, other: Self) -> bool {
         self.value == other.value
     }
-    #[inline(always)]
+    #[inline]
     fn select(mask: bool, then: Self, otherwise: Self) -> Self {
         if mask { then } else { otherwise }
     }

@@ -110,13 +110,16 @@ fn is_rounding<S: Scalar>(correction: S, unknown: S, state: S) -> bool {
 /// given up for zero first.
 #[inline(always)]
 pub fn newton_scalar<S: Scalar>(
-    start: S,
+    mut start: S,
     state: S,
     mut equation: impl FnMut(S) -> (S, S),
 ) -> Result<(S, u32), StepFailure> {
-    match newton_scalar_from(start, state, &mut equation) {
-        Err(_) if start.magnitude() != 0.0 => newton_scalar_from(S::from_f64(0.0), state, &mut equation),
-        outcome => outcome,
+    // A loop, so that the equation is inlined once.
+    loop {
+        match newton_scalar_from(start, state, &mut equation) {
+            Err(_) if start.magnitude() != 0.0 => start = S::from_f64(0.0),
+            outcome => return outcome,
+        }
     }
 }
 
@@ -181,15 +184,16 @@ pub fn newton_symmetric<S: Scalar, const N: usize>(
 
 #[inline(always)]
 fn iterate<S: Scalar, const N: usize>(
-    start: [S; N],
+    mut start: [S; N],
     state: [S; N],
     mut correction_at: impl FnMut(&[S; N]) -> Result<[S; N], StepFailure>,
 ) -> Result<([S; N], u32), StepFailure> {
-    match iterate_from(start, state, &mut correction_at) {
-        Err(_) if start.iter().any(|x| x.magnitude() != 0.0) => {
-            iterate_from([S::from_f64(0.0); N], state, &mut correction_at)
+    // A loop, so that the equations are inlined once.
+    loop {
+        match iterate_from(start, state, &mut correction_at) {
+            Err(_) if start.iter().any(|x| x.magnitude() != 0.0) => start = [S::from_f64(0.0); N],
+            outcome => return outcome,
         }
-        outcome => outcome,
     }
 }
 
