@@ -55,6 +55,9 @@
 
 pub use wzvi_macros::hamiltonian;
 pub use wzvi_runtime::error::Error;
+/// The vectors of a [`State`](state::State): functions generic over the scheme name them, as in
+/// `fn run<E>(kubo: &Kubo) where Kubo: Discretized<E, Vector = SVector<f64, 1>>`.
+pub use wzvi_runtime::nalgebra;
 #[cfg(feature = "noise")]
 pub use wzvi_runtime::noise;
 pub use wzvi_runtime::{
@@ -84,6 +87,7 @@ pub mod prelude {
 pub mod __private {
     pub use core;
 
+    pub use wzvi_runtime::carry::{Carry, Compensation, Plain};
     pub use wzvi_runtime::embedding;
     pub use wzvi_runtime::error::{ConfigError, StepFailure};
     pub use wzvi_runtime::nalgebra::SVector;

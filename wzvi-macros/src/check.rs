@@ -28,7 +28,13 @@ fn check_invariants(model: &Model, facts: &Facts, diagnostics: &mut Diagnostics)
     for Invariant { declared, failure, .. } in &facts.invariants {
         if let Some((term, rate, knowledge)) = failure {
             let rate = model.graph.display(*rate);
-            diagnostics.report(messages::no_invariant(declared.span, *term, &rate, knowledge, &model.graph));
+            diagnostics.report(messages::no_invariant(
+                declared.extent,
+                *term,
+                &rate,
+                knowledge,
+                &model.graph,
+            ));
         }
     }
 }

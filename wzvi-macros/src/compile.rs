@@ -28,11 +28,11 @@ fn compile(
     diagnostics: &mut Diagnostics,
 ) -> Option<TokenStream> {
     let system = input::read_struct(item, diagnostics);
-    let declaration = input::read_attribute(attribute, diagnostics)?;
+    let mut declaration = input::read_attribute(attribute, diagnostics)?;
     let system = system?;
-    stubs.recognise(&system.item, &declaration.crate_path, &declaration.embeddings);
+    stubs.recognise(&system.item, &declaration);
 
-    let phase_space = input::read_phase_space(&declaration, diagnostics)?;
+    let phase_space = input::read_phase_space(&mut declaration, diagnostics)?;
     stubs.set_degrees(phase_space.degrees());
 
     let model = lower(system, declaration, &phase_space, diagnostics)?;
@@ -41,3 +41,6 @@ fn compile(
     }
     Some(back_end(model, diagnostics))
 }
+
+#[cfg(test)]
+mod timing;

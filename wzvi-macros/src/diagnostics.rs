@@ -40,6 +40,16 @@ impl Diagnostics {
         !self.errors.is_empty()
     }
 
+    #[cfg(test)]
+    pub(crate) fn errors(&self) -> &[syn::Error] {
+        &self.errors
+    }
+
+    /// Number of errors so far.
+    pub(crate) fn count(&self) -> usize {
+        self.errors.len()
+    }
+
     /// `Err` with a `compile_error!` per error, in the order of their report.
     pub(crate) fn finish(mut self) -> Result<(), TokenStream> {
         self.finished = true;

@@ -1,6 +1,7 @@
 //! What the front end hands to the discretisation: the user's Hamiltonians as symbolic expressions.
 
-use proc_macro2::{Span, TokenStream};
+use proc_macro2::{Ident, Span, TokenStream, TokenTree};
+use quote::ToTokens;
 
 use crate::discretise::embedding::Embedding;
 use crate::symbolic::{Expr, Graph, Symbol};
@@ -23,7 +24,29 @@ pub(crate) struct Parameter {
 #[derive(Clone, Copy)]
 pub(crate) struct Located<T> {
     pub(crate) value: T,
-    pub(crate) span: Span,
+    pub(crate) extent: Extent,
+}
+
+/// From the first to the last token: stable `rustc` joins no spans.
+#[derive(Clone, Copy)]
+pub(crate) struct Extent {
+    first: Span,
+    last: Span,
+}
+
+impl Extent {
+    pub(crate) fn of(tokens: &impl ToTokens) -> Self {
+        let mut tokens = tokens.to_token_stream().into_iter();
+        let first = tokens.next().map_or_else(Span::call_site, |token| token.span());
+        Self { first, last: tokens.last().map_or(first, |token| token.span()) }
+    }
+}
+
+/// Two tokens that an error message can span.
+impl ToTokens for Extent {
+    fn to_tokens(&self, tokens: &mut TokenStream) {
+        tokens.extend([self.first, self.last].map(|span| TokenTree::from(Ident::new("_", span))));
+    }
 }
 
 /// Everything that was declared, lowered.

@@ -95,7 +95,7 @@ impl std::error::Error for StepError {}
 pub enum ConfigError {
     /// The step size is zero, NaN or infinite.
     StepSize(f64),
-    /// A parameter of the system, or a value computed from it and the step size alone, is NaN or infinite.
+    /// A parameter of the system is NaN, or a Hamiltonian reads an element that its `Vec` does not have.
     Parameter,
     /// A matrix that does not change from step to step is singular.
     Singular {
@@ -128,7 +128,10 @@ impl fmt::Display for ConfigError {
         match self {
             Self::StepSize(h) => write!(f, "the step size is {h}; it must be finite and not zero"),
             Self::Parameter => {
-                write!(f, "a parameter of the system is NaN or infinite (or overflows with this step size)")
+                write!(
+                    f,
+                    "a parameter of the system is NaN, or a Hamiltonian reads an element that its `Vec` does not have"
+                )
             }
             Self::Singular { h, pivot, scale } => write!(
                 f,

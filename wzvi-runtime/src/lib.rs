@@ -1,6 +1,7 @@
 //! Runtime of `wzvi`. Users depend on the facade crate `wzvi`; see there for the tour.
 
 pub mod calculus;
+pub mod carry;
 pub mod embedding;
 pub mod error;
 pub mod increments;

@@ -49,6 +49,11 @@ pub trait Scalar:
     fn relative_to(self, a: Self, b: Self) -> f64;
     /// Where every part of the number is finite.
     fn is_finite(self) -> Self::Mask;
+    /// Where every part of every number is finite.
+    #[inline(always)]
+    fn are_finite(numbers: impl Iterator<Item = Self>) -> Self::Mask {
+        numbers.fold(Self::Mask::from_bool(true), |all, x| all & x.is_finite())
+    }
     /// `self < other`
     fn less(self, other: Self) -> Self::Mask;
     /// `self <= other`
@@ -144,6 +149,11 @@ impl Scalar for f64 {
     #[inline(always)]
     fn is_finite(self) -> bool {
         f64::is_finite(self)
+    }
+    /// Zero times a finite number is zero, and NaN otherwise: one test for all.
+    #[inline(always)]
+    fn are_finite(numbers: impl Iterator<Item = Self>) -> bool {
+        !numbers.fold(-0.0, |zeros, x| zeros + x * 0.0).is_nan()
     }
     #[inline(always)]
     fn less(self, other: Self) -> bool {

@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 
+use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::state::{State, Vector};
 use crate::system::Discretized;
@@ -17,14 +18,18 @@ pub struct StepInfo {
 ///
 /// Its steps allocate nothing. Time is `t_0 + n h` for `n` consecutive steps of one state, never accumulated.
 #[derive(Debug)]
-pub struct Stepper<'a, H: Discretized<E>, E> {
+pub struct Stepper<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f64>> {
     system: &'a H,
     h: f64,
     prepared: H::Prepared,
     memory: H::Memory<f64>,
-    steps: u64,
+    /// What rounding took from the state, if it is kept.
+    carry: C,
+    /// Steps before the clock was last restarted.
+    before: u64,
     clock: Clock,
-    reached: State<H::Vector>,
+    /// `q` and `p` after the last step.
+    reached: [H::Vector; 2],
     scheme: PhantomData<E>,
 }
 
@@ -33,12 +38,22 @@ pub struct Stepper<'a, H: Discretized<E>, E> {
 struct Clock {
     start: f64,
     ticks: u64,
+    now: f64,
 }
 
+/// More steps than anyone takes.
+const MOST_TICKS: f64 = (1_u64 << 63) as f64;
+
 impl Clock {
-    #[inline]
-    fn now(self, h: f64) -> f64 {
-        self.start + self.ticks as f64 * h
+    fn started(at: f64) -> Self {
+        Self { start: at, ticks: 0, now: at }
+    }
+
+    #[inline(always)]
+    fn next(self, h: f64) -> Self {
+        let ticks = self.ticks + 1;
+        // The conversion of a signed integer is one instruction.
+        Self { ticks, now: self.start + ticks.cast_signed() as f64 * h, ..self }
     }
 }
 
@@ -58,11 +73,45 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             h,
             prepared: system.prepare(h)?,
             memory: Default::default(),
-            steps: 0,
-            clock: Clock { start: f64::NAN, ticks: 0 },
-            reached: State { q: H::Vector::zeros(d), p: H::Vector::zeros(d), t: f64::NAN },
+            carry: Default::default(),
+            before: 0,
+            clock: Clock::started(f64::NAN),
+            reached: [H::Vector::zeros(d), H::Vector::zeros(d)],
             scheme: PhantomData,
         })
+    }
+
+    /// The same steps, but what rounding takes from the state is carried to the next one ([`crate::carry`]): the drift
+    /// of first integrals by rounding shrinks by about the ratio of a step's increment to the state. Costs six
+    /// additions per component; on from the start where that is less than about 5 % of the step.
+    pub fn compensated(self) -> Stepper<'a, H, E, H::Compensated<f64>> {
+        self.carrying()
+    }
+
+    /// The same steps with plain sums.
+    pub fn plain(self) -> Stepper<'a, H, E, Plain> {
+        self.carrying()
+    }
+
+    fn carrying<C: Carry<f64>>(self) -> Stepper<'a, H, E, C> {
+        Stepper {
+            carry: C::default(),
+            clock: Clock::started(f64::NAN),
+            before: self.before + self.clock.ticks,
+            system: self.system,
+            h: self.h,
+            prepared: self.prepared,
+            memory: self.memory,
+            reached: self.reached,
+            scheme: PhantomData,
+        }
+    }
+}
+
+impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
+    /// Whether what rounding takes is carried.
+    pub fn is_compensated(&self) -> bool {
+        C::CARRIES
     }
 
     /// The step size.
@@ -77,38 +126,29 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
 
     /// Number of successful steps so far.
     pub fn steps(&self) -> u64 {
-        self.steps
+        self.before + self.clock.ticks
     }
 
     /// One step of `state` with the given increments, one per noise (`&[]` without noise).
     ///
     /// # Errors
-    /// [`StepError`] with time, step number and cause. The state is then bit for bit what it was, and so is the
-    /// stepper.
+    /// [`StepError`] with time, step number and cause. The state is then bit for bit what it was.
     #[inline]
     pub fn step(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
-        let jumped = state.t != self.clock.now(self.h) || self.jumped(state);
-        // A step that fails leaves the stepper as it was, too.
-        let mut forgotten = Default::default();
-        let clock = if jumped { Clock { start: state.t, ticks: 0 } } else { self.clock };
-        let memory = if jumped { &mut forgotten } else { &mut self.memory };
-        let next = Clock { ticks: clock.ticks + 1, ..clock };
+        if (state.t != self.clock.now || self.jumped(state)) && !self.restart(state.t) {
+            return Err(self.error(state, dw, StepFailure::NonFinite));
+        }
+        let next = self.clock.next(self.h);
         let (q, p) = (state.q.components_mut(), state.p.components_mut());
-        let outcome = if next.now(self.h).is_finite() {
-            self.system.advance(&self.prepared, state.t, self.h, q, p, dw, memory)
-        } else {
-            Err(StepFailure::NonFinite)
-        };
+        let (t, h, prepared, memory) = (state.t, self.h, &self.prepared, &mut self.memory);
+        let outcome = self.system.advance_carrying(prepared, t, h, q, p, dw, memory, &mut self.carry);
         match outcome {
             Ok(solved) => {
-                if jumped {
-                    self.memory = forgotten;
-                }
                 self.clock = next;
-                state.t = next.now(self.h);
-                self.steps += 1;
+                state.t = next.now;
                 if Self::REMEMBERS {
-                    self.reached.clone_from(state);
+                    self.reached[0].clone_from(&state.q);
+                    self.reached[1].clone_from(&state.p);
                 }
                 Ok(StepInfo { iterations: solved.iterations })
             }
@@ -116,24 +156,45 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         }
     }
 
-    /// Whether steps start from what the ones before left; otherwise nothing of them is kept.
-    const REMEMBERS: bool = size_of::<H::Memory<f64>>() != 0;
+    /// Starts to count from `t`; `false` if time could overflow from there, so that no step needs to check its own.
+    #[inline(always)]
+    fn restart(&mut self, t: f64) -> bool {
+        cold();
+        self.memory = Default::default();
+        self.carry = C::default();
+        self.before += self.clock.ticks;
+        let is_safe = (t.abs() + MOST_TICKS * self.h.abs()).is_finite();
+        // At NaN the next step comes here again.
+        self.clock = Clock::started(if is_safe { t } else { f64::NAN });
+        is_safe
+    }
+
+    /// Whether steps use what the ones before left; otherwise nothing of them is kept.
+    const REMEMBERS: bool = size_of::<H::Memory<f64>>() != 0 || C::CARRIES;
 
     /// Whether the caller moved the state since the last step: then what that step left is no guide.
     #[inline]
     fn jumped(&self, state: &State<H::Vector>) -> bool {
-        Self::REMEMBERS && *state != self.reached
+        Self::REMEMBERS && (state.q != self.reached[0] || state.p != self.reached[1])
     }
 
     /// Bad input shows in the result of a step, so that a good step does not pay for the check.
-    #[cold]
+    ///
+    /// Inlined, because state and stepper stay in registers only where no function is given their address.
+    #[inline(always)]
     fn error(&self, state: &State<H::Vector>, dw: &[f64], cause: StepFailure) -> StepError {
+        cold();
         let inputs = || state.q.components().iter().chain(state.p.components()).chain(dw).chain([&state.t]);
         let cause = match cause {
             StepFailure::Increments { .. } | StepFailure::Dimension { .. } => cause,
             _ if inputs().all(|x| x.is_finite()) => cause,
             _ => StepFailure::NonFiniteInput,
         };
-        StepError { step: self.steps, t: state.t, h: self.h, cause }
+        StepError { step: self.steps(), t: state.t, h: self.h, cause }
     }
 }
+
+/// Marks the branch that calls it as the unlikely one.
+#[cold]
+#[inline(never)]
+fn cold() {}

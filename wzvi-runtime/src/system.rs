@@ -2,6 +2,7 @@
 
 use std::fmt::Debug;
 
+use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepFailure};
 use crate::plan::Plan;
 use crate::scalar::{Mask, Scalar};
@@ -122,10 +123,10 @@ pub struct EulerLagrangeResidual<V> {
 /// One solved step of a system with `D` degrees of freedom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution<S, const D: usize> {
-    /// `q_{i+1}`
-    pub q: [S; D],
-    /// `p_{i+1}`
-    pub p: [S; D],
+    /// `q_{i+1}`, and what its rounding took.
+    pub q: [(S, S); D],
+    /// `p_{i+1}`, and what its rounding took.
+    pub p: [(S, S); D],
     /// `P`
     pub momentum: [S; D],
     /// Newton iterations, over all blocks.
@@ -133,10 +134,33 @@ pub struct Solution<S, const D: usize> {
 }
 
 impl<S: Scalar, const D: usize> Solution<S, D> {
+    /// The nodes that the increments `dq`, `dp` lead to from `q`, `p`.
+    #[inline(always)]
+    pub fn new<C: Carry<S>>(
+        carry: &C,
+        [q, p]: [[S; D]; 2],
+        [dq, dp]: [[S; D]; 2],
+        momentum: [S; D],
+        iterations: u32,
+    ) -> Self {
+        let q = std::array::from_fn(|i| C::add(q[i], dq[i], carry.of_coordinate(i)));
+        let p = std::array::from_fn(|i| C::add(p[i], dp[i], carry.of_momentum(i)));
+        Self { q, p, momentum, iterations }
+    }
+
     /// Whether every component is finite.
     #[inline(always)]
     pub fn is_finite(&self) -> bool {
-        self.q.iter().chain(&self.p).all(|x| x.is_finite().all())
+        S::are_finite(self.q.iter().chain(&self.p).map(|&(sum, _)| sum)).all()
+    }
+
+    /// Moves the state.
+    #[inline(always)]
+    pub fn store<C: Carry<S>>(self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) -> Solved {
+        *q = self.q.map(|(sum, _)| sum);
+        *p = self.p.map(|(sum, _)| sum);
+        carry.keep(&self.q.map(|(_, lost)| lost), &self.p.map(|(_, lost)| lost));
+        Solved { iterations: self.iterations }
     }
 }
 
@@ -185,15 +209,37 @@ pub trait Discretized<E>: Hamiltonian {
     /// What one step leaves for the starting value of the next; `()` where nothing is iterated.
     type Memory<S: Scalar>: Clone + Debug + Default;
 
+    /// Compensated sums of the state's increments: [`Compensation`](crate::carry::Compensation).
+    type Compensated<S: Scalar>: Carry<S>;
+
+    /// How increments are added unless the user chooses: compensated where that is less than about 5 % of the step,
+    /// else [`Plain`].
+    type Carry<S: Scalar>: Carry<S>;
+
     /// Computes what does not change from step to step; fails if a matrix that is factored here is singular.
     fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError>;
 
     /// One step from `(q, p)` at `t` in place. Slices have [`Hamiltonian::degrees`] and [`Hamiltonian::noises`]
-    /// elements. On `Err`, `q`, `p` and `memory` are as they were.
+    /// elements. On `Err`, `q`, `p`, `memory` and `carry` are as they were.
     #[expect(
         clippy::too_many_arguments,
         reason = "generated code calls it, and each is one thing that a step reads"
     )]
+    fn advance_carrying<S: Scalar, C: Carry<S>>(
+        &self,
+        prepared: &Self::Prepared,
+        t: f64,
+        h: f64,
+        q: &mut [S],
+        p: &mut [S],
+        dw: &[S],
+        memory: &mut Self::Memory<S>,
+        carry: &mut C,
+    ) -> Result<Solved, StepFailure>;
+
+    /// [`Discretized::advance_carrying`] with plain sums.
+    #[expect(clippy::too_many_arguments, reason = "as above")]
+    #[inline(always)]
     fn advance<S: Scalar>(
         &self,
         prepared: &Self::Prepared,
@@ -203,7 +249,9 @@ pub trait Discretized<E>: Hamiltonian {
         p: &mut [S],
         dw: &[S],
         memory: &mut Self::Memory<S>,
-    ) -> Result<Solved, StepFailure>;
+    ) -> Result<Solved, StepFailure> {
+        self.advance_carrying(prepared, t, h, q, p, dw, memory, &mut Plain)
+    }
 
     /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise.
     fn discrete_lagrangian(&self, segment: &Segment<Self::Vector>, dw: &[f64]) -> f64;

@@ -117,7 +117,25 @@ pub(crate) fn unknown_method(method: &syn::Ident, receiver: &str, known: &[&str]
     let name = method.to_string();
     let list: Vec<_> = known.iter().map(|known| format!("`{known}`")).collect();
     let text = format!("`{name}` is not supported on {receiver}; supported are {}", list.join(", "));
-    at(method, suggest(text, closest(&name, known.iter().copied())))
+    let suggestion = synonym(&name).filter(|meant| known.contains(meant));
+    at(method, suggest(text, suggestion.or_else(|| closest(&name, known.iter().copied()))))
+}
+
+/// What other languages call the same function.
+fn synonym(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "pow" | "square" | "squared" | "sqr" | "cube" => "powi",
+        "arcsin" => "asin",
+        "arccos" => "acos",
+        "arctan" => "atan",
+        "fabs" => "abs",
+        "sign" => "signum",
+        "expm1" => "exp_m1",
+        "log1p" => "ln_1p",
+        "inv" | "inverse" => "recip",
+        "size" | "length" => "len",
+        _ => return None,
+    })
 }
 
 pub(crate) fn argument_count(found: impl ToTokens, expected: usize, actual: usize) -> Error {

@@ -1,11 +1,10 @@
 //! The messages about the mathematics: what was derived contradicts what was declared.
 
-use proc_macro2::Span;
 use syn::Error;
 
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Knowledge;
-use crate::model::Located;
+use crate::model::{Extent, Located};
 use crate::symbolic::Graph;
 use crate::symbolic::zero::Witness;
 
@@ -16,8 +15,8 @@ pub(crate) fn inconsistent(embedding: &Located<Embedding>, defect: &str, constan
         Knowledge::Unknown => format!("whose defect D = {defect} could not be shown to be constant"),
         _ => format!("with drift Hamiltonian H0 - D, where D = {defect}"),
     };
-    Error::new(
-        embedding.span,
+    Error::new_spanned(
+        embedding.extent,
         format!(
             "`{scheme}` does not converge to this Stratonovich system as h -> 0, but to the one {finding}; \
              write `Corrected<{scheme}>` to add the counter-term, or `Uncorrected<{scheme}>` to keep the scheme as it is \
@@ -28,7 +27,7 @@ pub(crate) fn inconsistent(embedding: &Located<Embedding>, defect: &str, constan
 
 /// A declared first integral that changes along the flow of term `term`, or may.
 pub(crate) fn no_invariant(
-    span: Span,
+    extent: Extent,
     term: usize,
     rate: &str,
     knowledge: &Knowledge,
@@ -47,7 +46,7 @@ pub(crate) fn no_invariant(
              by no identity that the compiler knows; leave it out, or write both sides in the same functions"
         ),
     };
-    Error::new(span, message)
+    Error::new_spanned(extent, message)
 }
 
 fn at_witness(witness: &Witness, graph: &Graph) -> String {

@@ -45,9 +45,14 @@ pub(crate) fn expected_key(tokens: TokenStream) -> Error {
     at(tokens, format!("expected `key = value`; the keys are {KEYS}"))
 }
 
+/// The key that `key` may stand for.
+pub(crate) fn intended_key(key: &syn::Ident) -> Option<&'static str> {
+    let key = key.to_string();
+    closest(&key, ["drift", "noise", "embedding", "invariant", "crate"]).or_else(|| synonym(&key))
+}
+
 pub(crate) fn unknown_key(key: &syn::Ident) -> Error {
-    let suggestion = closest(&key.to_string(), ["drift", "noise", "embedding", "invariant", "crate"])
-        .or_else(|| synonym(&key.to_string()));
+    let suggestion = intended_key(key);
     at(key, suggest(format!("unknown key `{key}`; the keys are {KEYS}"), suggestion))
 }
 
@@ -80,6 +85,14 @@ pub(crate) fn missing_key(key: &str) -> Error {
 
 pub(crate) fn unexpected_after_value(tokens: TokenStream) -> Error {
     at(tokens, format!("expected `,` and the next `key = value`; the keys are {KEYS}"))
+}
+
+pub(crate) fn missing_comma(key: &syn::Ident) -> Error {
+    at(key, format!("expected `,` before `{key}`"))
+}
+
+pub(crate) fn not_a_path(found: impl ToTokens) -> Error {
+    at(found, "expected the path of the crate `wzvi`, such as `crate = ::wzvi`")
 }
 
 pub(crate) fn empty_list(key: &syn::Ident, list: &TokenStream) -> Error {
@@ -117,7 +130,7 @@ pub(crate) fn unknown_embedding(name: &syn::Ident) -> Error {
 }
 
 pub(crate) fn duplicate_embedding(found: impl ToTokens, embedding: &Embedding) -> Error {
-    at(found, format!("`{embedding}` is listed twice"))
+    at(found, format!("`{embedding}` is listed twice; once is enough"))
 }
 
 pub(crate) fn scheme_arguments(found: impl ToTokens, example: &str) -> Error {
@@ -145,10 +158,12 @@ pub(crate) fn lambda_literal(found: impl ToTokens) -> Error {
 }
 
 pub(crate) fn closure_arity(patterns: TokenStream, found: usize) -> Error {
+    let plural = if found == 1 { "" } else { "s" };
     at(
         patterns,
         format!(
-            "a Hamiltonian takes coordinates, momenta and, if it needs it, time; this takes {found} parameters: {PATTERNS}"
+            "a Hamiltonian takes coordinates, momenta and, if it needs it, time; this takes {found} parameter{plural}: \
+             {PATTERNS}"
         ),
     )
 }

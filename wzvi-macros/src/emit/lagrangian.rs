@@ -63,9 +63,9 @@ pub(crate) fn emit(model: &mut Model, scheme: &Scheme) -> TokenStream {
             };
             #gradient_statements
             __wzvi::LagrangianGradient {
-                q0: __wzvi::SVector::from([#(#by_start),*]),
-                q1: __wzvi::SVector::from([#(#by_end),*]),
-                p: __wzvi::SVector::from([#(#by_momentum),*]),
+                q0: __wzvi::core::convert::From::from([#(#by_start),*]),
+                q1: __wzvi::core::convert::From::from([#(#by_end),*]),
+                p: __wzvi::core::convert::From::from([#(#by_momentum),*]),
             }
         }
     }

@@ -26,6 +26,8 @@ pub(crate) struct Printer<'p> {
     program: &'p Program,
     /// The type of state-level values.
     scalar: TokenStream,
+    /// Whether that is `f64`: then nothing needs to be lifted.
+    is_f64: bool,
     names: HashMap<Op, Ident>,
     hints: &'p HashMap<Op, String>,
     next: usize,
@@ -33,7 +35,8 @@ pub(crate) struct Printer<'p> {
 
 impl<'p> Printer<'p> {
     pub(crate) fn new(program: &'p Program, scalar: TokenStream, hints: &'p HashMap<Op, String>) -> Self {
-        Self { program, scalar, names: HashMap::new(), hints, next: 0 }
+        let is_f64 = scalar.to_string() == f64_type().to_string();
+        Self { program, scalar, is_f64, names: HashMap::new(), hints, next: 0 }
     }
 
     /// Makes `op` known as `name`.
@@ -117,7 +120,7 @@ impl<'p> Printer<'p> {
     /// The value of `op` as an expression of the scalar type.
     pub(crate) fn scalar_value(&self, op: Op) -> TokenStream {
         let value = self.value(op);
-        if self.is_scalar(op) {
+        if self.is_scalar(op) || self.is_f64 {
             value
         } else {
             let scalar = &self.scalar;
@@ -126,7 +129,7 @@ impl<'p> Printer<'p> {
     }
 
     fn is_scalar(&self, op: Op) -> bool {
-        self.program.level(op) == Level::State
+        self.program.level(op) >= Level::Increments
     }
 
     fn atom(&self, op: Op) -> TokenStream {

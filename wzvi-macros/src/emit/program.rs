@@ -23,7 +23,9 @@ pub(crate) enum Level {
     Prepared,
     /// From the time as well: once per step, the same for every trajectory.
     Time,
-    /// From the state or the increments.
+    /// From the increments as well: off the path from one state to the next.
+    Increments,
+    /// From the state.
     State,
 }
 
@@ -64,6 +66,11 @@ impl Operation {
             Self::Select(a, b, c) => vec![*a, *b, *c],
             Self::Call(_, arguments) => arguments.clone(),
         }
+    }
+
+    /// Whether the value is a truth and no number.
+    pub(crate) fn is_truth(&self) -> bool {
+        matches!(self, Self::Compare(..) | Self::Not(_) | Self::And(..) | Self::Or(..))
     }
 
     /// Whether naming the value gains nothing.
@@ -203,6 +210,16 @@ impl Program {
             }
         }
         uses
+    }
+
+    /// Rough price of an operation in additions.
+    pub(crate) fn price(&self, op: Op) -> usize {
+        match &self.operations[op] {
+            Operation::Constant(_) | Operation::Input(_) => 0,
+            Operation::Divide(..) | Operation::Reciprocal(_) | Operation::Call(Function::Sqrt, _) => 5,
+            Operation::Call(..) | Operation::Power(..) => 30,
+            _ => 1,
+        }
     }
 
     /// Which operations depend on any of `inputs`, themselves included.

@@ -28,6 +28,8 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
     let prepare = step.prepare(model);
     let solve = step.solve();
     let momentum = momentum(&flow, scheme);
+    let carry =
+        if flow.affords_compensation() { quote!(Self::Compensated<__S>) } else { quote!(__wzvi::Plain) };
 
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
@@ -48,6 +50,8 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
                 const EQUATIONS: &'static __wzvi::core::primitive::str = #text;
                 type Prepared = __Prepared;
                 type Memory<__S: __wzvi::Scalar> = __Memory<__S>;
+                type Compensated<__S: __wzvi::Scalar> = __wzvi::Compensation<__S, #d>;
+                type Carry<__S: __wzvi::Scalar> = #carry;
 
                 fn prepare(
                     &self,
@@ -56,8 +60,8 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
                     #prepare
                 }
 
-                #[inline]
-                fn advance<__S: __wzvi::Scalar>(
+                #[inline(always)]
+                fn advance_carrying<__S: __wzvi::Scalar, __C: __wzvi::Carry<__S>>(
                     &self,
                     __prepared: &Self::Prepared,
                     __t: #f64,
@@ -66,14 +70,13 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
                     __p: &mut [__S],
                     __dw: &[__S],
                     __memory: &mut Self::Memory<__S>,
+                    __carry: &mut __C,
                 ) -> __wzvi::core::result::Result<__wzvi::Solved, __wzvi::StepFailure> {
                     let __q = __wzvi::array_mut::<__S, #d>(__q)?;
                     let __p = __wzvi::array_mut::<__S, #d>(__p)?;
                     let __dw = __wzvi::increments::<__S, #noises>(__dw)?;
-                    let __next = __solve(__prepared, __t, __h, *__q, *__p, __dw, __memory)?;
-                    *__q = __next.q;
-                    *__p = __next.p;
-                    __wzvi::core::result::Result::Ok(__wzvi::Solved { iterations: __next.iterations })
+                    let __next = __solve(__prepared, __t, __h, *__q, *__p, __dw, __memory, __carry)?;
+                    __wzvi::core::result::Result::Ok(__next.store(__q, __p, __carry))
                 }
 
                 #lagrangian
@@ -101,7 +104,7 @@ fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
             .iter()
             .enumerate()
             .map(|(i, factor)| quote!(__before.p[#i] + (__after.p[#i] - __before.p[#i]) * #factor));
-        return quote!(#signature { __wzvi::SVector::from([#(#components),*]) });
+        return quote!(#signature { __wzvi::core::convert::From::from([#(#components),*]) });
     }
     let noises = scheme.lagrangian.symbols.dw.len();
     let embedding = embedding_type(&scheme.embedding);
@@ -110,11 +113,12 @@ fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
             let __solved = __wzvi::increments::<#f64, #noises>(__dw).and_then(|__dw| {
                 let __prepared = <Self as __wzvi::Discretized<#embedding>>::prepare(self, __h)
                     .map_err(|_| __wzvi::StepFailure::NonFinite)?;
-                let (__q, __p) = (__before.q.into(), __before.p.into());
-                __solve(&__prepared, __before.t, __h, __q, __p, __dw, &mut __wzvi::core::default::Default::default())
+                let (__q, __p) = (__wzvi::core::convert::Into::into(__before.q), __wzvi::core::convert::Into::into(__before.p));
+                let mut __memory = __wzvi::core::default::Default::default();
+                __solve(&__prepared, __before.t, __h, __q, __p, __dw, &mut __memory, &__wzvi::Plain)
             });
             match __solved {
-                __wzvi::core::result::Result::Ok(__solved) => __wzvi::SVector::from(__solved.momentum),
+                __wzvi::core::result::Result::Ok(__solved) => __wzvi::core::convert::From::from(__solved.momentum),
                 __wzvi::core::result::Result::Err(_) => __wzvi::SVector::repeat(#f64::NAN),
             }
         }
@@ -163,16 +167,20 @@ fn plan(facts: &Facts, scheme: &Scheme) -> TokenStream {
 struct Step<'f> {
     flow: &'f Flow,
     scheme: &'f Scheme,
-    /// Values of level `Prepared` that the step reads.
+    /// Numbers of level `Prepared` that the step reads.
     constants: Vec<Op>,
+    /// Truths of level `Prepared` that the step reads.
+    truths: Vec<Op>,
 }
 
 impl<'f> Step<'f> {
     fn new(flow: &'f Flow, scheme: &'f Scheme) -> Self {
-        Self { flow, scheme, constants: flow.constants() }
+        let is_truth = |&op: &Op| flow.program.operation(op).is_truth();
+        let (truths, constants) = flow.constants().into_iter().partition(is_truth);
+        Self { flow, scheme, constants, truths }
     }
 
-    /// `[f64; constants]`, with one factor per matrix that never changes.
+    /// `[f64; constants]`, with one factor per matrix that never changes, then `[bool; truths]` if there are any.
     fn prepared_type(&self) -> TokenStream {
         let (f64, count) = (f64_type(), self.constants.len());
         let factors = self.flow.solves.iter().filter_map(|solve| match solve {
@@ -182,7 +190,9 @@ impl<'f> Step<'f> {
             }
             _ => None,
         });
-        quote!(([#f64; #count], #(#factors,)*))
+        let truths = self.truths.len();
+        let truths = (truths > 0).then(|| quote!([__wzvi::core::primitive::bool; #truths]));
+        quote!(([#f64; #count], #(#factors,)* #truths))
     }
 
     /// One extrapolation per Newton block of a system without noise.
@@ -202,7 +212,8 @@ impl<'f> Step<'f> {
         printer.set(flow.h, format_ident!("__h"));
         let mut statements = TokenStream::new();
         let mut read = Vec::new();
-        let wanted = flow.prepared_roots(&self.constants);
+        let read_by_step: Vec<Op> = self.constants.iter().chain(&self.truths).copied().collect();
+        let wanted = flow.prepared_roots(&read_by_step);
         let used = flow.program.uses(&wanted);
         for (i, (op, parameter)) in flow.parameters.iter().zip(&model.parameters).enumerate() {
             if used[*op] > 0 {
@@ -241,11 +252,13 @@ impl<'f> Step<'f> {
                 _ => {}
             }
         }
-        statements.extend(printer.bind(&self.constants, &used, &|_| false));
+        statements.extend(printer.bind(&read_by_step, &used, &|_| false));
         let constants = self.constants.iter().map(|&op| printer.value(op));
+        let truths = self.truths.iter().map(|&op| printer.value(op));
+        let truths = (!self.truths.is_empty()).then(|| quote!([#(#truths),*]));
         quote! {
             #statements
-            __wzvi::core::result::Result::Ok(([#(#constants),*], #(#factors,)*))
+            __wzvi::core::result::Result::Ok(([#(#constants),*], #(#factors,)* #truths))
         }
     }
 
@@ -267,11 +280,20 @@ impl<'f> Step<'f> {
         for (&op, name) in self.constants.iter().zip(&constants) {
             printer.set(op, name.clone());
         }
+        let open =
+            if constants.is_empty() { quote!() } else { quote!(let [#(#constants),*] = __prepared.0;) };
+        let truths: Vec<Ident> = indexed("b", self.truths.len());
+        for (&op, name) in self.truths.iter().zip(&truths) {
+            printer.set(op, name.clone());
+        }
+        let factors = flow.solves.iter().filter(|solve| matches!(solve, Solve::Factored { .. })).count();
+        let last = proc_macro2::Literal::usize_unsuffixed(factors + 1);
+        let truths = (!truths.is_empty()).then(|| quote!(let [#(#truths),*] = __prepared.#last;));
         let body =
             SolveBody { flow, uses: flow.program.uses(&flow.roots()), printer, records: Vec::new() }.emit();
         quote! {
             #[inline(always)]
-            fn __solve<__S: __wzvi::Scalar>(
+            fn __solve<__S: __wzvi::Scalar, __C: __wzvi::Carry<__S>>(
                 __prepared: &__Prepared,
                 __t: #f64,
                 __h: #f64,
@@ -279,8 +301,10 @@ impl<'f> Step<'f> {
                 [#(#p),*]: [__S; #d],
                 [#(#dw),*]: [__S; #noises],
                 __memory: &mut __Memory<__S>,
+                __carry: &__C,
             ) -> __wzvi::core::result::Result<__wzvi::Solution<__S, #d>, __wzvi::StepFailure> {
-                let [#(#constants),*] = __prepared.0;
+                #open
+                #truths
                 #body
             }
         }
@@ -314,6 +338,14 @@ impl SolveBody<'_> {
         for (i, solve) in self.flow.solves.iter().enumerate() {
             match solve {
                 Solve::Inverted { .. } => {}
+                Solve::Reciprocal { pivot, inverse, is_safe } => {
+                    statements.extend(self.bind(&[*pivot]));
+                    let (value, name) = (self.printer.scalar_value(*pivot), self.printer.name(*inverse));
+                    statements.extend(match is_safe {
+                        true => quote!(let #name = __wzvi::Scalar::recip(#value);),
+                        false => quote!(let #name = __wzvi::reciprocal::<__S>(#value)?;),
+                    });
+                }
                 Solve::Divided { pivot, rhs, unknown } => {
                     statements.extend(self.bind(&[*pivot, *rhs]));
                     let (rhs, pivot) = (self.printer.scalar_value(*rhs), self.printer.scalar_value(*pivot));
@@ -420,22 +452,24 @@ impl SolveBody<'_> {
 
     fn finish(&mut self, counts: &[Ident]) -> TokenStream {
         let flow = self.flow;
-        let roots: Vec<Op> = flow.q1.iter().chain(&flow.p1).chain(&flow.momentum).copied().collect();
+        let roots: Vec<Op> = flow.dq.iter().chain(&flow.dp).chain(&flow.momentum).copied().collect();
         let statements = self.bind(&roots);
         let values = |ops: &[Op]| -> Vec<TokenStream> {
             ops.iter().map(|&op| self.printer.scalar_value(op)).collect()
         };
-        let (q1, p1, momentum) = (values(&flow.q1), values(&flow.p1), values(&flow.momentum));
+        let (q, p) = (values(&flow.q0), values(&flow.p0));
+        let (dq, dp, momentum) = (values(&flow.dq), values(&flow.dp), values(&flow.momentum));
         let iterations = if counts.is_empty() { quote!(0) } else { quote!(#(#counts)+*) };
         let records = &self.records;
         quote! {
             #statements
-            let __next = __wzvi::Solution {
-                q: [#(#q1),*],
-                p: [#(#p1),*],
-                momentum: [#(#momentum),*],
-                iterations: #iterations,
-            };
+            let __next = __wzvi::Solution::new(
+                __carry,
+                [[#(#q),*], [#(#p),*]],
+                [[#(#dq),*], [#(#dp),*]],
+                [#(#momentum),*],
+                #iterations,
+            );
             if !__next.is_finite() {
                 return __wzvi::core::result::Result::Err(__wzvi::StepFailure::NonFinite);
             }

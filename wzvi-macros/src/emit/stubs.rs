@@ -6,13 +6,14 @@ use quote::quote;
 use syn::{ItemStruct, Path};
 
 use crate::discretise::embedding::Embedding;
-use crate::model::Located;
+use crate::input::Declaration;
 
 /// What is known of the system so far.
 pub(crate) struct Stubs {
     item: TokenStream,
     system: Option<(TokenStream, TokenStream)>,
-    embeddings: Vec<TokenStream>,
+    /// The generic parameters and the scheme of each implementation.
+    schemes: Vec<(TokenStream, TokenStream)>,
     crate_path: Option<Path>,
     degrees: usize,
 }
@@ -20,20 +21,26 @@ pub(crate) struct Stubs {
 impl Stubs {
     /// Nothing but the tokens of the item.
     pub(crate) fn unrecognised(item: TokenStream) -> Self {
-        Self { item, system: None, embeddings: Vec::new(), crate_path: None, degrees: 1 }
+        Self { item, system: None, schemes: Vec::new(), crate_path: None, degrees: 1 }
     }
 
     /// The attribute was read.
-    pub(crate) fn recognise(
-        &mut self,
-        item: &ItemStruct,
-        crate_path: &Path,
-        embeddings: &[Located<Embedding>],
-    ) {
+    pub(crate) fn recognise(&mut self, item: &ItemStruct, declaration: &Declaration) {
         let (parameters, arguments, condition) = item.generics.split_for_impl();
         let name = &item.ident;
         self.system = Some((quote! { #parameters }, quote! { #name #arguments #condition }));
-        self.embeddings = embeddings.iter().map(|known| embedding_type(&known.value, crate_path)).collect();
+        let crate_path = &declaration.crate_path;
+        self.schemes = if declaration.all_embeddings_known {
+            let parameters = quote! { #parameters };
+            let types = declaration.embeddings.iter().map(|known| embedding_type(&known.value, crate_path));
+            types.map(|ty| (parameters.clone(), ty)).collect()
+        } else {
+            // Whatever the program calls for may be what was misspelled.
+            let mut generics = item.generics.clone();
+            generics.params.push(syn::parse_quote!(__E));
+            let (parameters, ..) = generics.split_for_impl();
+            vec![(quote! { #parameters }, quote! { __E })]
+        };
         self.crate_path = Some(crate_path.clone());
     }
 
@@ -54,14 +61,14 @@ impl Stubs {
         let wzvi = self.crate_path.as_ref()?;
         let hamiltonian = self.hamiltonian(wzvi);
         let discretized = discretized(wzvi);
-        let embeddings = &self.embeddings;
+        let (with_scheme, schemes): (Vec<_>, Vec<_>) = self.schemes.iter().cloned().unzip();
         Some(quote! {
             const _: () = {
                 #[allow(warnings)]
                 impl #parameters #wzvi::system::Hamiltonian for #system { #hamiltonian }
                 #(
                     #[allow(warnings)]
-                    impl #parameters #wzvi::system::Discretized<#embeddings> for #system { #discretized }
+                    impl #with_scheme #wzvi::system::Discretized<#schemes> for #system { #discretized }
                 )*
             };
         })
@@ -109,11 +116,13 @@ fn discretized(wzvi: &Path) -> TokenStream {
         const EQUATIONS: &'static ::core::primitive::str = "";
         type Prepared = ();
         type Memory<S: #wzvi::scalar::Scalar> = ();
+        type Compensated<S: #wzvi::scalar::Scalar> = #wzvi::__private::Plain;
+        type Carry<S: #wzvi::scalar::Scalar> = #wzvi::__private::Plain;
         fn prepare(&self, _: #real) -> ::core::result::Result<(), #wzvi::error::ConfigError> {
             ::core::unimplemented!()
         }
-        fn advance<S: #wzvi::scalar::Scalar>(
-            &self, _: &(), _: #real, _: #real, _: &mut [S], _: &mut [S], _: &[S], _: &mut (),
+        fn advance_carrying<S: #wzvi::scalar::Scalar, C: #wzvi::__private::Carry<S>>(
+            &self, _: &(), _: #real, _: #real, _: &mut [S], _: &mut [S], _: &[S], _: &mut (), _: &mut C,
         ) -> ::core::result::Result<#wzvi::system::Solved, #wzvi::error::StepFailure> { ::core::unimplemented!() }
         fn discrete_lagrangian(&self, _: &#segment, _: &[#real]) -> #real { ::core::unimplemented!() }
         fn discrete_lagrangian_gradient(

@@ -20,6 +20,10 @@ pub(crate) struct Declaration {
     pub(crate) noise: Vec<Hamiltonian>,
     pub(crate) invariants: Vec<Hamiltonian>,
     pub(crate) embeddings: Vec<Located<Embedding>>,
+    /// The types that were read as `embeddings`, in their order.
+    pub(crate) embedding_types: Vec<syn::Type>,
+    /// Whether there are no others than `embeddings`: none was misspelled.
+    pub(crate) all_embeddings_known: bool,
     pub(crate) crate_path: Path,
 }
 
@@ -54,12 +58,21 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
         noise: Vec::new(),
         invariants: Vec::new(),
         embeddings: Vec::new(),
+        embedding_types: Vec::new(),
+        all_embeddings_known: false,
         crate_path: syn::parse_quote!(::wzvi),
     };
     let mut seen: Vec<String> = Vec::new();
     for entry in split_entries(attribute, diagnostics) {
-        let key = entry.key.unraw().to_string();
-        if seen.contains(&key) {
+        let mut key = entry.key.unraw().to_string();
+        if !KEYS.contains(&key.as_str()) {
+            diagnostics.report(messages::unknown_key(&entry.key));
+            // A misspelled key is not a missing one as well, and its value may have mistakes of its own.
+            match messages::intended_key(&entry.key) {
+                Some(intended) if !seen.iter().any(|known| known == intended) => key = intended.to_owned(),
+                _ => continue,
+            }
+        } else if seen.contains(&key) {
             diagnostics.report(messages::duplicate_key(&entry.key));
             continue;
         }
@@ -75,10 +88,6 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
 }
 
 fn read_entry(declaration: &mut Declaration, key: &str, entry: &Entry, diagnostics: &mut Diagnostics) {
-    if !KEYS.contains(&key) {
-        diagnostics.report(messages::unknown_key(&entry.key));
-        return;
-    }
     if entry.value.is_empty() {
         diagnostics.report(messages::missing_value(&entry.key));
         return;
@@ -87,9 +96,16 @@ fn read_entry(declaration: &mut Declaration, key: &str, entry: &Entry, diagnosti
         "drift" => declaration.drift = diagnostics.accept(entry.parse(hamiltonian)),
         "noise" => declaration.noise = entry.hamiltonians(diagnostics),
         "invariant" => declaration.invariants = entry.hamiltonians(diagnostics),
-        "embedding" => declaration.embeddings = entry.embeddings(diagnostics),
+        "embedding" => {
+            let before = diagnostics.count();
+            (declaration.embeddings, declaration.embedding_types) =
+                entry.embeddings(diagnostics).into_iter().unzip();
+            declaration.all_embeddings_known = diagnostics.count() == before;
+        }
         _ => {
-            if let Some(path) = diagnostics.accept(entry.parse(Path::parse_mod_style)) {
+            let path = entry.parse(Path::parse_mod_style);
+            let path = path.map_err(|_| messages::not_a_path(&entry.value));
+            if let Some(path) = diagnostics.accept(path) {
                 declaration.crate_path = path;
             }
         }
@@ -106,7 +122,6 @@ impl Entry {
             let content;
             syn::braced!(content in input);
             let value = parser(&content)?;
-            content.parse::<Option<Token![,]>>()?;
             if content.is_empty() {
                 Ok(value)
             } else {
@@ -124,7 +139,7 @@ impl Entry {
         list
     }
 
-    fn embeddings(&self, diagnostics: &mut Diagnostics) -> Vec<Located<Embedding>> {
+    fn embeddings(&self, diagnostics: &mut Diagnostics) -> Vec<(Located<Embedding>, syn::Type)> {
         let Some(types) = diagnostics.accept(self.parse(type_list)) else { return Vec::new() };
         if types.is_empty() {
             diagnostics.report(messages::empty_list(&self.key, &self.value));
@@ -198,13 +213,24 @@ fn split_entries(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Vec<E
     let mut position = 0;
     let mut stray = TokenStream::new();
     while position < tokens.len() {
-        let at_start = position == 0 || is_punct(&tokens[position - 1], ',');
+        let before = position.checked_sub(1).map(|before| &tokens[before]);
+        let mut at_start = before.is_none_or(|before| is_punct(before, ','));
+        if let (TokenTree::Ident(key), Some(before)) = (&tokens[position], before)
+            && KEYS.contains(&key.to_string().as_str())
+            && ends_operand(before)
+            && is_assignment(&tokens[position + 1..])
+        {
+            diagnostics.report(messages::missing_comma(key));
+            at_start = true;
+        }
         match &tokens[position] {
             TokenTree::Ident(key) if at_start && is_assignment(&tokens[position + 1..]) => {
                 entries.push(Entry { key: key.clone(), value: TokenStream::new() });
                 position += 2;
                 continue;
             }
+            // The comma between two entries, or after the last.
+            token if is_punct(token, ',') && ends_entry(&tokens[position + 1..]) && !entries.is_empty() => {}
             token => match entries.last_mut() {
                 Some(entry) => entry.value.extend([token.clone()]),
                 None => stray.extend([token.clone()]),
@@ -216,6 +242,24 @@ fn split_entries(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Vec<E
         diagnostics.report(messages::expected_key(stray));
     }
     entries
+}
+
+/// Whether nothing or the next `key =` follows.
+fn ends_entry(rest: &[TokenTree]) -> bool {
+    match rest {
+        [] => true,
+        [TokenTree::Ident(_), rest @ ..] => is_assignment(rest),
+        _ => false,
+    }
+}
+
+/// Whether no expression goes on with a name after `token`.
+fn ends_operand(token: &TokenTree) -> bool {
+    match token {
+        TokenTree::Ident(name) => syn::parse2::<Ident>(name.to_token_stream()).is_ok(),
+        TokenTree::Punct(punct) => punct.as_char() == '>',
+        TokenTree::Group(_) | TokenTree::Literal(_) => true,
+    }
 }
 
 fn is_punct(token: &TokenTree, expected: char) -> bool {

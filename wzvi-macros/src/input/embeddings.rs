@@ -1,25 +1,27 @@
 //! The schemes of `embedding = ...`.
 
 use quote::ToTokens;
-use syn::spanned::Spanned;
 use syn::{GenericArgument, PathArguments, Type};
 
 use crate::diagnostics::{Diagnostics, messages};
 use crate::discretise::embedding::Embedding;
-use crate::model::Located;
+use crate::model::{Extent, Located};
 
 pub(super) const NAMES: [&str; 7] =
     ["DeltaPlus", "Midpoint", "DeltaMinus", "Lambda", "Mixed", "Corrected", "Uncorrected"];
 
 /// The schemes, each once; mistakes are reported.
-pub(super) fn read_embeddings(types: &[Type], diagnostics: &mut Diagnostics) -> Vec<Located<Embedding>> {
-    let mut embeddings: Vec<Located<Embedding>> = Vec::new();
+pub(super) fn read_embeddings(
+    types: &[Type],
+    diagnostics: &mut Diagnostics,
+) -> Vec<(Located<Embedding>, Type)> {
+    let mut embeddings: Vec<(Located<Embedding>, Type)> = Vec::new();
     for ty in types {
         let Some(value) = diagnostics.accept(embedding(ty)) else { continue };
-        if embeddings.iter().any(|known| known.value == value) {
+        if embeddings.iter().any(|(known, _)| known.value == value) {
             diagnostics.report(messages::duplicate_embedding(ty, &value));
         } else {
-            embeddings.push(Located { value, span: ty.span() });
+            embeddings.push((Located { value, extent: Extent::of(ty) }, ty.clone()));
         }
     }
     embeddings

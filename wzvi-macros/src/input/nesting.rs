@@ -1,94 +1,130 @@
 //! Bounds the nesting of token streams before anything recursive reads them: `syn` parses and drops by recursion, and
 //! a compiler must not overflow its stack on any input.
+//!
+//! The bound is on a cost, in units of the stack that one link of a chain `a + b + ...` takes (about 700 bytes in a
+//! debug build). Costs were measured by the largest depth that fits a thread of 2 MiB.
 
-use proc_macro2::{TokenStream, TokenTree};
+use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 
-/// Bound of [`cost`]: chosen so that the deepest stream still fits a thread of 2 MiB in a debug build.
-const LIMIT: usize = 2400;
+/// About 1.5 MiB.
+const LIMIT: usize = 2200;
+
+const PAREN: usize = 24;
+const BRACE: usize = 34;
+/// A generic argument list.
+const ANGLE: usize = 50;
+const PREFIX: usize = 6;
 
 /// The innermost token at which `tokens` nest too deeply, if they do.
 pub(super) fn too_deep(tokens: &TokenStream) -> Option<TokenTree> {
     // An explicit stack: this function has to survive what the others are guarded from.
     let mut pending = vec![(tokens.clone(), 0)];
     while let Some((stream, outer)) = pending.pop() {
-        let mut run = Run::default();
+        let mut runs = Runs::default();
         let mut groups = Vec::new();
         for token in stream {
-            run.read(&token);
-            if outer + run.cost > LIMIT || run.prefixes > 64 {
+            runs.read(&token);
+            if outer + runs.cost() > LIMIT {
                 return Some(token);
             }
             if let TokenTree::Group(group) = token {
-                groups.push((group.stream(), run.number));
+                let cost = if group.delimiter() == Delimiter::Brace { BRACE } else { PAREN };
+                groups.push((group.stream(), runs.finished.len(), cost));
             }
-            run.close_if_ended();
         }
-        let costs = run.costs();
-        for (stream, number) in groups {
-            let inner = outer + costs.get(number).copied().unwrap_or(0) + GROUP;
-            pending.push((stream, inner));
+        let costs = runs.costs();
+        for (stream, run, cost) in groups {
+            pending.push((stream, outer + cost + costs.get(run).copied().unwrap_or(0)));
         }
     }
     None
 }
 
-/// Cost of a delimited group: parsing it passes through every level of precedence.
-const GROUP: usize = 24;
-
-/// Tokens between two separators. Each operator may nest the expression by one level: a long sum is a deep tree.
+/// Tokens of one stream, in runs that `,` and `;` separate. Within a run each operator may nest the expression by one
+/// level: a long sum is a deep tree.
 #[derive(Default)]
-struct Run {
-    cost: usize,
-    /// Consecutive tokens that end no operand: a chain of prefix operators.
-    prefixes: usize,
-    number: usize,
+struct Runs {
+    /// Costs of the runs before.
     finished: Vec<usize>,
-    ended: bool,
+    nested: usize,
+    /// Tokens in a row that end no operand: a chain of prefix operators.
+    prefixes: usize,
+    longest: usize,
+    /// A type may have begun, in which `<` nests.
+    in_type: bool,
+    previous: Option<char>,
+    after_else: bool,
 }
 
-impl Run {
+impl Runs {
     fn read(&mut self, token: &TokenTree) {
+        let previous = self.previous.take();
+        let after_else = std::mem::take(&mut self.after_else);
         match token {
             TokenTree::Punct(punct) => {
-                self.ended = matches!(punct.as_char(), ',' | ';');
-                self.cost += match punct.as_char() {
-                    '=' | '|' => 8,
-                    _ => 1,
-                };
-                self.prefixes += 1;
+                self.punct(punct.as_char(), previous);
+                self.previous = Some(punct.as_char()).filter(|_| punct.spacing() == Spacing::Joint);
             }
-            TokenTree::Ident(ident) if nests(&ident.to_string()) => {
-                self.cost += GROUP;
-                self.prefixes += 1;
+            TokenTree::Ident(ident) => {
+                let name = ident.to_string();
+                self.in_type |= begins_type(&name);
+                match name.as_str() {
+                    "else" | "as" => self.nested += 1,
+                    // A chain of `else if` is read by a loop.
+                    "if" if after_else => self.nested += 1,
+                    name if nests(name) => self.nest(PAREN),
+                    _ => self.prefixes = 0,
+                }
+                self.after_else = name == "else";
             }
-            TokenTree::Group(group) => {
-                self.cost += usize::from(group.delimiter() != proc_macro2::Delimiter::Brace);
+            TokenTree::Group(_) => {
+                self.nested += 1;
                 self.prefixes = 0;
             }
-            _ => self.prefixes = 0,
+            TokenTree::Literal(_) => self.prefixes = 0,
         }
     }
 
-    fn close_if_ended(&mut self) {
-        if std::mem::take(&mut self.ended) {
-            self.finished.push(std::mem::take(&mut self.cost));
-            self.number += 1;
-            self.prefixes = 0;
+    fn punct(&mut self, punct: char, previous: Option<char>) {
+        match punct {
+            ',' | ';' => {
+                let cost = self.cost();
+                let finished = std::mem::take(&mut self.finished);
+                *self = Self { finished, ..Self::default() };
+                self.finished.push(cost);
+                return;
+            }
+            '=' | '|' => self.nest(12),
+            '.' if previous == Some('.') => self.nest(16),
+            '<' if self.in_type || self.prefixes > 0 => self.nest(ANGLE),
+            ':' => self.in_type = true,
+            _ => self.nested += 1,
         }
+        self.prefixes += 1;
+        self.longest = self.longest.max(self.prefixes);
+    }
+
+    /// What comes next is inside: prefix operators so far and from here add up.
+    fn nest(&mut self, cost: usize) {
+        self.nested += cost + PREFIX * std::mem::take(&mut self.longest);
+    }
+
+    fn cost(&self) -> usize {
+        self.nested + PREFIX * self.longest
     }
 
     fn costs(mut self) -> Vec<usize> {
-        self.finished.push(self.cost);
+        let cost = self.cost();
+        self.finished.push(cost);
         self.finished
     }
 }
 
-/// Keywords after which an expression starts that belongs to the one before.
-fn nests(keyword: &str) -> bool {
+/// Keywords after which an expression or an item starts that belongs to what was before.
+fn nests(name: &str) -> bool {
     matches!(
-        keyword,
-        "if" | "else"
-            | "return"
+        name,
+        "if" | "return"
             | "break"
             | "match"
             | "move"
@@ -97,6 +133,32 @@ fn nests(keyword: &str) -> bool {
             | "for"
             | "unsafe"
             | "async"
+            | "const"
+            | "dyn"
+            | "impl"
+            | "fn"
+            | "static"
+            | "let"
+            | "in"
+            | "yield"
+            | "box"
+    )
+}
+
+/// Words after which `<` may open generic arguments.
+fn begins_type(name: &str) -> bool {
+    matches!(
+        name,
+        "as" | "fn"
+            | "impl"
+            | "struct"
+            | "enum"
+            | "union"
+            | "trait"
+            | "type"
+            | "where"
+            | "for"
+            | "use"
             | "dyn"
     )
 }

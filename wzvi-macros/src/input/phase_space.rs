@@ -66,21 +66,28 @@ impl fmt::Display for Shape {
     }
 }
 
-/// Reads the phase space from the drift and checks that the other closures agree with it.
+/// Reads the phase space from the drift and checks that the other closures agree with it. Closures that do not are
+/// reported and removed: what they would say about their bodies follows from it. If the drift declares none, the next
+/// closure does, so that the others are read all the same.
 pub(crate) fn read_phase_space(
-    declaration: &Declaration,
+    declaration: &mut Declaration,
     diagnostics: &mut Diagnostics,
 ) -> Option<PhaseSpace> {
-    let drift = declaration.drift.as_ref();
-    let phase_space = drift.and_then(|drift| diagnostics.accept(declared(drift)));
-    let others = declaration.noise.iter().chain(&declaration.invariants);
-    for other in others {
-        let agreed = match &phase_space {
-            Some(phase_space) => repeats(other, &phase_space.shape),
-            None => declared(other).map(|_| ()),
-        };
-        diagnostics.accept(agreed);
+    let mut phase_space = declaration.drift.as_ref().and_then(|drift| diagnostics.accept(declared(drift)));
+    let of_drift = phase_space.is_some();
+    if !of_drift {
+        declaration.drift = None;
     }
+    let mut agrees = |other: &Hamiltonian| match &phase_space {
+        Some(known) if of_drift => diagnostics.accept(repeats(other, &known.shape)).is_some(),
+        Some(known) => diagnostics.accept(declared(other)).is_some_and(|found| found.shape == known.shape),
+        None => {
+            phase_space = diagnostics.accept(declared(other));
+            phase_space.is_some()
+        }
+    };
+    declaration.noise.retain(&mut agrees);
+    declaration.invariants.retain(&mut agrees);
     phase_space
 }
 

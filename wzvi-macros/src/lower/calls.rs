@@ -25,7 +25,7 @@ impl<'a> Interpreter<'a, '_> {
         let function = match &*syntax.func {
             // A single name is a variable; as a function it is not one that can be seen into.
             Syntax::Path(path) => match path.path.get_ident() {
-                Some(name) => match self.scope.find(name) {
+                Some(name) => match self.scope.find_from_anywhere(name) {
                     Some(binding) => binding.value.borrow().clone(),
                     None => self.report(expressions::function_call(path)),
                 },

@@ -1,8 +1,10 @@
 //! Blocks, variables, branches and loops.
 
+use syn::visit::Visit;
 use syn::{BinOp, Block, Expr as Syntax, ExprBinary, ExprForLoop, ExprIf, ExprRepeat, Item, Stmt};
 
 use super::interpreter::{Interpreter, last_expression};
+use super::patterns::Names;
 use super::value::{Sequence, Value};
 use crate::diagnostics::expressions;
 use crate::symbolic::Expr;
@@ -25,7 +27,7 @@ impl<'a> Interpreter<'a, '_> {
                     Some(init) if init.diverge.is_none() => self.evaluate(&init.expr),
                     Some(_) => {
                         let remedy = "use `let` without `else`";
-                        self.report(expressions::unsupported(local, "`let ... else`", remedy))
+                        self.report(expressions::unsupported(local.let_token, "`let ... else`", remedy))
                     }
                     // Assigned before it is read, or `rustc` says so.
                     None => Value::Poison,
@@ -81,7 +83,7 @@ impl<'a> Interpreter<'a, '_> {
             Syntax::Paren(inner) => return self.store(&inner.expr, value),
             _ => None,
         };
-        let error = match name.and_then(|name| self.scope.find(name)) {
+        let error = match name.and_then(|name| self.scope.find_from_anywhere(name)) {
             Some(binding) if binding.branch == self.branch => {
                 *binding.value.borrow_mut() = value;
                 return;
@@ -109,7 +111,15 @@ impl<'a> Interpreter<'a, '_> {
     /// Both branches, and a choice between their values.
     fn undecided(&mut self, syntax: &'a ExprIf, condition: Option<Expr>) -> Value {
         self.branch += 1;
+        let outer = self.scope.len();
+        if condition.is_none() {
+            // `if let` was reported.
+            let mut names = Names::default();
+            names.visit_expr(&syntax.cond);
+            names.0.into_iter().for_each(|name| self.declare(name, Value::Poison));
+        }
         let then = self.block(&syntax.then_branch);
+        self.scope.leave(outer);
         let otherwise = syntax.else_branch.as_ref().map(|(_, otherwise)| self.evaluate(otherwise));
         self.branch -= 1;
         match (condition, otherwise) {
@@ -160,7 +170,7 @@ impl<'a> Interpreter<'a, '_> {
         match value {
             Value::Real(expr) => Some(*expr),
             Value::Place(place) if place.kind == crate::input::Kind::Constant => {
-                Some(self.parameter(&place.name, place.tokens.clone()))
+                Some(self.parameter(&place.name, place.value()))
             }
             _ => None,
         }

@@ -121,9 +121,7 @@ impl Interpreter<'_, '_> {
         match value {
             Value::Integer(value) => self.integer_as_real(*value),
             Value::Place(place) if place.kind == Kind::Integer => {
-                let tokens = &place.tokens;
-                let tokens = quote::quote! { (#tokens as ::core::primitive::f64) };
-                Value::Real(self.parameter(&place.name, tokens))
+                Value::Real(self.parameter(&place.name, place.as_real()))
             }
             value => self.real(value.clone(), at).map_or(Value::Poison, Value::Real),
         }
@@ -134,9 +132,7 @@ impl Interpreter<'_, '_> {
         let x = self.real(x.clone(), x_at);
         let n = match n {
             Value::Place(place) if matches!(place.kind, Kind::Integer | Kind::Constant) => {
-                let tokens = &place.tokens;
-                let tokens = quote::quote! { (#tokens as ::core::primitive::f64) };
-                let n = self.parameter(&place.name, tokens);
+                let n = self.parameter(&place.name, place.as_real());
                 return x.map_or(Value::Poison, |x| Value::Real(self.graph.apply(Function::Powf, &[x, n])));
             }
             n => self.known_integer(n.clone(), n_at),

@@ -61,8 +61,14 @@ impl<'a> Interpreter<'a, '_> {
         }
         let tokens = &place.tokens;
         let literal = proc_macro2::Literal::usize_unsuffixed(i);
-        let element =
-            Place { name: format!("{}[{i}]", place.name), tokens: quote! { #tokens[#literal] }, kind };
+        // The length of a `Vec` is known at run time only: an element that is not there must not panic.
+        let is_checked = place.is_checked || (len.is_none() && matches!(place.kind, Kind::List(..)));
+        let tokens = if is_checked {
+            quote! { #tokens.get(#literal)? }
+        } else {
+            quote! { #tokens[#literal] }
+        };
+        let element = Place { name: format!("{}[{i}]", place.name), tokens, kind, is_checked };
         self.place(element, at)
     }
 

@@ -170,7 +170,16 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             Syntax::Unsafe(_) => ("`unsafe`", "write safe arithmetic"),
             _ => ("this expression", "use arithmetic, `f64` methods, `let`, `if`, closures and iterators"),
         };
-        self.report(expressions::unsupported(syntax, what, remedy))
+        let at = match syntax {
+            Syntax::Match(syntax) => syntax.match_token.to_token_stream(),
+            Syntax::While(syntax) => syntax.while_token.to_token_stream(),
+            Syntax::Loop(syntax) => syntax.loop_token.to_token_stream(),
+            Syntax::Return(syntax) => syntax.return_token.to_token_stream(),
+            Syntax::Unsafe(syntax) => syntax.unsafe_token.to_token_stream(),
+            Syntax::Try(syntax) => syntax.question_token.to_token_stream(),
+            _ => syntax.to_token_stream(),
+        };
+        self.report(expressions::unsupported(at, what, remedy))
     }
 
     /// `value` as a real number; what it is instead is reported at `at`.
@@ -179,7 +188,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             Value::Real(expr) => return Some(expr),
             Value::Poison => return None,
             Value::Place(place) if matches!(place.kind, Kind::Constant | Kind::Real) => {
-                return Some(self.parameter(&place.name, place.tokens.clone()));
+                return Some(self.parameter(&place.name, place.value()));
             }
             value if value.is_integer() => expressions::integer_not_real(at.to_token_stream()),
             value => expressions::expected(at.to_token_stream(), "an `f64`", value.describe()),
@@ -217,7 +226,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     /// What a place holds: a real number is read at once, the rest waits for its use.
     pub(super) fn place(&mut self, place: Place, at: &dyn ToTokens) -> Value {
         match &place.kind {
-            Kind::Real => Value::Real(self.parameter(&place.name, place.tokens)),
+            Kind::Real => Value::Real(self.parameter(&place.name, place.value())),
             Kind::Other(ty) => self.report(expressions::field_type(at.to_token_stream(), &place.name, ty)),
             _ => Value::Place(place.into()),
         }

@@ -76,11 +76,12 @@ impl<'a> Interpreter<'a, '_> {
     /// The length of a list that only the running program knows.
     fn length(&mut self, place: &super::value::Place) -> Value {
         let tokens = &place.tokens;
-        let length = super::value::Place {
-            name: format!("{}.len()", place.name),
-            tokens: quote::quote! { #tokens.len() },
-            kind: Kind::Integer,
+        let tokens = if place.is_checked {
+            quote::quote! { (|| ::core::option::Option::Some(#tokens.len()))().unwrap_or(0) }
+        } else {
+            quote::quote! { #tokens.len() }
         };
+        let length = super::value::Place::new(format!("{}.len()", place.name), tokens, Kind::Integer);
         Value::Place(length.into())
     }
 

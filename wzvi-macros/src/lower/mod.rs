@@ -18,11 +18,10 @@ mod type_checks;
 mod value;
 
 use syn::ReturnType;
-use syn::spanned::Spanned;
 
 use crate::diagnostics::{Diagnostics, messages};
 use crate::input::{Declaration, Hamiltonian, PhaseSpace, Shape, System};
-use crate::model::{Located, Model, Phase};
+use crate::model::{Extent, Located, Model, Phase};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 use interpreter::Interpreter;
@@ -90,7 +89,7 @@ fn lower_closure<'a>(
     }
     let value = interpreter.evaluate(&closure.body);
     let value = interpreter.real(value, interpreter::result_of(&closure.body))?;
-    Some(Located { value, span: closure.body.span() })
+    Some(Located { value, extent: Extent::of(&closure.body) })
 }
 
 /// The symbols as a value of the given shape.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 use syn::ext::IdentExt;
-use syn::{Expr as Syntax, ExprField, ExprPath, Ident, Member, Type};
+use syn::{Expr as Syntax, ExprField, ExprPath, Ident, Member, Type, UnOp};
 
 use super::interpreter::Interpreter;
 use super::value::{Place, Value};
@@ -49,20 +49,23 @@ impl<'a> Interpreter<'a, '_> {
         if let Some(binding) = self.scope.find(name) {
             return binding.value.borrow().clone();
         }
-        let field = |field: &&Field| matches!(&field.member, Member::Named(known) if known == name);
-        if let Some(field) = self.system.fields.iter().find(field) {
+        if let Some(field) = self.find_field(|member| matches!(member, Member::Named(known) if known == name))
+        {
             return self.read_field(field, name);
         }
         let tokens = name.to_token_stream();
         if self.system.sizes.contains(name) {
-            return Value::Place(Place { name: name.to_string(), tokens, kind: Kind::Integer }.into());
+            return Value::Place(Place::new(name.to_string(), tokens, Kind::Integer).into());
+        }
+        if let Some(binding) = self.scope.find_from_anywhere(name) {
+            return binding.value.borrow().clone();
         }
         if name == "self" {
             let remedy = "name the field, as in `self.a` or `a`";
             return self.report(expressions::unsupported(name, "the struct as a whole", remedy));
         }
         if is_constant_name(name) {
-            return Value::Place(Place { name: name.to_string(), tokens, kind: Kind::Constant }.into());
+            return Value::Place(Place::new(name.to_string(), tokens, Kind::Constant).into());
         }
         let fields = self.field_names();
         let locals = self.scope.names();
@@ -81,7 +84,7 @@ impl<'a> Interpreter<'a, '_> {
         };
         let is_constant = path.path.segments.last().is_some_and(|last| is_constant_name(&last.ident));
         if is_constant {
-            return Value::Place(Place { name, tokens: path.to_token_stream(), kind: Kind::Constant }.into());
+            return Value::Place(Place::new(name, path.to_token_stream(), Kind::Constant).into());
         }
         match real_function(path) {
             Some(function) => Value::Function(function.into()),
@@ -92,8 +95,7 @@ impl<'a> Interpreter<'a, '_> {
     /// `self.a` or a part of a tuple.
     pub(super) fn field(&mut self, syntax: &'a ExprField) -> Value {
         if is_self(&syntax.base) {
-            let field = self.system.fields.iter().find(|field| field.member == syntax.member);
-            return match field {
+            return match self.find_field(|member| *member == syntax.member) {
                 Some(field) => self.read_field(field, &syntax.member),
                 None => {
                     let fields = self.field_names();
@@ -114,6 +116,15 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
+    /// The field, and of several under different `#[cfg]`s one that can be read.
+    fn find_field(&self, wanted: impl Fn(&Member) -> bool) -> Option<&'a Field> {
+        let system = self.system;
+        let mut fields = system.fields.iter().filter(|field| wanted(&field.member));
+        let first = fields.next()?;
+        let is_usable = |field: &&Field| !matches!(field.kind, Kind::Other(_));
+        Some(if is_usable(&first) { first } else { fields.find(is_usable).unwrap_or(first) })
+    }
+
     fn read_field(&mut self, field: &Field, at: &dyn ToTokens) -> Value {
         let member = &field.member;
         let name = match member {
@@ -121,7 +132,7 @@ impl<'a> Interpreter<'a, '_> {
             Member::Unnamed(index) => format!("self.{}", index.index),
         };
         // `self` has to be that of the method which the tokens end up in; a field's name is the same everywhere.
-        self.place(Place { name, tokens: quote! { self.#member }, kind: field.kind.clone() }, at)
+        self.place(Place::new(name, quote! { self.#member }, field.kind.clone()), at)
     }
 
     fn field_names(&self) -> Vec<String> {
@@ -135,6 +146,7 @@ pub(super) fn is_self(syntax: &Syntax) -> bool {
         Syntax::Path(path) => path.path.is_ident("self"),
         Syntax::Paren(inner) => is_self(&inner.expr),
         Syntax::Group(inner) => is_self(&inner.expr),
+        Syntax::Unary(inner) if matches!(inner.op, UnOp::Deref(_)) => is_self(&inner.expr),
         _ => false,
     }
 }

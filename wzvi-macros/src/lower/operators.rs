@@ -96,7 +96,14 @@ impl<'a> Interpreter<'a, '_> {
 
     fn extend(&mut self, chain: Chain, link: &'a ExprBinary, right: Value) -> Chain {
         match (chain, right) {
-            (Chain::Value(Value::Poison), _) | (_, Value::Poison) => Chain::Value(Value::Poison),
+            (Chain::Value(Value::Poison), right) => {
+                // An integer may be right; anything else that is no number is wrong by itself.
+                if !right.is_integer() {
+                    self.real(right, &link.right);
+                }
+                Chain::Value(Value::Poison)
+            }
+            (_, Value::Poison) => Chain::Value(Value::Poison),
             (Chain::Value(left), right) if left.is_integer() && right.is_integer() => {
                 Chain::Value(self.integer_operation(&left, link.op, &right, link))
             }
@@ -314,9 +321,8 @@ impl<'a> Interpreter<'a, '_> {
             Value::Integer(_) => self.report(expressions::integer_arithmetic(syntax)),
             Value::Place(place) if place.kind == Kind::Integer => Value::Place(place),
             Value::Place(place) if place.kind == Kind::Constant => {
-                let (name, tokens) = (place.name.clone(), &place.tokens);
-                let ty = &syntax.ty;
-                Value::Place(Place { name, tokens: quote! { (#tokens as #ty) }, kind: Kind::Integer }.into())
+                let (name, tokens, ty) = (place.name.clone(), &place.tokens, &syntax.ty);
+                Value::Place(Place::new(name, quote! { (#tokens as #ty) }, Kind::Integer).into())
             }
             Value::Real(_) => self.report(expressions::truncation(syntax)),
             other => self.report(expressions::expected(&syntax.expr, "a number", other.describe())),
@@ -328,8 +334,7 @@ impl<'a> Interpreter<'a, '_> {
         match value {
             Value::Integer(value) => self.integer_as_real(value),
             Value::Place(place) if matches!(place.kind, Kind::Integer | Kind::Constant) => {
-                let tokens = &place.tokens;
-                Value::Real(self.parameter(&place.name, quote! { (#tokens as ::core::primitive::f64) }))
+                Value::Real(self.parameter(&place.name, place.as_real()))
             }
             value => self.real(value, at).map_or(Value::Poison, Value::Real),
         }

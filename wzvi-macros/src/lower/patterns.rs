@@ -3,7 +3,8 @@
 use proc_macro2::TokenStream;
 use quote::ToTokens;
 use syn::punctuated::Punctuated;
-use syn::{Pat, Token};
+use syn::visit::{self, Visit};
+use syn::{Ident, Pat, PatIdent, Token};
 
 use super::interpreter::Interpreter;
 use super::value::{Sequence, Value};
@@ -26,8 +27,20 @@ impl<'a> Interpreter<'a, '_> {
             Pat::Tuple(tuple) => self.bind_elements(&tuple.elems, value, false, pattern),
             Pat::Slice(slice) => self.bind_elements(&slice.elems, value, true, pattern),
             _ => {
-                self.report(expressions::unsupported_pattern(pattern));
+                if !value.is_poison() {
+                    self.report(expressions::unsupported_pattern(pattern));
+                }
+                self.poison(pattern);
             }
+        }
+    }
+
+    /// Declares the names of a pattern that was reported: they would be reported again wherever they are used.
+    pub(super) fn poison(&mut self, pattern: &Pat) {
+        let mut names = Names::default();
+        names.visit_pat(pattern);
+        for name in names.0 {
+            self.declare(name, Value::Poison);
         }
     }
 
@@ -97,6 +110,17 @@ impl<'a> Interpreter<'a, '_> {
             return None;
         }
         Some(items)
+    }
+}
+
+/// The names that a pattern binds, or might.
+#[derive(Default)]
+pub(super) struct Names(pub(super) Vec<Ident>);
+
+impl Visit<'_> for Names {
+    fn visit_pat_ident(&mut self, pattern: &PatIdent) {
+        self.0.push(pattern.ident.clone());
+        visit::visit_pat_ident(self, pattern);
     }
 }
 

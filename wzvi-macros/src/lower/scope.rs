@@ -20,8 +20,17 @@ pub(super) struct Binding {
 pub(super) struct Scope(Vec<Rc<Binding>>);
 
 impl Scope {
+    /// The innermost variable of this name that was written in the same place as the use: a name in the text of a
+    /// `macro_rules!` never means the same name in its arguments.
     pub(super) fn find(&self, name: &Ident) -> Option<&Rc<Binding>> {
-        self.0.iter().rev().find(|binding| binding.name == *name)
+        let context = context(name);
+        self.0.iter().rev().find(|binding| binding.name == *name && self::context(&binding.name) == context)
+    }
+
+    /// The innermost variable of this name from anywhere: a procedural macro may have mixed its own tokens with those
+    /// that it was given. `rustc` decides whether they are the same.
+    pub(super) fn find_from_anywhere(&self, name: &Ident) -> Option<&Rc<Binding>> {
+        self.find(name).or_else(|| self.0.iter().rev().find(|binding| binding.name == *name))
     }
 
     pub(super) fn declare(&mut self, name: Ident, value: Value, branch: u32) {
@@ -48,5 +57,15 @@ impl Scope {
 
     pub(super) fn names(&self) -> Vec<String> {
         self.0.iter().map(|binding| binding.name.to_string()).collect()
+    }
+}
+
+/// What tells apart equal names of different macros: `rustc` prints a span as `#context bytes(..)`. Empty if there is
+/// nothing to tell.
+pub(super) fn context(name: &Ident) -> String {
+    let span = format!("{:?}", name.span());
+    match span.split_once(' ') {
+        Some((context, _)) if context.starts_with('#') => context.to_owned(),
+        _ => String::new(),
     }
 }

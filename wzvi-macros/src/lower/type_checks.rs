@@ -1,18 +1,27 @@
 //! Ordinary Rust that repeats the user's closures, so that `rustc` type-checks them at the user's own tokens.
 
-use proc_macro2::{Ident, TokenStream, TokenTree};
+use std::collections::HashSet;
+
+use proc_macro2::{Group, Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
 use syn::Member;
 use syn::visit_mut::VisitMut;
 
 use super::dereference::Dereference;
+use super::scope::context;
+use crate::emit::stubs::embedding_type;
 use crate::input::{Declaration, Field, Hamiltonian, Kind, Shape, System};
 
-/// A block of dead code with every closure, its parameters typed by the phase space.
+/// A block of dead code with every closure, its parameters typed by the phase space, and with every scheme as it was
+/// written: it has to name the type that it was read as, and its import is in use.
 pub(super) fn type_checks(system: &System, declaration: &Declaration, shape: &Shape) -> TokenStream {
     let name = &system.item.ident;
     let (parameters, arguments, condition) = system.item.generics.split_for_impl();
     let checks = declaration.closures().map(|hamiltonian| check(system, hamiltonian));
+    let schemes = declaration.embeddings.iter().zip(&declaration.embedding_types).map(|(embedding, written)| {
+        let meant = embedding_type(&embedding.value, &declaration.crate_path);
+        quote! { __wzvi_scheme(::core::marker::PhantomData::<#meant>, ::core::marker::PhantomData::<#written>); }
+    });
     let vector = shape.tokens();
     let real = quote! { ::core::primitive::f64 };
     // Lints would fire at the user's tokens a second time; `rustc` and clippy see the closures nowhere else, but what
@@ -34,6 +43,8 @@ pub(super) fn type_checks(system: &System, declaration: &Declaration, shape: &Sh
                 fn __wzvi_type_checks(&self) {
                     fn __wzvi_hamiltonian<F: ::core::ops::Fn(#vector, #vector) -> #real>(_: F) {}
                     fn __wzvi_hamiltonian_of_time<F: ::core::ops::Fn(#vector, #vector, #real) -> #real>(_: F) {}
+                    fn __wzvi_scheme<E>(_: ::core::marker::PhantomData<E>, _: ::core::marker::PhantomData<E>) {}
+                    #( #schemes )*
                     #( #checks )*
                 }
             }
@@ -45,8 +56,8 @@ pub(super) fn type_checks(system: &System, declaration: &Declaration, shape: &Sh
 fn check(system: &System, hamiltonian: &Hamiltonian) -> TokenStream {
     let mut used = Vec::new();
     identifiers(hamiltonian.tokens.clone(), &mut used);
-    let fields = system.fields.iter().filter_map(|field| binding(field, &used));
-    let closure = with_plain_scalars(system, hamiltonian);
+    let fields = system.fields.iter().flat_map(|field| bindings(field, &used));
+    let closure = with_our_self(with_plain_scalars(system, hamiltonian));
     let function = match hamiltonian.closure.inputs.len() {
         2 => quote! { __wzvi_hamiltonian },
         _ => quote! { __wzvi_hamiltonian_of_time },
@@ -54,20 +65,43 @@ fn check(system: &System, hamiltonian: &Hamiltonian) -> TokenStream {
     quote! { { #( #fields )* #function(#closure); } }
 }
 
-/// `let a = self.a;`, with the span of a use: if the closure comes out of a macro, its names are from there.
-fn binding(field: &Field, used: &[Ident]) -> Option<TokenStream> {
-    let Member::Named(name) = &field.member else { return None };
-    let name = used.iter().find(|used| *used == name)?;
+/// `let a = self.a;`, with the span of a use: if the closure comes out of a macro, its names are from there. Names
+/// from several macros get a variable each.
+fn bindings(field: &Field, used: &[Ident]) -> Vec<TokenStream> {
+    let Member::Named(member) = &field.member else { return Vec::new() };
+    let mut contexts = HashSet::new();
+    let names = used.iter().filter(|used| *used == member).filter(|used| contexts.insert(context(used)));
     let conditions = &field.conditions;
-    Some(match is_scalar(field) {
-        true => quote! { #( #conditions )* let #name = self.#name; },
-        false => quote! { #( #conditions )* let #name = &self.#name; },
-    })
+    let reference = if is_scalar(field) {
+        quote! {}
+    } else {
+        quote! { & }
+    };
+    names.map(|name| quote! { #( #conditions )* let #name = #reference self.#member; }).collect()
 }
 
 /// Whether the field is copied into scope: then `a > 0.0` and `f64::sin(a)` are as good as `*a`.
 fn is_scalar(field: &Field) -> bool {
     matches!(field.kind, Kind::Real | Kind::Integer)
+}
+
+/// The tokens with every `self` meaning that of the method around them, whichever macro wrote it.
+fn with_our_self(tokens: TokenStream) -> TokenStream {
+    let token = |mut token: TokenTree| {
+        match &mut token {
+            TokenTree::Ident(name) if *name == "self" => {
+                name.set_span(name.span().resolved_at(Span::call_site()));
+            }
+            TokenTree::Group(group) => {
+                let mut inner = Group::new(group.delimiter(), with_our_self(group.stream()));
+                inner.set_span(group.span());
+                *group = inner;
+            }
+            _ => {}
+        }
+        token
+    };
+    tokens.into_iter().map(token).collect()
 }
 
 fn identifiers(tokens: TokenStream, into: &mut Vec<Ident>) {

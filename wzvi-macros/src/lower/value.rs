@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use proc_macro2::TokenStream;
+use quote::quote;
 
 use crate::input::Kind;
 use crate::symbolic::Expr;
@@ -57,6 +58,36 @@ pub(super) struct Place {
     /// As it is read: `self.masses[2]`.
     pub(super) tokens: TokenStream,
     pub(super) kind: Kind,
+    /// Whether it is an element of a list whose length only the running program knows: the tokens are then a reference
+    /// in a chain of `?`.
+    pub(super) is_checked: bool,
+}
+
+impl Place {
+    pub(super) fn new(name: String, tokens: TokenStream, kind: Kind) -> Self {
+        Self { name, tokens, kind, is_checked: false }
+    }
+
+    /// The number as it is read.
+    pub(super) fn value(&self) -> TokenStream {
+        let tokens = &self.tokens;
+        if self.is_checked { or_nan(&quote! { *#tokens }) } else { tokens.clone() }
+    }
+
+    /// The number as an `f64`.
+    pub(super) fn as_real(&self) -> TokenStream {
+        let tokens = &self.tokens;
+        if self.is_checked {
+            or_nan(&quote! { *#tokens as ::core::primitive::f64 })
+        } else {
+            quote! { (#tokens as ::core::primitive::f64) }
+        }
+    }
+}
+
+/// An element that is not there is not a number, which the making of a stepper reports.
+fn or_nan(tokens: &TokenStream) -> TokenStream {
+    quote! { (|| ::core::option::Option::Some(#tokens))().unwrap_or(::core::primitive::f64::NAN) }
 }
 
 impl Value {

@@ -14,6 +14,7 @@ mod random_tests;
 pub(crate) mod rational;
 mod residue;
 pub(crate) mod sign;
+pub(crate) mod stabilise;
 pub(crate) mod substitute;
 #[cfg(test)]
 mod tests;

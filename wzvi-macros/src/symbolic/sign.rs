@@ -41,6 +41,31 @@ impl Graph {
         }
     }
 
+    /// Whether the expression is 1 plus something nonnegative.
+    pub(crate) fn exceeds_one(&self, expr: Expr) -> bool {
+        let Node::Sum { terms, constant } = self.node(expr) else { return false };
+        let rest = constant.add(Rational::MINUS_ONE);
+        let is_nonnegative = |&(term, coefficient): &(Expr, Rational)| match coefficient.is_negative() {
+            false => self.sign(term) >= Sign::Nonnegative,
+            true => self.is_negated_square(term),
+        };
+        rest.is_some_and(|rest| !rest.is_negative()) && terms.iter().all(is_nonnegative)
+    }
+
+    /// `a · (-a)` for a sum `a`: the two are different nodes.
+    fn is_negated_square(&self, expr: Expr) -> bool {
+        let Node::Product(factors) = self.node(expr) else { return false };
+        let &[(a, Rational::ONE), (b, Rational::ONE)] = factors.as_ref() else { return false };
+        match (self.node(a), self.node(b)) {
+            (Node::Sum { terms: a, constant: x }, Node::Sum { terms: b, constant: y }) => {
+                *x == y.negate()
+                    && a.len() == b.len()
+                    && a.iter().zip(b).all(|(a, b)| a.0 == b.0 && a.1 == b.1.negate())
+            }
+            _ => false,
+        }
+    }
+
     fn sum_sign(&self, terms: &[(Expr, Rational)], constant: Rational) -> Sign {
         let mut strongest = number_sign(constant);
         if constant.is_negative() {

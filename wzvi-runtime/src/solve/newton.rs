@@ -14,6 +14,8 @@ use crate::scalar::Scalar;
 const ROUNDING: f64 = f64::EPSILON;
 /// Stagnation counts as convergence below this fraction of the unknown or of the state component that it changes.
 const STAGNATION: f64 = 1e-9;
+/// A determinant above this fraction of its two products has lost three digits at most, which Newton's method makes up.
+const SAFE_DETERMINANT: f64 = 1e-3;
 /// More iterations than any step needs that converges at all.
 const MOST_ITERATIONS: u32 = 50;
 
@@ -35,24 +37,35 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
     #[inline(always)]
     pub fn guess(&self) -> [S; N] {
         let [a, b, c] = self.past;
-        match self.known {
-            0 | 1 => a,
-            2 => std::array::from_fn(|i| a[i] * 2.0 - b[i]),
-            _ => std::array::from_fn(|i| (a[i] - b[i]) * 3.0 + c[i]),
-        }
+        std::array::from_fn(|i| (a[i] - b[i]) * 3.0 + c[i])
     }
 
     /// Takes the solution of a step that succeeded.
     #[inline(always)]
     pub fn record(&mut self, solution: [S; N]) {
         self.past = [solution, self.past[0], self.past[1]];
-        self.known = (self.known + 1).min(3);
+        if self.known < 2 {
+            self.pretend();
+        }
+    }
+
+    /// Continues the one or two points that are known to the past, as a constant or as a line.
+    #[cold]
+    fn pretend(&mut self) {
+        let [a, b, c] = &mut self.past;
+        if self.known == 0 {
+            *b = *a;
+        }
+        *c = std::array::from_fn(|i| b[i] * 2.0 - a[i]);
+        self.known += 1;
     }
 }
 
 /// Decides when to stop.
 struct Progress {
     last: f64,
+    /// The cube of the relative correction that is good enough: `ROUNDING³` or `last² ROUNDING / 4`.
+    enough: f64,
     iterations: u32,
 }
 
@@ -64,8 +77,7 @@ enum Verdict {
 impl Progress {
     #[inline(always)]
     fn new() -> Self {
-        // NaN: the first correction has nothing to be compared with.
-        Self { last: f64::NAN, iterations: 0 }
+        Self { last: f64::INFINITY, enough: ROUNDING * ROUNDING * ROUNDING, iterations: 0 }
     }
 
     /// `relative`: largest correction relative to its unknown. `at_rounding`: whether every correction is small
@@ -73,20 +85,25 @@ impl Progress {
     #[inline(always)]
     fn judge(&mut self, relative: f64, at_rounding: impl FnOnce() -> bool) -> Result<Verdict, StepFailure> {
         self.iterations += 1;
-        let ratio = relative / self.last;
-        if relative <= ROUNDING || relative * ratio * ratio <= 0.25 * ROUNDING {
+        let square = relative * relative;
+        // `relative <= ROUNDING || relative (relative / last)² <= ROUNDING / 4` without dividing.
+        if square * relative <= self.enough {
             return Ok(Verdict::Converged);
         }
-        if ratio >= 0.5 && at_rounding() {
-            return Ok(Verdict::Converged);
-        }
-        if relative.is_nan() {
-            return Err(StepFailure::NonFinite);
+        if relative >= 0.5 * self.last || relative.is_nan() {
+            if relative.is_nan() {
+                return Err(StepFailure::NonFinite);
+            }
+            if self.last < f64::INFINITY && at_rounding() {
+                return Ok(Verdict::Converged);
+            }
         }
         if self.iterations >= MOST_ITERATIONS {
             return Err(StepFailure::NotConverged { iterations: self.iterations, correction: relative });
         }
         self.last = relative;
+        // `relative` is above `ROUNDING` here, so that neither product underflows.
+        self.enough = (0.25 * ROUNDING * square).max(ROUNDING * ROUNDING * ROUNDING);
         Ok(Verdict::Continue)
     }
 }
@@ -97,7 +114,9 @@ fn relative<S: Scalar>(correction: S, unknown: S) -> f64 {
     correction.relative_to(unknown, S::from_f64(0.0))
 }
 
-#[inline(always)]
+/// Rarely asked; inlined it would keep its operands in registers for every iteration.
+#[cold]
+#[inline(never)]
 fn is_rounding<S: Scalar>(correction: S, unknown: S, state: S) -> bool {
     correction.relative_to(unknown, state) <= STAGNATION
 }
@@ -110,26 +129,12 @@ fn is_rounding<S: Scalar>(correction: S, unknown: S, state: S) -> bool {
 /// given up for zero first.
 #[inline(always)]
 pub fn newton_scalar<S: Scalar>(
-    mut start: S,
+    start: S,
     state: S,
     mut equation: impl FnMut(S) -> (S, S),
 ) -> Result<(S, u32), StepFailure> {
-    // A loop, so that the equation is inlined once.
-    loop {
-        match newton_scalar_from(start, state, &mut equation) {
-            Err(_) if start.magnitude() != 0.0 => start = S::from_f64(0.0),
-            outcome => return outcome,
-        }
-    }
-}
-
-#[inline(always)]
-fn newton_scalar_from<S: Scalar>(
-    start: S,
-    state: S,
-    equation: &mut impl FnMut(S) -> (S, S),
-) -> Result<(S, u32), StepFailure> {
     let mut x = start;
+    let mut may_restart = true;
     let mut progress = Progress::new();
     loop {
         let (residual, slope) = equation(x);
@@ -138,6 +143,10 @@ fn newton_scalar_from<S: Scalar>(
         match progress.judge(relative(correction, x), || is_rounding(correction, x, state)) {
             Ok(Verdict::Converged) => return Ok((x, progress.iterations)),
             Ok(Verdict::Continue) => {}
+            // Not a second copy of the loop: it would keep the whole step from being inlined.
+            Err(_) if may_restart && start.magnitude() != 0.0 => {
+                (x, may_restart, progress) = (S::from_f64(0.0), false, Progress::new());
+            }
             Err(failure) => return Err(explain(failure, slope)),
         }
     }
@@ -162,7 +171,10 @@ pub fn newton<S: Scalar, const N: usize>(
 ) -> Result<([S; N], u32), StepFailure> {
     iterate(start, state, |x| {
         let (residual, jacobian) = equations(x);
-        Ok(Factor::new(jacobian)?.solve(residual))
+        match solve_pair(&jacobian, &residual) {
+            Some(correction) => Ok(correction),
+            None => factored(jacobian, residual),
+        }
     })
 }
 
@@ -177,46 +189,77 @@ pub fn newton_symmetric<S: Scalar, const N: usize>(
     mut equations: impl FnMut(&[S; N]) -> ([S; N], [[S; N]; N]),
 ) -> Result<([S; N], u32), StepFailure> {
     iterate(start, state, |x| {
-        let (residual, jacobian) = equations(x);
-        Ok(SymmetricFactor::new(jacobian)?.solve(residual))
+        let (residual, mut jacobian) = equations(x);
+        if N == 2 {
+            jacobian[0][1] = jacobian[1][0];
+        }
+        match solve_pair(&jacobian, &residual) {
+            Some(correction) => Ok(correction),
+            None => factored_symmetric(jacobian, residual),
+        }
     })
+}
+
+/// Two unknowns by Cramer's rule; `None` for another number of them, and where the determinant cancels so far that
+/// pivoting is worth its price.
+#[inline(always)]
+fn solve_pair<S: Scalar, const N: usize>(matrix: &[[S; N]; N], b: &[S; N]) -> Option<[S; N]> {
+    if N != 2 {
+        return None;
+    }
+    let ([m00, m01], [m10, m11]) = ([matrix[0][0], matrix[0][1]], [matrix[1][0], matrix[1][1]]);
+    let (main, cross) = (m00 * m11, m01 * m10);
+    let determinant = main - cross;
+    // Also false for NaN and where a product overflows.
+    let is_safe = determinant.magnitude() > SAFE_DETERMINANT * (main.magnitude() + cross.magnitude());
+    if !(is_safe && determinant.magnitude() < f64::INFINITY) {
+        return None;
+    }
+    let inverse = determinant.recip();
+    let x = [(b[0] * m11 - b[1] * m01) * inverse, (b[1] * m00 - b[0] * m10) * inverse];
+    Some(std::array::from_fn(|i| x[i]))
+}
+
+#[inline(never)]
+fn factored<S: Scalar, const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
+    Ok(Factor::new(matrix)?.solve(b))
+}
+
+#[inline(never)]
+fn factored_symmetric<S: Scalar, const N: usize>(
+    matrix: [[S; N]; N],
+    b: [S; N],
+) -> Result<[S; N], StepFailure> {
+    Ok(SymmetricFactor::new(matrix)?.solve(b))
 }
 
 #[inline(always)]
 fn iterate<S: Scalar, const N: usize>(
-    mut start: [S; N],
+    start: [S; N],
     state: [S; N],
     mut correction_at: impl FnMut(&[S; N]) -> Result<[S; N], StepFailure>,
 ) -> Result<([S; N], u32), StepFailure> {
-    // A loop, so that the equations are inlined once.
-    loop {
-        match iterate_from(start, state, &mut correction_at) {
-            Err(_) if start.iter().any(|x| x.magnitude() != 0.0) => start = [S::from_f64(0.0); N],
-            outcome => return outcome,
-        }
-    }
-}
-
-#[inline(always)]
-fn iterate_from<S: Scalar, const N: usize>(
-    start: [S; N],
-    state: [S; N],
-    correction_at: &mut impl FnMut(&[S; N]) -> Result<[S; N], StepFailure>,
-) -> Result<([S; N], u32), StepFailure> {
     let mut x = start;
+    let mut may_restart = true;
     let mut progress = Progress::new();
     loop {
-        let correction = correction_at(&x)?;
-        let mut largest = 0.0_f64;
-        for i in 0..N {
-            x[i] = x[i] - correction[i];
-            let size = relative(correction[i], x[i]);
-            // Not `max`, which would drop a NaN.
-            largest = if size <= largest { largest } else { size };
-        }
-        let verdict = progress.judge(largest, || (0..N).all(|i| is_rounding(correction[i], x[i], state[i])));
-        if let Verdict::Converged = verdict? {
-            return Ok((x, progress.iterations));
+        let outcome = correction_at(&x).and_then(|correction| {
+            let mut largest = 0.0_f64;
+            for i in 0..N {
+                x[i] = x[i] - correction[i];
+                let size = relative(correction[i], x[i]);
+                // Not `max`, which would drop a NaN.
+                largest = if size <= largest { largest } else { size };
+            }
+            progress.judge(largest, || (0..N).all(|i| is_rounding(correction[i], x[i], state[i])))
+        });
+        match outcome {
+            Ok(Verdict::Converged) => return Ok((x, progress.iterations)),
+            Ok(Verdict::Continue) => {}
+            Err(_) if may_restart && start.iter().any(|x| x.magnitude() != 0.0) => {
+                (x, may_restart, progress) = ([S::from_f64(0.0); N], false, Progress::new());
+            }
+            Err(failure) => return Err(failure),
         }
     }
 }

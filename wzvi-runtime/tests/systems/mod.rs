@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "every test uses its own")]
 
 use nalgebra::{DVector, SVector};
+use wzvi_runtime::carry::{Carry, Plain};
 use wzvi_runtime::embedding::{DeltaPlus, Midpoint};
 use wzvi_runtime::error::{ConfigError, StepFailure};
 use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
@@ -96,10 +97,12 @@ impl Discretized<Midpoint> for Kubo {
     const EQUATIONS: &'static str = "";
     type Prepared = ();
     type Memory<S: Scalar> = ();
+    type Compensated<S: Scalar> = Plain;
+    type Carry<S: Scalar> = Plain;
     fn prepare(&self, h: f64) -> Result<(), ConfigError> {
         if (self.a * h).is_finite() && self.sigma.is_finite() { Ok(()) } else { Err(ConfigError::Parameter) }
     }
-    fn advance<S: Scalar>(
+    fn advance_carrying<S: Scalar, C: Carry<S>>(
         &self,
         _prepared: &(),
         _t: f64,
@@ -108,6 +111,7 @@ impl Discretized<Midpoint> for Kubo {
         p: &mut [S],
         dw: &[S],
         _memory: &mut (),
+        _carry: &mut C,
     ) -> Result<Solved, StepFailure> {
         let (q0, p0, dw) = (one(q, dimension)?, one(p, dimension)?, one(dw, increments)?);
         let theta = (dw * self.sigma + self.a * h) * 0.5;
@@ -184,10 +188,12 @@ impl Discretized<Midpoint> for Pendulum {
     /// `h ω²`
     type Prepared = f64;
     type Memory<S: Scalar> = Extrapolation<S, 1>;
+    type Compensated<S: Scalar> = Plain;
+    type Carry<S: Scalar> = Plain;
     fn prepare(&self, h: f64) -> Result<f64, ConfigError> {
         Some(h * self.omega * self.omega).filter(|x| x.is_finite()).ok_or(ConfigError::Parameter)
     }
-    fn advance<S: Scalar>(
+    fn advance_carrying<S: Scalar, C: Carry<S>>(
         &self,
         &kick: &f64,
         _t: f64,
@@ -196,6 +202,7 @@ impl Discretized<Midpoint> for Pendulum {
         p: &mut [S],
         dw: &[S],
         memory: &mut Extrapolation<S, 1>,
+        _carry: &mut C,
     ) -> Result<Solved, StepFailure> {
         let (q0, p0) = (one(q, dimension)?, one(p, dimension)?);
         if !dw.is_empty() {
@@ -280,10 +287,12 @@ impl Discretized<DeltaPlus> for Rotors {
     const EQUATIONS: &'static str = "";
     type Prepared = ();
     type Memory<S: Scalar> = ();
+    type Compensated<S: Scalar> = Plain;
+    type Carry<S: Scalar> = Plain;
     fn prepare(&self, _h: f64) -> Result<(), ConfigError> {
         Ok(())
     }
-    fn advance<S: Scalar>(
+    fn advance_carrying<S: Scalar, C: Carry<S>>(
         &self,
         _prepared: &(),
         _t: f64,
@@ -292,6 +301,7 @@ impl Discretized<DeltaPlus> for Rotors {
         p: &mut [S],
         dw: &[S],
         _memory: &mut (),
+        _carry: &mut C,
     ) -> Result<Solved, StepFailure> {
         for slice in [&*q, &*p] {
             if slice.len() != self.count {

@@ -21,6 +21,9 @@ pub(crate) struct Lowering<'a> {
     pub(crate) program: Program,
 }
 
+/// A number times powers.
+type Flat = (Rational, Vec<(Expr, Rational)>);
+
 /// A value with the sign that it still has to get.
 #[derive(Clone, Copy)]
 struct Signed {
@@ -31,6 +34,8 @@ struct Signed {
 impl<'a> Lowering<'a> {
     /// `definitions` replace symbols; they must not be circular.
     pub(crate) fn new(graph: &'a mut Graph, definitions: HashMap<Symbol, Expr>) -> Self {
+        let (symbols, expressions): (Vec<Symbol>, Vec<Expr>) = definitions.into_iter().unzip();
+        let definitions = symbols.into_iter().zip(graph.stabilise(&expressions)).collect();
         let (lowered, factored, kept) = (HashMap::new(), HashMap::new(), HashSet::new());
         Self { graph, definitions, lowered, factored, kept, program: Program::default() }
     }
@@ -46,6 +51,7 @@ impl<'a> Lowering<'a> {
 
     /// The operation that computes `root`.
     pub(crate) fn lower(&mut self, root: Expr) -> Op {
+        let root = self.graph.stabilise(&[root])[0];
         let mut pending = vec![(root, false)];
         while let Some((expr, is_ready)) = pending.pop() {
             if self.lowered.contains_key(&expr) {
@@ -70,15 +76,68 @@ impl<'a> Lowering<'a> {
         self.lowered[&root]
     }
 
-    /// The operands, and where a product is a term of a sum, the operands of the product instead: its coefficient
-    /// joins its factors.
-    fn dependencies(&self, node: &Node) -> Vec<Expr> {
-        let Node::Sum { terms, .. } = node else { return node.operands() };
-        let of_term = |&(term, _): &(Expr, Rational)| match self.graph.node(term) {
-            product @ Node::Product(_) => product.operands(),
-            _ => vec![term],
+    /// The operands; of a product, and of a product that is a term of a sum, those of its flat form.
+    fn dependencies(&mut self, node: &Node) -> Vec<Expr> {
+        match node {
+            Node::Sum { terms, .. } => {
+                terms.iter().flat_map(|&(term, c)| self.flat_term(term, c).1).map(|(base, _)| base).collect()
+            }
+            Node::Product(factors) => {
+                self.flat_product(factors, Rational::ONE).1.into_iter().map(|(base, _)| base).collect()
+            }
+            other => other.operands(),
+        }
+    }
+
+    fn flat_term(&mut self, term: Expr, coefficient: Rational) -> Flat {
+        match self.graph.node(term).clone() {
+            Node::Product(factors) => self.flat_product(&factors, coefficient),
+            _ => self.flat_product(&[(term, Rational::ONE)], coefficient),
+        }
+    }
+
+    /// A product with the factors of its sums taken out: `h (a x + a y)` is the product of `h`, `a` and `x + y`, so that
+    /// `h a` is one constant.
+    fn flat_product(&mut self, factors: &[(Expr, Rational)], coefficient: Rational) -> Flat {
+        let mut flat: Flat = (coefficient, Vec::new());
+        let mut pending: Vec<(Expr, Rational)> = factors.iter().rev().copied().collect();
+        while let Some((base, exponent)) = pending.pop() {
+            let opened = if exponent.is_one() { self.opened(base) } else { None };
+            let total = opened.as_ref().and_then(|(size, _)| flat.0.multiply(*size));
+            match (opened, total) {
+                (Some((_, inner)), Some(total)) => {
+                    flat.0 = total;
+                    pending.extend(inner.into_iter().rev());
+                }
+                _ => flat.1.push((base, exponent)),
+            }
+        }
+        flat
+    }
+
+    /// A sum as a number times factors, if it has a factor to take out.
+    fn opened(&mut self, base: Expr) -> Option<Flat> {
+        let (coefficient, product) = match self.factored(base) {
+            Some(factored) => match self.graph.node(factored) {
+                Node::Sum { terms, constant } if terms.len() == 1 && constant.is_zero() => {
+                    (terms[0].1, terms[0].0)
+                }
+                _ => (Rational::ONE, factored),
+            },
+            None => {
+                let Node::Sum { terms, constant } = self.graph.node(base).clone() else { return None };
+                let size = common_size(&terms, constant)?;
+                let inverse = size.recip()?;
+                let scaled: Option<Vec<_>> =
+                    terms.iter().map(|&(term, c)| Some((term, c.multiply(inverse)?))).collect();
+                (size, self.graph.linear_combination(&scaled?))
+            }
         };
-        terms.iter().flat_map(of_term).collect()
+        match self.graph.node(product) {
+            Node::Product(factors) => Some((coefficient, factors.to_vec())),
+            _ if product == base => None,
+            _ => Some((coefficient, vec![(product, Rational::ONE)])),
+        }
     }
 
     /// `a x + b x` as `(a + b) x`, by the factor that most terms share.
@@ -169,7 +228,8 @@ impl<'a> Lowering<'a> {
             },
             Node::Sum { terms, constant } => self.lower_sum(&terms, constant),
             Node::Product(factors) => {
-                let signed = self.lower_product(&factors, Rational::ONE);
+                let (coefficient, factors) = self.flat_product(&factors, Rational::ONE);
+                let signed = self.lower_product(&factors, coefficient);
                 self.with_sign(signed)
             }
             Node::Apply(function, arguments) => {
@@ -219,7 +279,7 @@ impl<'a> Lowering<'a> {
         }
         values.sort_by_key(|value| self.program.level(value.op));
         let mut total: Option<Signed> = None;
-        for level in [Level::Prepared, Level::Time, Level::State] {
+        for level in [Level::Prepared, Level::Time, Level::Increments, Level::State] {
             let group: Vec<Signed> =
                 values.iter().copied().filter(|value| self.program.level(value.op) == level).collect();
             let Some(part) = self.add_up(&group) else { continue };
@@ -260,13 +320,8 @@ impl<'a> Lowering<'a> {
     }
 
     fn lower_term(&mut self, term: Expr, coefficient: Rational) -> Signed {
-        match self.graph.node(term) {
-            Node::Product(factors) => {
-                let factors = factors.clone();
-                self.lower_product(&factors, coefficient)
-            }
-            _ => self.lower_product(&[(term, Rational::ONE)], coefficient),
-        }
+        let (coefficient, factors) = self.flat_term(term, coefficient);
+        self.lower_product(&factors, coefficient)
     }
 
     /// `coefficient · Π base^exponent`: per level one product over one quotient; the coefficient joins the earliest.
@@ -277,7 +332,7 @@ impl<'a> Lowering<'a> {
             total = Some(self.program.constant(size.to_f64()));
         }
         let mut negative = coefficient.is_negative();
-        for level in [Level::Prepared, Level::Time, Level::State] {
+        for level in [Level::Prepared, Level::Time, Level::Increments, Level::State] {
             let (mut numerator, mut denominator): (Option<Op>, Option<Op>) = (None, None);
             if level == Level::Prepared {
                 numerator = total.take();

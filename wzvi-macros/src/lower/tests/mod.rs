@@ -24,8 +24,8 @@ fn model_of(attribute: &str, item: &str) -> Result<Model, String> {
     let attribute: TokenStream = attribute.parse().unwrap();
     let mut diagnostics = Diagnostics::new();
     let system = input::read_struct(item.parse().unwrap(), &mut diagnostics);
-    let model = input::read_attribute(attribute, &mut diagnostics).and_then(|declaration| {
-        let phase_space = input::read_phase_space(&declaration, &mut diagnostics)?;
+    let model = input::read_attribute(attribute, &mut diagnostics).and_then(|mut declaration| {
+        let phase_space = input::read_phase_space(&mut declaration, &mut diagnostics)?;
         super::lower(system?, declaration, &phase_space, &mut diagnostics)
     });
     match diagnostics.finish() {

@@ -1,1 +1,384 @@
-//! Robustness.
+//! Whatever comes in, `expand` answers: no panic, no endless loop, no overflow of the stack.
+
+use std::fmt::Write as _;
+
+use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
+
+use super::STRUCT;
+use crate::compile::expand;
+
+/// Attributes that between them use everything.
+const VALID: [&str; 6] = [
+    "drift = |q, p| 0.5 * a * (q * q + p * p), noise = [|q, p| 0.5 * sigma * (q * q + p * p)], \
+     embedding = [Uncorrected<DeltaPlus>, Corrected<DeltaPlus>, Midpoint], invariant = [|q, p| q * q + p * p]",
+    "drift = |[x, y], [px, _]| { let (s, c) = x.sin_cos(); let f = move |u: f64, (v, w)| u * v - *w; \
+     if s > c && !(x < 0.5) { f(x, (y, &px)) } else if y == 1.0 { f64::max(x, a) } else { masses[2].powi(n) } }, \
+     embedding = Mixed<Lambda<1, 3>, DeltaMinus>, crate = ::wzvi",
+    "drift = |q: [f64; 3], p: [f64; 3], t: f64| (0..3).map(|i| p[i].powi(2) / (2.0 * self.masses[i])).sum::<f64>() \
+     + t * q.iter().zip(&q[1..]).enumerate().map(|(i, (x, y))| (y - x) * i as f64).fold(0.0, |s, x| s + x), \
+     embedding = [Midpoint]",
+    "drift = |q: [[f64; 2]; 2], p: [[f64; 2]; 2]| { let mut h = 0.0; for i in 0..2 { for j in 0..2 { \
+     h += *a * p[i][j] * q[(i + 1) % 2][j]; } } h * PI + std::f64::consts::E }, embedding = Corrected<Mixed<Midpoint, \
+     DeltaPlus>>, invariant = |q, p| 1.0",
+    "drift = |q, p, _| { let v: Vec<f64> = (1..=4).rev().step_by(2).filter(|i| i % 2 == 0).map(|i| q.powi(i)) \
+     .collect(); v[0] + v.len() as f64 + [q; 4].windows(2).map(|w| w[0] * w[1]).product::<f64>() + N as f64 }, \
+     embedding = Lambda<1, 2>",
+    "drift = |q, p| ({ let [x, rest @ ..] = [q, p, a]; rest[0] - x }).clamp(-1.0, 1e400) + table[3], embedding = \
+     DeltaPlus, noise = [|q, p| q, |_, p| 1e-300 * p,]",
+];
+
+/// A small generator: the cases are the same on every machine.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) as usize) % bound.max(1)
+    }
+}
+
+fn expands(attribute: TokenStream, item: TokenStream) {
+    let text = format!("#[hamiltonian({attribute})] {item}");
+    let output = expand(attribute, item);
+    let has_error = output.to_string().contains("compile_error");
+    assert!(has_error || syn::parse2::<syn::File>(output).is_ok(), "neither code nor errors: {text}");
+}
+
+/// Applies one change at a place that is chosen among all tokens, nested ones too.
+fn mutate(stream: TokenStream, random: &mut Random, donor: &[TokenTree]) -> TokenStream {
+    let mut tokens: Vec<TokenTree> = stream.into_iter().collect();
+    if tokens.is_empty() {
+        return tokens.into_iter().collect();
+    }
+    let i = random.below(tokens.len());
+    if let TokenTree::Group(group) = &tokens[i]
+        && random.below(4) > 0
+    {
+        let delimiter = match random.below(20) {
+            0 => Delimiter::None,
+            1 => Delimiter::Bracket,
+            _ => group.delimiter(),
+        };
+        tokens[i] = Group::new(delimiter, mutate(group.stream(), random, donor)).into();
+        return tokens.into_iter().collect();
+    }
+    let j = random.below(tokens.len());
+    match random.below(5) {
+        0 => drop(tokens.remove(i)),
+        1 => tokens.insert(i, tokens[j].clone()),
+        2 => tokens.swap(i, j),
+        3 => tokens[i] = donor[random.below(donor.len())].clone(),
+        _ => tokens.insert(i, donor[random.below(donor.len())].clone()),
+    }
+    tokens.into_iter().collect()
+}
+
+fn flatten(stream: TokenStream, into: &mut Vec<TokenTree>) {
+    for token in stream {
+        if let TokenTree::Group(group) = &token {
+            flatten(group.stream(), into);
+        }
+        into.push(token);
+    }
+}
+
+#[test]
+fn valid_inputs_expand_without_errors() {
+    for attribute in VALID {
+        let output = expand(attribute.parse().unwrap(), STRUCT.parse().unwrap());
+        let text = output.to_string();
+        let known = ["invariant = |q, p| 1.0", "1e400"];
+        if !known.iter().any(|known| attribute.contains(known)) {
+            assert!(!text.contains("compile_error"), "{attribute}: {text}");
+        }
+    }
+}
+
+#[test]
+fn mutated_inputs_never_panic() {
+    let mut random = Random(7);
+    let mut donor = Vec::new();
+    for attribute in VALID {
+        flatten(attribute.parse().unwrap(), &mut donor);
+    }
+    flatten(
+        "if else match return 0 -1 1.5f32 'a' \"s\" .. ..= => == != & && | || ? # ! Self self f32 usize \
+             as while loop break x.0 99999999999999999999 1u8 % [f64; N] f64::foo() {} () [] mut ref dyn"
+            .parse()
+            .unwrap(),
+        &mut donor,
+    );
+    for _ in 0..3000 {
+        let mut attribute: TokenStream = VALID[random.below(VALID.len())].parse().unwrap();
+        let mut item: TokenStream = STRUCT.parse().unwrap();
+        for _ in 0..1 + random.below(4) {
+            attribute = mutate(attribute, &mut random, &donor);
+        }
+        if random.below(8) == 0 {
+            item = mutate(item, &mut random, &donor);
+        }
+        expands(attribute, item);
+    }
+}
+
+/// Tokens in any order and nesting, as a whole attribute or as the body of a drift: 4000 streams.
+#[test]
+fn arbitrary_token_streams_never_panic() {
+    let mut random = Random(11);
+    let mut donor = Vec::new();
+    for attribute in VALID {
+        flatten(attribute.parse().unwrap(), &mut donor);
+    }
+    for i in 0..4000 {
+        let tokens = arbitrary(&mut random, &donor, 0);
+        let attribute = match i % 4 {
+            0 => tokens,
+            1 => quote::quote! { drift = |q, p| { #tokens }, embedding = Midpoint },
+            2 => quote::quote! { drift = |q, p| q * p, embedding = [Midpoint, #tokens] },
+            _ => quote::quote! { drift = |[x, y], _| x, noise = [|#tokens| y], embedding = Midpoint },
+        };
+        let item = if i % 16 == 0 { arbitrary(&mut random, &donor, 0) } else { STRUCT.parse().unwrap() };
+        expands(attribute, item);
+    }
+}
+
+fn arbitrary(random: &mut Random, donor: &[TokenTree], depth: usize) -> TokenStream {
+    (0..random.below(12))
+        .map(|_| {
+            if random.below(6) > 0 || depth > 4 {
+                return donor[random.below(donor.len())].clone();
+            }
+            let delimiters = [Delimiter::Parenthesis, Delimiter::Bracket, Delimiter::Brace, Delimiter::None];
+            let delimiter = delimiters[random.below(4)];
+            Group::new(delimiter, arbitrary(random, donor, depth + 1)).into()
+        })
+        .collect()
+}
+
+/// Hamiltonians at the edge of what numbers and graphs can hold, through the whole compiler, with every kind of
+/// scheme. What they are has to be code or errors; `tests/ui/pass/constants_only.rs` runs the shorter ones.
+#[test]
+fn nasty_hamiltonians_compile_or_are_refused() {
+    let unary = [
+        "sqrt", "cbrt", "exp", "exp2", "exp_m1", "ln", "ln_1p", "log2", "log10", "sin", "cos", "tan", "asin",
+        "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "abs", "signum", "recip",
+    ];
+    let mut bodies: Vec<String> = unary.iter().flat_map(|f| twice(&unary, f)).collect();
+    for f in unary {
+        for number in ["0.0", "1.0", "(-1.0)", "1e308", "1e-320", "1e400", "0.5"] {
+            bodies.push(format!("{number}.{f}() * q * p"));
+        }
+    }
+    let sum: Vec<String> = (0..300).map(|i| format!("(q - {i}.25).powi(2) * p")).collect();
+    bodies.push(sum.join(" + "));
+    bodies.push(format!("{}q{}", "(1.0 + ".repeat(60), " * p).sin()".repeat(60)));
+    bodies.push(format!("q{} + p", ".sin()".repeat(100)));
+    bodies.push(format!("p * p + q{}", " / (1.0 + q * q)".repeat(100)));
+    bodies.push((0..14).fold("q * p".to_owned(), |inner, _| format!("({inner}).powi(2)")));
+    bodies.push(
+        (0..8).fold("q".to_owned(), |inner, i| format!("if q > {i}.5 * p {{ {inner} }} else {{ p * q }}")),
+    );
+    bodies.extend(NASTY.iter().map(|&body| body.to_owned()));
+    assert!(bodies.len() > 780);
+    for (i, body) in bodies.iter().enumerate() {
+        // All schemes for some, two of them for each.
+        let schemes = match i % 24 {
+            0 => "Corrected<DeltaPlus>, Midpoint, Uncorrected<Lambda<1, 3>>, Mixed<DeltaMinus, Midpoint>",
+            i if i % 2 == 0 => "Uncorrected<DeltaPlus>",
+            _ => "Midpoint",
+        };
+        let attribute = format!("drift = |q, p| {body}, embedding = [{schemes}]");
+        expands(attribute.parse().unwrap(), STRUCT.parse().unwrap());
+    }
+    for body in NASTY {
+        let attribute = format!(
+            "drift = |q, p| 0.5 * p * p, noise = [|q, p| {body}], embedding = [DeltaPlus, Corrected<DeltaMinus>], \
+             invariant = [|q, p| {body}]"
+        );
+        expands(attribute.parse().unwrap(), STRUCT.parse().unwrap());
+    }
+}
+
+fn twice(unary: &[&str], outer: &str) -> Vec<String> {
+    unary.iter().map(|inner| format!("0.5 * p * p + (q * q - 0.5).{inner}().{outer}()")).collect()
+}
+
+const NASTY: [&str; 38] = [
+    "q / 0.0",
+    "0.0 / 0.0",
+    "q * p / (1.0 - 1.0)",
+    "0.0.powi(-1) + q",
+    "q.powi(0) + p.powf(0.0)",
+    "q.powi(-2147483648) * p",
+    "q.powi(2147483647) * p.powi(-2147483647)",
+    "q.powf(1e300) + p",
+    "q.powf(p) + p.powf(q)",
+    "(-1.0).powf(0.5) * q",
+    "1e400 * q",
+    "1e-400 * q + p",
+    "-1e400 + 1e400 * p",
+    "1e308 * 1e308 * q * p",
+    "f64::NAN * q + p",
+    "f64::INFINITY + q",
+    "(f64::MAX + f64::MIN_POSITIVE) * q",
+    "0.1 + 0.2 - 0.3 + q * 1e16 - p * 1e-16",
+    "170141183460469231731687303715884105727i128 as f64 * q",
+    "(170141183460469231731687303715884105727 - 1) as f64 + q",
+    "-170141183460469231731687303715884105728 as f64 + q",
+    "9007199254740993 as f64 * q",
+    "{}",
+    "{ {} q }",
+    "{ ; q }",
+    "()",
+    "1.0",
+    "q",
+    "p",
+    "0.0 * q",
+    "q - q + p - p",
+    "if 1.0 < 2.0 { q } else { 1.0 / 0.0 }",
+    "if f64::NAN < 1.0 { q } else { p }",
+    "if q > 0.0 { 1.0 / q } else { if q == q { p } else { q } }",
+    "if 0.1 + 0.2 == 0.3 { q } else { p * p }",
+    "q.atan2(q) + p.hypot(p) + q.min(q) + p.max(-p) + q.clamp(1.0, 0.0)",
+    "{ let r#type = q; let ω = p; let _x = r#type * ω; _x + r#a }",
+    "{ let q = q; let q = q * q; let p = q; p * q }",
+];
+
+#[test]
+fn malformed_inputs_never_panic() {
+    for attribute in [
+        "",
+        ",",
+        "=",
+        "drift",
+        "drift =",
+        "drift = ,",
+        "= |q, p| q",
+        "drift = embedding = Midpoint",
+        "drift = |",
+        "drift = ||",
+        "drift = || 1.0, embedding = Midpoint",
+        "drift = |q, p|, embedding = []",
+        "drift == |q, p| q",
+        "drift => 1",
+        "drift = |q, p| q embedding = Midpoint",
+        "embedding = [,]",
+        "embedding = Lambda<>",
+        "embedding = Lambda<1, 0>",
+        "embedding = Lambda<{ 1 }, 2>",
+        "embedding = dyn Fn()",
+        "noise = [|q, p, k| q; 3]",
+        "crate = 5",
+        "crate = ::",
+        "drift = async |q, p| q, embedding = Midpoint",
+        "drift = |q: [f64; 99999999999], p| 0.0, embedding = Midpoint",
+        "drift = |q: [[[[f64; 99999999999]; 99999999999]; 99999999999]; 99], _| 0.0",
+        "drift = |q: [f64; 0], p| 1.0",
+        "drift = |q, p| (0..1000000000000).map(|i| q).sum()",
+        "drift = |q, p| [q; 1000000000][3]",
+        "drift = |q, p| { let f = |x| x + x; let f = |x| f(f(x)); let f = |x| f(f(x)); let f = |x| f(f(x)); let f = |x| \
+         f(f(x)); let f = |x| f(f(x)); let f = |x| f(f(x)); let f = |x| f(f(x)); let f = |x| f(f(x)); f(q) }",
+        "drift = |q, p| (0..).sum()",
+        "drift = |q, p| i128::MAX + q.powi(9999999999)",
+        "drift = |q, p| (0..=i)",
+        "drift = |q, p| 170141183460469231731687303715884105727 + 1",
+        "drift = |q, p| -(5 / 0) % 0",
+        "drift = |q, p| q[18446744073709551616..2]",
+        "drift = |q, p| [q][1..0]",
+        "drift = |q, p| (9..0).windows(0)",
+        "drift = |q, p| { let (a, .., b, ..) = (q, p); a }",
+        "drift = |q, p| { let [a, b, .., c] = [q]; a }",
+    ] {
+        for item in [
+            STRUCT,
+            "enum E {}",
+            "union U { a: u8 }",
+            "fn f() {}",
+            "struct U;",
+            "struct T(f64, f32);",
+            "",
+            "struct",
+        ] {
+            expands(attribute.parse().unwrap(), item.parse().unwrap());
+        }
+    }
+}
+
+/// Streams that nest as deeply as the guard lets through, or deeper, in a thread of the usual 2 MiB.
+#[test]
+fn deep_inputs_do_not_overflow_the_stack() {
+    let mut cases: Vec<String> = Vec::new();
+    for depth in [10, 60, 100, 150, 400, 2100, 20_000] {
+        let wrap = |open: &str, close: &str| format!("{}q{}", open.repeat(depth), close.repeat(depth));
+        cases.push(wrap("- - - - (", ")"));
+        cases.push(wrap("(- - |x| - ", ")"));
+        cases.push(wrap("(return x = ", ")"));
+        cases.push(wrap("{ fn f() { ", " } q }"));
+        cases.push(wrap("{ let x: [u8; { ", " }] = q; }"));
+        cases.push(wrap("match q { _ => ", " }"));
+        cases.push(wrap("f::<{ ", " }>()"));
+        cases.push(wrap("(", ")"));
+        cases.push(wrap("[", "]"));
+        cases.push(wrap("{", "}"));
+        cases.push(wrap("(-", ")"));
+        cases.push(wrap("f64::sin(", ")"));
+        cases.push(wrap("q[", "]"));
+        cases.push(wrap("{ let x = ", "; x }"));
+        cases.push(wrap("(|x| ", ")(q)"));
+        cases.push(wrap("q * (p + ", ")"));
+        cases.push(wrap("if q > 0.0 { ", " } else { p }"));
+        for unit in [
+            "- ",
+            "! ",
+            "& ",
+            "* ",
+            "|x| ",
+            "if q > 0.0 { q } else ",
+            "return ",
+            "x = ",
+            ".. ",
+            "q + ",
+            "q * q + ",
+            "x += ",
+            "break ",
+            "move || ",
+        ] {
+            cases.push(wrap(unit, ""));
+        }
+        for unit in [
+            "- - - (",
+            "- - |x| ",
+            "x = - - ",
+            "(- ",
+            "fn() -> ",
+            "dyn Fn(",
+            "if ",
+            "{ fn f() { ",
+            "match ",
+            "as Vec<",
+        ] {
+            cases.push(wrap(unit, ""));
+            cases.push(format!("q as {}u8", unit.repeat(depth)));
+            cases.push(format!("q as {}u8{}", unit.repeat(depth), ")".repeat(depth)));
+        }
+        for unit in [" + q", " - q * p", " as f64", ".sin()", ".0", "[0]", "?", "()", " < q", " && q", " ..q"]
+        {
+            cases.push(wrap("", unit));
+        }
+        let mut lets = String::from("{ let f = |x| x; let l = [q];");
+        for _ in 0..depth {
+            lets.push_str("let f = |x| f(x); let l = [l];");
+        }
+        write!(lets, " f(q) }}").unwrap();
+        cases.push(lets);
+        cases.push(format!("q as {}f64{}", "Vec<".repeat(depth), " >".repeat(depth)));
+        cases.push(format!("|{}x{}| q", "(".repeat(depth), ")".repeat(depth)));
+    }
+    for case in cases {
+        let attribute = format!("drift = |q, p| {case}, embedding = Midpoint");
+        // The lexer of the tests recurses too: what it cannot read, `rustc` has refused before.
+        let Ok(tokens) = attribute.parse::<TokenStream>() else { continue };
+        let output = expand(tokens, STRUCT.parse().unwrap());
+        drop(output);
+    }
+}

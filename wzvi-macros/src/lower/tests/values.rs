@@ -70,7 +70,7 @@ fn bindings_closures_and_branches() {
             let a = 3.0;
             a * q * p
         },
-        |q, p| if q > p && !(p < 0.0) || q == p {
+        |q, p| if q > p && !(p == 0.0) || q == p {
             q
         } else if q <= 0.3 {
             p * 2.0
@@ -170,7 +170,7 @@ fn parameters_in_the_order_of_their_use() {
         "n = (self.nas::core::primitive::f64)",
         "a = self.a",
         "masses[2] = self.masses[2]",
-        "table[7] = self.table[7]",
+        "table[7] = (||::core::option::Option::Some(*self.table.get(7)?))().unwrap_or(::core::primitive::f64::NAN)",
         "G = G",
         "PI = PI",
         "PI = std::f64::consts::PI",

@@ -1,0 +1,12 @@
+use wzvi::prelude::*;
+
+#[hamiltonian]
+struct Bare;
+
+#[hamiltonian()]
+struct Empty;
+
+#[hamiltonian(|q, p| q * p)]
+struct Positional;
+
+fn main() {}

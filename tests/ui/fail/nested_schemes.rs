@@ -1,0 +1,18 @@
+use wzvi::prelude::*;
+
+#[hamiltonian(
+    drift = |q, p| q * p,
+    embedding = [
+        Corrected<Uncorrected<DeltaPlus>>,
+        Mixed<Corrected<DeltaPlus>, Midpoint>,
+        Mixed<Mixed<DeltaPlus, Midpoint>, Midpoint>,
+        Corrected<3>,
+        Corrected,
+        Mixed<DeltaPlus>,
+        &Midpoint,
+        fn(),
+    ],
+)]
+struct System;
+
+fn main() {}

@@ -1,0 +1,120 @@
+//! How long an expansion takes as users get it: `cargo test -p wzvi-macros timing -- --nocapture` prints the table.
+//! The workspace builds this crate and its parser without optimisation in tests, as Cargo builds proc macros.
+
+#![allow(clippy::unwrap_used)]
+
+use std::time::{Duration, Instant};
+
+use super::expand;
+
+/// Per embedding. The slowest scene here takes a fraction of it on a 2-core machine.
+const ALLOWED: Duration = Duration::from_millis(50);
+const REPETITIONS: usize = 5;
+
+const ALL: &str = "[Uncorrected<DeltaPlus>, Uncorrected<DeltaMinus>, Midpoint, Uncorrected<Lambda<1, 4>>, \
+                   Corrected<DeltaPlus>, Mixed<DeltaPlus, Midpoint>]";
+
+/// Name, the Hamiltonians, the embeddings and how many they are, and the struct.
+const SCENES: [(&str, &str, &str, u32, &str); 8] = [
+    (
+        "kubo",
+        "drift = |q, p| 0.5 * a * (q * q + p * p), noise = [|q, p| 0.5 * sigma * (q * q + p * p)], \
+         invariant = [|q, p| q * q + p * p]",
+        ALL,
+        6,
+        "struct Kubo { a: f64, sigma: f64 }",
+    ),
+    (
+        "linear_sde",
+        "drift = |q, p| a * q * p, noise = [|q, p| sigma * q * p]",
+        ALL,
+        6,
+        "struct Linear { a: f64, sigma: f64 }",
+    ),
+    (
+        "additive_noise",
+        "drift = |q, p| 0.5 * (q * q + p * p), noise = [|_, p| sigma * p, |q, _| -gamma * q]",
+        ALL,
+        6,
+        "struct Additive { sigma: f64, gamma: f64 }",
+    ),
+    (
+        "double_well",
+        "drift = |q, p| 0.5 * p * p + 0.25 * (q * q - 1.0).powi(2), noise = [|q, p| sigma * q * p]",
+        ALL,
+        6,
+        "struct Well { sigma: f64 }",
+    ),
+    (
+        "pendulum",
+        "drift = |q, p| p * p / (2.0 * m * l * l) - m * g * l * q.cos()",
+        "[DeltaPlus, Midpoint, DeltaMinus]",
+        3,
+        "struct Pendulum { m: f64, l: f64, g: f64 }",
+    ),
+    (
+        "kepler",
+        "drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) - mu / (x * x + y * y).sqrt(), \
+         invariant = [|[x, y], [px, py]| x * py - y * px]",
+        "[DeltaPlus, Midpoint]",
+        2,
+        "struct Kepler { mu: f64 }",
+    ),
+    (
+        "henon_heiles",
+        "drift = |[x, y], [px, py]| 0.5 * (px * px + py * py + x * x + y * y) + x * x * y - y.powi(3) / 3.0",
+        "[DeltaPlus, Midpoint]",
+        2,
+        "struct HenonHeiles;",
+    ),
+    (
+        "double_pendulum",
+        "drift = |[a, b], [pa, pb]| (m2 * l2 * l2 * pa * pa + (m1 + m2) * l1 * l1 * pb * pb \
+             - 2.0 * m2 * l1 * l2 * pa * pb * (a - b).cos()) \
+             / (2.0 * m2 * l1 * l1 * l2 * l2 * (m1 + m2 * (a - b).sin().powi(2))) \
+             - (m1 + m2) * g * l1 * a.cos() - m2 * g * l2 * b.cos()",
+        "[DeltaPlus, Midpoint]",
+        2,
+        "struct DoublePendulum { m1: f64, m2: f64, l1: f64, l2: f64, g: f64 }",
+    ),
+];
+
+#[test]
+fn timing_of_every_scene() {
+    println!("{:18}{:>11}{:>9}{:>15}{:>11}", "scene", "embeddings", "ms", "ms/embedding", "characters");
+    let mut slow = Vec::new();
+    for (name, hamiltonians, embeddings, count, item) in SCENES {
+        let attribute = format!("{hamiltonians}, embedding = {embeddings}");
+        let mut fastest = Duration::MAX;
+        let mut characters = 0;
+        for _ in 0..REPETITIONS {
+            let (attribute, item) = (attribute.parse().unwrap(), item.parse().unwrap());
+            let start = Instant::now();
+            let expansion = expand(attribute, item);
+            fastest = fastest.min(start.elapsed());
+            let text = expansion.to_string();
+            assert!(!text.contains("compile_error"), "{name}: {text}");
+            characters = text.len();
+        }
+        let each = fastest / count;
+        println!(
+            "{name:18}{count:>11}{:>9.1}{:>15.1}{characters:>11}",
+            fastest.as_secs_f64() * 1e3,
+            each.as_secs_f64() * 1e3
+        );
+        if each >= ALLOWED {
+            slow.push((name, each));
+        }
+    }
+    assert!(slow.is_empty(), "slower than {ALLOWED:?} per embedding: {slow:?}");
+}
+
+/// No increment, no noise term, no solver that an explicit step does not need.
+#[test]
+fn a_deterministic_scene_mentions_no_noise() {
+    let attribute = "drift = |q, p| 0.5 * p * p - q.cos(), embedding = DeltaPlus";
+    let text = expand(attribute.parse().unwrap(), "struct Pendulum;".parse().unwrap()).to_string();
+    for word in ["__dw0", "__w0", "Wiener", "noise_energy", "newton", "Factor", "Extrapolation"] {
+        assert!(!text.contains(word), "{word} in {text}");
+    }
+}
