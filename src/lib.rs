@@ -51,6 +51,8 @@
 //!   [`Increments::from`](increments::Increments).
 //! * **The discrete calculus** behind it, time scales and the operators on them, is [`calculus`];
 //!   [`Trajectory::observable`](trajectory::Trajectory::observable) takes a path there.
+//! * **How much error for how much time**: with the feature `report`, `report::WorkPrecision` measures schemes against
+//!   each other and writes tables, plots and one HTML page.
 //! * **Errors** are values that say where, why and what to do; [`Error`] is the sum of them all.
 
 pub use wzvi_macros::hamiltonian;
@@ -60,6 +62,8 @@ pub use wzvi_runtime::error::Error;
 pub use wzvi_runtime::nalgebra;
 #[cfg(feature = "noise")]
 pub use wzvi_runtime::noise;
+#[cfg(feature = "report")]
+pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
     calculus, embedding, error, increments, integrate, plan, scalar, simulate, state, step, system,
     trajectory,
@@ -76,6 +80,8 @@ pub mod prelude {
     #[cfg(feature = "noise")]
     pub use wzvi_runtime::noise::{Wiener, WongZakai};
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
+    #[cfg(feature = "report")]
+    pub use wzvi_runtime::report::WorkPrecision;
     pub use wzvi_runtime::state::State;
     pub use wzvi_runtime::step::Stepper;
     pub use wzvi_runtime::system::{Discretized, Hamiltonian};

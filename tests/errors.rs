@@ -101,14 +101,8 @@ fn failure<E, H: Discretized<E>>(system: &H, h: f64, bad: &State<H::Vector>, dw:
         let before = bits(&first);
         used.step(&mut first, &vec![f64::NAN; system.noises() + 1]).unwrap_err();
         assert_eq!(bits(&first), before);
-    }
-    // Between steps of one state, a failure from another leaves what a new stepper would do.
-    assert!(used.step(&mut bad.clone(), dw).is_err());
-    let mut fresh = system.stepper::<E>(h).unwrap();
-    for _ in 0..10 {
-        used.step(&mut first, &small).unwrap();
-        fresh.step(&mut second, &small).unwrap();
-        assert_eq!(bits(&first), bits(&second));
+        // So is one from another state.
+        assert!(used.step(&mut bad.clone(), dw).is_err());
     }
     error.cause
 }

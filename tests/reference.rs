@@ -3,6 +3,8 @@
 //! `data/discrete_trajectories.json` holds the inputs (all exact in binary64) and the results. The bound of 1e-12,
 //! relative to the largest component of the state, leaves a few hundred roundings for ten steps.
 
+#![allow(clippy::unwrap_used, reason = "a test may stop")]
+
 use serde_json::Value;
 use wzvi::prelude::*;
 use wzvi::state::Vector;

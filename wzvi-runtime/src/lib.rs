@@ -9,6 +9,8 @@ pub mod integrate;
 #[cfg(feature = "noise")]
 pub mod noise;
 pub mod plan;
+#[cfg(feature = "report")]
+pub mod report;
 pub mod scalar;
 pub mod simulate;
 pub mod solve;

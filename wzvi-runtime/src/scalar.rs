@@ -44,9 +44,9 @@ pub trait Scalar:
     fn from_f64(value: f64) -> Self;
     /// The absolute value, without what the number carries besides (derivatives); the largest of several lanes.
     fn magnitude(self) -> f64;
-    /// How large the number is against `|a| + |b|`, part by part (value, derivatives, lanes): the largest ratio, 0 for
+    /// How large the number is against `|a| + |b|`, or `|a|` alone, part by part (value, derivatives, lanes): the largest ratio, 0 for
     /// a part that vanishes; NaN if any part is.
-    fn relative_to(self, a: Self, b: Self) -> f64;
+    fn relative_to(self, a: Self, b: Option<Self>) -> f64;
     /// Where every part of the number is finite.
     fn is_finite(self) -> Self::Mask;
     /// Where every part of every number is finite.
@@ -143,8 +143,12 @@ impl Scalar for f64 {
         self.abs()
     }
     #[inline(always)]
-    fn relative_to(self, a: Self, b: Self) -> f64 {
-        self.abs() / (a.abs() + b.abs() + f64::MIN_POSITIVE)
+    fn relative_to(self, a: Self, b: Option<Self>) -> f64 {
+        let size = match b {
+            Some(b) => a.abs() + b.abs(),
+            None => a.abs(),
+        };
+        self.abs() / (size + f64::MIN_POSITIVE)
     }
     #[inline(always)]
     fn is_finite(self) -> bool {

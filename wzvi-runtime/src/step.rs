@@ -132,17 +132,25 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// One step of `state` with the given increments, one per noise (`&[]` without noise).
     ///
     /// # Errors
-    /// [`StepError`] with time, step number and cause. The state is then bit for bit what it was.
+    /// [`StepError`] with time, step number and cause. The state is then bit for bit what it was, and so is the
+    /// stepper.
     #[inline]
     pub fn step(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
-        if (state.t != self.clock.now || self.jumped(state)) && !self.restart(state.t) {
-            return Err(self.error(state, dw, StepFailure::NonFinite));
-        }
+        // What the last step left is no guide from another state; it comes back if the step fails.
+        let left = if state.t != self.clock.now || self.jumped(state) {
+            cold();
+            let left = (self.memory.clone(), self.carry.clone(), self.clock, self.before);
+            if !self.restart(state.t) {
+                return Err(self.error(state, dw, StepFailure::NonFinite));
+            }
+            Some(left)
+        } else {
+            None
+        };
         let next = self.clock.next(self.h);
         let (q, p) = (state.q.components_mut(), state.p.components_mut());
         let (t, h, prepared, memory) = (state.t, self.h, &self.prepared, &mut self.memory);
-        let outcome = self.system.advance_carrying(prepared, t, h, q, p, dw, memory, &mut self.carry);
-        match outcome {
+        match self.system.advance_carrying(prepared, t, h, q, p, dw, memory, &mut self.carry) {
             Ok(solved) => {
                 self.clock = next;
                 state.t = next.now;
@@ -152,20 +160,25 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
                 }
                 Ok(StepInfo { iterations: solved.iterations })
             }
-            Err(cause) => Err(self.error(state, dw, cause)),
+            Err(cause) => {
+                if let Some(left) = left {
+                    (self.memory, self.carry, self.clock, self.before) = left;
+                }
+                Err(self.error(state, dw, cause))
+            }
         }
     }
 
-    /// Starts to count from `t`; `false` if time could overflow from there, so that no step needs to check its own.
+    /// Starts to count from `t`; `false`, and nothing done, if time could overflow from there: no step needs to check
+    /// its own.
     #[inline(always)]
     fn restart(&mut self, t: f64) -> bool {
-        cold();
-        self.memory = Default::default();
-        self.carry = C::default();
-        self.before += self.clock.ticks;
         let is_safe = (t.abs() + MOST_TICKS * self.h.abs()).is_finite();
-        // At NaN the next step comes here again.
-        self.clock = Clock::started(if is_safe { t } else { f64::NAN });
+        if is_safe {
+            (self.memory, self.carry) = (Default::default(), C::default());
+            self.before += self.clock.ticks;
+            self.clock = Clock::started(t);
+        }
         is_safe
     }
 

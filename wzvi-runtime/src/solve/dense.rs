@@ -1,4 +1,5 @@
 //! Dense factorisations of the small matrices of one step.
+#![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
 use crate::error::{ConfigError, StepFailure};
 use crate::scalar::Scalar;
@@ -75,8 +76,7 @@ impl<S: Scalar, const N: usize> Factor<S, N> {
             order.swap(k, best);
             scale.swap(k, best);
             let pivot = lu[k][k].magnitude();
-            // Also false for NaN.
-            if !(pivot > PIVOT_ULPS * scale[k]) {
+            if pivot <= PIVOT_ULPS * scale[k] || pivot.is_nan() || scale[k].is_nan() {
                 return Err(singular(pivot, scale[k]));
             }
             let inverse = lu[k][k].recip();
@@ -164,8 +164,7 @@ impl<S: Scalar, const N: usize> SymmetricFactor<S, N> {
         let mut l = matrix;
         for k in 0..N {
             let pivot = l[k][k];
-            // Also false for NaN.
-            if !(pivot.magnitude() > STABLE_PIVOT * matrix[k][k].magnitude()) {
+            if pivot.magnitude() <= STABLE_PIVOT * matrix[k][k].magnitude() || pivot.magnitude().is_nan() {
                 return None;
             }
             let inverse = pivot.recip();

@@ -97,9 +97,10 @@ impl Progress {
             if self.last < f64::INFINITY && at_rounding() {
                 return Ok(Verdict::Converged);
             }
-        }
-        if self.iterations >= MOST_ITERATIONS {
-            return Err(StepFailure::NotConverged { iterations: self.iterations, correction: relative });
+            // Corrections that at least halve are at rounding level soon: only these need to be counted.
+            if self.iterations >= MOST_ITERATIONS {
+                return Err(StepFailure::NotConverged { iterations: self.iterations, correction: relative });
+            }
         }
         self.last = relative;
         // `relative` is above `ROUNDING` here, so that neither product underflows.
@@ -111,14 +112,14 @@ impl Progress {
 /// `|correction| / |unknown|`, 0 for no correction.
 #[inline(always)]
 fn relative<S: Scalar>(correction: S, unknown: S) -> f64 {
-    correction.relative_to(unknown, S::from_f64(0.0))
+    correction.relative_to(unknown, None)
 }
 
 /// Rarely asked; inlined it would keep its operands in registers for every iteration.
 #[cold]
 #[inline(never)]
 fn is_rounding<S: Scalar>(correction: S, unknown: S, state: S) -> bool {
-    correction.relative_to(unknown, state) <= STAGNATION
+    correction.relative_to(unknown, Some(state)) <= STAGNATION
 }
 
 /// Solves `r(x) = 0` for one unknown from `start`; `equation` gives the residual and its slope, `state` the component
@@ -249,7 +250,7 @@ fn iterate<S: Scalar, const N: usize>(
                 x[i] = x[i] - correction[i];
                 let size = relative(correction[i], x[i]);
                 // Not `max`, which would drop a NaN.
-                largest = if size <= largest { largest } else { size };
+                largest = if size <= largest || largest.is_nan() { largest } else { size };
             }
             progress.judge(largest, || (0..N).all(|i| is_rounding(correction[i], x[i], state[i])))
         });

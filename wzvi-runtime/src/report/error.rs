@@ -1,0 +1,65 @@
+//! What can go wrong with a report.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// A measurement that could not be made, read or written.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ReportError {
+    /// A file or folder could not be read or written.
+    File {
+        /// Which one.
+        path: PathBuf,
+        /// What was tried.
+        action: &'static str,
+        /// What the system said.
+        cause: String,
+    },
+    /// A file of points measured elsewhere has a line that is not `name,seconds,error`.
+    Overlay {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: u64,
+        /// What is wrong with it.
+        cause: String,
+    },
+    /// A plot could not be drawn.
+    Plot {
+        /// Which figure.
+        figure: String,
+        /// What the backend said.
+        cause: String,
+    },
+    /// The numbers could not be put into a format.
+    Format(String),
+}
+
+impl ReportError {
+    /// What the system said about a file.
+    pub(crate) fn file(path: &Path, action: &'static str, cause: impl fmt::Display) -> Self {
+        Self::File { path: path.to_owned(), action, cause: cause.to_string() }
+    }
+}
+
+impl fmt::Display for ReportError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File { path, action, cause } => write!(f, "cannot {action} {}: {cause}", path.display()),
+            Self::Overlay { path, line, cause } => {
+                write!(f, "{}, line {line}: {cause}; a line is name,seconds,error", path.display())
+            }
+            Self::Plot { figure, cause } => write!(f, "cannot draw the figure `{figure}`: {cause}"),
+            Self::Format(cause) => write!(f, "cannot write the numbers down: {cause}"),
+        }
+    }
+}
+
+impl std::error::Error for ReportError {}
+
+impl From<ReportError> for crate::error::Error {
+    fn from(error: ReportError) -> Self {
+        Self::Report(error)
+    }
+}

@@ -1,0 +1,110 @@
+//! A measurement as figures and as a page.
+
+use std::path::Path;
+
+use super::document::Document;
+use super::figure::{Axis, Figure, Look, Series};
+use super::fit::Slope;
+use super::{Cell, Report, ReportError, create_folder, duration, number, write_file};
+
+impl Report {
+    /// Error against run time and error against step size, log-log, with the fitted slopes.
+    pub fn figures(&self, id: &str) -> Vec<Figure> {
+        vec![self.work_precision(id), self.convergence(id)]
+    }
+
+    fn work_precision(&self, id: &str) -> Figure {
+        let (x, y) = (Axis::logarithmic("seconds per path"), Axis::logarithmic("strong error"));
+        let mut figure =
+            Figure::new(format!("{id}-time"), format!("{}: error against run time", self.title), x, y);
+        let best = self.choices().into_iter().map(|choice| choice.words()).collect::<Vec<_>>().join("; ");
+        figure.shows = format!(
+            "Further left and lower is better. Time is that of the steps and of the increments that drive them. {}",
+            if best.is_empty() { String::new() } else { format!("In words: {best}.") }
+        );
+        for (colour, scheme) in self.schemes().into_iter().enumerate() {
+            let timed: Vec<&Cell> = self.of(scheme).filter(|cell| cell.time.is_some()).collect();
+            let points = timed.iter().filter_map(|cell| Some((cell.seconds()?, cell.strong.value)));
+            let mut series = Series::new(scheme, Look::Joined, colour, points.collect());
+            series.notes = timed.iter().map(|cell| note(cell)).collect();
+            figure.series.push(series);
+        }
+        let mut names: Vec<&str> = vec![];
+        for point in &self.overlay {
+            if !names.contains(&point.name.as_str()) {
+                names.push(&point.name);
+            }
+        }
+        for (more, name) in names.into_iter().enumerate() {
+            let points = self.overlay.iter().filter(|point| point.name == name);
+            let points = points.map(|point| (point.seconds, point.error)).collect();
+            let colour = self.schemes().len() + more;
+            figure.series.push(Series::new(format!("{name} (elsewhere)"), Look::Marks, colour, points));
+        }
+        figure
+    }
+
+    fn convergence(&self, id: &str) -> Figure {
+        let (x, y) = (Axis::logarithmic("step size h"), Axis::logarithmic("strong error"));
+        let mut figure =
+            Figure::new(format!("{id}-order"), format!("{}: error against step size", self.title), x, y);
+        let mut slopes = vec![];
+        for (colour, scheme) in self.schemes().into_iter().enumerate() {
+            let points = self.of(scheme).map(|cell| (cell.h, cell.strong.value)).collect();
+            let mut series = Series::new(scheme, Look::Marks, colour, points);
+            series.notes = self.of(scheme).map(note).collect();
+            figure.series.push(series);
+            slopes.push((colour, scheme, self.slope(scheme)));
+        }
+        for (colour, scheme, slope) in &slopes {
+            if let Slope::Order { order, factor, used, .. } = slope {
+                let points = used.iter().map(|h| (*h, factor * h.powf(*order))).collect();
+                let name = format!("slope {order:.2} ({scheme})");
+                figure.series.push(Series::new(name, Look::Dashed, *colour, points));
+            }
+        }
+        let words = slopes.iter().map(|(_, scheme, slope)| format!("{scheme}: {}", slope.words()));
+        figure.shows = format!("Slopes by weighted least squares. {}.", words.collect::<Vec<_>>().join(". "));
+        figure
+    }
+
+    /// This measurement at the end of a page: table, conclusions and figures.
+    #[must_use]
+    pub fn append_to(&self, document: Document, id: &str) -> Document {
+        let (headings, rows) = self.rows();
+        let document = document
+            .table(format!("{}: what was measured", self.title), headings, rows)
+            .list(self.conclusions())
+            .text(self.conditions());
+        self.figures(id).into_iter().fold(document, Document::figure)
+    }
+
+    /// Writes `measurements.csv`, `measurements.json`, plots as SVG and PNG with their numbers as CSV, and `index.html` into a
+    /// folder, which is made if it is not there.
+    ///
+    /// # Errors
+    /// [`ReportError::File`] with the path that could not be written. A file is there complete or not at all.
+    pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), ReportError> {
+        let folder = folder.as_ref();
+        create_folder(folder)?;
+        write_file(&folder.join("measurements.csv"), &self.csv()?)?;
+        write_file(&folder.join("measurements.json"), self.json()?.as_bytes())?;
+        self.append_to(Document::new(self.title.clone()), "error").write(folder)
+    }
+}
+
+/// What is known of a measurement besides error and time.
+fn note(cell: &Cell) -> String {
+    let mut note =
+        format!("h = {}, ± {:.0e}, {} paths", number(cell.h), cell.strong.standard_error, cell.paths);
+    if let Some(time) = cell.time {
+        note += &format!(", steps {}", duration(time.median));
+    }
+    if let Some(noise) = cell.noise_time {
+        note += &format!(", noise {}", duration(noise.median));
+    }
+    if cell.failures > 0 {
+        note += &format!(", {} failed", cell.failures);
+    }
+    note
+}

@@ -1,0 +1,195 @@
+//! Error against run time: the builder.
+
+use super::Overlay;
+use super::scheme::{Embedding, Scheme, short_name};
+use crate::error::Error;
+use crate::noise::{Paths, Wiener};
+use crate::state::State;
+use crate::system::{Discretized, Hamiltonian};
+
+type Exact<'a, V> = Box<dyn Fn(f64, &[f64]) -> State<V> + 'a>;
+type ExactOnPath<'a, V> = Box<dyn Fn(f64, &mut Wiener) -> Result<State<V>, Error> + 'a>;
+type Value<'a, V> = Box<dyn Fn(&State<V>) -> f64 + 'a>;
+type Driver<'a> = Box<dyn Fn(Wiener) -> Box<dyn Paths + 'a> + 'a>;
+
+pub(super) enum Reference<'a, H: Hamiltonian> {
+    Exact(Exact<'a, H::Vector>),
+    OnPath(ExactOnPath<'a, H::Vector>),
+    Finer(Box<dyn Scheme<H> + 'a>, f64),
+    Value(State<H::Vector>),
+}
+
+pub(super) struct Observable<'a, V> {
+    pub(super) name: String,
+    pub(super) value: Value<'a, V>,
+    /// `E f(z(T))`, if known; otherwise the reference on the same path is compared with.
+    pub(super) expectation: Option<f64>,
+}
+
+/// How much error several schemes make for how much time: [`WorkPrecision::run`] measures it.
+///
+/// A start, an end, step sizes, a reference and at least one scheme are needed. The paths are those of one seed: every
+/// scheme, every step size and the reference see the same Wiener paths.
+#[must_use = "nothing is measured before `run`"]
+pub struct WorkPrecision<'a, H: Hamiltonian> {
+    pub(super) system: &'a H,
+    pub(super) title: String,
+    pub(super) start: Option<State<H::Vector>>,
+    pub(super) end: Option<f64>,
+    pub(super) steps: Vec<f64>,
+    pub(super) paths: usize,
+    pub(super) seed: u64,
+    pub(super) repetitions: usize,
+    pub(super) driver: Driver<'a>,
+    pub(super) reference: Option<Reference<'a, H>>,
+    pub(super) observables: Vec<Observable<'a, H::Vector>>,
+    pub(super) schemes: Vec<Box<dyn Scheme<H> + 'a>>,
+    pub(super) overlay: Vec<Overlay>,
+    pub(super) failed: Option<Error>,
+    pub(super) stop: Box<dyn Fn() -> bool + 'a>,
+}
+
+impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
+    /// A measurement of `system`: 100 paths of seed 0, 7 timings of each scheme and step size.
+    pub fn new(system: &'a H) -> Self {
+        Self {
+            system,
+            title: short_name(std::any::type_name::<H>()),
+            start: None,
+            end: None,
+            steps: vec![],
+            paths: 100,
+            seed: 0,
+            repetitions: 7,
+            driver: Box::new(|wiener| Box::new(wiener)),
+            reference: None,
+            observables: vec![],
+            schemes: vec![],
+            overlay: vec![],
+            failed: None,
+            stop: Box::new(|| false),
+        }
+    }
+
+    /// What tables and pages are called; the name of the system's type otherwise.
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.title = title.into();
+        self
+    }
+
+    /// The first state of every path, at its own time.
+    pub fn start(mut self, start: State<H::Vector>) -> Self {
+        self.start = Some(start);
+        self
+    }
+
+    /// The end of every path, in the time units of the Hamiltonian: a whole number of steps of each size away.
+    pub fn until(mut self, end: f64) -> Self {
+        self.end = Some(end);
+        self
+    }
+
+    /// The step sizes, in any order.
+    pub fn steps(mut self, steps: impl IntoIterator<Item = f64>) -> Self {
+        self.steps = steps.into_iter().collect();
+        self
+    }
+
+    /// How many paths errors are averaged over. A system without noise takes one.
+    pub fn paths(mut self, paths: usize) -> Self {
+        self.paths = paths;
+        self
+    }
+
+    /// The seed of the Wiener paths.
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// How often each time is measured, after one warm-up; 0 leaves times out.
+    pub fn repetitions(mut self, repetitions: usize) -> Self {
+        self.repetitions = repetitions;
+        self
+    }
+
+    /// What drives the steps instead of the Wiener path itself, made from that path:
+    /// `.noise(|wiener| WongZakai::of(wiener, 0.02).exact())`.
+    pub fn noise<N: Paths + 'a>(mut self, driver: impl Fn(Wiener) -> N + 'a) -> Self {
+        self.driver = Box::new(move |wiener| Box::new(driver(wiener)));
+        self
+    }
+
+    /// Compares with an exact solution `exact(t, wiener)`, `wiener[k] = W_k(t) - W_k(t_0)`.
+    pub fn exact(mut self, exact: impl Fn(f64, &[f64]) -> State<H::Vector> + 'a) -> Self {
+        self.reference = Some(Reference::Exact(Box::new(exact)));
+        self
+    }
+
+    /// Compares with an exact solution that depends on the path at more than its end.
+    pub fn exact_on_path(
+        mut self,
+        exact: impl Fn(f64, &mut Wiener) -> Result<State<H::Vector>, Error> + 'a,
+    ) -> Self {
+        self.reference = Some(Reference::OnPath(Box::new(exact)));
+        self
+    }
+
+    /// Compares with a run of the scheme `E` in steps of size `h` on the same Wiener paths.
+    pub fn reference<E: 'static>(mut self, h: f64) -> Self
+    where
+        H: Discretized<E>,
+    {
+        self.reference = Some(Reference::Finer(Box::new(Embedding::<E>::new()), h));
+        self
+    }
+
+    /// Compares with a state that is known.
+    pub fn value(mut self, state: State<H::Vector>) -> Self {
+        self.reference = Some(Reference::Value(state));
+        self
+    }
+
+    /// Measures the weak error of `f`: the mean over paths of `f(z_N) - f(z(T))` on the same path.
+    pub fn observable(mut self, name: impl Into<String>, f: impl Fn(&State<H::Vector>) -> f64 + 'a) -> Self {
+        self.observables.push(Observable { name: name.into(), value: Box::new(f), expectation: None });
+        self
+    }
+
+    /// Measures the weak error of `f` against `E f(z(T))`, which is known.
+    pub fn expectation(
+        mut self,
+        name: impl Into<String>,
+        f: impl Fn(&State<H::Vector>) -> f64 + 'a,
+        expectation: f64,
+    ) -> Self {
+        let (name, value) = (name.into(), Box::new(f));
+        self.observables.push(Observable { name, value, expectation: Some(expectation) });
+        self
+    }
+
+    /// Adds a scheme.
+    pub fn scheme<E: 'static>(mut self) -> Self
+    where
+        H: Discretized<E>,
+    {
+        self.schemes.push(Box::new(Embedding::<E>::new()));
+        self
+    }
+
+    /// Shows points measured elsewhere beside these: a CSV file with lines `name,seconds,error`, one path each, with or
+    /// without a line of headings. [`WorkPrecision::run`] reports what is wrong with it.
+    pub fn overlay_csv(mut self, path: impl AsRef<std::path::Path>) -> Self {
+        match Overlay::read(path.as_ref()) {
+            Ok(points) => self.overlay.extend(points),
+            Err(error) => self.failed = self.failed.or(Some(error.into())),
+        }
+        self
+    }
+
+    /// Ends the measurement early, as Ctrl-C does, when `stop` says so: a deadline, for one.
+    pub fn stop_when(mut self, stop: impl Fn() -> bool + 'a) -> Self {
+        self.stop = Box::new(stop);
+        self
+    }
+}

@@ -1,0 +1,88 @@
+//! How much error for how much time: measurements, tables, plots and one HTML page.
+//!
+//! ```ignore
+//! let report = WorkPrecision::new(&kubo)
+//!     .start(State::new([0.0], [1.0]))
+//!     .until(1.0)
+//!     .steps((4..=9).map(|k| 2f64.powi(-k)))
+//!     .paths(400)
+//!     .seed(7)
+//!     .exact(|t, wiener| kubo.exact(t, wiener[0]))
+//!     .observable("q", |state| state.q[0])
+//!     .scheme::<Midpoint>()
+//!     .scheme::<Corrected<DeltaPlus>>()
+//!     .run()?;
+//! report.print();
+//! report.write("target/wzvi/kubo")?; // CSV, JSON, SVG, PNG and index.html
+//! ```
+//!
+//! What is measured, for each scheme and step size:
+//!
+//! * the strong error, root mean square over paths of `|z_N - z(T)|`, with its standard error;
+//! * the weak errors of observables, with 95 % confidence intervals;
+//! * what becomes of the drift Hamiltonian: its linear trend over the run and the oscillation about that;
+//! * failed steps (counted, not fatal) and Newton iterations;
+//! * the run time: increments are drawn into memory first and timed by themselves, then the steps alone. After a warm-up
+//!   the timings of all schemes and step sizes take turns, to and fro; medians and quartiles are given.
+//!
+//! Slopes are fitted on the part of the curve that is straight ([`fit`]).
+
+mod data;
+mod document;
+mod error;
+mod figure;
+mod figures;
+mod files;
+pub mod fit;
+mod machine;
+mod measure;
+mod overlay;
+mod pareto;
+mod plot;
+mod progress;
+mod run;
+mod scheme;
+pub mod statistics;
+mod table;
+mod ticks;
+mod write;
+
+pub use data::{Cell, Report, Weak};
+pub use document::Document;
+pub use error::ReportError;
+pub use figure::{Axis, Figure, Look, Series};
+pub use files::{create_folder, write_file};
+pub use machine::Machine;
+pub use measure::WorkPrecision;
+pub use overlay::Overlay;
+pub use pareto::Choice;
+
+/// A number with three significant digits, for people.
+pub fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    if !(1e-4..1e5).contains(&size) {
+        return format!("{value:.2e}");
+    }
+    // Rounding first: 0.99996 has as many decimals as 1.
+    let exponent = format!("{size:.2e}").split_once('e').and_then(|parts| parts.1.parse::<i32>().ok());
+    let decimals = (2 - exponent.unwrap_or(0)).max(0) as usize;
+    let text = format!("{value:.decimals$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+/// A time with its unit, for people.
+pub fn duration(seconds: f64) -> String {
+    let (factor, unit) = match seconds {
+        s if s >= 1.0 => (1.0, "s"),
+        s if s >= 1e-3 => (1e3, "ms"),
+        s if s >= 1e-6 => (1e6, "µs"),
+        _ => (1e9, "ns"),
+    };
+    format!("{} {unit}", number(seconds * factor))
+}

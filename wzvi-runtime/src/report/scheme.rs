@@ -1,0 +1,156 @@
+//! A scheme as a value: types go in, one list of them comes out.
+
+use std::hint::black_box;
+use std::marker::PhantomData;
+use std::time::{Duration, Instant};
+
+use crate::error::{ConfigError, StepError};
+use crate::plan::Plan;
+use crate::state::State;
+use crate::step::Stepper;
+use crate::system::{Discretized, Hamiltonian};
+
+/// How a path went.
+pub(crate) struct Outcome<V> {
+    pub(crate) last: State<V>,
+    pub(crate) iterations: u64,
+    pub(crate) largest: u32,
+    pub(crate) failure: Option<StepError>,
+}
+
+/// One embedding of a system.
+pub(crate) trait Scheme<H: Hamiltonian> {
+    /// The embedding as it is written, `Corrected<DeltaPlus>`.
+    fn name(&self) -> String;
+
+    /// What the compiler found out.
+    fn plan(&self) -> Plan;
+
+    /// One path through given increments, seen at every node.
+    fn run(
+        &self,
+        system: &H,
+        path: &Given<'_, H::Vector>,
+        see: &mut dyn FnMut(&State<H::Vector>),
+    ) -> Result<Outcome<H::Vector>, ConfigError>;
+
+    /// How long several paths take, one after the other, `passes` times over; nothing but steps is inside.
+    fn time(&self, system: &H, paths: &[Given<'_, H::Vector>], passes: u32) -> Result<Duration, ConfigError>;
+}
+
+/// A path to take: where from, in which steps.
+pub(crate) struct Given<'a, V> {
+    pub(crate) start: &'a State<V>,
+    pub(crate) h: f64,
+    pub(crate) steps: usize,
+    /// Rows of one increment per noise; empty without noise.
+    pub(crate) increments: &'a [f64],
+}
+
+impl<V> Given<'_, V> {
+    #[inline(always)]
+    fn rows(&self, processes: usize) -> impl Iterator<Item = &[f64]> {
+        (0..self.steps).map(move |i| self.increments.get(i * processes..(i + 1) * processes).unwrap_or(&[]))
+    }
+}
+
+/// The scheme `E`.
+pub(crate) struct Embedding<E>(PhantomData<fn() -> E>);
+
+impl<E> Embedding<E> {
+    pub(crate) fn new() -> Self {
+        Self(PhantomData)
+    }
+}
+
+impl<H: Discretized<E>, E> Scheme<H> for Embedding<E> {
+    fn name(&self) -> String {
+        short_name(std::any::type_name::<E>())
+    }
+
+    fn plan(&self) -> Plan {
+        H::PLAN
+    }
+
+    fn run(
+        &self,
+        system: &H,
+        path: &Given<'_, H::Vector>,
+        see: &mut dyn FnMut(&State<H::Vector>),
+    ) -> Result<Outcome<H::Vector>, ConfigError> {
+        let mut stepper = Stepper::<H, E>::new(system, path.h)?;
+        let last = path.start.clone();
+        let mut outcome = Outcome { last, iterations: 0, largest: 0, failure: None };
+        see(&outcome.last);
+        for dw in path.rows(system.noises()) {
+            match stepper.step(&mut outcome.last, dw) {
+                Ok(info) => {
+                    outcome.iterations += u64::from(info.iterations);
+                    outcome.largest = outcome.largest.max(info.iterations);
+                    see(&outcome.last);
+                }
+                Err(error) => {
+                    outcome.failure = Some(error);
+                    break;
+                }
+            }
+        }
+        Ok(outcome)
+    }
+
+    fn time(&self, system: &H, paths: &[Given<'_, H::Vector>], passes: u32) -> Result<Duration, ConfigError> {
+        let processes = system.noises();
+        let mut steppers = Vec::with_capacity(paths.len());
+        for path in paths {
+            steppers.push(Stepper::<H, E>::new(system, path.h)?);
+        }
+        let Some(first) = paths.first() else { return Ok(Duration::ZERO) };
+        let mut state = first.start.clone();
+        let begin = Instant::now();
+        for _ in 0..passes {
+            for (path, stepper) in paths.iter().zip(&mut steppers) {
+                state.clone_from(path.start);
+                for dw in path.rows(processes) {
+                    // Only paths that were seen to reach the end are timed.
+                    if stepper.step(&mut state, dw).is_err() {
+                        break;
+                    }
+                }
+                black_box(&state);
+            }
+        }
+        Ok(begin.elapsed())
+    }
+}
+
+/// A type without the modules that its parts are in: `a::B<c::D>` is `B<D>`.
+pub(crate) fn short_name(name: &str) -> String {
+    let mut short = String::new();
+    let mut word = String::new();
+    let mut rest = name.chars().peekable();
+    while let Some(c) = rest.next() {
+        if c == ':' && rest.peek() == Some(&':') {
+            rest.next();
+            word.clear();
+        } else if c.is_alphanumeric() || c == '_' {
+            word.push(c);
+        } else {
+            short.push_str(&word);
+            word.clear();
+            short.push(c);
+        }
+    }
+    short + &word
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn names_are_as_written() {
+        assert_eq!(
+            super::short_name("a::e::Mixed<a::e::DeltaPlus, a::e::Midpoint>"),
+            "Mixed<DeltaPlus, Midpoint>"
+        );
+        assert_eq!(super::short_name("a::Lambda<1, 4>"), "Lambda<1, 4>");
+    }
+}
