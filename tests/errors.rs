@@ -97,9 +97,12 @@ fn failure<E, H: Discretized<E>>(system: &H, h: f64, bad: &State<H::Vector>, dw:
         used.step(&mut first, &small).unwrap();
         fresh.step(&mut second, &small).unwrap();
         assert_eq!(bits(&first), bits(&second));
-        // A failure in the middle changes nothing either.
-        let mut attempt = bad.clone();
-        assert!(used.step(&mut attempt, dw).is_err());
+        // One that fails from the same state is as if it had not been.
+        let before = bits(&first);
+        used.step(&mut first, &vec![f64::NAN; system.noises() + 1]).unwrap_err();
+        assert_eq!(bits(&first), before);
+        // So is one from another state.
+        assert!(used.step(&mut bad.clone(), dw).is_err());
     }
     error.cause
 }
@@ -193,10 +196,17 @@ fn huge_increments_fail_or_stay_finite() {
             let bound = 4.0 * f64::EPSILON * (1.0 + 0.5 * dw.abs()) * radius(&start);
             assert!((radius(&state) - radius(&start)).abs() <= bound, "{dw:e}: {state:?}");
         }
-        assert!(state.q[0].is_finite() && state.p[0].is_finite());
+        assert!(state.q[0].is_finite() && state.p[0].is_finite(), "{outcome:?}");
         let mut state = start;
         let outcome = KUBO.stepper::<Uncorrected<DeltaPlus>>(0.1).unwrap().step(&mut state, &[dw]);
         assert!(state.q[0].is_finite() && state.p[0].is_finite(), "{outcome:?}");
+    }
+    // Beyond its poles the mid-point of the stretch tends to -1.
+    for dw in [1e20, -1e200, 1e300] {
+        let mut state = start;
+        STRETCH.stepper::<Midpoint>(0.1).unwrap().step(&mut state, &[dw]).unwrap();
+        let distance = (state.q[0] + start.q[0]).abs().max((state.p[0] + start.p[0]).abs());
+        assert!(distance <= 4.0 * f64::EPSILON, "{dw:e}: {state:?}");
     }
     let cause = failure::<Uncorrected<DeltaPlus>, _>(&KUBO, 0.1, &start, &[f64::MAX]);
     assert_eq!(cause, StepFailure::NonFinite);

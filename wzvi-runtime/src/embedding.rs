@@ -31,7 +31,7 @@ pub struct Lambda<const N: u32, const D: u32>;
 pub struct Mixed<Drift, Noise>(PhantomData<(Drift, Noise)>);
 
 /// `E` with the counter-term `Σ_jk (1/2 - l) ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p` in the step Hamiltonian, which makes it
-/// consistent. On a scheme that is consistent already, `E` itself.
+/// consistent, and of strong order one where the noises commute. Where all these products are constant, `E` itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Corrected<E>(PhantomData<E>);
 

@@ -39,6 +39,8 @@ pub(crate) struct Facts {
     pub(crate) half_defect_sum: Expr,
     /// Whether that sum is constant on phase space.
     pub(crate) defect_is_constant: Knowledge,
+    /// Whether `∂H_j/∂q · ∂H_k/∂p + ∂H_k/∂q · ∂H_j/∂p` is for all noises: then the counter-term does nothing.
+    pub(crate) counter_term_is_constant: Knowledge,
     pub(crate) noise: NoiseClass,
     /// `{H_k, H_0}` per noise.
     pub(crate) energy_rates: Vec<Expr>,
@@ -54,9 +56,16 @@ impl Facts {
         let phase = &model.phase;
         let graph = &mut model.graph;
 
-        let products: Vec<Expr> =
-            noise.iter().map(|&hamiltonian| slope_product(graph, phase, hamiltonian)).collect();
+        let products: Vec<Expr> = noise.iter().map(|&h| slope_product(graph, phase, h, h)).collect();
         let half_defect_sum = graph.sum(&products);
+        let mut counter_terms = products;
+        for (k, &first) in noise.iter().enumerate() {
+            for &second in &noise[..k] {
+                let (one, other) =
+                    (slope_product(graph, phase, first, second), slope_product(graph, phase, second, first));
+                counter_terms.push(graph.add(one, other));
+            }
+        }
         let energy_rates: Vec<Expr> =
             noise.iter().map(|&h| poisson_bracket(graph, phase, h, drift)).collect();
         let explicit_rate = graph.derivative(drift, phase.t);
@@ -70,9 +79,12 @@ impl Facts {
         }
         let bracket_slopes: Vec<Expr> = brackets.iter().flat_map(|&b| gradient(graph, phase, b)).collect();
         let defect_slopes = gradient(graph, phase, half_defect_sum);
+        let counter_slopes: Vec<Expr> =
+            counter_terms.iter().flat_map(|&term| gradient(graph, phase, term)).collect();
         Self {
             half_defect_sum,
             defect_is_constant: all_vanish(graph, &defect_slopes),
+            counter_term_is_constant: all_vanish(graph, &counter_slopes),
             noise: noise_class(graph, phase, &noise),
             conserves_energy: all_vanish(graph, &rates),
             commuting: all_vanish(graph, &bracket_slopes),
@@ -84,6 +96,12 @@ impl Facts {
     /// Whether noises at quadrature point `l` give the Stratonovich limit: `D` is constant.
     pub(crate) fn is_consistent(&self, l: Rational) -> bool {
         l == Rational::HALF || matches!(self.defect_is_constant, Knowledge::Proven)
+    }
+
+    /// Whether the counter-term changes a scheme whose noises are at `l`. It may also where `D` is constant: its mixed
+    /// products do not show in the limit, but without them commuting noises lose half an order.
+    pub(crate) fn counter_term_acts(&self, l: Rational) -> bool {
+        l != Rational::HALF && !matches!(self.counter_term_is_constant, Knowledge::Proven)
     }
 
     /// `D = (1/2 - l) Σ_k ∂H_k/∂q · ∂H_k/∂p`
@@ -105,12 +123,12 @@ pub(crate) fn poisson_bracket(graph: &mut Graph, phase: &Phase, f: Expr, g: Expr
     graph.linear_combination(&terms)
 }
 
-/// `∂f/∂q · ∂f/∂p`
-fn slope_product(graph: &mut Graph, phase: &Phase, f: Expr) -> Expr {
+/// `∂f/∂q · ∂g/∂p`
+fn slope_product(graph: &mut Graph, phase: &Phase, f: Expr, g: Expr) -> Expr {
     let mut terms = Vec::new();
     for (&q, &p) in phase.q.iter().zip(&phase.p) {
-        let (f_q, f_p) = (graph.derivative(f, q), graph.derivative(f, p));
-        terms.push(graph.multiply(f_q, f_p));
+        let (f_q, g_p) = (graph.derivative(f, q), graph.derivative(g, p));
+        terms.push(graph.multiply(f_q, g_p));
     }
     graph.sum(&terms)
 }

@@ -31,8 +31,9 @@ pub(crate) struct Scheme {
 
 /// Discretises `model` by `embedding`: the one road from a Hamiltonian to a step.
 pub(crate) fn discretise(model: &mut Model, facts: &Facts, embedding: &Embedding) -> Scheme {
-    let limit_is_right = facts.is_consistent(embedding.quadrature().1);
-    let corrected = embedding.correction() == Correction::Corrected && !limit_is_right;
+    let noise_l = embedding.quadrature().1;
+    let limit_is_right = facts.is_consistent(noise_l);
+    let corrected = embedding.correction() == Correction::Corrected && facts.counter_term_acts(noise_l);
     let lagrangian = DiscreteLagrangian::new(model, embedding.quadrature(), corrected);
     let equations = Equations::new(&mut model.graph, &lagrangian);
     let structure = Structure::new(&mut model.graph, &lagrangian, &equations);
