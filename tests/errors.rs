@@ -201,12 +201,17 @@ fn huge_increments_fail_or_stay_finite() {
         let outcome = KUBO.stepper::<Uncorrected<DeltaPlus>>(0.1).unwrap().step(&mut state, &[dw]);
         assert!(state.q[0].is_finite() && state.p[0].is_finite(), "{outcome:?}");
     }
-    // Beyond its poles the mid-point of the stretch tends to -1.
+    // Beyond its poles the mid-point of the stretch tends to -1, by 8/dw; what is absurd is refused.
     for dw in [1e20, -1e200, 1e300] {
+        let cause = failure::<Midpoint, _>(&STRETCH, 0.1, &start, &[dw]);
+        assert!(matches!(cause, StepFailure::Singular { .. }), "{dw:e}: {cause:?}");
+    }
+    for dw in [1e12, -1e13] {
         let mut state = start;
         STRETCH.stepper::<Midpoint>(0.1).unwrap().step(&mut state, &[dw]).unwrap();
         let distance = (state.q[0] + start.q[0]).abs().max((state.p[0] + start.p[0]).abs());
-        assert!(distance <= 4.0 * f64::EPSILON, "{dw:e}: {state:?}");
+        let bound = 8.0 / dw.abs() + 4.0 * f64::EPSILON;
+        assert!(distance <= bound, "{dw:e}: {state:?}");
     }
     let cause = failure::<Uncorrected<DeltaPlus>, _>(&KUBO, 0.1, &start, &[f64::MAX]);
     assert_eq!(cause, StepFailure::NonFinite);
@@ -424,6 +429,20 @@ fn time_is_start_plus_n_h_exactly() {
                 // A failed step does not move the clock.
                 stepper.step(&mut state, &[f64::NAN]).unwrap_err();
             }
+        }
+    }
+}
+
+/// An increment that leaves no digit of the state is an error, not an answer.
+#[test]
+fn absurd_increments_are_refused() {
+    for dw in [1e10, 1e16, 1e100, 1e200, f64::MAX] {
+        for start in [[0.5, 0.5], [0.0, 1.0], [1.0, 0.0]] {
+            let cause = failure::<Midpoint, _>(&KUBO, 0.1, &state(&start[..1], &start[1..]), &[dw]);
+            assert!(
+                matches!(cause, StepFailure::Singular { .. } | StepFailure::NonFinite),
+                "{dw:e}: {cause:?}"
+            );
         }
     }
 }

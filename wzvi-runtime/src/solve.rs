@@ -3,5 +3,5 @@
 mod dense;
 mod newton;
 
-pub use dense::{Factor, SymmetricFactor, prepared, quotient, reciprocal};
+pub use dense::{Factor, SymmetricFactor, prepared, quotient, reciprocal, reciprocal_above_one};
 pub use newton::{Extrapolation, newton, newton_scalar, newton_symmetric};

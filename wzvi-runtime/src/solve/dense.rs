@@ -7,24 +7,42 @@ use crate::scalar::Scalar;
 /// A pivot below this many units of rounding of its row makes the matrix singular to working precision.
 const PIVOT_ULPS: f64 = 4.0 * f64::EPSILON;
 
+/// Above this size `c` drowns the 1 of `1 - c`: the increments that follow have lost all digits of the state.
+const LARGEST_PIVOT: f64 = 1.0 / f64::EPSILON;
+
 /// `1 / pivot`, for the matrix `1 - c` of one unknown.
 ///
 /// # Errors
-/// [`StepFailure::Singular`] where `1 - c` cancels to rounding.
+/// [`StepFailure::Singular`] where `1 - c` cancels to rounding, or `c` is so large that the 1 does.
 #[inline(always)]
 pub fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
     let size = pivot.magnitude();
-    if size > PIVOT_ULPS { Ok(pivot.recip()) } else { Err(singular(size, 1.0)) }
+    if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(pivot.recip()) } else { Err(unusable(size)) }
+}
+
+/// [`reciprocal`] of a pivot that is at least one by its form.
+///
+/// # Errors
+/// [`StepFailure::Singular`] where `c` is so large that the 1 drowns in it.
+#[inline(always)]
+pub fn reciprocal_above_one<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
+    let size = pivot.magnitude();
+    if size < LARGEST_PIVOT { Ok(pivot.recip()) } else { Err(unusable(size)) }
+}
+
+#[cold]
+fn unusable(pivot: f64) -> StepFailure {
+    if pivot > 1.0 { singular(1.0, pivot) } else { singular(pivot, 1.0) }
 }
 
 /// `rhs / pivot`, for the equation `(1 - c) x = rhs` of one unknown.
 ///
 /// # Errors
-/// [`StepFailure::Singular`] where `1 - c` cancels to rounding.
+/// [`StepFailure::Singular`] as [`reciprocal`].
 #[inline(always)]
 pub fn quotient<S: Scalar>(rhs: S, pivot: S) -> Result<S, StepFailure> {
     let size = pivot.magnitude();
-    if size > PIVOT_ULPS { Ok(rhs / pivot) } else { Err(singular(size, 1.0)) }
+    if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(rhs / pivot) } else { Err(unusable(size)) }
 }
 
 /// What cannot be factored once for all steps is a mistake of the configuration, not of a step.
@@ -264,5 +282,9 @@ mod tests {
         assert!(matches!(SymmetricFactor::new([[0.0, 0.0], [0.0, 1.0]]), Err(StepFailure::Singular { .. })));
         assert!(matches!(Factor::new([[f64::NAN, 2.0], [2.0, 4.0]]), Err(StepFailure::NonFinite)));
         assert!(matches!(reciprocal(1e-17), Err(StepFailure::Singular { .. })));
+        assert!(matches!(reciprocal(1e17), Err(StepFailure::Singular { .. })));
+        assert!(matches!(quotient(1.0, f64::INFINITY), Err(StepFailure::Singular { .. })));
+        assert!(matches!(reciprocal_above_one(f64::INFINITY), Err(StepFailure::Singular { .. })));
+        assert!(matches!(reciprocal_above_one(f64::NAN), Err(StepFailure::NonFinite)));
     }
 }
