@@ -11,8 +11,9 @@ macro_rules! systems {
         fn main() {
             $(
                 let mut state = State::new([0.5], [1.0]);
-                // An error or a step, no panic and no NaN.
-                if $name.stepper::<Midpoint>(0.1).unwrap().step(&mut state, &[]).is_ok() {
+                // An error or a step, no panic and no NaN; what is infinite from the start may refuse to be prepared.
+                let outcome = $name.stepper::<Midpoint>(0.1).map(|mut stepper| stepper.step(&mut state, &[]));
+                if matches!(outcome, Ok(Ok(_))) {
                     assert!(state.q[0].is_finite() && state.p[0].is_finite());
                 } else {
                     assert_eq!((state.q[0], state.p[0], state.t), (0.5, 1.0, 0.0));
