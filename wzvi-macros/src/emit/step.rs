@@ -342,7 +342,7 @@ impl SolveBody<'_> {
                     statements.extend(self.bind(&[*pivot]));
                     let (value, name) = (self.printer.scalar_value(*pivot), self.printer.name(*inverse));
                     statements.extend(match is_safe {
-                        true => quote!(let #name = __wzvi::reciprocal_above_one::<__S>(#value)?;),
+                        true => quote!(let #name = __wzvi::reciprocal_above_one::<__S>(#value);),
                         false => quote!(let #name = __wzvi::reciprocal::<__S>(#value)?;),
                     });
                 }

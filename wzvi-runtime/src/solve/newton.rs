@@ -90,7 +90,9 @@ impl Progress {
         if square * relative <= self.enough {
             return Ok(Verdict::Converged);
         }
-        if relative >= 0.5 * self.last || relative.is_nan() {
+        // False for NaN, too: one comparison on the way that is taken.
+        let contracts = relative < 0.5 * self.last;
+        if !contracts {
             if relative.is_nan() {
                 return Err(StepFailure::NonFinite);
             }
@@ -104,7 +106,8 @@ impl Progress {
         }
         self.last = relative;
         // `relative` is above `ROUNDING` here, so that neither product underflows.
-        self.enough = (0.25 * ROUNDING * square).max(ROUNDING * ROUNDING * ROUNDING);
+        let (predicted, floor) = (0.25 * ROUNDING * square, ROUNDING * ROUNDING * ROUNDING);
+        self.enough = if predicted > floor { predicted } else { floor };
         Ok(Verdict::Continue)
     }
 }
