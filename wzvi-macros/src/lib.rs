@@ -2,7 +2,6 @@
 //!
 //! Data flows one way: `input` reads what was declared, `lower` turns the closures into symbolic expressions,
 //! `discretise` derives the discrete Euler-Lagrange equations and `emit` writes them as Rust.
-#![allow(dead_code, reason = "the passes above the symbolic core come next")]
 
 mod backend;
 mod check;

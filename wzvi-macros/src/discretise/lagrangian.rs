@@ -42,8 +42,6 @@ pub(crate) struct StepSymbols {
 pub(crate) struct DiscreteLagrangian {
     pub(crate) symbols: StepSymbols,
     pub(crate) value: Expr,
-    /// `F`
-    pub(crate) step_hamiltonian: Expr,
     /// `∂L_d/∂P`
     pub(crate) by_momentum: Vec<Expr>,
     /// `D_1 L_d = ∂L_d/∂q_i`
@@ -67,7 +65,7 @@ impl DiscreteLagrangian {
         let by_momentum = symbols.momentum.iter().map(|&p| graph.derivative(value, p)).collect();
         let by_start = (0..symbols.u.len()).map(|i| symbols.by_node(graph, value, i, Node::Start)).collect();
         let by_end = (0..symbols.u.len()).map(|i| symbols.by_node(graph, value, i, Node::End)).collect();
-        Self { symbols, value, step_hamiltonian, by_momentum, by_start, by_end }
+        Self { symbols, value, by_momentum, by_start, by_end }
     }
 }
 

@@ -7,9 +7,6 @@ use crate::diagnostics::{Diagnostics, messages};
 use crate::discretise::embedding::Embedding;
 use crate::model::{Extent, Located};
 
-pub(super) const NAMES: [&str; 7] =
-    ["DeltaPlus", "Midpoint", "DeltaMinus", "Lambda", "Mixed", "Corrected", "Uncorrected"];
-
 /// The schemes, each once; mistakes are reported.
 pub(super) fn read_embeddings(
     types: &[Type],

@@ -55,6 +55,7 @@ impl Bounded {
 
 impl Graph {
     /// The values of `roots`; conditions are 1 or 0.
+    #[cfg_attr(not(test), expect(dead_code, reason = "for tests"))]
     pub(crate) fn evaluate(&self, roots: &[Expr], values: &dyn Fn(Symbol) -> f64) -> Vec<f64> {
         self.fold(roots, f64::NAN, |_, node, value| evaluate_node(node, values, value))
     }

@@ -175,11 +175,6 @@ impl Graph {
         self.signs[expr.index()]
     }
 
-    /// Number of distinct nodes.
-    pub(crate) fn len(&self) -> usize {
-        self.nodes.len()
-    }
-
     /// A new free variable; two variables of one name are different.
     pub(crate) fn new_symbol(&mut self, name: impl Into<String>) -> Symbol {
         self.names.push(name.into());
@@ -188,10 +183,6 @@ impl Graph {
 
     pub(crate) fn symbol_name(&self, symbol: Symbol) -> &str {
         &self.names[symbol.index()]
-    }
-
-    pub(crate) fn symbol_count(&self) -> usize {
-        self.names.len()
     }
 
     pub(crate) fn as_symbol(&self, expr: Expr) -> Option<Symbol> {
@@ -212,6 +203,7 @@ impl Graph {
         self.as_number(expr).is_some_and(Rational::is_zero)
     }
 
+    #[cfg_attr(not(test), expect(dead_code, reason = "for tests"))]
     pub(crate) fn is_one(&self, expr: Expr) -> bool {
         self.as_number(expr).is_some_and(Rational::is_one)
     }
