@@ -12,6 +12,8 @@ mod names;
 mod operators;
 mod patterns;
 mod scope;
+mod sized;
+mod streams;
 #[cfg(test)]
 mod tests;
 mod type_checks;
