@@ -65,13 +65,14 @@ pub use wzvi_runtime::noise;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
-    calculus, embedding, error, increments, integrate, plan, scalar, simulate, state, step, system,
+    calculus, elements, embedding, error, increments, integrate, plan, scalar, simulate, state, step, system,
     trajectory,
 };
 
 /// Everything that a scene needs: `use wzvi::prelude::*`.
 pub mod prelude {
     pub use wzvi_macros::hamiltonian;
+    pub use wzvi_runtime::elements::Iteration;
     pub use wzvi_runtime::embedding::{
         Corrected, DeltaMinus, DeltaPlus, Lambda, Midpoint, Mixed, Uncorrected,
     };
@@ -96,7 +97,8 @@ pub mod __private {
     pub use wzvi_runtime::carry::{Carry, Compensation, Plain};
     pub use wzvi_runtime::embedding;
     pub use wzvi_runtime::error::{ConfigError, StepFailure};
-    pub use wzvi_runtime::nalgebra::SVector;
+    pub use wzvi_runtime::elements;
+    pub use wzvi_runtime::nalgebra::{DVector, SVector};
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scalar::{Mask, Scalar};
     pub use wzvi_runtime::solve::*;

@@ -2,6 +2,7 @@
 
 pub mod calculus;
 pub mod carry;
+pub mod elements;
 pub mod embedding;
 pub mod error;
 pub mod increments;

@@ -237,7 +237,7 @@ fn checked<H: Discretized<E>, E>(
     let state = start.ok_or(ConfigError::Missing(START))?;
     let (q, p, expected) = (state.q.components(), state.p.components(), system.degrees());
     for got in [q.len(), p.len()] {
-        if got != expected {
+        if !system.fits(got) || q.len() != p.len() {
             return Err(ConfigError::Start(StepFailure::Dimension { expected, got }));
         }
     }

@@ -3,6 +3,7 @@
 use std::marker::PhantomData;
 
 use crate::carry::{Carry, Plain};
+use crate::elements::Iteration;
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::state::{State, Vector};
 use crate::system::Discretized;
@@ -72,7 +73,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             system,
             h,
             prepared: system.prepare(h)?,
-            memory: Default::default(),
+            memory: system.memory(),
             carry: Default::default(),
             before: 0,
             clock: Clock::started(f64::NAN),
@@ -119,6 +120,14 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self.h
     }
 
+    /// Pins how implicit steps are iterated, where there is a choice: in systems of elements. Costs or saves time, and no
+    /// digit that counts.
+    #[must_use]
+    pub fn iteration(mut self, iteration: Iteration) -> Self {
+        H::pin(&mut self.memory, iteration);
+        self
+    }
+
     /// The system that it steps.
     pub fn system(&self) -> &'a H {
         self.system
@@ -155,8 +164,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
                 self.clock = next;
                 state.t = next.now;
                 if Self::REMEMBERS {
-                    self.reached[0].clone_from(&state.q);
-                    self.reached[1].clone_from(&state.p);
+                    copy(&mut self.reached[0], &state.q);
+                    copy(&mut self.reached[1], &state.p);
                 }
                 Ok(StepInfo { iterations: solved.iterations })
             }
@@ -175,7 +184,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     fn restart(&mut self, t: f64) -> bool {
         let is_safe = (t.abs() + MOST_TICKS * self.h.abs()).is_finite();
         if is_safe {
-            (self.memory, self.carry) = (Default::default(), C::default());
+            H::forget(&mut self.memory);
+            self.carry = C::default();
             self.before += self.clock.ticks;
             self.clock = Clock::started(t);
         }
@@ -183,7 +193,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     }
 
     /// Whether steps use what the ones before left; otherwise nothing of them is kept.
-    const REMEMBERS: bool = size_of::<H::Memory<f64>>() != 0 || C::CARRIES;
+    const REMEMBERS: bool = H::REMEMBERS || C::CARRIES;
 
     /// Whether the caller moved the state since the last step: then what that step left is no guide.
     #[inline]
@@ -204,6 +214,17 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             _ => StepFailure::NonFiniteInput,
         };
         StepError { step: self.steps(), t: state.t, h: self.h, cause }
+    }
+}
+
+/// Copies without allocating, unless the length changes.
+#[inline(always)]
+fn copy<V: Vector>(into: &mut V, from: &V) {
+    let (old, new) = (into.components_mut(), from.components());
+    if old.len() == new.len() {
+        old.copy_from_slice(new);
+    } else {
+        into.clone_from(from);
     }
 }
 

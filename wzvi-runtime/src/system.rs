@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 
 use crate::carry::{Carry, Plain};
+use crate::elements::Iteration;
 use crate::error::{ConfigError, StepFailure};
 use crate::plan::Plan;
 use crate::scalar::{Mask, Scalar};
@@ -22,8 +23,13 @@ pub trait Hamiltonian {
     /// The type of `q` and of `p`.
     type Vector: Vector;
 
-    /// Number of degrees of freedom.
+    /// Number of degrees of freedom; 0 where only the state knows it (`q: &[f64]`).
     fn degrees(&self) -> usize;
+
+    /// Whether a state with this many degrees of freedom belongs to the system.
+    fn fits(&self, degrees: usize) -> bool {
+        matches!(self.degrees(), 0 if degrees > 0) || degrees == self.degrees()
+    }
 
     /// Number of noise Hamiltonians.
     fn noises(&self) -> usize;
@@ -72,7 +78,7 @@ fn term_gradient<H: Hamiltonian + ?Sized>(
     term: usize,
     state: &State<H::Vector>,
 ) -> Gradient<H::Vector> {
-    let d = system.degrees();
+    let d = state.q.components().len();
     let mut gradient = Gradient { q: H::Vector::zeros(d), p: H::Vector::zeros(d) };
     system.differentiate(
         term,
@@ -215,6 +221,23 @@ pub trait Discretized<E>: Hamiltonian {
     /// How increments are added unless the user chooses: compensated where that is less than about 5 % of the step,
     /// else [`Plain`].
     type Carry<S: Scalar>: Carry<S>;
+
+    /// Whether steps use what the ones before left in memory for this state alone: then a state that the caller moved
+    /// makes them forget it.
+    const REMEMBERS: bool = size_of::<Self::Memory<f64>>() != 0;
+
+    /// The memory of a new stepper: all that its steps will need, where the system knows its size.
+    fn memory(&self) -> Self::Memory<f64> {
+        Default::default()
+    }
+
+    /// Forgets the steps before, and keeps what was allocated.
+    fn forget(memory: &mut Self::Memory<f64>) {
+        *memory = Default::default();
+    }
+
+    /// Pins how implicit steps are iterated; only systems of elements have a choice.
+    fn pin(_memory: &mut Self::Memory<f64>, _iteration: Iteration) {}
 
     /// Computes what does not change from step to step; fails if a matrix that is factored here is singular.
     fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError>;

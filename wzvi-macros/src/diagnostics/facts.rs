@@ -61,3 +61,23 @@ fn at_witness(witness: &Witness, graph: &Graph) -> String {
         false => format!(", which is {value} at {}", point.join(", ")),
     }
 }
+
+/// First integrals of a system whose sums stay loops.
+pub(crate) fn invariant_of_elements(extent: Extent) -> Error {
+    Error::new_spanned(
+        extent,
+        "first integrals cannot be proven yet where sums stay loops; leave it out, and evaluate it with an observer",
+    )
+}
+
+/// A counter-term that would couple the elements of different noises.
+pub(crate) fn counter_term_of_elements(embedding: &Located<Embedding>) -> Error {
+    let scheme = &embedding.value;
+    Error::new_spanned(
+        embedding.extent,
+        format!(
+            "`{scheme}` is not supported yet where sums stay loops and noises read both coordinates and momenta; use \
+             `Midpoint`, which is consistent with every noise"
+        ),
+    )
+}

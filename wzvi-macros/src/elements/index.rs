@@ -179,47 +179,6 @@ impl Index {
         let coefficient = self.terms.iter().find(|(known, _)| known == atom).map_or(0, |(_, c)| *c);
         self.plus(&Self::atom(atom.clone()), -coefficient)?.plus(by, coefficient)
     }
-
-    /// The index with the loop variable replaced wherever it occurs.
-    pub(crate) fn substituted(&self, variable: u32, by: &Self) -> Option<Self> {
-        let mut result = Self::integer(self.constant);
-        for (atom, coefficient) in &self.terms {
-            let both = |both: &(Self, Self)| -> Option<(Self, Self)> {
-                Some((both.0.substituted(variable, by)?, both.1.substituted(variable, by)?))
-            };
-            let image = match atom {
-                Atom::Loop(own) if *own == variable => by.clone(),
-                Atom::Loop(_) | Atom::Size => Self::atom(atom.clone()),
-                Atom::Given(table, indices) => {
-                    let indices: Option<Vec<_>> =
-                        indices.iter().map(|index| index.substituted(variable, by)).collect();
-                    Self::atom(Atom::Given(*table, indices?))
-                }
-                Atom::Product(operands) => {
-                    let (a, b) = both(operands)?;
-                    a.multiply(&b)?
-                }
-                Atom::Quotient(operands) => {
-                    let (a, b) = both(operands)?;
-                    a.divide(&b)?
-                }
-                Atom::Remainder(operands) => {
-                    let (a, b) = both(operands)?;
-                    a.remainder(&b)?
-                }
-                Atom::Minimum(operands) => {
-                    let (a, b) = both(operands)?;
-                    a.minimum(&b)
-                }
-                Atom::Maximum(operands) => {
-                    let (a, b) = both(operands)?;
-                    a.maximum(&b)
-                }
-            };
-            result = result.plus(&image, *coefficient)?;
-        }
-        Some(result)
-    }
 }
 
 /// What the compiler knows of loop variables and integers while it decides about indices.

@@ -135,3 +135,11 @@ pub(crate) struct Model {
     pub(crate) crate_path: syn::Path,
     pub(crate) type_checks: TokenStream,
 }
+
+impl Model {
+    /// Whether any sum is left to be a loop.
+    pub(crate) fn has_loops(&self) -> bool {
+        let mut elements = self.drift.elements.iter().chain(self.noises.terms().iter().flat_map(|t| &t.elements));
+        elements.any(|element| !element.loops.is_empty())
+    }
+}

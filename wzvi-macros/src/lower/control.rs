@@ -187,8 +187,8 @@ impl<'a> Interpreter<'a, '_> {
 
     pub(super) fn for_loop(&mut self, syntax: &'a ExprForLoop) -> Value {
         let value = self.evaluate(&syntax.expr);
-        if let Some(stream) = self.as_stream(&value) {
-            return self.for_stream(syntax, &stream).unwrap_or(Value::Poison);
+        if self.as_stream(&value).is_some() {
+            return self.report(expressions::long_for_loop(syntax.for_token));
         }
         let Some(items) = self.items(&value, None, &syntax.expr) else { return Value::Poison };
         for item in items {
@@ -201,58 +201,6 @@ impl<'a> Interpreter<'a, '_> {
             self.scope.leave(outer);
         }
         Value::unit()
-    }
-
-    /// A loop that is not walked: its body may add to variables, `total += ...`, and do nothing else to them.
-    fn for_stream(&mut self, syntax: &'a ExprForLoop, stream: &Stream) -> Option<Value> {
-        // Every real variable becomes a symbol; what the body adds to it is a sum.
-        let variables = self.scope.reals();
-        let symbols: Vec<_> = variables.iter().map(|_| self.graph.new_symbol("")).collect();
-        let before: Vec<Expr> = variables.iter().filter_map(|binding| binding.real()).collect();
-        for target in 0..variables.len() {
-            let method = &syntax.for_token;
-            let mut set = |this: &mut Self| {
-                for (binding, &symbol) in variables.iter().zip(&symbols) {
-                    *binding.value.borrow_mut() = Value::Real(this.graph.symbol(symbol));
-                }
-            };
-            let added = self.accumulate(stream, method, &mut |this, item| {
-                set(this);
-                let outer = this.scope.len();
-                this.bind(&syntax.pat, item);
-                this.block(&syntax.body);
-                this.scope.leave(outer);
-                let placeholder = this.graph.symbol(symbols[target]);
-                let after = variables[target].real()?;
-                let added = this.graph.subtract(after, placeholder);
-                if this.graph.depends_on(added, &symbols) {
-                    // The old value of a variable that the loop changes, or may.
-                    let changed = variables.iter().zip(&symbols).any(|(binding, &symbol)| {
-                        binding.real().is_none_or(|value| this.graph.as_symbol(value) != Some(symbol))
-                            && this.graph.depends_on(added, &[symbol])
-                    });
-                    if changed {
-                        this.report(expressions::no_sum(method));
-                        return None;
-                    }
-                    let known = symbols.iter().copied().zip(before.iter().copied()).collect();
-                    return Some(this.graph.substitute(&[added], &known)[0]);
-                }
-                Some(added)
-            });
-            for (binding, &value) in variables.iter().zip(&before) {
-                *binding.value.borrow_mut() = Value::Real(value);
-            }
-            let total = self.graph.add(before[target], added?);
-            if total != before[target] {
-                // The next variable sees the old values: it gets this one at the end.
-                self.pending_totals.push((variables[target].clone(), total));
-            }
-        }
-        for (binding, total) in std::mem::take(&mut self.pending_totals) {
-            *binding.value.borrow_mut() = Value::Real(total);
-        }
-        Some(Value::unit())
     }
 
     /// `[value; n]`

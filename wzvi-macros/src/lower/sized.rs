@@ -13,7 +13,7 @@ use super::value::{Place, Value};
 use crate::diagnostics::expressions;
 use crate::elements::index::{Atom, Bounds, Index, Loop};
 use crate::elements::model::{Local, Slot, Table};
-use crate::input::Kind;
+use crate::input::{Kind, source};
 use crate::symbolic::{Expr, Rational, Relation, Symbol};
 
 /// Names of loop variables, by nesting; deeper ones repeat the last.
@@ -86,6 +86,29 @@ impl Loops {
 }
 
 impl Interpreter<'_, '_> {
+    /// The outermost size of the phase space, as it was written.
+    pub(super) fn size(&mut self, expr: &syn::Expr) -> Index {
+        let id = self.loops().table(&source(expr), &expr.to_token_stream(), true);
+        Index::atom(Atom::Given(id, Vec::new()))
+    }
+
+    /// The number of noises of a family: an integer literal, a constant, a size or a field.
+    pub(super) fn family_count(&mut self, count: &syn::Expr) -> Option<Index> {
+        let constant = match count {
+            syn::Expr::Lit(literal) => match &literal.lit {
+                syn::Lit::Int(count) => count.base10_parse::<u32>().ok().map(|n| Index::integer(n.into())),
+                _ => None,
+            },
+            syn::Expr::Path(_) => Some(self.size(count)),
+            syn::Expr::Field(field) if super::names::is_self(&field.base) => Some(self.size(count)),
+            _ => None,
+        };
+        if constant.is_none() {
+            self.report(expressions::family_count(count));
+        }
+        constant
+    }
+
     fn loops(&mut self) -> &mut Loops {
         self.sized.get_or_insert_with(Loops::default)
     }
