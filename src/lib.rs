@@ -95,9 +95,9 @@ pub mod __private {
     pub use core;
 
     pub use wzvi_runtime::carry::{Carry, Compensation, Plain};
+    pub use wzvi_runtime::elements;
     pub use wzvi_runtime::embedding;
     pub use wzvi_runtime::error::{ConfigError, StepFailure};
-    pub use wzvi_runtime::elements;
     pub use wzvi_runtime::nalgebra::{DVector, SVector};
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scalar::{Mask, Scalar};

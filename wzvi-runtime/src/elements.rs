@@ -126,14 +126,7 @@ pub fn energy_rate<H: Elements>(system: &H, k: usize, state: &State<H::Vector>) 
     let slopes = |term: usize| {
         let mut gradient = Gradient { q: H::Vector::zeros(d), p: H::Vector::zeros(d) };
         let (q, p) = (state.q.components(), state.p.components());
-        system.differentiate(
-            term,
-            q,
-            p,
-            state.t,
-            gradient.q.components_mut(),
-            gradient.p.components_mut(),
-        );
+        system.differentiate(term, q, p, state.t, gradient.q.components_mut(), gradient.p.components_mut());
         gradient
     };
     let (noise, drift) = (slopes(k + 1), slopes(0));

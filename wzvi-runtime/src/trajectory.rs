@@ -237,7 +237,11 @@ impl<V: Vector, E> Trajectory<V, E> {
         }
         let path = (self.last().q.components().len(), self.processes());
         let asked = (system.degrees(), system.noises());
-        if system.fits(path.0) && path.1 == asked.1 { Ok(()) } else { Err(PathError::System { path, system: asked }) }
+        if system.fits(path.0) && path.1 == asked.1 {
+            Ok(())
+        } else {
+            Err(PathError::System { path, system: asked })
+        }
     }
 
     /// The steps with their increments.

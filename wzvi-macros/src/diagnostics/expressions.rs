@@ -203,7 +203,10 @@ pub(crate) fn stream_not_indexable(found: TokenStream) -> Error {
 }
 
 pub(crate) fn no_sum(found: impl ToTokens) -> Error {
-    at(found, "over a length that is known at run time, this can only add to a total: `|total, x| total + ...`")
+    at(
+        found,
+        "over a length that is known at run time, this can only add to a total: `|total, x| total + ...`",
+    )
 }
 
 pub(crate) fn long_for_loop(found: impl ToTokens) -> Error {
@@ -235,5 +238,8 @@ pub(crate) fn nonlinear_sum(found: impl ToTokens) -> Error {
 }
 
 pub(crate) fn family_count(found: impl ToTokens) -> Error {
-    at(found, "the number of noises of a family is an integer, a constant or a field, as in `[|q, p, k| q[k]; N]`")
+    at(
+        found,
+        "the number of noises of a family is an integer, a constant or a field, as in `[|q, p, k| q[k]; N]`",
+    )
 }

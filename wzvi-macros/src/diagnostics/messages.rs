@@ -112,7 +112,10 @@ pub(crate) fn async_closure(token: TokenStream) -> Error {
 }
 
 pub(crate) fn family_in_list(tokens: TokenStream) -> Error {
-    at(tokens, "a family of noises `[|q, p, k| ...; N]` is the whole list: it cannot stand beside other closures")
+    at(
+        tokens,
+        "a family of noises `[|q, p, k| ...; N]` is the whole list: it cannot stand beside other closures",
+    )
 }
 
 pub(crate) fn family_of_invariants(count: impl ToTokens) -> Error {
@@ -205,7 +208,10 @@ pub(crate) fn unsupported_phase_type(ty: impl ToTokens) -> Error {
 }
 
 pub(crate) fn size_not_literal(size: impl ToTokens) -> Error {
-    at(size, "only the outermost size may be a constant, a const generic or known at run time; write a number here")
+    at(
+        size,
+        "only the outermost size may be a constant, a const generic or known at run time; write a number here",
+    )
 }
 
 pub(crate) fn time_is_real(pattern: impl ToTokens) -> Error {

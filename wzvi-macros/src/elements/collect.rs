@@ -124,7 +124,8 @@ impl Parts {
         expr: Expr,
         factors: &[(Expr, Rational)],
     ) -> Vec<(Expr, Rational)> {
-        let reads_state = |graph: &Graph, part: Expr| self.element(graph, part, &[]).reads() != Reads::Nothing;
+        let reads_state =
+            |graph: &Graph, part: Expr| self.element(graph, part, &[]).reads() != Reads::Nothing;
         let moving: Vec<usize> = (0..factors.len()).filter(|&i| reads_state(graph, factors[i].0)).collect();
         let &[only] = moving.as_slice() else { return vec![(expr, Rational::ONE)] };
         let (base, exponent) = factors[only];

@@ -30,9 +30,8 @@ impl Facts {
         let all = || drift.elements.iter().chain(noise_elements());
         let has_diagonal_kinetic_energy =
             all().filter(|e| e.reads() == Reads::Momenta).all(|element| is_diagonal(graph, element));
-        let reads_only = |reads: Reads| {
-            noise_elements().all(|element| [reads, Reads::Nothing].contains(&element.reads()))
-        };
+        let reads_only =
+            |reads: Reads| noise_elements().all(|element| [reads, Reads::Nothing].contains(&element.reads()));
         let (only_q, only_p) = (reads_only(Reads::Coordinates), reads_only(Reads::Momenta));
         let has_no_defect = noises.terms().iter().all(|term| {
             let reads: Vec<Reads> = term.elements.iter().map(Element::reads).collect();
@@ -55,11 +54,8 @@ impl Facts {
         let single = matches!(noises, Noises::List(list) if list.len() < 2);
         let conserves_energy =
             if noises.is_empty() && !reads_time { Knowledge::Proven } else { Knowledge::Unknown };
-        let commuting = if single || only_q || only_p || is_affine {
-            Knowledge::Proven
-        } else {
-            Knowledge::Unknown
-        };
+        let commuting =
+            if single || only_q || only_p || is_affine { Knowledge::Proven } else { Knowledge::Unknown };
         Self {
             noise,
             is_separable: all().all(|element| element.reads() != Reads::Both),
@@ -91,7 +87,8 @@ fn is_diagonal(graph: &mut Graph, element: &Element) -> bool {
 }
 
 fn is_affine(graph: &mut Graph, element: &Element) -> bool {
-    let state: Vec<Symbol> = element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol).collect();
+    let state: Vec<Symbol> =
+        element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol).collect();
     state.iter().all(|&symbol| {
         let slope = graph.derivative(element.value, symbol);
         !graph.depends_on(slope, &state)

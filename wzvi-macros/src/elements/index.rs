@@ -246,9 +246,7 @@ impl Bounds<'_> {
                 Atom::Maximum(both) if positive => {
                     proves(replaced(atom, &both.0)) || proves(replaced(atom, &both.1))
                 }
-                Atom::Maximum(both) => {
-                    proves(replaced(atom, &both.0)) && proves(replaced(atom, &both.1))
-                }
+                Atom::Maximum(both) => proves(replaced(atom, &both.0)) && proves(replaced(atom, &both.1)),
             }
         })
     }

@@ -93,7 +93,11 @@ pub(crate) struct Term {
 pub(crate) enum Noises {
     List(Vec<Term>),
     /// One closure for `count` noises; `variable` is the loop variable that counts them.
-    Family { term: Term, variable: u32, count: Index },
+    Family {
+        term: Term,
+        variable: u32,
+        count: Index,
+    },
 }
 
 impl Noises {
@@ -139,7 +143,8 @@ pub(crate) struct Model {
 impl Model {
     /// Whether any sum is left to be a loop.
     pub(crate) fn has_loops(&self) -> bool {
-        let mut elements = self.drift.elements.iter().chain(self.noises.terms().iter().flat_map(|t| &t.elements));
+        let mut elements =
+            self.drift.elements.iter().chain(self.noises.terms().iter().flat_map(|t| &t.elements));
         elements.any(|element| !element.loops.is_empty())
     }
 }

@@ -30,8 +30,7 @@ pub(crate) fn unknowns(model: &Model, facts: &Facts, embedding: &Embedding) -> U
     };
     let at_node = |l: Rational| l.is_zero() || l.is_one();
     let drift_at_node = at_node(drift_l) || !reads_q(&model.drift.elements);
-    let noise_at_node =
-        at_node(noise_l) || model.noises.terms().iter().all(|term| !reads_q(&term.elements));
+    let noise_at_node = at_node(noise_l) || model.noises.terms().iter().all(|term| !reads_q(&term.elements));
     let all_at_start = drift_l.is_zero() && (noise_l.is_zero() || model.noises.is_empty());
     if facts.is_separable && drift_at_node && noise_at_node {
         Unknowns::None

@@ -320,9 +320,7 @@ fn type_shape(ty: &Type) -> syn::Result<Shape> {
             None => Ok(Shape::Array(Box::new(element_shape(&array.elem)?), Length::Named(array.len.clone()))),
         },
         Type::Reference(reference) => match &*reference.elem {
-            Type::Slice(slice) => {
-                Ok(Shape::Array(Box::new(element_shape(&slice.elem)?), Length::RunTime))
-            }
+            Type::Slice(slice) => Ok(Shape::Array(Box::new(element_shape(&slice.elem)?), Length::RunTime)),
             _ => Err(messages::unsupported_phase_type(ty)),
         },
         _ => Err(messages::unsupported_phase_type(ty)),

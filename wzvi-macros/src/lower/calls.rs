@@ -82,20 +82,16 @@ impl<'a> Interpreter<'a, '_> {
         match receiver {
             Value::Poison => Value::Poison,
             // A constant that is not a list is a real number: integers have to be cast first.
-            Value::List(_)
-            | Value::Iterator(_)
-            | Value::Range(..)
-            | Value::Array(_)
-            | Value::Stream(_) => self.sequence_method(receiver, arguments, syntax),
+            Value::List(_) | Value::Iterator(_) | Value::Range(..) | Value::Array(_) | Value::Stream(_) => {
+                self.sequence_method(receiver, arguments, syntax)
+            }
             Value::Index(_) => self.index_method(&receiver, &arguments, syntax),
             Value::Place(ref place) if self.sized.is_some() && place.kind == crate::input::Kind::Integer => {
                 self.index_method(&receiver, &arguments, syntax)
             }
             // A known integer beside one that is not.
             Value::Integer(_)
-                if arguments
-                    .iter()
-                    .any(|argument| matches!(argument, Value::Index(_) | Value::Place(_)))
+                if arguments.iter().any(|argument| matches!(argument, Value::Index(_) | Value::Place(_)))
                     && self.sized.is_some() =>
             {
                 self.index_method(&receiver, &arguments, syntax)

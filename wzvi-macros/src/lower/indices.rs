@@ -18,9 +18,7 @@ impl<'a> Interpreter<'a, '_> {
         match (base, index) {
             (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
             (base @ (Value::Array(_) | Value::Stream(_)), index) => self.index_sized(&base, index, at),
-            (Value::Place(place), index)
-                if self.sized.is_some() && matches!(place.kind, Kind::List(..)) =>
-            {
+            (Value::Place(place), index) if self.sized.is_some() && matches!(place.kind, Kind::List(..)) => {
                 match self.table(&place) {
                     Some(array) => self.index_sized(&Value::Array(array.into()), index, at),
                     None => Value::Poison,

@@ -123,9 +123,10 @@ impl Interpreter<'_, '_> {
 
     /// The part of the loop that is being evaluated.
     fn restricted(&self, known: &Loop) -> Loop {
-        let case = self.sized.as_ref().and_then(|loops| {
-            loops.cases.iter().rev().find(|case| case.variable == known.variable)
-        });
+        let case = self
+            .sized
+            .as_ref()
+            .and_then(|loops| loops.cases.iter().rev().find(|case| case.variable == known.variable));
         match case {
             Some(case) => restrict(known, &case.assumed).unwrap_or_else(|| known.clone()),
             None => known.clone(),
@@ -452,7 +453,8 @@ impl Interpreter<'_, '_> {
                 return None;
             }
             let range = restrict(&whole, &case.assumed)?;
-            let is_empty = range.end.subtract(&range.start).and_then(|d| d.as_integer()).is_some_and(|d| d <= 0);
+            let is_empty =
+                range.end.subtract(&range.start).and_then(|d| d.as_integer()).is_some_and(|d| d <= 0);
             if self.graph.is_zero(value) || is_empty {
                 continue;
             }

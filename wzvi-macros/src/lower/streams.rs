@@ -148,9 +148,10 @@ impl<'a> Interpreter<'a, '_> {
     ) -> Option<Value> {
         let made = |stream: Stream| Some(Value::Stream(stream.into()));
         match (name, arguments) {
-            ("iter" | "into_iter" | "copied" | "cloned" | "collect" | "to_vec" | "as_slice" | "clone", []) => {
-                Some(Value::Stream(stream))
-            }
+            (
+                "iter" | "into_iter" | "copied" | "cloned" | "collect" | "to_vec" | "as_slice" | "clone",
+                [],
+            ) => Some(Value::Stream(stream)),
             ("len" | "count", []) => match self.length_of(&stream) {
                 Some(length) => Some(index_value(length)),
                 None => {
@@ -303,8 +304,10 @@ impl<'a> Interpreter<'a, '_> {
                     f(this, mapped)
                 })
             }
-            Stream::Filter(inner, predicate) => self.accumulate(inner, at, &mut |this, item| {
-                match this.apply(predicate, vec![item.clone()], at) {
+            Stream::Filter(inner, predicate) => self.accumulate(
+                inner,
+                at,
+                &mut |this, item| match this.apply(predicate, vec![item.clone()], at) {
                     Value::Known(true) => f(this, item),
                     Value::Known(false) => Some(this.graph.integer(0)),
                     Value::Condition(condition) => {
@@ -318,8 +321,8 @@ impl<'a> Interpreter<'a, '_> {
                         this.report(expressions::expected(at.to_token_stream(), "a condition", found));
                         None
                     }
-                }
-            }),
+                },
+            ),
             Stream::Chain(a, b) => {
                 let (a, b) = (self.accumulate(a, at, f)?, self.accumulate(b, at, f)?);
                 Some(self.graph.add(a, b))

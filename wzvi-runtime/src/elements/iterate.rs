@@ -210,15 +210,17 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             return Ok(0);
         }
         memory.guess();
-        let from_past = memory.known > 0;
-        match self.iterate(memory) {
-            Err(_) if from_past => {
-                memory.forget();
-                memory.guess();
-                self.iterate(memory)
-            }
-            outcome => outcome,
+        let pinned = memory.iteration;
+        let first = self.iterate(memory, pinned);
+        // A start that misleads is given up for zero, and what was tried for Newton's method from there.
+        let may_try_again = memory.known > 0 || pinned == Iteration::Automatic;
+        if first.is_ok() || !may_try_again {
+            return first;
         }
+        memory.forget();
+        memory.guess();
+        let last_resort = if pinned == Iteration::Automatic { Iteration::Newton } else { pinned };
+        self.iterate(memory, last_resort)
     }
 
     /// `v` from the terms at `q_i`, then `u`.
@@ -237,9 +239,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         self.velocities(momentum, by_p, u);
     }
 
-    fn iterate(&self, memory: &mut Memory<S>) -> Result<u32, StepFailure> {
-        let Memory { work, matrix, has_factors, iteration, .. } = memory;
-        let mut newton = *iteration == Iteration::Newton || (*has_factors && *iteration == Iteration::Automatic);
+    fn iterate(&self, memory: &mut Memory<S>, iteration: Iteration) -> Result<u32, StepFailure> {
+        let Memory { work, matrix, has_factors, .. } = memory;
+        let mut newton =
+            iteration == Iteration::Newton || (*has_factors && iteration == Iteration::Automatic);
         let mut last = f64::INFINITY;
         for iterations in 1..=MOST_ITERATIONS {
             self.residual(work);
@@ -247,7 +250,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 let Some(matrix) = matrix.as_mut() else {
                     return Err(StepFailure::NotConverged { iterations, correction: last });
                 };
-                if !*has_factors || *iteration == Iteration::Newton {
+                if !*has_factors || iteration == Iteration::Newton {
                     *has_factors = false;
                     self.assemble(work, matrix);
                     matrix.factor()?;
@@ -261,7 +264,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 return Err(StepFailure::NonFinite);
             }
             let ratio = relative / last;
-            if relative <= ROUNDING || (ratio < 0.5 && relative * ratio <= 0.25 * ROUNDING) {
+            let predicts = last < f64::INFINITY && ratio < 0.5;
+            if relative <= ROUNDING || (predicts && relative * ratio <= 0.25 * ROUNDING) {
                 self.refresh(work);
                 return Ok(iterations);
             }
@@ -272,7 +276,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             if iterations == MOST_ITERATIONS {
                 return Err(StepFailure::NotConverged { iterations, correction });
             }
-            if *iteration == Iteration::Automatic && ratio > CONTRACTS && last < f64::INFINITY {
+            if iteration == Iteration::Automatic && ratio > CONTRACTS && last < f64::INFINITY {
                 // Old factors, or none, do not contract.
                 (newton, *has_factors) = (matrix.is_some(), false);
             }

@@ -274,8 +274,8 @@ fn required(model: &Model) -> TokenStream {
             match &local.slot {
                 Slot::Coordinate(index) | Slot::Momentum(index) => {
                     let rest = total.subtract(index).and_then(|rest| rest.shifted(-1));
-                    let proven = bounds.is_nonnegative(index)
-                        && rest.is_some_and(|rest| bounds.is_nonnegative(&rest));
+                    let proven =
+                        bounds.is_nonnegative(index) && rest.is_some_and(|rest| bounds.is_nonnegative(&rest));
                     if !proven {
                         let position = indices.position(index);
                         body.extend(quote! {
