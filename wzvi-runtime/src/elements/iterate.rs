@@ -12,6 +12,8 @@ use crate::system::Solved;
 const ROUNDING: f64 = f64::EPSILON;
 /// Stagnation counts as convergence below this fraction of the state.
 const STAGNATION: f64 = 1e-9;
+/// Corrections that move the coordinates by less than this fraction are rounding of the forces.
+const MOVES_NOTHING: f64 = 64.0 * f64::EPSILON;
 /// More iterations than any step needs that converges at all.
 const MOST_ITERATIONS: u32 = 100;
 
@@ -269,15 +271,17 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 self.refresh(work);
                 return Ok(iterations);
             }
-            if ratio > 0.5 && last < f64::INFINITY && self.is_rounding(work) {
+            let is_slow = last < f64::INFINITY && ratio > CONTRACTS;
+            let is_small = is_slow && self.is_rounding(work, correction);
+            if is_small && ratio > 0.5 {
                 self.refresh(work);
                 return Ok(iterations);
             }
             if iterations == MOST_ITERATIONS {
                 return Err(StepFailure::NotConverged { iterations, correction });
             }
-            if iteration == Iteration::Automatic && ratio > CONTRACTS && last < f64::INFINITY {
-                // Old factors, or none, do not contract.
+            if iteration == Iteration::Automatic && is_slow && !is_small {
+                // Old factors, or none, do not contract. Near rounding nothing does.
                 (newton, *has_factors) = (matrix.is_some(), false);
             }
             last = relative;
@@ -301,9 +305,17 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// Whether every correction is small against the unknown and the state that it changes.
+    /// Whether every correction is small against the unknown and the state that it changes, or moves the coordinates by
+    /// rounding: forces of long waves are small differences of large coordinates.
     #[cold]
-    fn is_rounding(&self, work: &Work<S>) -> bool {
+    fn is_rounding(&self, work: &Work<S>, correction: f64) -> bool {
+        let norm = |x: &[S]| x.iter().fold(0.0_f64, |largest, x| largest.max(x.magnitude()));
+        // `∂u/∂P`, for a kinetic energy that is about quadratic.
+        let moved = correction * norm(&work.u);
+        if size_of::<S>() == size_of::<f64>() && moved <= MOVES_NOTHING * norm(self.q) * norm(&work.momentum)
+        {
+            return true;
+        }
         let is_both = self.scheme.unknowns == Unknowns::Both;
         let largest = work.x.iter().fold(0.0_f64, |largest, x| largest.max(x.magnitude()));
         work.correction.iter().enumerate().all(|(k, &correction)| {
