@@ -29,7 +29,7 @@ pub(crate) enum Shape {
 pub(crate) enum Length {
     Literal(usize),
     /// A constant or a const generic of the struct, as it was written.
-    Named(syn::Expr),
+    Named(Box<syn::Expr>),
     /// That of the state: `&[f64]`.
     RunTime,
 }
@@ -317,7 +317,10 @@ fn type_shape(ty: &Type) -> syn::Result<Shape> {
         Type::Array(array) => match literal(&array.len) {
             Some(0) => Err(messages::no_degrees(ty)),
             Some(len) => Ok(Shape::Array(Box::new(element_shape(&array.elem)?), Length::Literal(len))),
-            None => Ok(Shape::Array(Box::new(element_shape(&array.elem)?), Length::Named(array.len.clone()))),
+            None => Ok(Shape::Array(
+                Box::new(element_shape(&array.elem)?),
+                Length::Named(Box::new(array.len.clone())),
+            )),
         },
         Type::Reference(reference) => match &*reference.elem {
             Type::Slice(slice) => Ok(Shape::Array(Box::new(element_shape(&slice.elem)?), Length::RunTime)),

@@ -3,7 +3,6 @@
 //!
 //! E. Cuthill, J. McKee, "Reducing the bandwidth of sparse symmetric matrices", ACM 1969; G. H. Golub, C. F. Van Loan,
 //! *Matrix Computations*, section 4.3. With pivoting, `U` has as many upper diagonals as `A` has in all.
-#![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisation")]
 
 use crate::error::StepFailure;
 use crate::scalar::Scalar;

@@ -47,7 +47,7 @@ fn vector_type(model: &Model) -> TokenStream {
                 let name = parameter.ident.to_string();
                 expr_mentions(expr, &name)
             });
-            match (is_generic, components, expr) {
+            match (is_generic, components, &**expr) {
                 (false, ..) => quote!(__wzvi::SVector<#f64, { (#expr) * #components }>),
                 (true, 1, syn::Expr::Path(_)) => quote!(__wzvi::SVector<#f64, #expr>),
                 _ => dynamic,
