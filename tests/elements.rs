@@ -339,3 +339,109 @@ fn steps_allocate_nothing() {
         assert_eq!(counted.count_total, 0, "h = {h}");
     }
 }
+
+const SITES: usize = 20;
+
+/// Ends held by a condition on the index, size from a constant.
+#[hamiltonian(
+    drift = |q: [f64; SITES], p: [f64; SITES]| {
+        let kinetic: f64 = p.iter().map(|p| 0.5 * p * p).sum();
+        let springs: f64 = (0..SITES)
+            .map(|i| {
+                let left = if i == 0 { 0.0 } else { q[i - 1] };
+                0.25 * (q[i] - left).powi(4)
+            })
+            .sum();
+        kinetic + springs + 0.25 * q[SITES - 1].powi(4)
+    },
+    embedding = [Midpoint],
+)]
+struct Held;
+
+/// The same with the ends written apart and a literal size.
+#[hamiltonian(
+    drift = |q: [f64; 20], p: [f64; 20]| {
+        let springs: f64 = q.windows(2).map(|w| 0.25 * (w[1] - w[0]).powi(4)).sum();
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>() + springs + 0.25 * q[0].powi(4) + 0.25 * q[19].powi(4)
+    },
+    embedding = [Midpoint],
+)]
+struct Apart;
+
+#[test]
+fn conditions_on_indices_split_loops() {
+    assert_eq!(<Held as Discretized<Midpoint>>::PLAN.unknowns, 20);
+    let (mut held, mut apart) = (first_mode::<20>(), first_mode::<20>());
+    let mut by_condition = Held.stepper::<Midpoint>(0.1).unwrap();
+    let mut by_windows = Apart.stepper::<Midpoint>(0.1).unwrap();
+    for _ in 0..20 {
+        by_condition.step(&mut held, &[]).unwrap();
+        by_windows.step(&mut apart, &[]).unwrap();
+    }
+    assert!((held.q - apart.q).amax() < ROUNDING && (held.p - apart.p).amax() < ROUNDING);
+    assert!((held.q - first_mode::<20>().q).amax() > 1e-6);
+}
+
+/// A torus of `nx` by `nx` sites, and its energy by hand.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let kinetic: f64 = p.iter().map(|p| 0.5 * p * p).sum();
+        let bonds: f64 = (0..self.nx)
+            .map(|i| {
+                (0..self.nx)
+                    .map(|j| {
+                        let own = q[i * nx + j];
+                        let (down, right) = (q[((i + 1) % nx) * nx + j], q[i * nx + (j + 1) % nx]);
+                        0.5 * (down - own).powi(2) + 0.5 * (right - own).powi(2) + 0.25 * own.powi(4)
+                    })
+                    .sum::<f64>()
+            })
+            .sum();
+        kinetic + bonds
+    },
+    embedding = [DeltaPlus, Midpoint],
+)]
+struct Torus {
+    nx: usize,
+}
+
+#[test]
+fn lattices_in_two_dimensions_run() {
+    let torus = Torus { nx: 7 };
+    let n = torus.nx * torus.nx;
+    let mut state: State<wzvi::nalgebra::DVector<f64>> = State::new(wave(n, 1.0, 0.3), wave(n, 0.4, 0.1));
+    let mut by_hand = state.p.iter().map(|p| 0.5 * p * p).sum::<f64>();
+    for i in 0..7 {
+        for j in 0..7 {
+            let own = state.q[7 * i + j];
+            let (down, right) = (state.q[7 * ((i + 1) % 7) + j], state.q[7 * i + (j + 1) % 7]);
+            by_hand += 0.5 * (down - own).powi(2) + 0.5 * (right - own).powi(2) + 0.25 * own.powi(4);
+        }
+    }
+    // Forty-nine sites, energies of order 100.
+    assert!((torus.energy(&state) - by_hand).abs() < 1e-11, "{} {by_hand}", torus.energy(&state));
+    for h in [0.05, 1.0] {
+        let mut newton = state.clone();
+        torus.stepper::<Midpoint>(h).unwrap().step(&mut state, &[]).unwrap();
+        torus.stepper::<Midpoint>(h).unwrap().iteration(Iteration::Newton).step(&mut newton, &[]).unwrap();
+        assert!((&state.q - &newton.q).amax() < ROUNDING && (&state.p - &newton.p).amax() < ROUNDING);
+    }
+}
+
+#[test]
+fn energies_of_many_sizes_agree_with_the_compensated_step() {
+    // Compensated sums keep the state of a linear chain closer to the plain one than rounding grows.
+    let fput = Fput::<40> { beta: 0.0 };
+    let mut plain = first_mode::<40>();
+    let mut carried = plain;
+    let mut stepper = fput.stepper::<Midpoint>(0.05).unwrap();
+    let mut compensated = fput.stepper::<Midpoint>(0.05).unwrap().compensated();
+    for _ in 0..1000 {
+        stepper.step(&mut plain, &[]).unwrap();
+        compensated.step(&mut carried, &[]).unwrap();
+    }
+    assert!(compensated.is_compensated());
+    // A thousand roundings of numbers of order one at worst.
+    assert!((plain.q - carried.q).amax() < 1000.0 * f64::EPSILON);
+    assert!(plain.q != carried.q);
+}

@@ -108,7 +108,7 @@ impl<'a> Interpreter<'a, '_> {
                 Chain::Value(Value::Poison)
             }
             (_, Value::Poison) => Chain::Value(Value::Poison),
-            (Chain::Value(left), right) if left.is_integer() && right.is_integer() => {
+            (Chain::Value(left), right) if self.are_integers(&left, &right) => {
                 Chain::Value(self.integer_operation(&left, link.op, &right, link))
             }
             (chain, right) => self.extend_real(chain, link, right).unwrap_or(Chain::Value(Value::Poison)),
@@ -207,8 +207,7 @@ impl<'a> Interpreter<'a, '_> {
                 .map(Value::Integer)
                 .unwrap_or_else(|| self.report(expressions::integer_arithmetic(at)));
         }
-        if left.is_integer()
-            && right.is_integer()
+        if self.are_integers(&left, &right)
             && let Some(value) = self.index_operation(&left, &operator, &right, at)
         {
             return value;
@@ -232,6 +231,16 @@ impl<'a> Interpreter<'a, '_> {
         })
     }
 
+    /// Whether both are integers: where sizes may be constants, a constant beside an integer is one.
+    fn are_integers(&self, left: &Value, right: &Value) -> bool {
+        let may_be = |value: &Value| {
+            value.is_integer()
+                || self.sized.is_some()
+                    && matches!(value, Value::Place(place) if place.kind == Kind::Constant)
+        };
+        may_be(left) && may_be(right) && (left.is_integer() || right.is_integer())
+    }
+
     fn comparison(&mut self, syntax: &'a ExprBinary) -> Value {
         let left = self.evaluate(&syntax.left);
         let right = self.evaluate(&syntax.right);
@@ -239,7 +248,7 @@ impl<'a> Interpreter<'a, '_> {
             (Value::Poison, _) | (_, Value::Poison) => return Value::Poison,
             (Value::Integer(a), Value::Integer(b)) => Some(a.cmp(b)),
             (Value::Known(a), Value::Known(b)) => Some(a.cmp(b)),
-            _ if left.is_integer() && right.is_integer() => {
+            _ if self.are_integers(&left, &right) => {
                 if self.sized.is_some() {
                     let (left, right) =
                         (self.as_index(&left, &syntax.left), self.as_index(&right, &syntax.right));
