@@ -11,6 +11,7 @@ pub mod noise;
 pub mod plan;
 #[cfg(feature = "report")]
 pub mod report;
+mod rescue;
 pub mod scalar;
 pub mod simulate;
 pub mod solve;
