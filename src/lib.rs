@@ -65,7 +65,7 @@ pub use wzvi_runtime::noise;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
-    calculus, embedding, error, increments, integrate, plan, scalar, simulate, state, step, system,
+    calculus, embedding, error, increments, integrate, plan, retry, scalar, simulate, state, step, system,
     trajectory,
 };
 
@@ -82,6 +82,7 @@ pub mod prelude {
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
     #[cfg(feature = "report")]
     pub use wzvi_runtime::report::WorkPrecision;
+    pub use wzvi_runtime::retry::Retry;
     pub use wzvi_runtime::state::State;
     pub use wzvi_runtime::step::Stepper;
     pub use wzvi_runtime::system::{Discretized, Hamiltonian};

@@ -59,6 +59,12 @@ pub trait Noise {
     /// # Errors
     /// [`NoiseError`]; the run ends there and keeps what it has.
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError>;
+
+    /// Whether the increments are those of a path that can be asked for any interval: then the parts of a step add up to
+    /// the step, and a step that fails can be subdivided ([`Retry`](crate::retry::Retry)). Rows of numbers are none.
+    fn is_path(&self) -> bool {
+        false
+    }
 }
 
 impl<N: Noise + ?Sized> Noise for &mut N {
@@ -68,6 +74,10 @@ impl<N: Noise + ?Sized> Noise for &mut N {
 
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         (**self).increments(interval, dw)
+    }
+
+    fn is_path(&self) -> bool {
+        (**self).is_path()
     }
 }
 

@@ -12,6 +12,7 @@ pub mod plan;
 #[cfg(feature = "report")]
 pub mod report;
 mod rescue;
+pub mod retry;
 pub mod scalar;
 pub mod simulate;
 pub mod solve;
