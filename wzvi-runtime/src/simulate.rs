@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 
+use crate::checkpoint::Keeping;
 use crate::error::{ConfigError, Error, StepFailure};
 use crate::increments::{Interval, NoNoise, Noise};
 use crate::state::{State, Vector};
@@ -76,6 +77,7 @@ pub struct Simulation<'a, H: Discretized<E>, E, N = NoNoise, O = Unobserved> {
     end: Option<End>,
     every: u64,
     observer: O,
+    pub(crate) keeping: Keeping,
     scheme: PhantomData<fn() -> E>,
 }
 
@@ -90,6 +92,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
             end: None,
             every: 1,
             observer: Unobserved,
+            keeping: Keeping::default(),
             scheme: PhantomData,
         }
     }
@@ -114,6 +117,7 @@ impl<'a, H: Discretized<E>, E, N, O> Simulation<'a, H, E, N, O> {
             end: self.end,
             every: self.every,
             observer: self.observer,
+            keeping: self.keeping,
             scheme: self.scheme,
         }
     }
@@ -155,6 +159,7 @@ impl<'a, H: Discretized<E>, E, N, O> Simulation<'a, H, E, N, O> {
             noise: self.noise,
             end: self.end,
             every: self.every,
+            keeping: self.keeping,
             scheme: self.scheme,
         }
     }
@@ -177,9 +182,10 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
     /// anything did ([`Error::Step`] or [`Error::Noise`]).
     ///
     /// # Errors
-    /// [`Error::Config`] or [`Error::Noise`] if the run could not start: then there is no trajectory.
+    /// [`Error::Config`] or [`Error::Noise`] (`Error::Checkpoint` with the feature `serde`) if the run could not start:
+    /// then there is no trajectory.
     pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error> {
-        let Self { system, h, start, noise, end, every, mut observer, .. } = self;
+        let Self { system, h, start, noise, end, every, mut observer, keeping, .. } = self;
         let mut stepper = Stepper::<H, E>::new(system, h)?;
         let mut state = checked(system, start)?;
         let origin = state.t;
@@ -195,9 +201,13 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
         let mut dw = vec![0.0; processes];
         let mut path = Sums::new(processes);
         let mut recorder = Recorder::new(&state, h, processes, every, steps)?;
-        observer.observe(&state, &Node { step: 0, wiener: path.totals(), increments: &dw, iterations: 0 });
+        let mut keeper =
+            keeping.open(&mut stepper, &mut state, &mut recorder, &mut path, noise.as_ref(), steps)?;
+        if keeper.first() == 0 {
+            observer.observe(&state, &Node { step: 0, wiener: path.totals(), increments: &dw, iterations: 0 });
+        }
 
-        for step in 0..steps {
+        for step in keeper.first()..steps {
             let interval = Interval { start: origin, h, step };
             let drawn = match &mut noise {
                 Some(noise) => noise.increments(&interval, &mut dw).map_err(Error::from),
@@ -210,15 +220,20 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
             };
             recorder.step(&dw, iterations);
             let node = step + 1;
-            let seen = recorder.reach(&state, node == steps);
-            if O::LOOKS {
+            let seen = recorder.reach(&state) || node == steps;
+            if O::LOOKS || keeper.keeps() {
                 path.add(&dw);
-                if seen {
+                if O::LOOKS && seen {
                     observer.observe(
                         &state,
                         &Node { step: node, wiener: path.totals(), increments: &dw, iterations },
                     );
                 }
+            }
+            if keeper.is_due(node)
+                && let Err(error) = keeper.save(&mut stepper, &mut state, &mut recorder, &mut path, node)
+            {
+                return Ok((recorder.finish(state), Some(error)));
             }
         }
         Ok((recorder.finish(state), None))

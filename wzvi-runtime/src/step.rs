@@ -1,5 +1,8 @@
 //! One step at a time.
 
+#[cfg(feature = "serde")]
+mod kept;
+
 use std::marker::PhantomData;
 
 use crate::carry::{Carry, Plain};
@@ -9,6 +12,7 @@ use crate::system::Discretized;
 
 /// What one step took.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StepInfo {
     /// Newton iterations, over all blocks; 0 for explicit and linear steps.
     pub iterations: u32,
