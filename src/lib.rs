@@ -57,12 +57,12 @@
 //! * **Errors** are values that say where, why and what to do; [`Error`] is the sum of them all.
 
 pub use wzvi_macros::hamiltonian;
+#[cfg(feature = "serde")]
+pub use wzvi_runtime::checkpoint;
 pub use wzvi_runtime::error::Error;
 /// The vectors of a [`State`](state::State): functions generic over the scheme name them, as in
 /// `fn run<E>(kubo: &Kubo) where Kubo: Discretized<E, Vector = SVector<f64, 1>>`.
 pub use wzvi_runtime::nalgebra;
-#[cfg(feature = "serde")]
-pub use wzvi_runtime::checkpoint;
 #[cfg(feature = "noise")]
 pub use wzvi_runtime::noise;
 #[cfg(feature = "report")]

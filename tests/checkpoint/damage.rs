@@ -65,7 +65,9 @@ fn any_byte_flipped() {
             let error = error_of(&run, &good, &changed);
             let is_told = matches!(
                 error,
-                CheckpointError::Damaged { .. } | CheckpointError::Foreign { .. } | CheckpointError::Version { .. }
+                CheckpointError::Damaged { .. }
+                    | CheckpointError::Foreign { .. }
+                    | CheckpointError::Version { .. }
             );
             assert!(is_told, "byte {i} ^ {mask}: {error:?}");
         }

@@ -74,7 +74,8 @@ fn survives(name: &str, steps: u64) {
         child.kill().unwrap();
         child.wait().unwrap();
         kills += 1;
-        parts += u32::from(contents(&folder).iter().any(|(path, _)| path.extension() == Some("part".as_ref())));
+        parts +=
+            u32::from(contents(&folder).iter().any(|(path, _)| path.extension() == Some("part".as_ref())));
         longest = longest.max(moment);
     }
     println!("{name}: {kills} kills within {longest:?} of the start, {parts} in the middle of a replacement");

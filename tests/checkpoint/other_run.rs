@@ -63,7 +63,10 @@ fn a_noise() {
     assert_eq!(run(base().untruncated()), ["noise truncation"]);
     assert_eq!(run(base().truncated(2)), ["noise truncation"]);
     let averaged = WongZakai::of(base(), 0.02);
-    assert_eq!(fields(&file, PENDULUM.run(averaged.clone(), 20, 0)), ["noise", "noise eps", "noise sampling"]);
+    assert_eq!(
+        fields(&file, PENDULUM.run(averaged.clone(), 20, 0)),
+        ["noise", "noise eps", "noise sampling"]
+    );
     let other = Pendulum { sigma: 0.31, ..PENDULUM };
     assert_eq!(fields(&file, other.run(base(), 20, 0)), ["the parameter sigma"]);
     // What the run would choose itself is the same run.

@@ -14,7 +14,8 @@ fn there_and_back() {
     let text = serde_json::to_string(&state).unwrap();
     assert_eq!(text, r#"{"q":[0.1,-0.0],"p":[1e-300,3.0],"t":0.7}"#);
     assert_eq!(serde_json::from_str::<State<SVector<f64, 2>>>(&text).unwrap(), state);
-    let info = PENDULUM.stepper::<Midpoint>(0.1).unwrap().step(&mut State::new([0.1], [0.2]), &[0.0, 0.1]).unwrap();
+    let info =
+        PENDULUM.stepper::<Midpoint>(0.1).unwrap().step(&mut State::new([0.1], [0.2]), &[0.0, 0.1]).unwrap();
     let text = serde_json::to_string(&info).unwrap();
     assert_eq!(serde_json::from_str::<StepInfo>(&text).unwrap(), info);
 }

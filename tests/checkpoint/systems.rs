@@ -50,7 +50,7 @@ impl DoublePendulum {
 /// Two noises, one of which multiplies: Newton's method without a memory.
 #[hamiltonian(
     drift = |q, p| 0.5 * p * p - a * q.cos(),
-    noise = [|q, p| sigma * q * p.sin(), |q, p| 0.1 * q],
+    noise = [|q, p| sigma * q.sin() * p.cos(), |q, p| 0.1 * q],
     embedding = Midpoint,
 )]
 #[derive(Clone, Debug)]
@@ -62,7 +62,12 @@ pub(crate) struct Pendulum {
 pub(crate) const PENDULUM: Pendulum = Pendulum { a: 1.5, sigma: 0.3 };
 
 impl Pendulum {
-    pub(crate) fn run<N: Noise>(&self, noise: N, steps: u64, every: u64) -> Simulation<'_, Self, Midpoint, N> {
+    pub(crate) fn run<N: Noise>(
+        &self,
+        noise: N,
+        steps: u64,
+        every: u64,
+    ) -> Simulation<'_, Self, Midpoint, N> {
         let start = State::new([0.5], [0.0]);
         self.simulate(0.02).start(start).noise(noise).steps(steps).record_every(every)
     }

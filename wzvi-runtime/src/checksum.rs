@@ -38,9 +38,9 @@ impl Default for Checksum {
 impl Checksum {
     /// Goes on with more bytes.
     pub(crate) fn add(&mut self, bytes: &[u8]) {
-        self.0 = bytes.iter().fold(self.0, |remainder, byte| {
-            TABLE[usize::from(remainder as u8 ^ byte)] ^ (remainder >> 8)
-        });
+        self.0 = bytes
+            .iter()
+            .fold(self.0, |remainder, byte| TABLE[usize::from(remainder as u8 ^ byte)] ^ (remainder >> 8));
     }
 
     /// The checksum of what was added.

@@ -204,7 +204,8 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
         let mut keeper =
             keeping.open(&mut stepper, &mut state, &mut recorder, &mut path, noise.as_ref(), steps)?;
         if keeper.first() == 0 {
-            observer.observe(&state, &Node { step: 0, wiener: path.totals(), increments: &dw, iterations: 0 });
+            observer
+                .observe(&state, &Node { step: 0, wiener: path.totals(), increments: &dw, iterations: 0 });
         }
 
         for step in keeper.first()..steps {

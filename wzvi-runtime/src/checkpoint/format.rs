@@ -135,8 +135,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Saved, Unreadable> {
     if !bytes.starts_with(header(content).as_bytes()) {
         return damaged(Damage::Header);
     }
-    serde_json::from_slice(content)
-        .map_err(|error| Unreadable::Damaged(Damage::Content(error.to_string())))
+    serde_json::from_slice(content).map_err(|error| Unreadable::Damaged(Damage::Content(error.to_string())))
 }
 
 /// The first line of a file: two checkpoints with the same one are the same.

@@ -137,7 +137,11 @@ pub(super) fn start_differences(d: usize, checkpoint: &[Word], run: &[Word]) -> 
                 Some(i) if i < d => format!("q[{i}]"),
                 Some(i) => format!("p[{}]", i - d),
             };
-            Difference { field: format!("{component} of the start"), checkpoint: show(there), run: show(here) }
+            Difference {
+                field: format!("{component} of the start"),
+                checkpoint: show(there),
+                run: show(here),
+            }
         })
         .collect()
 }
@@ -158,7 +162,8 @@ mod tests {
         let fields = |pairs: &[(&str, &str)]| {
             pairs.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect()
         };
-        let found = differences(&fields(&[("a", "1"), ("b", "2")]), &fields(&[("c", "3"), ("a", "1"), ("b", "4")]));
+        let found =
+            differences(&fields(&[("a", "1"), ("b", "2")]), &fields(&[("c", "3"), ("a", "1"), ("b", "4")]));
         let found: Vec<String> = found.iter().map(ToString::to_string).collect();
         assert_eq!(found, ["c is not set there and 3 here", "b is 2 there and 4 here"]);
         let found = differences(&fields(&[("b", "2")]), &fields(&[]));

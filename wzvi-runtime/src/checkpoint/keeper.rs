@@ -68,9 +68,7 @@ impl Keeping {
             path: checkpoint.path.clone(),
         };
         let first = match keep.read()? {
-            Some(saved) => {
-                keep.restore(saved, steps, stepper, state, recorder, path)?
-            }
+            Some(saved) => keep.restore(saved, steps, stepper, state, recorder, path)?,
             None => {
                 keep.check_alone(recorder.every())?;
                 keep.save(stepper, state, recorder, path, 0)?;

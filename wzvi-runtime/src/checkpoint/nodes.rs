@@ -91,9 +91,13 @@ impl Nodes {
         for _ in 0..count {
             file.read_exact(&mut row).map_err(failed())?;
             self.checksum.add(&row);
-            let mut numbers = row.chunks_exact(WORD).map(|word| f64::from_le_bytes(word.try_into().unwrap_or_default()));
-            let mut state =
-                State { q: V::zeros(self.degrees), p: V::zeros(self.degrees), t: numbers.next().unwrap_or_default() };
+            let mut numbers =
+                row.chunks_exact(WORD).map(|word| f64::from_le_bytes(word.try_into().unwrap_or_default()));
+            let mut state = State {
+                q: V::zeros(self.degrees),
+                p: V::zeros(self.degrees),
+                t: numbers.next().unwrap_or_default(),
+            };
             for vector in [&mut state.q, &mut state.p] {
                 vector.components_mut().iter_mut().zip(&mut numbers).for_each(|(x, number)| *x = number);
             }

@@ -11,7 +11,8 @@ impl<V: Vector> Recorder<V> {
     /// Everything that steps change but the recorded nodes, which only grow.
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
         let Self { path, pending, since } = self;
-        let Path { h: _, every: _, steps, iterations, processes: _, increments: _, states: _, last: _ } = path;
+        let Path { h: _, every: _, steps, iterations, processes: _, increments: _, states: _, last: _ } =
+            path;
         let Iterations { total, largest } = iterations;
         let mut most = u64::from(*largest);
         for word in [steps, total, &mut most, since] {

@@ -35,6 +35,7 @@ impl<V: Vector> Path<V> {
         if Some(self.increments.len()) != (self.states.len() - 1).checked_mul(self.processes) {
             return Some("a trajectory has one increment per interval and noise");
         }
-        (self.states.last() != Some(&self.last)).then_some("the last recorded state is the end of the trajectory")
+        (self.states.last() != Some(&self.last))
+            .then_some("the last recorded state is the end of the trajectory")
     }
 }
