@@ -2,12 +2,19 @@
 
 pub mod calculus;
 pub mod carry;
+#[cfg(feature = "serde")]
+pub mod checkpoint;
+#[cfg(not(feature = "serde"))]
+#[path = "checkpoint/absent.rs"]
+mod checkpoint;
+mod checksum;
 pub mod embedding;
 pub mod error;
 pub mod increments;
 pub mod integrate;
 #[cfg(feature = "noise")]
 pub mod noise;
+pub mod numbers;
 pub mod plan;
 #[cfg(feature = "report")]
 pub mod report;

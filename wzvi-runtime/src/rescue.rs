@@ -16,7 +16,7 @@ use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::solve::Effort;
 use crate::state::Vector;
-use crate::system::Discretized;
+use crate::system::{Discretized, Hamiltonian};
 
 /// Parts of a step in which its solution is followed, one after the other.
 const PARTS: [u32; 3] = [4, 16, 64];
@@ -48,10 +48,8 @@ pub(crate) struct Rescued<V, M, C> {
     pub(crate) effort: Effort,
 }
 
-type Outcome<H, E, C> = Result<
-    Rescued<<H as crate::system::Hamiltonian>::Vector, <H as Discretized<E>>::Memory<f64>, C>,
-    StepFailure,
->;
+type Taken<H, E, C> = Rescued<<H as Hamiltonian>::Vector, <H as Discretized<E>>::Memory<f64>, C>;
+type Outcome<H, E, C> = Result<Taken<H, E, C>, StepFailure>;
 
 /// Takes a step that failed for `cause`.
 ///
@@ -114,7 +112,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         Ok(Rescued { q, p, memory, carry, effort })
     }
 
-    fn follow(&self) -> Result<Rescued<H::Vector, H::Memory<f64>, C>, End> {
+    fn follow(&self) -> Result<Taken<H, E, C>, End> {
         let mut ends = [0.0; PARTS.len()];
         let mut before: Option<f64> = None;
         for (end, parts) in ends.iter_mut().zip(PARTS) {
@@ -192,7 +190,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
 
 /// The curve of solutions from no step to the whole one.
 struct Curve<H: Discretized<E>, E, C> {
-    end: Rescued<H::Vector, H::Memory<f64>, C>,
+    end: Taken<H, E, C>,
     /// The longest part, relative to the whole way of its component.
     longest: f64,
     is_doubtful: bool,

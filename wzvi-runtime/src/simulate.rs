@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 
+use crate::checkpoint::Keeping;
 use crate::error::{ConfigError, Error, StepFailure};
 use crate::increments::{Interval, NoNoise, Noise};
 use crate::retry::{Retry, Walker};
@@ -81,6 +82,7 @@ pub struct Simulation<'a, H: Discretized<E>, E, N = NoNoise, O = Unobserved> {
     observer: O,
     retry: Retry,
     is_watched: bool,
+    pub(crate) keeping: Keeping,
     scheme: PhantomData<fn() -> E>,
 }
 
@@ -97,6 +99,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
             observer: Unobserved,
             retry: Retry::never(),
             is_watched: true,
+            keeping: Default::default(),
             scheme: PhantomData,
         }
     }
@@ -123,6 +126,7 @@ impl<'a, H: Discretized<E>, E, N, O> Simulation<'a, H, E, N, O> {
             observer: self.observer,
             retry: self.retry,
             is_watched: self.is_watched,
+            keeping: self.keeping,
             scheme: self.scheme,
         }
     }
@@ -153,7 +157,8 @@ impl<'a, H: Discretized<E>, E, N, O> Simulation<'a, H, E, N, O> {
     /// Halves steps that fail ([`crate::retry`]): `Retry::halving(8)` allows 256 parts. Not done unless asked for.
     ///
     /// A stochastic system needs a noise that knows its path between the nodes, such as `Wiener` or `WongZakai`. A run
-    /// that starts again in shorter steps shows its observer the nodes again, from step 0.
+    /// that starts again in shorter steps shows its observer the nodes again, from step 0; one with checkpoints does not
+    /// start again.
     pub fn retry(mut self, retry: Retry) -> Self {
         self.retry = retry;
         self
@@ -182,6 +187,7 @@ impl<'a, H: Discretized<E>, E, N, O> Simulation<'a, H, E, N, O> {
             every: self.every,
             retry: self.retry,
             is_watched: self.is_watched,
+            keeping: self.keeping,
             scheme: self.scheme,
         }
     }
@@ -204,11 +210,13 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
     /// anything did ([`Error::Step`] or [`Error::Noise`]).
     ///
     /// # Errors
-    /// [`Error::Config`] or [`Error::Noise`] if the run could not start: then there is no trajectory.
+    /// [`Error::Config`] or [`Error::Noise`] (`Error::Checkpoint` with the feature `serde`) if the run could not start:
+    /// then there is no trajectory.
     pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error> {
-        let Self { system, h, start, noise, end, every, mut observer, retry, is_watched, .. } = self;
+        let Self { system, h, start, noise, end, every, mut observer, retry, is_watched, keeping, .. } = self;
         let mut walker = Walker::<H, E>::new(system, h, retry, is_watched)?;
-        let start = checked(system, start)?;
+        let mut state = checked(system, start)?;
+        let start = state.clone();
         let origin = start.t;
         let steps = count(end, origin, h)?;
         let processes = system.noises();
@@ -223,39 +231,56 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
             return Err(ConfigError::Setting(GIVEN.to_owned()).into());
         }
         let mut dw = vec![0.0; processes];
+        let mut path = Sums::new(processes);
+        let mut recorder = Recorder::new(&state, h, processes, every, steps)?;
+        let mut keeper = keeping.open(
+            &mut walker.stepper,
+            &mut state,
+            &mut recorder,
+            &mut path,
+            noise.as_ref(),
+            (steps, retry),
+        )?;
+        let mut begin = keeper.first();
         'run: loop {
-            let mut state = start.clone();
-            dw.fill(0.0);
-            let mut path = Sums::new(processes);
-            let mut recorder = Recorder::new(&state, h, processes, every, steps)?;
-            let node = Node { step: 0, wiener: path.totals(), increments: &dw, iterations: 0, halvings: 0 };
-            observer.observe(&state, &node);
-
-            for step in 0..steps {
+            let first = begin;
+            if first == 0 {
+                let node =
+                    Node { step: 0, wiener: path.totals(), increments: &dw, iterations: 0, halvings: 0 };
+                observer.observe(&state, &node);
+            }
+            for step in first..steps {
                 let interval = Interval { start: origin, h, step };
                 let info = match walker.step(&mut state, &interval, &mut noise, &mut dw) {
                     Ok(info) => info,
-                    Err(error) if walker.refine(&error)? => continue 'run,
+                    // A run that is kept does not start again: its file says that it went this far.
+                    Err(error) if !keeper.keeps() && walker.refine(&error)? => {
+                        state = start.clone();
+                        dw.fill(0.0);
+                        path = Sums::new(processes);
+                        recorder = Recorder::new(&state, h, processes, every, steps)?;
+                        begin = 0;
+                        continue 'run;
+                    }
                     Err(error) => return Ok((recorder.finish(state), Some(error))),
                 };
                 recorder.step(&dw, &info);
                 let node = step + 1;
-                let seen = recorder.reach(&state, node == steps);
-                if O::LOOKS {
+                let seen = recorder.reach(&state) || node == steps;
+                if O::LOOKS || keeper.keeps() {
                     path.add(&dw);
-                    if seen {
+                    if O::LOOKS && seen {
                         let StepInfo { iterations, halvings, .. } = info;
-                        observer.observe(
-                            &state,
-                            &Node {
-                                step: node,
-                                wiener: path.totals(),
-                                increments: &dw,
-                                iterations,
-                                halvings,
-                            },
-                        );
+                        let wiener = path.totals();
+                        let node = Node { step: node, wiener, increments: &dw, iterations, halvings };
+                        observer.observe(&state, &node);
                     }
+                }
+                if keeper.is_due(node)
+                    && let Err(error) =
+                        keeper.save(&mut walker.stepper, &mut state, &mut recorder, &mut path, node)
+                {
+                    return Ok((recorder.finish(state), Some(error)));
                 }
             }
             return Ok((recorder.finish(state), None));

@@ -1,5 +1,7 @@
 //! One step at a time.
 
+#[cfg(feature = "serde")]
+mod kept;
 mod strain;
 
 use std::marker::PhantomData;
@@ -15,6 +17,7 @@ use strain::Strain;
 
 /// What one step took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StepInfo {
     /// Newton iterations of the solution, over all blocks; 0 for explicit and linear steps.
     pub iterations: u32,

@@ -1,5 +1,10 @@
 //! What a run leaves: states at the recorded nodes and the increments between them.
 
+#[cfg(feature = "serde")]
+mod kept;
+#[cfg(feature = "serde")]
+mod serial;
+
 use std::fmt;
 use std::marker::PhantomData;
 
@@ -9,9 +14,12 @@ use crate::state::{State, Vector};
 use crate::step::StepInfo;
 use crate::sum::Sum;
 use crate::system::{Discretized, EulerLagrangeResidual, Hamiltonian, Segment};
+#[cfg(feature = "serde")]
+pub(crate) use kept::Kept;
 
 /// Newton iterations of a run, and what its steps took besides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Iterations {
     /// Over all steps.
     pub total: u64,
@@ -38,6 +46,7 @@ pub struct Trajectory<V, E> {
 
 /// The part of a trajectory that the scheme has no say in.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Path<V> {
     h: f64,
     every: u64,
@@ -342,10 +351,11 @@ impl<V: Vector> Recorder<V> {
         }
     }
 
-    /// Keeps the node just reached if it is the `last` or one of the `every`-th; whether an observer is to see it.
+    /// Keeps the node just reached if it is one of the `every`-th; whether an observer is to see it. The last node is
+    /// kept by [`Recorder::finish`].
     #[inline]
-    pub(crate) fn reach(&mut self, state: &State<V>, last: bool) -> bool {
-        let due = last || self.since == self.path.every;
+    pub(crate) fn reach(&mut self, state: &State<V>) -> bool {
+        let due = self.since == self.path.every;
         if due {
             self.keep(state);
         }

@@ -84,8 +84,9 @@ fn search<S: Scalar, const N: usize>(
             let there = level(&next);
             // What is left may be nothing but the rounding of the residual, which no step makes smaller.
             let is_floor = length == 1.0 && (0..N).all(|i| is_rounding(next[i], trial[i], state[i]));
-            // Both false for NaN.
-            doubtful |= length == 1.0 && !is_floor && !(there <= SAFE_CONTRACTION * here);
+            // All false for NaN.
+            let contracts = is_floor || there <= SAFE_CONTRACTION * here;
+            doubtful |= length == 1.0 && !contracts;
             let is_lower = is_floor || !shortens || there <= (1.0 - 0.5 * length) * here;
             if is_lower && let Ok(next) = Factor::new(trial_jacobian) {
                 (x, residual, factor) = (trial, trial_residual, next);

@@ -14,6 +14,7 @@ use std::ops::Add;
 use super::damped::damped;
 use super::dense::{Factor, SymmetricFactor};
 use crate::error::StepFailure;
+use crate::numbers::Numbers;
 use crate::scalar::Scalar;
 
 /// Corrections below this fraction of an unknown change nothing.
@@ -101,6 +102,17 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
         }
         *c = std::array::from_fn(|i| b[i] * 2.0 - a[i]);
         self.known += 1;
+    }
+}
+
+impl<S: Scalar, const N: usize> Numbers<S> for Extrapolation<S, N> {
+    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
+        let Self { past, known } = self;
+        past.iter_mut().flatten().for_each(&mut *visit);
+        let mut number = S::from_f64(f64::from(*known));
+        visit(&mut number);
+        // Exact: 0, 1 or 2.
+        *known = number.magnitude() as u8;
     }
 }
 
