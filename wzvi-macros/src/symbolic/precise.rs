@@ -27,11 +27,7 @@ fn precise_number(value: Rational) -> Real {
     Real::from(value.numerator() as f64) / Real::from(value.denominator() as f64)
 }
 
-fn precise_node<'a>(
-    node: &Node,
-    values: &dyn Fn(Symbol) -> f64,
-    value: &dyn Fn(Expr) -> &'a Real,
-) -> Real {
+fn precise_node<'a>(node: &Node, values: &dyn Fn(Symbol) -> f64, value: &dyn Fn(Expr) -> &'a Real) -> Real {
     let truth = |holds: bool| Real::from(f64::from(u8::from(holds)));
     match node {
         Node::Number(number) => precise_number(*number),
@@ -40,9 +36,9 @@ fn precise_node<'a>(
         Node::Sum { terms, constant } => terms
             .iter()
             .fold(precise_number(*constant), |sum, &(term, c)| sum + precise_number(c) * value(term)),
-        Node::Product(factors) => factors
-            .iter()
-            .fold(Real::from(1.0), |product, &(base, exponent)| product * precise_power(value(base), exponent)),
+        Node::Product(factors) => factors.iter().fold(Real::from(1.0), |product, &(base, exponent)| {
+            product * precise_power(value(base), exponent)
+        }),
         Node::Apply(function, arguments) => {
             let arguments: Vec<&Real> = arguments.iter().map(|&argument| value(argument)).collect();
             precise_function(*function, &arguments)

@@ -128,7 +128,8 @@ impl Real {
         let Some((words, _, sign, exponent, _)) = self.0.as_raw_parts() else { return f64::NAN };
         let Some(&top) = words.last().filter(|&&top| top != 0) else { return 0.0 };
         // In two factors, each a power of two that exists.
-        let total = exponent.saturating_add(shift).clamp(-2200, 2200) - i32::try_from(u64::BITS).unwrap_or(64);
+        let total =
+            exponent.saturating_add(shift).clamp(-2200, 2200) - i32::try_from(u64::BITS).unwrap_or(64);
         let half = total / 2;
         let size = top as f64 * 2.0_f64.powi(half) * 2.0_f64.powi(total - half);
         if sign.is_negative() { -size } else { size }

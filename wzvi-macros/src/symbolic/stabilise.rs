@@ -19,6 +19,9 @@
 //! of sines halves `x + y`, whose rounding is absolute; `exp x - exp y` as a product multiplies 0 by infinity where one
 //! of them underflows; squares of sums with more than two terms between them would be added up in another order.
 //!
+//! One limit: a product merges with the product around it, so that powers of one factor are taken together. Above 1e100
+//! such a power may overflow where the difference did not.
+//!
 //! This runs after differentiation, on what is emitted: derivatives are taken of the forms that the user wrote.
 
 use std::collections::HashMap;

@@ -24,7 +24,8 @@ impl Graph {
         if pool.len() > MOST_TERMS {
             return replacements;
         }
-        let candidates: Vec<usize> = (0..pool.len()).filter(|&i| self.has_root_or_exponential(pool[i].0)).collect();
+        let candidates: Vec<usize> =
+            (0..pool.len()).filter(|&i| self.has_root_or_exponential(pool[i].0)).collect();
         if candidates.len() > MOST_CANDIDATES {
             return replacements;
         }
@@ -122,7 +123,9 @@ impl Graph {
 
     fn as_multiple(&self, expr: Expr) -> (Rational, Expr) {
         match self.node(expr) {
-            Node::Sum { terms, constant } if terms.len() == 1 && constant.is_zero() => (terms[0].1, terms[0].0),
+            Node::Sum { terms, constant } if terms.len() == 1 && constant.is_zero() => {
+                (terms[0].1, terms[0].0)
+            }
             _ => (Rational::ONE, expr),
         }
     }
