@@ -179,8 +179,9 @@ fn eliminate(columns: Vec<Vec<Real>>, mut b: Vec<Real>) -> Vec<Real> {
         b.swap(k, pivot);
         for i in k + 1..n {
             let factor = &rows[i][k] / &rows[k][k];
-            for j in k..n {
-                rows[i][j] = &rows[i][j] - &factor * &rows[k][j];
+            let above = rows[k].clone();
+            for (entry, above) in rows[i].iter_mut().zip(&above) {
+                *entry = &*entry - &factor * above;
             }
             b[i] = &b[i] - &factor * &b[k];
         }
