@@ -16,9 +16,9 @@ use crate::scalar::Scalar;
 /// Whole corrections that are tried, whatever they do.
 const PATIENCE: u32 = 12;
 /// More shortened corrections than any step needs that converges at all.
-const MOST_ITERATIONS: u32 = 30;
+const MOST_ITERATIONS: u32 = 20;
 /// Corrections are shortened to this fraction at most.
-const SHORTEST: f64 = 1.0 / 256.0;
+const SHORTEST: f64 = 1.0 / 64.0;
 /// Next corrections below this fraction of the one before leave no doubt.
 const SAFE_CONTRACTION: f64 = 0.5;
 
