@@ -76,8 +76,8 @@ pub(crate) fn counter_term_of_elements(embedding: &Located<Embedding>) -> Error 
     Error::new_spanned(
         embedding.extent,
         format!(
-            "`{scheme}` is not supported yet where sums stay loops and noises read both coordinates and momenta; use \
-             `Midpoint`, which is consistent with every noise"
+            "`{scheme}` needs noises that read the state at one site each where sums stay loops: this counter-term is no \
+             sum over sites; use `Midpoint`, which is consistent with every noise"
         ),
     )
 }

@@ -111,6 +111,13 @@ pub(crate) fn describe(model: &Model, facts: &Facts, embedding: &Embedding) -> S
     };
     let _ = writeln!(text, "\nDiscrete Lagrangian of the step from t_i to t_i + h");
     let _ = writeln!(text, "  L_d = P · Δ{q} - h H0(P, {}){noise}", point(drift_l));
+    if !facts.counter_of(embedding).is_empty() {
+        let _ = writeln!(
+            text,
+            "        - (1/2 - {noise_l}) (Σ_j ΔW_j ∂H_j/∂{q}) · (Σ_k ΔW_k ∂H_k/∂{p}) at (P, {})",
+            point(noise_l)
+        );
+    }
     let _ = writeln!(text, "  {q}_{{i+l}} = {q}_i + l Δ{q}");
     let _ = writeln!(text, "\nDiscrete Euler-Lagrange equations");
     let _ = writeln!(text, "  ∂L_d/∂P = 0:  Δ{q} = Σ_m c_m ∂H_m/∂{p}");

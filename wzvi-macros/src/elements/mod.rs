@@ -18,6 +18,7 @@
 //! ```
 
 pub(crate) mod collect;
+pub(crate) mod counter;
 pub(crate) mod describe;
 pub(crate) mod emit;
 pub(crate) mod facts;

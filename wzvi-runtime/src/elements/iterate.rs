@@ -35,6 +35,8 @@ pub struct Scheme {
     pub drift_l: f64,
     /// Quadrature point of the noises.
     pub noise_l: f64,
+    /// The factor `1/2 - l` of the counter-term; 0 if there is none.
+    pub counter: f64,
     /// What is iterated on.
     pub unknowns: Unknowns,
     /// Whether past steps start the iteration: not where increments decide.
@@ -45,7 +47,10 @@ pub struct Scheme {
 
 /// The groups of terms that share a quadrature point.
 pub(super) fn stages(scheme: &Scheme) -> impl Iterator<Item = (usize, f64, Terms)> {
-    let terms = |drift, noise| Terms { drift, noise, by_q: true, by_p: true };
+    let terms = |drift, noise| {
+        let counter = if noise { scheme.counter } else { 0.0 };
+        Terms { drift, noise, counter, by_q: true, by_p: true }
+    };
     let together = !scheme.has_noise || scheme.drift_l == scheme.noise_l;
     let first = (0, scheme.drift_l, terms(true, together));
     let second = (1, scheme.noise_l, terms(false, true));

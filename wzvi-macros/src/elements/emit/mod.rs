@@ -8,6 +8,7 @@ use quote::{format_ident, quote};
 
 use self::indices::{Indices, variable};
 use self::kernel::{Context, Target};
+use super::counter::{Counter, Weight};
 use super::facts::{Facts, is_consistent};
 use super::index::{Atom, Bounds, Index};
 use super::model::{Element, Model, Noises, Reads, Slot, Term};
@@ -21,7 +22,7 @@ use crate::symbolic::{Expr, Symbol};
 /// Everything that `#[hamiltonian]` stands for. `equations` has the text of each scheme, in their order.
 pub(crate) fn emit(model: &mut Model, facts: &Facts, equations: &[String]) -> TokenStream {
     let mut generated = hamiltonian(model);
-    generated.extend(elements(model));
+    generated.extend(elements(model, facts));
     let embeddings: Vec<Embedding> = model.embeddings.iter().map(|known| known.value.clone()).collect();
     for (embedding, text) in embeddings.iter().zip(equations) {
         generated.extend(discretized(model, facts, embedding, text));
@@ -181,10 +182,28 @@ fn noise_elements(model: &Model) -> Vec<(Element, TokenStream)> {
     }
 }
 
+/// The elements of the counter-term, if a scheme adds it, with their weights.
+fn counter_elements(model: &Model, facts: &Facts) -> Vec<(Element, TokenStream)> {
+    let schemes = model.embeddings.iter();
+    let used = schemes.map(|known| facts.counter_of(&known.value)).find(|counter| !counter.is_empty());
+    let weigh = |Counter { element, weight }: &Counter| {
+        let weight = match weight {
+            Weight::Pair(j, k) => quote!(__at.dw[#j] * __at.dw[#k] * __terms.counter),
+            Weight::Member => {
+                let member = element.loops.first().map(|known| variable(known.variable));
+                let increment = quote!(__at.dw[#member as __wzvi::core::primitive::usize]);
+                quote!(#increment * #increment * __terms.counter)
+            }
+        };
+        (element.clone(), weight)
+    };
+    used.unwrap_or_default().iter().map(weigh).collect()
+}
+
 /// `impl Elements`
-fn elements(model: &mut Model) -> TokenStream {
-    let slopes = sweep(model, Wanted::Slopes);
-    let curvature = sweep(model, Wanted::Curvature);
+fn elements(model: &mut Model, facts: &Facts) -> TokenStream {
+    let slopes = sweep(model, facts, Wanted::Slopes);
+    let curvature = sweep(model, facts, Wanted::Curvature);
     let required = required(model);
     let read = parameters(model);
     let size = sizes(model, &quote!(__at.q.len()));
@@ -224,7 +243,7 @@ fn elements(model: &mut Model) -> TokenStream {
 }
 
 /// Every element of the drift and the noises, under the conditions of `__terms`.
-fn sweep(model: &mut Model, wanted: Wanted) -> TokenStream {
+fn sweep(model: &mut Model, facts: &Facts, wanted: Wanted) -> TokenStream {
     let drift: Vec<(Element, TokenStream)> = model
         .drift
         .elements
@@ -232,9 +251,11 @@ fn sweep(model: &mut Model, wanted: Wanted) -> TokenStream {
         .map(|element| (element.clone(), quote!(<__S as __wzvi::Scalar>::from_f64(__at.h))))
         .collect();
     let noise = noise_elements(model);
+    let counter = counter_elements(model, facts);
     let mut code = TokenStream::new();
-    for (group, list) in [("drift", drift), ("noise", noise)] {
-        let group = format_ident!("{group}");
+    let groups =
+        [(quote!(__terms.drift), drift), (quote!(__terms.noise), noise), (quote!(__terms.counter != 0.0), counter)];
+    for (group, list) in groups {
         let mut parts = TokenStream::new();
         for (element, weight) in &list {
             let condition = match element.reads() {
@@ -248,7 +269,7 @@ fn sweep(model: &mut Model, wanted: Wanted) -> TokenStream {
             parts.extend(quote!(if #condition { #body }));
         }
         if !parts.is_empty() {
-            code.extend(quote!(if __terms.#group { #parts }));
+            code.extend(quote!(if #group { #parts }));
         }
     }
     code
@@ -459,6 +480,7 @@ fn discretized(model: &Model, facts: &Facts, embedding: &Embedding, text: &str) 
         Unknowns::Momenta => quote!(Momenta),
         Unknowns::Both => quote!(Both),
     };
+    let counter = if facts.counter_of(embedding).is_empty() { 0.0 } else { 0.5 - noise_l };
     let nan_checks = model.parameters.iter().map(|parameter| &parameter.tokens);
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
@@ -469,6 +491,7 @@ fn discretized(model: &Model, facts: &Facts, embedding: &Embedding, text: &str) 
             const __SCHEME: #elements::Scheme = #elements::Scheme {
                 drift_l: #drift_l,
                 noise_l: #noise_l,
+                counter: #counter,
                 unknowns: #elements::Unknowns::#chosen,
                 remembers: #remembers,
                 has_noise: #has_noise,
