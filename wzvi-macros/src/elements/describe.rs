@@ -139,6 +139,9 @@ pub(crate) fn describe(model: &Model, facts: &Facts, embedding: &Embedding) -> S
         };
         let _ = writeln!(text, "  {verdict}");
     }
+    for invariant in &model.invariants {
+        let _ = writeln!(text, "  first integral {}", term(model, &invariant.term.elements));
+    }
     let energy = match facts.conserves_energy {
         Knowledge::Proven => "is a first integral",
         _ => "is not known to be a first integral",

@@ -1,6 +1,7 @@
 //! What can be said about a system of elements, by its structure: what each element reads decides; where that does not,
 //! the answer is "unknown".
 
+use super::invariants::{self, Failure};
 use super::counter::{Counter, counter_term};
 use super::model::{Element, Model, Noises, Reads};
 use crate::diagnostics::{Diagnostics, facts as messages};
@@ -104,7 +105,7 @@ fn is_affine(graph: &mut Graph, element: &Element) -> bool {
 }
 
 /// What the mathematics, or what is supported so far, forbids.
-pub(crate) fn check(model: &Model, facts: &Facts, diagnostics: &mut Diagnostics) {
+pub(crate) fn check(model: &mut Model, facts: &Facts, diagnostics: &mut Diagnostics) {
     for embedding in &model.embeddings {
         let l = embedding.value.quadrature().1;
         match embedding.value.correction() {
@@ -118,8 +119,16 @@ pub(crate) fn check(model: &Model, facts: &Facts, diagnostics: &mut Diagnostics)
             _ => {}
         }
     }
-    for invariant in &model.invariants {
-        diagnostics.report(messages::invariant_of_elements(invariant.term.extent));
+    for number in 0..model.invariants.len() {
+        let Some(failure) = invariants::failure(model, number) else { continue };
+        let extent = model.invariants[number].term.extent;
+        diagnostics.report(match failure {
+            Failure::NotLocal => messages::invariant_not_local(extent),
+            Failure::ReadsTime => messages::invariant_reads_time(extent),
+            Failure::Rate { term, rate, knowledge } => {
+                messages::invariant_of_elements(extent, term, &rate, &knowledge, &model.graph)
+            }
+        });
     }
 }
 

@@ -23,5 +23,6 @@ pub(crate) mod describe;
 pub(crate) mod emit;
 pub(crate) mod facts;
 pub(crate) mod index;
+pub(crate) mod invariants;
 pub(crate) mod model;
 pub(crate) mod plan;

@@ -349,6 +349,7 @@ fn hamiltonian(model: &mut Model) -> TokenStream {
     let (values, slopes) = (arms(model, Wanted::Value), arms(model, Wanted::Slopes));
     let read = parameters(model);
     let size = sizes(model, &quote!(__q.len()));
+    let (invariants, invariant) = (model.invariants.len(), invariant(model));
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let (usize, f64) = (quote!(__wzvi::core::primitive::usize), f64_type());
@@ -365,7 +366,7 @@ fn hamiltonian(model: &mut Model) -> TokenStream {
 
             fn noises(&self) -> #usize { #noises }
 
-            fn invariants(&self) -> #usize { 0 }
+            fn invariants(&self) -> #usize { #invariants }
 
             #parameter
 
@@ -414,7 +415,7 @@ fn hamiltonian(model: &mut Model) -> TokenStream {
                 }
             }
 
-            fn invariant(&self, _: #usize, _: &__wzvi::State<Self::Vector>) -> #f64 { #f64::NAN }
+            #invariant
 
             fn energy_rate(&self, __k: #usize, __state: &__wzvi::State<Self::Vector>) -> #f64 {
                 __wzvi::elements::energy_rate(self, __k, __state)
@@ -423,17 +424,56 @@ fn hamiltonian(model: &mut Model) -> TokenStream {
     }
 }
 
+/// `Hamiltonian::invariant`
+fn invariant(model: &mut Model) -> TokenStream {
+    let (usize, f64) = (quote!(__wzvi::core::primitive::usize), f64_type());
+    if model.invariants.is_empty() {
+        return quote!(fn invariant(&self, _: #usize, _: &__wzvi::State<Self::Vector>) -> #f64 { #f64::NAN });
+    }
+    let one = quote!(<__S as __wzvi::Scalar>::from_f64(1.0));
+    let integrals: Vec<Vec<Element>> =
+        model.invariants.iter().map(|invariant| invariant.term.elements.clone()).collect();
+    let mut arms = TokenStream::new();
+    for (number, elements) in integrals.iter().enumerate() {
+        let body = terms_code(model, elements, Wanted::Value, &one);
+        arms.extend(quote!(#number => { #body }));
+    }
+    let (read, size) = (parameters(model), sizes(model, &quote!(__at.q.len())));
+    quote! {
+        fn invariant(&self, __number: #usize, __state: &__wzvi::State<Self::Vector>) -> #f64 {
+            type __S = #f64;
+            let (__q, __p) = (__wzvi::Vector::components(&__state.q), __wzvi::Vector::components(&__state.p));
+            if __q.len() != __p.len() || __wzvi::elements::check(self, __q.len()).is_err() {
+                return #f64::NAN;
+            }
+            let __at = __wzvi::elements::Point::<#f64> { q: __q, p: __p, t: __state.t, h: 1.0, dw: &[] };
+            let __t = __at.t;
+            #read
+            #size
+            let mut __total: #f64 = 0.0;
+            match __number {
+                #arms
+                _ => return #f64::NAN,
+            }
+            __total
+        }
+    }
+}
+
+/// The code of several elements, one after the other.
+fn terms_code(model: &mut Model, elements: &[Element], wanted: Wanted, weight: &TokenStream) -> TokenStream {
+    let mut parts = TokenStream::new();
+    for element in elements {
+        let symbol = model.graph.new_symbol("c");
+        parts.extend(element_code(model, element, wanted, symbol, weight));
+    }
+    parts
+}
+
 /// One match arm per term, on its number.
 fn arms(model: &mut Model, wanted: Wanted) -> TokenStream {
     let one = quote!(<__S as __wzvi::Scalar>::from_f64(1.0));
-    let code = |model: &mut Model, elements: &[Element]| -> TokenStream {
-        let mut parts = TokenStream::new();
-        for element in elements {
-            let symbol = model.graph.new_symbol("c");
-            parts.extend(element_code(model, element, wanted, symbol, &one));
-        }
-        parts
-    };
+    let code = |model: &mut Model, elements: &[Element]| terms_code(model, elements, wanted, &one);
     let drift = model.drift.elements.clone();
     let drift = code(model, &drift);
     let mut arms = quote!(0 => { #drift });
