@@ -64,7 +64,7 @@ impl Keeping {
             settings: identity::settings(stepper, recorder.every(), retry, noise),
             derived: identity::derived(stepper, state),
             start: format::words(Tape::write(|tape| pass_state(state, tape))),
-            nodes: Nodes::new(&checkpoint.path, system.degrees(), system.noises()),
+            nodes: Nodes::new(&checkpoint.path, state.q.components().len(), system.noises()),
             line: None,
             path: checkpoint.path.clone(),
         };
@@ -155,7 +155,7 @@ impl Keep {
         recorder: &mut Recorder<H::Vector>,
         path: &mut Sums,
     ) -> Result<u64, CheckpointError> {
-        self.compare(&saved, stepper.system().degrees())?;
+        self.compare(&saved, state.q.components().len())?;
         let step = saved.step;
         if step > steps {
             return Err(CheckpointError::Beyond { path: self.path.clone(), step, steps });
