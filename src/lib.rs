@@ -68,8 +68,8 @@ pub use wzvi_runtime::noise;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
-    calculus, embedding, error, increments, integrate, numbers, plan, scalar, simulate, state, step, system,
-    trajectory,
+    calculus, embedding, error, increments, integrate, numbers, plan, retry, scalar, simulate, state, step,
+    system, trajectory,
 };
 
 /// Everything that a scene needs: `use wzvi::prelude::*`.
@@ -87,6 +87,7 @@ pub mod prelude {
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
     #[cfg(feature = "report")]
     pub use wzvi_runtime::report::WorkPrecision;
+    pub use wzvi_runtime::retry::Retry;
     pub use wzvi_runtime::state::State;
     pub use wzvi_runtime::step::Stepper;
     pub use wzvi_runtime::system::{Discretized, Hamiltonian};
@@ -107,6 +108,6 @@ pub mod __private {
     pub use wzvi_runtime::solve::*;
     pub use wzvi_runtime::state::{State, Vector};
     pub use wzvi_runtime::system::{
-        Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, Solved, array_mut, increments,
+        Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, array_mut, increments,
     };
 }

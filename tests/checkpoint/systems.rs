@@ -73,6 +73,22 @@ impl Pendulum {
     }
 }
 
+/// Steps of size h have no solution beyond about `q = 1 / h²`: in a run of long steps some have to be halved.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.5 * q * q + q.powi(3) / 3.0,
+    noise = [|q, p| 0.1 * q],
+    embedding = Midpoint,
+)]
+#[derive(Clone, Debug)]
+pub(crate) struct Cubic;
+
+impl Cubic {
+    pub(crate) fn run(&self, steps: u64, every: u64) -> Simulation<'_, Self, Midpoint, Wiener> {
+        let run = self.simulate(1.6).start(State::new([0.3], [0.0])).noise(Wiener::seed(11));
+        run.steps(steps).record_every(every).retry(Retry::halving(10))
+    }
+}
+
 /// A folder of the test's own, empty.
 pub(crate) fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("checkpoint").join(name);

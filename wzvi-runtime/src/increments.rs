@@ -63,6 +63,12 @@ pub trait Noise {
     /// [`NoiseError`]; the run ends there and keeps what it has.
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError>;
 
+    /// Whether the increments are those of a path that can be asked for any interval: then the parts of a step add up to
+    /// the step, and a step that fails can be subdivided ([`Retry`](crate::retry::Retry)). Rows of numbers are none.
+    fn is_path(&self) -> bool {
+        false
+    }
+
     /// What this source is, asked for after [`Noise::prepare`]. To answer is to promise that the increments of a step
     /// depend on the identity and the [`Interval`] alone, to the last bit, whatever was asked for before: then a run
     /// that was interrupted can go on with another source of the same identity.
@@ -80,6 +86,10 @@ impl<N: Noise + ?Sized> Noise for &mut N {
 
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         (**self).increments(interval, dw)
+    }
+
+    fn is_path(&self) -> bool {
+        (**self).is_path()
     }
 
     fn identity(&self) -> Option<Identity> {

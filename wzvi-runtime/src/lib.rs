@@ -18,6 +18,8 @@ pub mod numbers;
 pub mod plan;
 #[cfg(feature = "report")]
 pub mod report;
+mod rescue;
+pub mod retry;
 pub mod scalar;
 pub mod simulate;
 pub mod solve;

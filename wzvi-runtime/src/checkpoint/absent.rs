@@ -2,6 +2,7 @@
 
 use crate::carry::Carry;
 use crate::error::Error;
+use crate::retry::Retry;
 use crate::state::State;
 use crate::step::Stepper;
 use crate::sum::Sums;
@@ -25,7 +26,7 @@ impl Keeping {
         _recorder: &mut Recorder<H::Vector>,
         _path: &mut Sums,
         _noise: Option<&N>,
-        _steps: u64,
+        _extent: (u64, Retry),
     ) -> Result<Keeper, Error> {
         Ok(Keeper)
     }

@@ -7,6 +7,7 @@ use super::error::Difference;
 use super::format::Word;
 use crate::carry::Carry;
 use crate::checksum::Checksum;
+use crate::retry::Retry;
 use crate::state::{State, Vector};
 use crate::step::Stepper;
 use crate::system::{Discretized, Hamiltonian};
@@ -19,6 +20,7 @@ pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
     stepper: &Stepper<'_, H, E, C>,
     degrees: usize,
     every: u64,
+    retry: Retry,
     noise: Fields,
 ) -> Fields {
     let system = stepper.system();
@@ -31,6 +33,7 @@ pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
     set("the number of noises", system.noises().to_string());
     set("the step size", format!("{:?}", stepper.step_size()));
     set("record_every", every.to_string());
+    set("the halvings allowed", retry.most().to_string());
     set("compensated summation", stepper.is_compensated().to_string());
     for (name, value) in (0..MOST_PARAMETERS).map_while(|index| system.parameter(index)) {
         set(&format!("the parameter {name}"), format!("{value:?}"));

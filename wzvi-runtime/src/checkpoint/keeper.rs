@@ -14,6 +14,7 @@ use super::{Keeping, Tape};
 use crate::carry::Carry;
 use crate::error::Error;
 use crate::increments::{Identity, Noise};
+use crate::retry::Retry;
 use crate::state::{State, Vector};
 use crate::step::Stepper;
 use crate::sum::Sums;
@@ -43,7 +44,7 @@ struct Keep {
 
 impl Keeping {
     /// Goes on from the checkpoint if there is one, else writes the first one. The arguments are those of a run at its
-    /// start, with `steps` to go; they become those of the run at the checkpoint.
+    /// start, with `steps` to go and a `retry` to name; they become those of the run at the checkpoint.
     pub(crate) fn open<H: Discretized<E>, E, C: Carry<f64>, N: Noise>(
         self,
         stepper: &mut Stepper<'_, H, E, C>,
@@ -51,7 +52,7 @@ impl Keeping {
         recorder: &mut Recorder<H::Vector>,
         path: &mut Sums,
         noise: Option<&N>,
-        steps: u64,
+        (steps, retry): (u64, Retry),
     ) -> Result<Keeper, Error> {
         let Self(Some(checkpoint)) = self else { return Ok(Keeper { first: 0, file: None }) };
         checkpoint.check()?;
@@ -61,7 +62,7 @@ impl Keeping {
         let degrees = state.q.components().len();
         let mut keep = Keep {
             schedule: Schedule::new(&checkpoint, 0, steps),
-            settings: identity::settings(stepper, degrees, recorder.every(), noise),
+            settings: identity::settings(stepper, degrees, recorder.every(), retry, noise),
             derived: identity::derived(stepper, state),
             start: format::words(Tape::write(|tape| pass_state(state, tape))),
             nodes: Nodes::new(&checkpoint.path, degrees, stepper.system().noises()),

@@ -189,6 +189,10 @@ impl Wiener {
 }
 
 impl Noise for Wiener {
+    fn is_path(&self) -> bool {
+        true
+    }
+
     #[inline]
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         check_step(interval.h)?;

@@ -224,6 +224,10 @@ impl WongZakai {
 }
 
 impl Noise for WongZakai {
+    fn is_path(&self) -> bool {
+        true
+    }
+
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         self.check_window()?;
         self.early.check(interval.start)?;

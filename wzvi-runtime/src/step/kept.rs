@@ -10,7 +10,8 @@ use crate::system::Discretized;
 impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
     /// Everything that steps change. What depends on system and step size only is computed anew.
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
-        let Self { system: _, h: _, prepared: _, memory, carry, before, clock, reached, scheme: _ } = self;
+        let Self { system: _, h: _, prepared: _, memory, carry, before, clock, reached, strain, scheme: _ } =
+            self;
         let Clock { start, ticks, now } = clock;
         tape.word(before);
         tape.word(ticks);
@@ -26,6 +27,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
         }
         memory.visit(&mut |number| tape.number(number));
         carry.visit(&mut |number| tape.number(number));
+        strain.pass(tape);
     }
 
     /// What is computed once for all steps, for people and checksums.

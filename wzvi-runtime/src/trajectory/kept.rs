@@ -13,12 +13,15 @@ impl<V: Vector> Recorder<V> {
         let Self { path, pending, since } = self;
         let Path { h: _, every: _, steps, iterations, processes: _, increments: _, states: _, last: _ } =
             path;
-        let Iterations { total, largest } = iterations;
-        let mut most = u64::from(*largest);
-        for word in [steps, total, &mut most, since] {
+        let Iterations { total, largest, hard, doubtful, halved, halvings } = iterations;
+        for word in [steps, total, hard, doubtful, halved, since] {
             tape.word(word);
         }
-        *largest = u32::try_from(most).unwrap_or(u32::MAX);
+        for count in [largest, halvings] {
+            let mut word = u64::from(*count);
+            tape.word(&mut word);
+            *count = u32::try_from(word).unwrap_or(u32::MAX);
+        }
         for sum in pending {
             sum.pass(tape);
         }
