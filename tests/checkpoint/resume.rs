@@ -8,7 +8,7 @@ use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 use wzvi::simulate::Simulation;
 
-use super::systems::{Cubic, DoublePendulum, KEPLER, PENDULUM, bits, contents, folder, refused};
+use super::systems::{DoublePendulum, Folding, KEPLER, PENDULUM, bits, contents, folder, refused};
 
 const STEPS: u64 = 12;
 
@@ -82,7 +82,7 @@ fn given_increments() {
 /// Steps in halves leave nothing behind that a checkpoint would miss.
 #[test]
 fn steps_that_are_halved() {
-    let run = |steps, every| Cubic.run(steps, every);
+    let run = |steps, every| Folding.run(steps, every);
     let halved = run(STEPS, 0).run().unwrap().iterations().halved;
     assert!((2..STEPS).contains(&halved), "{halved}");
     resumes_from_everywhere("halved", run);

@@ -73,18 +73,15 @@ impl Pendulum {
     }
 }
 
-/// Steps of size h have no solution beyond about `q = 1 / h²`: in a run of long steps some have to be halved.
-#[hamiltonian(
-    drift = |q, p| 0.5 * p * p + 0.5 * q * q + q.powi(3) / 3.0,
-    noise = [|q, p| 0.1 * q],
-    embedding = Midpoint,
-)]
+/// The solution of a step with `h > 2` may end at a fold, that of a shorter one cannot: in a run of long steps some have
+/// to be halved.
+#[hamiltonian(drift = |q, p| 0.5 * p * p - q.cos(), noise = [|q, p| 0.5 * q], embedding = Midpoint)]
 #[derive(Clone, Debug)]
-pub(crate) struct Cubic;
+pub(crate) struct Folding;
 
-impl Cubic {
+impl Folding {
     pub(crate) fn run(&self, steps: u64, every: u64) -> Simulation<'_, Self, Midpoint, Wiener> {
-        let run = self.simulate(1.6).start(State::new([0.3], [0.0])).noise(Wiener::seed(11));
+        let run = self.simulate(2.5).start(State::new([2.2], [0.8])).noise(Wiener::seed(11));
         run.steps(steps).record_every(every).retry(Retry::halving(10))
     }
 }

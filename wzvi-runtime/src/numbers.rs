@@ -91,15 +91,15 @@ mod tests {
         let (mut memory, mut carry) = (Extrapolation::<f64, 2>::default(), Compensation::<f64, 1>::default());
         for n in 0..4 {
             let copy = copied((memory, (carry, vec![0.5; n])), Default::default());
-            assert_eq!(copy.0.guess(), memory.guess());
+            assert_eq!(copy.0.guess::<true>(), memory.guess::<true>());
             assert_eq!((copy.1.0, copy.1.1), (carry, vec![0.5; n]));
             // What is known counts too: the next record must do the same to both.
             let (mut one, mut other) = (memory, copy.0);
-            one.record([7.0, -0.0]);
-            other.record([7.0, -0.0]);
-            assert_eq!(one.guess(), other.guess());
+            one.record::<true>([7.0, -0.0]);
+            other.record::<true>([7.0, -0.0]);
+            assert_eq!(one.guess::<true>(), other.guess::<true>());
             let x = f64::from(n as u32);
-            memory.record([x * x, x.sin()]);
+            memory.record::<true>([x * x, x.sin()]);
             carry.keep(&[x], &[-x]);
         }
         assert_eq!(copied(vec![1.0, -0.0], vec![3.0; 9]), [1.0, -0.0]);
