@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::discretise::Scheme;
 use crate::discretise::equations::MomentumUpdate;
 use crate::discretise::lagrangian::StepSymbols;
-use crate::discretise::structure::{Block, Solution, Unknown, increment};
+use crate::discretise::structure::{Block, Pivot, Solution, Unknown, increment};
 use crate::emit::program::{Level, Lowering, Op, Program};
 use crate::model::Parameter;
 use crate::symbolic::{Expr, Graph, Rational, Relation, Symbol};
@@ -238,6 +238,11 @@ fn invert_constant_pivots(
                 let level = if is_prepared { Level::Prepared } else { Level::Increments };
                 Some(Inverse { symbol, level, is_safe: graph.exceeds_one(pivot) })
             }
+            (&Solution::Isolated(Pivot { value, inverse }), _) => {
+                let is_prepared = graph.reads_only(value, &constant);
+                let level = if is_prepared { Level::Prepared } else { Level::Increments };
+                Some(Inverse { symbol: inverse, level, is_safe: graph.exceeds_one(value) })
+            }
             _ => None,
         };
         inverses.push(inverse);
@@ -309,15 +314,14 @@ fn lower_block(
     };
     match &block.solution {
         Solution::Assigned => None,
+        Solution::Isolated(pivot) => inverse.map(|inverse| {
+            let pivot = lowering.lower(pivot.value);
+            reciprocal(lowering, pivot, inverse)
+        }),
         Solution::Linear { matrix, rhs } => {
             let matrix = lower_rows(lowering, matrix);
             if let Some(inverse) = inverse {
-                let (pivot, Inverse { level, is_safe, .. }) = (matrix[0][0], *inverse);
-                let inverse = lowering.program.input(inverse.symbol);
-                return Some(match level {
-                    Level::Prepared => Solve::Inverted { pivot, inverse },
-                    _ => Solve::Reciprocal { pivot, inverse, is_safe },
-                });
+                return Some(reciprocal(lowering, matrix[0][0], inverse));
             }
             let rhs: Vec<Op> = rhs.iter().map(|&value| lowering.lower(value)).collect();
             let unknowns: Vec<Op> =
@@ -338,6 +342,15 @@ fn lower_block(
             let jacobian = lower_rows(lowering, jacobian);
             Some(Solve::Newton { residual, jacobian, unknowns, bases, symmetric: *symmetric })
         }
+    }
+}
+
+fn reciprocal(lowering: &mut Lowering<'_>, pivot: Op, inverse: &Inverse) -> Solve {
+    let Inverse { symbol, level, is_safe } = *inverse;
+    let inverse = lowering.program.input(symbol);
+    match level {
+        Level::Prepared => Solve::Inverted { pivot, inverse },
+        _ => Solve::Reciprocal { pivot, inverse, is_safe },
     }
 }
 
