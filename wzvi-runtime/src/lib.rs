@@ -6,6 +6,8 @@ pub mod embedding;
 pub mod error;
 pub mod increments;
 pub mod integrate;
+#[cfg(feature = "ensemble")]
+pub mod lanes;
 #[cfg(feature = "noise")]
 pub mod noise;
 pub mod plan;
