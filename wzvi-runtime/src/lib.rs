@@ -3,6 +3,8 @@
 pub mod calculus;
 pub mod carry;
 pub mod embedding;
+#[cfg(feature = "ensemble")]
+pub mod ensemble;
 pub mod error;
 pub mod increments;
 pub mod integrate;

@@ -1,0 +1,6 @@
+//! Many paths at once.
+
+mod dispatch;
+mod draws;
+
+pub use dispatch::{InstructionSet, Kernel};
