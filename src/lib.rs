@@ -102,6 +102,6 @@ pub mod __private {
     pub use wzvi_runtime::solve::*;
     pub use wzvi_runtime::state::{State, Vector};
     pub use wzvi_runtime::system::{
-        Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, Solved, array_mut, increments,
+        Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, array_mut, increments,
     };
 }

@@ -15,6 +15,7 @@ pub mod noise;
 pub mod plan;
 #[cfg(feature = "report")]
 pub mod report;
+mod rescue;
 pub mod scalar;
 pub mod simulate;
 pub mod solve;

@@ -204,7 +204,7 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
                 None => Ok(()),
             };
             let outcome = drawn.and_then(|()| stepper.step(&mut state, &dw).map_err(Error::from));
-            let StepInfo { iterations } = match outcome {
+            let StepInfo { iterations, .. } = match outcome {
                 Ok(info) => info,
                 Err(error) => return Ok((recorder.finish(state), Some(error))),
             };

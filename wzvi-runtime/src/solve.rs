@@ -1,7 +1,8 @@
 //! The solvers of a step: dense factorisation and Newton's method, on arrays, without allocation.
 
+mod damped;
 mod dense;
 mod newton;
 
 pub use dense::{Factor, SymmetricFactor, prepared, quotient, reciprocal, reciprocal_above_one};
-pub use newton::{Extrapolation, newton, newton_scalar, newton_symmetric};
+pub use newton::{Effort, Extrapolation, newton, newton_scalar, newton_symmetric};

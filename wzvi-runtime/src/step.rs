@@ -1,17 +1,28 @@
 //! One step at a time.
 
+mod strain;
+
 use std::marker::PhantomData;
 
 use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepError, StepFailure};
+use crate::plan::{NoiseClass, Solver};
+use crate::rescue::{Hard, rescue};
 use crate::state::{State, Vector};
 use crate::system::Discretized;
+use strain::Strain;
 
 /// What one step took.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StepInfo {
-    /// Newton iterations, over all blocks; 0 for explicit and linear steps.
+    /// Newton iterations of the solution, over all blocks; 0 for explicit and linear steps.
     pub iterations: u32,
+    /// How often the step was halved: it is `2^halvings` steps of size `h / 2^halvings`. 0 unless a
+    /// `Retry` allows more.
+    pub halvings: u32,
+    /// Whether the steps before were no guide to this one, so that it was solved from zero with a line search. Usual for
+    /// the first step of a run; many in a row say that the step is long for the fastest motion.
+    pub is_hard: bool,
 }
 
 /// A prepared integrator: everything that depends on the system and the step size only is computed once.
@@ -30,6 +41,7 @@ pub struct Stepper<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f6
     clock: Clock,
     /// `q` and `p` after the last step.
     reached: [H::Vector; 2],
+    strain: Strain,
     scheme: PhantomData<E>,
 }
 
@@ -77,6 +89,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             before: 0,
             clock: Clock::started(f64::NAN),
             reached: [H::Vector::zeros(d), H::Vector::zeros(d)],
+            strain: Strain::default(),
             scheme: PhantomData,
         })
     }
@@ -93,6 +106,13 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         self.carrying()
     }
 
+    /// The same steps, but none is refused because it does not resolve the fastest motion
+    /// ([`StepFailure::Unresolved`]): for whoever watches the energy.
+    pub fn unwatched(mut self) -> Self {
+        self.strain = Strain::ignored();
+        self
+    }
+
     fn carrying<C: Carry<f64>>(self) -> Stepper<'a, H, E, C> {
         Stepper {
             carry: C::default(),
@@ -103,6 +123,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             prepared: self.prepared,
             memory: self.memory,
             reached: self.reached,
+            strain: self.strain,
             scheme: PhantomData,
         }
     }
@@ -150,23 +171,66 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         let next = self.clock.next(self.h);
         let (q, p) = (state.q.components_mut(), state.p.components_mut());
         let (t, h, prepared, memory) = (state.t, self.h, &self.prepared, &mut self.memory);
-        match self.system.advance_carrying(prepared, t, h, q, p, dw, memory, &mut self.carry) {
-            Ok(solved) => {
-                self.clock = next;
-                state.t = next.now;
-                if Self::REMEMBERS {
-                    self.reached[0].clone_from(&state.q);
-                    self.reached[1].clone_from(&state.p);
-                }
-                Ok(StepInfo { iterations: solved.iterations })
+        match self.system.advance_carrying::<f64, C, false>(prepared, t, h, q, p, dw, memory, &mut self.carry)
+        {
+            Ok(effort) => {
+                self.arrive(state, next);
+                Ok(StepInfo { iterations: effort.iterations, halvings: 0, is_hard: false })
             }
-            Err(cause) => {
-                if let Some(left) = left {
-                    (self.memory, self.carry, self.clock, self.before) = left;
+            Err(cause) => match self.hard_step(state, dw, cause) {
+                Ok(iterations) => {
+                    self.arrive(state, next);
+                    Ok(StepInfo { iterations, halvings: 0, is_hard: true })
                 }
-                Err(self.error(state, dw, cause))
-            }
+                Err(cause) => {
+                    if let Some(left) = left {
+                        (self.memory, self.carry, self.clock, self.before) = left;
+                    }
+                    Err(self.error(state, dw, cause))
+                }
+            },
         }
+    }
+
+    #[inline(always)]
+    fn arrive(&mut self, state: &mut State<H::Vector>, at: Clock) {
+        self.clock = at;
+        state.t = at.now;
+        if Self::REMEMBERS {
+            self.reached[0].clone_from(&state.q);
+            self.reached[1].clone_from(&state.p);
+        }
+    }
+
+    /// The step again, from zero and with care. Everything goes there and comes back by value, because state and stepper
+    /// stay in registers only where no function is given their address.
+    #[inline(always)]
+    fn hard_step(
+        &mut self,
+        state: &mut State<H::Vector>,
+        dw: &[f64],
+        cause: StepFailure,
+    ) -> Result<u32, StepFailure> {
+        if !matches!(H::PLAN.solver, Solver::Newton) {
+            return Err(cause);
+        }
+        let hard = Hard {
+            system: self.system,
+            prepared: self.prepared.clone(),
+            t: state.t,
+            h: self.h,
+            q: state.q.clone(),
+            p: state.p.clone(),
+            dw,
+            carry: self.carry.clone(),
+        };
+        let rescued = rescue(hard, cause)?;
+        let from = State { q: state.q.clone(), p: state.p.clone(), t: state.t };
+        let to = State { q: rescued.q, p: rescued.p, t: state.t };
+        self.strain = self.strain.after::<H, E>(self.system, &from, &to, self.h, self.steps())?;
+        (state.q, state.p) = (to.q, to.p);
+        (self.memory, self.carry) = (rescued.memory, rescued.carry);
+        Ok(rescued.effort.iterations)
     }
 
     /// Starts to count from `t`; `false`, and nothing done, if time could overflow from there: no step needs to check
@@ -178,12 +242,14 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             (self.memory, self.carry) = (Default::default(), C::default());
             self.before += self.clock.ticks;
             self.clock = Clock::started(t);
+            self.strain = self.strain.restarted();
         }
         is_safe
     }
 
     /// Whether steps use what the ones before left; otherwise nothing of them is kept.
-    const REMEMBERS: bool = size_of::<H::Memory<f64>>() != 0 || C::CARRIES;
+    const REMEMBERS: bool =
+        matches!(H::PLAN.noise, NoiseClass::None) && size_of::<H::Memory<f64>>() != 0 || C::CARRIES;
 
     /// Whether the caller moved the state since the last step: then what that step left is no guide.
     #[inline]

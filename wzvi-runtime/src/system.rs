@@ -6,6 +6,7 @@ use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepFailure};
 use crate::plan::Plan;
 use crate::scalar::{Mask, Scalar};
+use crate::solve::Effort;
 use crate::state::{State, Vector};
 
 /// A partial derivative with respect to the coordinates and one with respect to the momenta.
@@ -129,8 +130,8 @@ pub struct Solution<S, const D: usize> {
     pub p: [(S, S); D],
     /// `P`
     pub momentum: [S; D],
-    /// Newton iterations, over all blocks.
-    pub iterations: u32,
+    /// What Newton's method took, over all blocks.
+    pub effort: Effort,
 }
 
 impl<S: Scalar, const D: usize> Solution<S, D> {
@@ -141,11 +142,11 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
         [q, p]: [[S; D]; 2],
         [dq, dp]: [[S; D]; 2],
         momentum: [S; D],
-        iterations: u32,
+        effort: Effort,
     ) -> Self {
         let q = std::array::from_fn(|i| C::add(q[i], dq[i], carry.of_coordinate(i)));
         let p = std::array::from_fn(|i| C::add(p[i], dp[i], carry.of_momentum(i)));
-        Self { q, p, momentum, iterations }
+        Self { q, p, momentum, effort }
     }
 
     /// Whether every component is finite.
@@ -156,11 +157,11 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
 
     /// Moves the state.
     #[inline(always)]
-    pub fn store<C: Carry<S>>(self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) -> Solved {
+    pub fn store<C: Carry<S>>(self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) -> Effort {
         *q = self.q.map(|(sum, _)| sum);
         *p = self.p.map(|(sum, _)| sum);
         carry.keep(&self.q.map(|(_, lost)| lost), &self.p.map(|(_, lost)| lost));
-        Solved { iterations: self.iterations }
+        self.effort
     }
 }
 
@@ -181,13 +182,6 @@ pub fn array_mut<S, const D: usize>(slice: &mut [S]) -> Result<&mut [S; D], Step
 #[inline(always)]
 pub fn increments<S: Copy, const K: usize>(dw: &[S]) -> Result<[S; K], StepFailure> {
     dw.try_into().map_err(|_| StepFailure::Increments { expected: K, got: dw.len() })
-}
-
-/// How hard a step was.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Solved {
-    /// Newton iterations, over all blocks.
-    pub iterations: u32,
 }
 
 /// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it.
@@ -221,11 +215,14 @@ pub trait Discretized<E>: Hamiltonian {
 
     /// One step from `(q, p)` at `t` in place. Slices have [`Hamiltonian::degrees`] and [`Hamiltonian::noises`]
     /// elements. On `Err`, `q`, `p`, `memory` and `carry` are as they were.
+    ///
+    /// Unless `CAREFUL`, an iteration that does not converge fast is given up; what then follows is the
+    /// business of the [`Stepper`](crate::step::Stepper).
     #[expect(
         clippy::too_many_arguments,
         reason = "generated code calls it, and each is one thing that a step reads"
     )]
-    fn advance_carrying<S: Scalar, C: Carry<S>>(
+    fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         &self,
         prepared: &Self::Prepared,
         t: f64,
@@ -235,9 +232,13 @@ pub trait Discretized<E>: Hamiltonian {
         dw: &[S],
         memory: &mut Self::Memory<S>,
         carry: &mut C,
-    ) -> Result<Solved, StepFailure>;
+    ) -> Result<Effort, StepFailure>;
 
-    /// [`Discretized::advance_carrying`] with plain sums.
+    /// [`Discretized::advance_carrying`] with plain sums, and from zero with a line search where the
+    /// short way fails.
+    ///
+    /// # Errors
+    /// As there; `q`, `p` and `memory` are then as they were.
     #[expect(clippy::too_many_arguments, reason = "as above")]
     #[inline(always)]
     fn advance<S: Scalar>(
@@ -249,8 +250,18 @@ pub trait Discretized<E>: Hamiltonian {
         p: &mut [S],
         dw: &[S],
         memory: &mut Self::Memory<S>,
-    ) -> Result<Solved, StepFailure> {
-        self.advance_carrying(prepared, t, h, q, p, dw, memory, &mut Plain)
+    ) -> Result<Effort, StepFailure> {
+        match self.advance_carrying::<S, Plain, false>(prepared, t, h, q, p, dw, memory, &mut Plain) {
+            Ok(effort) => Ok(effort),
+            Err(_) => {
+                let mut fresh = Default::default();
+                let plain = &mut Plain;
+                let effort =
+                    self.advance_carrying::<S, Plain, true>(prepared, t, h, q, p, dw, &mut fresh, plain)?;
+                *memory = fresh;
+                Ok(effort)
+            }
+        }
     }
 
     /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise.
