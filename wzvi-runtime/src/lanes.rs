@@ -24,6 +24,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Index, Mul, Neg, Not, Sub};
 use elementary::{Binary, Unary};
 
 use crate::scalar::{Mask, Scalar};
+use crate::solve::LaneByLane;
 
 /// `L` numbers, in registers where they fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -196,6 +197,7 @@ macro_rules! by_lane {
 
 impl<const L: usize> Scalar for Lanes<L> {
     type Mask = LaneMask<L>;
+    type Solver = LaneByLane;
 
     #[inline(always)]
     fn from_f64(value: f64) -> Self {

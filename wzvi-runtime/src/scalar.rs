@@ -9,6 +9,8 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 pub use dual::Dual;
 
+use crate::solve::{Solve, Together};
+
 /// The truth of a comparison: `bool` for one number, a mask for several at once.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// The same truth in every lane.
@@ -39,6 +41,8 @@ pub trait Scalar:
 {
     /// The truth of a comparison.
     type Mask: Mask;
+    /// How the equations of a step are solved in numbers of this type.
+    type Solver: Solve<Self>;
 
     /// A constant.
     fn from_f64(value: f64) -> Self;
@@ -133,6 +137,7 @@ macro_rules! forward {
 
 impl Scalar for f64 {
     type Mask = bool;
+    type Solver = Together;
 
     #[inline(always)]
     fn from_f64(value: f64) -> Self {

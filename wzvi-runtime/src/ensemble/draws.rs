@@ -40,7 +40,8 @@ pub(crate) fn normals<const L: usize>(key: &[u32; 8], path: u64, block: u64, to:
     }
     for k in 0..STEPS / 2 {
         for i in 0..L {
-            [to[2 * k][i], to[2 * k + 1][i]] = pair([words[3 * k][i], words[3 * k + 1][i], words[3 * k + 2][i]]);
+            [to[2 * k][i], to[2 * k + 1][i]] =
+                pair([words[3 * k][i], words[3 * k + 1][i], words[3 * k + 2][i]]);
         }
     }
 }
@@ -111,9 +112,12 @@ mod tests {
     /// The words that `rand_chacha` has at the same address, and the normals of its pairs.
     #[test]
     fn the_generator_is_chacha8() {
-        for (seed, process, path, block) in
-            [(0, 0, 0, 0), (7, 3, 1 << 40, 5), (u64::MAX, u64::MAX, u64::MAX, u64::MAX >> 4), (1, 2, u64::from(u32::MAX), 1 << 33)]
-        {
+        for (seed, process, path, block) in [
+            (0, 0, 0, 0),
+            (7, 3, 1 << 40, 5),
+            (u64::MAX, u64::MAX, u64::MAX, u64::MAX >> 4),
+            (1, 2, u64::from(u32::MAX), 1 << 33),
+        ] {
             let key = key(seed, process);
             let mut bytes = [0; 32];
             for (to, word) in bytes.chunks_exact_mut(4).zip(key) {
