@@ -107,6 +107,8 @@ fn hard_steps_and_failures_are_the_same_in_every_split() {
             .seed(1)
             .steps(30)
             .record_every(3)
+            .observe(|state| state.q[0])
+            .observe(|state| state.p[0])
     );
     assert!(run.failed() > 0 && run.failed() < 700, "{}", run.failed());
     assert_eq!(run.failures().len() as u64, run.failed());

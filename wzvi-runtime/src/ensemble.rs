@@ -109,7 +109,8 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
         self
     }
 
-    /// One more observable, a function of the state. Without any, all coordinates `q0, ...`, momenta `p0, ...` and the
+    /// One more observable, a function of the state; a value that is not finite shows in the moments of its time. Without
+    /// any, all coordinates `q0, ...`, momenta `p0, ...` and the
     /// drift Hamiltonian `energy` are.
     pub fn observe(mut self, observable: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a) -> Self {
         self.observables.push((None, Box::new(observable)));
