@@ -13,6 +13,8 @@
 //!
 //! Integers are little-endian. Keys of a Wiener path (`noise::stream`) have another version.
 
+#![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
+
 use std::array::from_fn;
 
 use crate::noise::normal::pair;
