@@ -222,8 +222,13 @@ impl<const L: usize> Scalar for Lanes<L> {
         zeros.equal(zeros)
     }
     #[inline(always)]
-    fn are_finite(numbers: impl Iterator<Item = Self>) -> LaneMask<L> {
-        let zeros = numbers.fold(Self([-0.0; L]), |zeros, x| zeros + x * 0.0);
+    fn are_finite<const N: usize>(pairs: [[(Self, Self); N]; 2]) -> LaneMask<L> {
+        let mut zeros = Self([-0.0; L]);
+        for pairs in &pairs {
+            for (x, _) in pairs {
+                zeros = zeros + *x * 0.0;
+            }
+        }
         zeros.equal(zeros)
     }
     #[inline(always)]

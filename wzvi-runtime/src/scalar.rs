@@ -53,10 +53,16 @@ pub trait Scalar:
     fn relative_to(self, a: Self, b: Option<Self>) -> f64;
     /// Where every part of the number is finite.
     fn is_finite(self) -> Self::Mask;
-    /// Where every part of every number is finite.
+    /// Where every part of the first of each pair is finite.
     #[inline(always)]
-    fn are_finite(numbers: impl Iterator<Item = Self>) -> Self::Mask {
-        numbers.fold(Self::Mask::from_bool(true), |all, x| all & x.is_finite())
+    fn are_finite<const N: usize>(pairs: [[(Self, Self); N]; 2]) -> Self::Mask {
+        let mut all = Self::Mask::from_bool(true);
+        for pairs in &pairs {
+            for (x, _) in pairs {
+                all = all & x.is_finite();
+            }
+        }
+        all
     }
     /// `self < other`
     fn less(self, other: Self) -> Self::Mask;
@@ -161,8 +167,14 @@ impl Scalar for f64 {
     }
     /// Zero times a finite number is zero, and NaN otherwise: one test for all.
     #[inline(always)]
-    fn are_finite(numbers: impl Iterator<Item = Self>) -> bool {
-        !numbers.fold(-0.0, |zeros, x| zeros + x * 0.0).is_nan()
+    fn are_finite<const N: usize>(pairs: [[(Self, Self); N]; 2]) -> bool {
+        let mut zeros = -0.0;
+        for pairs in &pairs {
+            for (x, _) in pairs {
+                zeros += x * 0.0;
+            }
+        }
+        !zeros.is_nan()
     }
     #[inline(always)]
     fn less(self, other: Self) -> bool {
