@@ -136,7 +136,6 @@ pub struct Solution<S, const D: usize> {
 
 impl<S: Scalar, const D: usize> Solution<S, D> {
     /// The nodes that the increments `dq`, `dp` lead to from `q`, `p`.
-    #[expect(clippy::needless_range_loop, reason = "plain loops become vector code")]
     #[inline(always)]
     pub fn new<C: Carry<S>>(
         carry: &C,
@@ -162,7 +161,6 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
     }
 
     /// Moves the state.
-    #[expect(clippy::needless_range_loop, reason = "as above")]
     #[inline(always)]
     pub fn store<C: Carry<S>>(self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) -> Effort {
         let mut lost = [[S::from_f64(0.0); D]; 2];
