@@ -20,7 +20,7 @@ pub(super) fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
     if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(pivot.recip()) } else { Err(unusable(size)) }
 }
 
-/// [`reciprocal`] of a pivot that is at least one by its form; NaN, which no step returns, where `c` is so large that the
+/// [`reciprocal`](super::reciprocal) of a pivot that is at least one by its form; NaN, which no step returns, where `c` is so large that the
 /// 1 drowns in it.
 #[inline(always)]
 pub fn reciprocal_above_one<S: Scalar>(pivot: S) -> S {
