@@ -53,9 +53,12 @@
 //!   [`Trajectory::observable`](trajectory::Trajectory::observable) takes a path there.
 //! * **How much error for how much time**: with the feature `report`, `report::WorkPrecision` measures schemes against
 //!   each other and writes tables, plots and one HTML page.
+//! * **Long runs**: with the feature `serde`, `checkpoint::Checkpoint` lets a run that was stopped go on, bit for bit.
 //! * **Errors** are values that say where, why and what to do; [`Error`] is the sum of them all.
 
 pub use wzvi_macros::hamiltonian;
+#[cfg(feature = "serde")]
+pub use wzvi_runtime::checkpoint;
 pub use wzvi_runtime::error::Error;
 /// The vectors of a [`State`](state::State): functions generic over the scheme name them, as in
 /// `fn run<E>(kubo: &Kubo) where Kubo: Discretized<E, Vector = SVector<f64, 1>>`.
@@ -65,8 +68,8 @@ pub use wzvi_runtime::noise;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
-    calculus, embedding, error, increments, integrate, plan, scalar, simulate, state, step, system,
-    trajectory,
+    calculus, embedding, error, increments, integrate, numbers, plan, retry, scalar, simulate, state, step,
+    system, trajectory,
 };
 #[cfg(feature = "ensemble")]
 pub use wzvi_runtime::{ensemble, lanes};
@@ -74,6 +77,8 @@ pub use wzvi_runtime::{ensemble, lanes};
 /// Everything that a scene needs: `use wzvi::prelude::*`.
 pub mod prelude {
     pub use wzvi_macros::hamiltonian;
+    #[cfg(feature = "serde")]
+    pub use wzvi_runtime::checkpoint::Checkpoint;
     pub use wzvi_runtime::embedding::{
         Corrected, DeltaMinus, DeltaPlus, Lambda, Midpoint, Mixed, Uncorrected,
     };
@@ -84,6 +89,7 @@ pub mod prelude {
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
     #[cfg(feature = "report")]
     pub use wzvi_runtime::report::WorkPrecision;
+    pub use wzvi_runtime::retry::Retry;
     pub use wzvi_runtime::state::State;
     pub use wzvi_runtime::step::Stepper;
     pub use wzvi_runtime::system::{Discretized, Hamiltonian};

@@ -246,6 +246,9 @@ pub enum Error {
     Path(PathError),
     /// A discrete function was evaluated off its time scale, or combined with one on another.
     Domain(DomainError),
+    /// A checkpoint could not be written, or is not one of this run.
+    #[cfg(feature = "serde")]
+    Checkpoint(crate::checkpoint::CheckpointError),
     /// A measurement could not be made or written.
     #[cfg(feature = "report")]
     Report(crate::report::ReportError),
@@ -259,6 +262,8 @@ impl fmt::Display for Error {
             Self::Noise(error) => error.fmt(f),
             Self::Path(error) => error.fmt(f),
             Self::Domain(error) => error.fmt(f),
+            #[cfg(feature = "serde")]
+            Self::Checkpoint(error) => error.fmt(f),
             #[cfg(feature = "report")]
             Self::Report(error) => error.fmt(f),
         }
@@ -273,6 +278,8 @@ impl std::error::Error for Error {
             Self::Noise(error) => Some(error),
             Self::Path(error) => Some(error),
             Self::Domain(error) => Some(error),
+            #[cfg(feature = "serde")]
+            Self::Checkpoint(error) => Some(error),
             #[cfg(feature = "report")]
             Self::Report(error) => Some(error),
         }

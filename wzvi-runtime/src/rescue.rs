@@ -6,13 +6,17 @@
 //! not found beyond doubt ([`Effort::doubtful`]) it is followed along `λ = 1/n, 2/n, ... 1`, each start extrapolated from
 //! those before. It is accepted if no part was in doubt, or if the parts become shorter as `n` grows, as those of a
 //! continuous curve do: a jump to another solution stays as long as it is. A kink of `H` is passed in the second way. If
-//! the curve ends before `λ = 1`, the step has no solution.
+//! the curve ends before `λ = 1`, at the same place for every `n`, the step has no solution.
+//!
+//! A stiff force that is far from its balance swings many times along `λ`, and no reasonable `n` resolves that. Then the
+//! solution from zero is taken if its Jacobian has the orientation of that for `λ = 0`, as the connected one has and the
+//! next one has not, and the step is reported as doubtful.
 
 use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::solve::Effort;
 use crate::state::Vector;
-use crate::system::Discretized;
+use crate::system::{Discretized, Hamiltonian};
 
 /// Parts of a step in which its solution is followed, one after the other.
 const PARTS: [u32; 3] = [4, 16, 64];
@@ -44,10 +48,8 @@ pub(crate) struct Rescued<V, M, C> {
     pub(crate) effort: Effort,
 }
 
-type Outcome<H, E, C> = Result<
-    Rescued<<H as crate::system::Hamiltonian>::Vector, <H as Discretized<E>>::Memory<f64>, C>,
-    StepFailure,
->;
+type Taken<H, E, C> = Rescued<<H as Hamiltonian>::Vector, <H as Discretized<E>>::Memory<f64>, C>;
+type Outcome<H, E, C> = Result<Taken<H, E, C>, StepFailure>;
 
 /// Takes a step that failed for `cause`.
 ///
@@ -65,14 +67,25 @@ pub(crate) fn rescue<H: Discretized<E>, E, C: Carry<f64>>(
     if is_hopeless || inputs.into_iter().any(|x| !x.is_finite()) {
         return Err(cause);
     }
-    match hard.solve(&hard.prepared, hard.h, hard.dw, Default::default()) {
-        Ok(rescued) if !rescued.effort.doubtful => Ok(rescued),
-        outcome => hard.follow().map_err(|ends| match (ends, outcome) {
-            // Every way is blocked alike.
-            (StepFailure::NoSolution { reached: 0.0 }, Err(cause)) => cause,
-            (ends, _) => ends,
-        }),
+    let found = hard.solve(&hard.prepared, hard.h, hard.dw, Default::default());
+    match found {
+        Ok(found) if !found.effort.doubtful => Ok(found),
+        found => match hard.follow() {
+            Ok(end) => Ok(end),
+            Err(End { reached, is_fold: true }) => Err(StepFailure::NoSolution { reached }),
+            Err(End { reached, is_fold: false }) => match found? {
+                found if found.effort.is_reversed == hard.is_reversed_at_rest() => Ok(found),
+                _ => Err(StepFailure::NoSolution { reached }),
+            },
+        },
     }
+}
+
+/// Where the curve of solutions could not be followed any further.
+struct End {
+    reached: f64,
+    /// Whether it ends there, as far as two resolutions can tell.
+    is_fold: bool,
 }
 
 impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
@@ -99,10 +112,10 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         Ok(Rescued { q, p, memory, carry, effort })
     }
 
-    fn follow(&self) -> Outcome<H, E, C> {
-        let mut furthest = 0.0_f64;
+    fn follow(&self) -> Result<Taken<H, E, C>, End> {
+        let mut ends = [0.0; PARTS.len()];
         let mut before: Option<f64> = None;
-        for parts in PARTS {
+        for (end, parts) in ends.iter_mut().zip(PARTS) {
             match self.follow_in(parts) {
                 Ok(curve) => {
                     let is_continuous = before.is_some_and(|longest| curve.longest <= SHRINKING * longest);
@@ -110,11 +123,25 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                         return Ok(curve.end);
                     }
                     before = Some(curve.longest);
+                    *end = 1.0;
                 }
-                Err(reached) => furthest = furthest.max(reached),
+                Err(reached) => *end = reached,
             }
         }
-        Err(StepFailure::NoSolution { reached: furthest })
+        let [_, coarse, fine] = ends;
+        // From one part before it to one part after, by the coarser of the two.
+        let is_same = (fine - coarse).abs() <= 1.5 / f64::from(PARTS[1]);
+        Err(End { reached: fine.min(coarse), is_fold: is_same && coarse > 0.0 && fine < 1.0 })
+    }
+
+    /// Whether the Jacobian of no step at all has a negative determinant.
+    fn is_reversed_at_rest(&self) -> bool {
+        let h = self.h * f64::EPSILON;
+        let step = self.system.prepare(h).ok().and_then(|prepared| {
+            let still = vec![0.0; self.dw.len()];
+            self.solve(&prepared, h, &still, Default::default()).ok()
+        });
+        step.is_some_and(|step| step.effort.is_reversed)
     }
 
     /// The solution followed in equal parts, or where it ended.
@@ -149,7 +176,8 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             moves.add(&step.q, &step.p);
             if part == parts {
                 let longest = moves.longest_relative_to([&self.q, &self.p]);
-                let effort = Effort { iterations, doubtful: is_doubtful };
+                // Whoever takes it has no doubt.
+                let effort = Effort { iterations, doubtful: false, ..step.effort };
                 // The memory is of parts of a step: no guide for the next.
                 let end = Rescued { effort, memory: H::Memory::default(), ..step };
                 return Ok(Curve { end, longest, is_doubtful });
@@ -162,7 +190,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
 
 /// The curve of solutions from no step to the whole one.
 struct Curve<H: Discretized<E>, E, C> {
-    end: Rescued<H::Vector, H::Memory<f64>, C>,
+    end: Taken<H, E, C>,
     /// The longest part, relative to the whole way of its component.
     longest: f64,
     is_doubtful: bool,

@@ -1,5 +1,7 @@
 //! One step at a time.
 
+#[cfg(feature = "serde")]
+mod kept;
 mod strain;
 
 use std::marker::PhantomData;
@@ -8,21 +10,26 @@ use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::plan::{NoiseClass, Solver};
 use crate::rescue::{Hard, rescue};
+use crate::solve::Effort;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
 use strain::Strain;
 
 /// What one step took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StepInfo {
     /// Newton iterations of the solution, over all blocks; 0 for explicit and linear steps.
     pub iterations: u32,
     /// How often the step was halved: it is `2^halvings` steps of size `h / 2^halvings`. 0 unless a
-    /// `Retry` allows more.
+    /// [`Retry`](crate::retry::Retry) allows more.
     pub halvings: u32,
     /// Whether the steps before were no guide to this one, so that it was solved from zero with a line search. Usual for
     /// the first step of a run; many in a row say that the step is long for the fastest motion.
     pub is_hard: bool,
+    /// Whether the solution could not be followed from the state along the step, so that it is the connected one by the
+    /// orientation of its Jacobian only. Where that happens the step is far too long for a stiff force.
+    pub is_doubtful: bool,
 }
 
 /// A prepared integrator: everything that depends on the system and the step size only is computed once.
@@ -175,12 +182,12 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         {
             Ok(effort) => {
                 self.arrive(state, next);
-                Ok(StepInfo { iterations: effort.iterations, halvings: 0, is_hard: false })
+                Ok(StepInfo { iterations: effort.iterations, ..StepInfo::default() })
             }
             Err(cause) => match self.hard_step(state, dw, cause) {
-                Ok(iterations) => {
+                Ok(Effort { iterations, doubtful, .. }) => {
                     self.arrive(state, next);
-                    Ok(StepInfo { iterations, halvings: 0, is_hard: true })
+                    Ok(StepInfo { iterations, halvings: 0, is_hard: true, is_doubtful: doubtful })
                 }
                 Err(cause) => {
                     if let Some(left) = left {
@@ -210,7 +217,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         state: &mut State<H::Vector>,
         dw: &[f64],
         cause: StepFailure,
-    ) -> Result<u32, StepFailure> {
+    ) -> Result<Effort, StepFailure> {
         if !matches!(H::PLAN.solver, Solver::Newton) {
             return Err(cause);
         }
@@ -230,7 +237,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self.strain = self.strain.after::<H, E>(self.system, &from, &to, self.h, self.steps())?;
         (state.q, state.p) = (to.q, to.p);
         (self.memory, self.carry) = (rescued.memory, rescued.carry);
-        Ok(rescued.effort.iterations)
+        Ok(rescued.effort)
     }
 
     /// Starts to count from `t`; `false`, and nothing done, if time could overflow from there: no step needs to check

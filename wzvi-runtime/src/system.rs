@@ -4,6 +4,7 @@ use std::fmt::Debug;
 
 use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepFailure};
+use crate::numbers::Numbers;
 use crate::plan::Plan;
 use crate::scalar::{Mask, Scalar};
 use crate::solve::Effort;
@@ -31,6 +32,13 @@ pub trait Hamiltonian {
 
     /// Number of first integrals that the compiler has proven.
     fn invariants(&self) -> usize;
+
+    /// Name and value of a number that the Hamiltonians read from the system, as they name it; `None` from some `index`
+    /// on. For people, who are told by it which parameter of a run differs.
+    fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+        let _ = index;
+        None
+    }
 
     /// `H_term(q, p, t)`: the drift for `term = 0`, noise `term - 1` otherwise; NaN for a term that does not exist.
     ///
@@ -209,7 +217,7 @@ pub trait Discretized<E>: Hamiltonian {
     type Prepared: Clone + Debug;
 
     /// What one step leaves for the starting value of the next; `()` where nothing is iterated.
-    type Memory<S: Scalar>: Clone + Debug + Default;
+    type Memory<S: Scalar>: Clone + Debug + Default + Numbers<S>;
 
     /// Compensated sums of the state's increments: [`Compensation`](crate::carry::Compensation).
     type Compensated<S: Scalar>: Carry<S>;

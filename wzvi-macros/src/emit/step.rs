@@ -470,7 +470,7 @@ impl SolveBody<'_> {
         let (q, p) = (values(&flow.q0), values(&flow.p0));
         let (dq, dp, momentum) = (values(&flow.dq), values(&flow.dp), values(&flow.momentum));
         let effort = match counts.is_empty() {
-            true => quote!(__wzvi::Effort { iterations: 0, doubtful: false }),
+            true => quote!(__wzvi::Effort::fast(0)),
             false => quote!(#(#counts)+*),
         };
         let records = &self.records;

@@ -1,17 +1,21 @@
-//! Newton's method for the steps where the short way fails: with a line search, and with a doubt about its own result.
+//! Newton's method for the steps where the short way fails: with patience, then with a line search, and with a doubt about
+//! its own result.
 //!
-//! A correction `c = J⁻¹r` is shortened until the residual at its end, measured as the next correction that the same
-//! matrix would give, `|J⁻¹r(x - λc)| <= (1 - λ/2) |c|`, is smaller: the natural monotonicity test, which no scaling
-//! of equations or unknowns changes (P. Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2011, section
-//! 3.3). Near a solution `|J⁻¹r(x - c)|` is less than half of `|c|`; where it is not, the solution found need not be the
-//! one nearest to the start, and is reported as doubtful.
+//! Near a solution the next correction is less than half of the last: with `c = J⁻¹r` at `x`, and the same matrix, `|J⁻¹r(x -
+//! c)| < |c| / 2`. Where it is not, the solution found need not be the one nearest to the start, and is reported as
+//! doubtful. Whole corrections often arrive all the same, along the curved valley of a stiff force faster than any others:
+//! they are tried first. Then each is shortened until the residual at its end is smaller, `|J⁻¹r(x - λc)| <= (1 - λ/2) |c|`:
+//! the natural monotonicity test, which no scaling of equations or unknowns changes (P. Deuflhard, *Newton Methods for
+//! Nonlinear Problems*, Springer 2011, section 3.3).
 
 use super::dense::Factor;
-use super::newton::{Effort, Progress, Verdict, astray, is_rounding, relative};
+use super::newton::{Effort, Progress, STAGNATION, Verdict, astray, is_rounding, relative};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
 
-/// More iterations than any step needs that converges at all.
+/// Whole corrections that are tried, whatever they do.
+const PATIENCE: u32 = 12;
+/// More shortened corrections than any step needs that converges at all.
 const MOST_ITERATIONS: u32 = 30;
 /// Corrections are shortened to this fraction at most.
 const SHORTEST: f64 = 1.0 / 256.0;
@@ -28,9 +32,23 @@ pub(super) fn damped<S: Scalar, const N: usize>(
     state: [S; N],
     mut equations: impl FnMut(&[S; N]) -> ([S; N], [[S; N]; N]),
 ) -> Result<([S; N], Effort), StepFailure> {
+    match search(start, state, &mut equations, false) {
+        Ok(found) => Ok(found),
+        Err(_) => search(start, state, &mut equations, true),
+    }
+}
+
+/// With whole corrections, or shortened ones.
+fn search<S: Scalar, const N: usize>(
+    start: [S; N],
+    state: [S; N],
+    equations: &mut impl FnMut(&[S; N]) -> ([S; N], [[S; N]; N]),
+    shortens: bool,
+) -> Result<([S; N], Effort), StepFailure> {
+    let most = if shortens { MOST_ITERATIONS } else { PATIENCE };
     let is_guess = start.iter().any(|x| x.magnitude() != 0.0);
     let mut progress = Progress::new(is_guess);
-    let mut doubtful = false;
+    let mut doubtful = shortens;
     let mut x = start;
     let (mut residual, jacobian) = equations(&x);
     let mut factor = Factor::new(jacobian)?;
@@ -41,9 +59,9 @@ pub(super) fn damped<S: Scalar, const N: usize>(
         let is_stagnation = || (0..N).all(|i| is_rounding(correction[i], end[i], state[i]));
         match progress.judge(size, is_stagnation) {
             Verdict::Converged => {
-                return Ok((end, Effort { iterations: progress.iterations, doubtful }));
+                return Ok((end, found(&progress, doubtful, &factor)));
             }
-            Verdict::Straying if size.is_nan() || progress.iterations >= MOST_ITERATIONS => {
+            Verdict::Straying if size.is_nan() || progress.iterations >= most => {
                 return Err(astray(progress.iterations, size));
             }
             // A guess that is off by more than the solution itself.
@@ -66,15 +84,20 @@ pub(super) fn damped<S: Scalar, const N: usize>(
             let there = level(&next);
             // What is left may be nothing but the rounding of the residual, which no step makes smaller.
             let is_floor = length == 1.0 && (0..N).all(|i| is_rounding(next[i], trial[i], state[i]));
-            // Both false for NaN.
-            doubtful |= length == 1.0 && !is_floor && !(there <= SAFE_CONTRACTION * here);
-            let is_lower = is_floor || there <= (1.0 - 0.5 * length) * here;
+            // All false for NaN.
+            let contracts = is_floor || there <= SAFE_CONTRACTION * here;
+            doubtful |= length == 1.0 && !contracts;
+            let is_lower = is_floor || !shortens || there <= (1.0 - 0.5 * length) * here;
             if is_lower && let Ok(next) = Factor::new(trial_jacobian) {
                 (x, residual, factor) = (trial, trial_residual, next);
                 break;
             }
             length *= 0.5;
-            if length < SHORTEST {
+            if !shortens || length < SHORTEST {
+                // A component that crosses zero may carry the rounding of its neighbours.
+                if shortens && is_rounding_of_block(&correction, &end, &state) {
+                    return Ok((end, found(&progress, doubtful, &factor)));
+                }
                 // A singular matrix at the end of every way down is the cause.
                 Factor::new(trial_jacobian)?;
                 return Err(astray(progress.iterations, size));
@@ -84,6 +107,22 @@ pub(super) fn damped<S: Scalar, const N: usize>(
             progress.forget();
         }
     }
+}
+
+fn found<S: Scalar, const N: usize>(progress: &Progress, doubtful: bool, factor: &Factor<S, N>) -> Effort {
+    Effort { iterations: progress.iterations, doubtful, is_reversed: factor.is_reversed() }
+}
+
+/// Whether the largest correction is at rounding level of the largest component.
+fn is_rounding_of_block<S: Scalar, const N: usize>(
+    correction: &[S; N],
+    unknowns: &[S; N],
+    state: &[S; N],
+) -> bool {
+    let sizes = unknowns.iter().zip(state).map(|(x, state)| x.magnitude() + state.magnitude());
+    let bound = STAGNATION * sizes.fold(0.0, f64::max);
+    // False for NaN.
+    correction.iter().all(|c| c.magnitude() <= bound)
 }
 
 fn shifted<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N], length: f64) -> [S; N] {

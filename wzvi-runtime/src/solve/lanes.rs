@@ -113,7 +113,7 @@ pub(super) fn iterate<const L: usize, const N: usize>(
             }
         }
         if progress.done.all() {
-            return (x, Effort { iterations: progress.iterations, doubtful: false });
+            return (x, Effort::fast(progress.iterations));
         }
     }
 }

@@ -14,6 +14,7 @@ use std::ops::Add;
 use super::damped::damped;
 use super::dense::{Factor, SymmetricFactor};
 use crate::error::StepFailure;
+use crate::numbers::Numbers;
 use crate::scalar::Scalar;
 
 /// Corrections below this fraction of an unknown change nothing.
@@ -31,6 +32,16 @@ pub struct Effort {
     /// Whether the first corrections did not shrink as they do near a solution: there may be another one nearer to
     /// the start. Only a careful solution says so, the other gives up.
     pub doubtful: bool,
+    /// Whether the Jacobian at the solution has a negative determinant, if the solution was a careful one.
+    pub is_reversed: bool,
+}
+
+impl Effort {
+    /// A solution by the short way, or (0) without iterations.
+    #[inline(always)]
+    pub const fn fast(iterations: u32) -> Self {
+        Self { iterations, doubtful: false, is_reversed: false }
+    }
 }
 
 impl Add for Effort {
@@ -38,7 +49,11 @@ impl Add for Effort {
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self { iterations: self.iterations + other.iterations, doubtful: self.doubtful | other.doubtful }
+        Self {
+            iterations: self.iterations + other.iterations,
+            doubtful: self.doubtful | other.doubtful,
+            is_reversed: self.is_reversed ^ other.is_reversed,
+        }
     }
 }
 
@@ -87,6 +102,17 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
         }
         *c = std::array::from_fn(|i| b[i] * 2.0 - a[i]);
         self.known += 1;
+    }
+}
+
+impl<S: Scalar, const N: usize> Numbers<S> for Extrapolation<S, N> {
+    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
+        let Self { past, known } = self;
+        past.iter_mut().flatten().for_each(&mut *visit);
+        let mut number = S::from_f64(f64::from(*known));
+        visit(&mut number);
+        // Exact: 0, 1 or 2.
+        *known = number.magnitude() as u8;
     }
 }
 
@@ -203,7 +229,7 @@ pub(super) fn newton_scalar<S: Scalar, const GUESS: bool, const CAREFUL: bool>(
         let size = relative(correction, x);
         match progress.judge(size, || is_rounding(correction, x, state)) {
             Verdict::Converged => {
-                return Ok((x, Effort { iterations: progress.iterations, doubtful: false }));
+                return Ok((x, Effort::fast(progress.iterations)));
             }
             Verdict::Contracting => {}
             Verdict::Straying => return Err(explain(progress.iterations, size, slope)),
@@ -325,7 +351,7 @@ fn iterate<S: Scalar, const N: usize, const GUESS: bool>(
         }
         match progress.judge(largest, || (0..N).all(|i| is_rounding(correction[i], x[i], state[i]))) {
             Verdict::Converged => {
-                return Ok((x, Effort { iterations: progress.iterations, doubtful: false }));
+                return Ok((x, Effort::fast(progress.iterations)));
             }
             Verdict::Contracting => {}
             Verdict::Straying => return Err(astray(progress.iterations, largest)),

@@ -17,21 +17,27 @@ use crate::state::{State, Vector};
 use crate::system::Discretized;
 
 /// Hard steps in a row that make a pattern.
-const PATTERN: u32 = 3;
+const PATTERN: u64 = 3;
 /// The energy error, in units of `|P · Δq / h|`, that no resolved motion has: `v² / 8Ω²` with `Ω = v / √2`.
 const HARMFUL: f64 = 0.25;
 
 /// What was seen of the hard steps of a run.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Strain {
     is_ignored: bool,
     /// Hard steps in a row, and the number of the last.
-    pattern: u32,
+    pattern: u64,
     last: u64,
-    /// `H` at the start of the run.
-    energy: Option<f64>,
+    /// `H` at the start of the run; NaN before the first hard step, which is the first of all.
+    energy: f64,
     /// The largest `|P · Δq / h|` of the hard steps.
     scale: f64,
+}
+
+impl Default for Strain {
+    fn default() -> Self {
+        Self { is_ignored: false, pattern: 0, last: 0, energy: f64::NAN, scale: 0.0 }
+    }
 }
 
 impl Strain {
@@ -65,18 +71,29 @@ impl Strain {
         self.pattern = if self.last + 1 == step { self.pattern + 1 } else { 1 };
         self.last = step;
         // The first step of a run is hard: nothing is known before it.
-        let start = *self.energy.get_or_insert_with(|| system.energy(from));
+        if self.energy.is_nan() {
+            self.energy = system.energy(from);
+        }
         let (q0, q1) = (from.q.components(), to.q.components());
         let (p0, p1) = (from.p.components(), to.p.components());
         let moved = q1.iter().zip(q0).zip(p1.iter().zip(p0));
         let action: f64 = moved.map(|((q1, q0), (p1, p0))| 0.5 * (p0 + p1) * (q1 - q0)).sum();
         self.scale = self.scale.max((action / h).abs());
         if self.pattern >= PATTERN {
-            let energy_error = (system.energy(to) - start).abs();
+            let energy_error = (system.energy(to) - self.energy).abs();
             if energy_error > HARMFUL * self.scale {
                 return Err(StepFailure::Unresolved { energy_error, scale: self.scale });
             }
         }
         Ok(self)
+    }
+
+    /// What a checkpoint keeps.
+    #[cfg(feature = "serde")]
+    pub(super) fn pass(&mut self, tape: &mut crate::checkpoint::Tape) {
+        let Self { is_ignored: _, pattern, last, energy, scale } = self;
+        tape.word(pattern);
+        tape.word(last);
+        tape.numbers([energy, scale]);
     }
 }
