@@ -82,7 +82,16 @@ pub(crate) fn compare<E: Point, H: Discretized<E> + Terms>(
     let (mut q, mut p) = (case.q.clone(), case.p.clone());
     let mut carry = H::Compensated::<f64>::default();
     let mut memory = Default::default();
-    system.advance_carrying(&prepared, 0.0, case.h, &mut q, &mut p, &case.dw, &mut memory, &mut carry)?;
+    system.advance_carrying::<f64, _, true>(
+        &prepared,
+        0.0,
+        case.h,
+        &mut q,
+        &mut p,
+        &case.dw,
+        &mut memory,
+        &mut carry,
+    )?;
     Ok(with_precision(BITS, || {
         let d = q.len();
         let computed: Vec<Real> = (0..d)

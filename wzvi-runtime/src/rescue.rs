@@ -127,6 +127,10 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                 }
                 Err(reached) => *end = reached,
             }
+            // Not even a sixteenth of the step has a solution: shorter parts are no step of this size.
+            if parts == PARTS[1] && *end == 0.0 {
+                break;
+            }
         }
         let [_, coarse, fine] = ends;
         // From one part before it to one part after, by the coarser of the two.

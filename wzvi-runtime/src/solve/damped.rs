@@ -16,9 +16,11 @@ use crate::scalar::Scalar;
 /// Whole corrections that are tried, whatever they do.
 const PATIENCE: u32 = 12;
 /// More shortened corrections than any step needs that converges at all.
-const MOST_ITERATIONS: u32 = 30;
+const MOST_ITERATIONS: u32 = 20;
+/// More whole corrections than it takes to halve the first one to rounding level.
+const MOST_HALVINGS: u32 = 64;
 /// Corrections are shortened to this fraction at most.
-const SHORTEST: f64 = 1.0 / 256.0;
+const SHORTEST: f64 = 1.0 / 64.0;
 /// Next corrections below this fraction of the one before leave no doubt.
 const SAFE_CONTRACTION: f64 = 0.5;
 
@@ -49,6 +51,7 @@ fn search<S: Scalar, const N: usize>(
     let is_guess = start.iter().any(|x| x.magnitude() != 0.0);
     let mut progress = Progress::new(is_guess);
     let mut doubtful = shortens;
+    let mut shortened = 0;
     let mut x = start;
     let (mut residual, jacobian) = equations(&x);
     let mut factor = Factor::new(jacobian)?;
@@ -66,6 +69,9 @@ fn search<S: Scalar, const N: usize>(
             }
             // A guess that is off by more than the solution itself.
             Verdict::Straying => doubtful |= is_guess && progress.iterations == 1,
+            Verdict::Contracting if progress.iterations >= MOST_HALVINGS => {
+                return Err(astray(progress.iterations, size));
+            }
             Verdict::Contracting => {}
         }
         let scale: [f64; N] = std::array::from_fn(|i| magnitude_of(x[i], correction[i], state[i]));
@@ -104,6 +110,10 @@ fn search<S: Scalar, const N: usize>(
             }
         }
         if length < 1.0 {
+            shortened += 1;
+            if shortened >= MOST_ITERATIONS {
+                return Err(astray(progress.iterations, size));
+            }
             progress.forget();
         }
     }
