@@ -6,8 +6,9 @@
 
 use std::sync::Mutex;
 
-use wzvi::ensemble::{InstructionSet, Statistics};
+use wzvi::ensemble::{InstructionSet, Statistics, normal};
 use wzvi::error::{ConfigError, Error, StepFailure};
+use wzvi::nalgebra;
 use wzvi::prelude::*;
 
 #[hamiltonian(
@@ -123,64 +124,119 @@ fn hard_steps_and_failures_are_the_same_in_every_split() {
     assert!(counts.windows(2).all(|pair| pair[0] >= pair[1]), "{counts:?}");
 }
 
-/// The path of a lane is that of `Stepper` with the same increments. They are read off a random walk with the same seed:
-/// for `H = 0`, `H_1 = -s q`, `p` is `s W`. Its sums round, a unit of 1e-16 per step, which 40 steps of this system at most
-/// amplify by a few.
-#[test]
-fn a_lane_is_the_path_of_a_stepper() {
-    let (h, steps, paths) = (0.01, 40_u64, 20_u64);
-    let states = |steps: u64, well: &DoubleWell| -> Vec<[f64; 2]> {
-        let seen = Mutex::new(Vec::new());
-        well.ensemble::<Midpoint>(h)
-            .start(State::new([0.5], [0.5]))
-            .paths(paths)
-            .seed(9)
-            .steps(steps)
-            .threads(1)
-            .observe(|state| {
-                seen.lock().unwrap().push([state.q[0], state.p[0]]);
-                0.0
-            })
-            .run()
-            .unwrap();
-        let all = seen.into_inner().unwrap();
-        // Start and end of each group of 16.
-        let (first, second) = all.split_at(32);
-        [&first[16..], &second[4..]].concat()
-    };
-    let walk = Walk { s: 1.0 };
-    let increments: Vec<Vec<f64>> = {
-        let seen = Mutex::new(vec![Vec::new(); 1]);
-        walk.ensemble::<DeltaPlus>(h)
-            .start(State::new([0.0], [0.0]))
-            .paths(1)
-            .seed(9)
-            .steps(steps)
-            .record_every(1)
-            .truncation(wzvi::noise::Truncation::On(4.0))
-            .observe(|state| {
-                seen.lock().unwrap()[0].push(state.p[0]);
-                0.0
-            })
-            .run()
-            .unwrap();
-        seen.into_inner().unwrap()
-    };
-    // W rounds; the increments come back to a few units of the largest |W|.
-    let well = DoubleWell { s: 0.3 };
-    let mut state = State::new([0.5], [0.5]);
-    let mut stepper = well.stepper::<Midpoint>(h).unwrap().plain();
-    for pair in increments[0].windows(2) {
-        stepper.step(&mut state, &[pair[1] - pair[0]]).unwrap();
-    }
-    let [q, p] = states(steps, &well)[0];
-    assert!((q - state.q[0]).abs() < 1e-13 && (p - state.p[0]).abs() < 1e-13, "{q} {p} {state:?}");
+/// Two degrees of freedom, three unknowns or more in one block.
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) * (1.0 + x * x) + 0.25 * (x * x + y * y - 1.0).powi(2),
+    noise = [|[x, y], [u, v]| s * (x * u + y * y * v), |[x, y], [u, v]| s * x * y],
+    embedding = [Midpoint, Corrected<DeltaPlus>],
+)]
+pub struct Tangled {
+    pub s: f64,
 }
 
-/// A random walk in `p`.
-#[hamiltonian(drift = |q, p| 0.0 * q * p, noise = [|q, p| -s * q], embedding = [DeltaPlus])]
-pub struct Walk {
+/// Mechanical: a symmetric Jacobian.
+#[hamiltonian(
+    drift = |[x, y, z], [u, v, w]| 0.5 * (u * u + v * v + w * w) + 0.25 * (x * x + y * y + z * z - 1.0).powi(2),
+    noise = [|[x, y, z], [u, v, w]| s * x * y * z],
+    embedding = [Midpoint],
+)]
+pub struct Mechanical {
     pub s: f64,
+}
+
+/// Every path beside the one of `Stepper::plain` with the same increments: the same bits, and the same errors. How many steps
+/// were hard, and how many paths failed.
+fn as_steppers<H, E, const D: usize>(
+    system: &H,
+    h: f64,
+    start: &State<nalgebra::SVector<f64, D>>,
+    paths: u64,
+    steps: u64,
+) -> (u64, u64)
+where
+    H: Discretized<E, Vector = nalgebra::SVector<f64, D>> + Sync,
+    H::Prepared: Send + Sync,
+{
+    let (seed, noises) = (9, system.noises() as u64);
+    let seen = Mutex::new(Vec::new());
+    let run = system
+        .ensemble::<E>(h)
+        .start(*start)
+        .paths(paths)
+        .seed(seed)
+        .steps(steps)
+        .threads(1)
+        .observe(|state| {
+            if state.t > 0.0 {
+                seen.lock().unwrap().push((state.q, state.p));
+            }
+            0.0
+        })
+        .run();
+    let (run, mut ends) = (run.unwrap(), seen.into_inner().unwrap().into_iter());
+    let mut failures = run.failures().iter();
+    let clip = if H::PLAN.truncates_increments() { wzvi::noise::clip_bound(h, 4.0) } else { f64::INFINITY };
+    let (mut hard, mut failed) = (0, 0);
+    for path in 0..paths {
+        let mut stepper = system.stepper::<E>(h).unwrap().plain();
+        let mut state = *start;
+        let outcome = (0..steps).try_for_each(|step| {
+            let dw: Vec<f64> = (0..noises)
+                .map(|process| normal(seed, process, path, step).clamp(-clip, clip) * h.sqrt())
+                .collect();
+            stepper.step(&mut state, &dw).map(|info| hard += u64::from(info.is_hard))
+        });
+        match outcome {
+            Ok(()) => assert_eq!(ends.next().unwrap(), (state.q, state.p), "path {path}"),
+            Err(error) => {
+                let failure = failures.next().unwrap();
+                assert_eq!((failure.path, failure.error), (path, error));
+                failed += 1;
+            }
+        }
+    }
+    assert!(ends.next().is_none() && failures.next().is_none());
+    (hard, failed)
+}
+
+/// Without elementary functions, whose last bits differ, a lane does what a stepper does; where the short way fails, too.
+#[test]
+fn a_lane_is_the_path_of_a_stepper() {
+    let kubo = Kubo { a: 1.5, sigma: 1.0 };
+    as_steppers::<_, Midpoint, 1>(&kubo, 0.1, &State::new([0.0], [1.0]), 40, 50);
+    let well = DoubleWell { s: 0.3 };
+    as_steppers::<_, Midpoint, 1>(&well, 0.01, &State::new([0.5], [0.5]), 40, 200);
+    let (hard, failed) =
+        as_steppers::<_, Midpoint, 1>(&DoubleWell { s: 1.5 }, 0.5, &State::new([0.5], [2.0]), 600, 60);
+    assert!(hard > 1000 && failed > 0 && failed < 600, "{hard} {failed}");
+    let start = State::new([0.5, 0.3], [0.2, -0.4]);
+    let tangled = Tangled { s: 0.8 };
+    let (hard, failed) = as_steppers::<_, Midpoint, 2>(&tangled, 0.3, &start, 200, 20);
+    assert!(hard > 100 && failed > 0 && failed < 200, "{hard} {failed}");
+    // Linear: what fails is not tried again.
+    let (hard, failed) = as_steppers::<_, Corrected<DeltaPlus>, 2>(&tangled, 0.1, &start, 200, 20);
+    assert!(hard == 0 && failed > 0 && failed < 200, "{hard} {failed}");
+    let start = State::new([0.5, 0.3, 0.1], [0.2, -0.4, 1.0]);
+    let (hard, failed) = as_steppers::<_, Midpoint, 3>(&Mechanical { s: 2.0 }, 0.8, &start, 200, 40);
+    assert!(hard > 100 && failed < 200, "{hard} {failed}");
+}
+
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) - 1.0 / x.hypot(y),
+    embedding = [Midpoint],
+)]
+pub struct Kepler;
+
+/// Without noise every path is that of a stepper, which remembers its steps; also into a collision.
+#[test]
+fn without_noise_all_paths_are_those_of_a_stepper() {
+    as_steppers::<_, Midpoint, 2>(&Kepler, 0.01, &State::new([1.0, 0.0], [0.0, 0.9]), 20, 1000);
+    let start = State::new([1.0, 0.0], [0.0, 0.0]);
+    let failure = Kepler.ensemble::<Midpoint>(0.01).start(start).paths(3).steps(200).run();
+    let mut state = start;
+    let mut stepper = Kepler.stepper::<Midpoint>(0.01).unwrap().plain();
+    let error = (0..200).find_map(|_| stepper.step(&mut state, &[]).err()).unwrap();
+    assert_eq!(failure, Err(Error::Step(error)));
 }
 
 /// `E z(t) = e^{-σ²t/2} R(at) z(0)` and `|z| = 1`: five standard errors, exceeded once in two million. At this step the

@@ -2,24 +2,30 @@
 //!
 //! Paths run in the lanes of vector registers ([`crate::lanes`]), in blocks of fixed size that threads take one after the
 //! other; blocks are merged in the order of their numbers. So the result is the same, bit for bit, for any number of
-//! threads, any width of the lanes and any [`InstructionSet`]. Increments are `√h ξ` with one normal `ξ` for each (seed,
-//! path, step, process). They are no Wiener tree: another step size is another sample.
+//! threads, any width of the lanes and any [`InstructionSet`]. Increments are `√|h| ξ` with one [`normal`] `ξ` for
+//! each (seed, process, path, step), truncated where that is asked for. They are no Wiener tree: another step size is another
+//! sample.
+//!
+//! A path is that of [`Stepper::plain`](crate::step::Stepper::plain) with the same increments: to the last bit if `H` has
+//! arithmetic and roots only; elementary functions of lanes ([`crate::lanes`]) are not those of `std`. A step that the
+//! short way does not solve is the one that the stepper then takes, with the functions of `std`.
 //!
 //! A path whose step fails ends there, with its number and error in [`Statistics::failures`]; its neighbours do not notice.
 
 mod block;
 mod dispatch;
 mod draws;
+mod schedule;
 mod statistics;
 
-use std::collections::BTreeMap;
 use std::marker::PhantomData;
 use std::num::NonZero;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::ops::ControlFlow;
 
 use block::{Block, Job, Observable, PATHS};
 pub use dispatch::{InstructionSet, Kernel};
+pub use draws::normal;
+use schedule::in_order;
 pub use statistics::{Moments, PathFailure, Statistics};
 
 use crate::error::{ConfigError, Error};
@@ -172,29 +178,16 @@ where
             Some(threads) => threads,
             None => std::thread::available_parallelism().map_or(1, NonZero::get),
         };
-        let next = AtomicU64::new(0);
-        let merger = Mutex::new(Merger {
-            total: Statistics::new(&job.names, &job.times),
-            merged: 0,
-            waiting: BTreeMap::new(),
-        });
-        let work = || {
-            loop {
-                let number = next.fetch_add(1, Ordering::Relaxed);
-                if number >= blocks {
-                    return;
-                }
-                let statistics = instructions.run(Block::<H, E, L> { job: &job, number });
-                merger.lock().unwrap_or_else(PoisonError::into_inner).add(number, statistics);
-            }
-        };
-        std::thread::scope(|scope| {
-            for _ in 1..threads.min(usize::try_from(blocks).unwrap_or(usize::MAX)) {
-                scope.spawn(work);
-            }
-            work();
-        });
-        let statistics = merger.into_inner().unwrap_or_else(PoisonError::into_inner).total;
+        let mut statistics = Statistics::new(&job.names, &job.times);
+        in_order(
+            0..blocks,
+            threads,
+            |number| instructions.run(Block::<H, E, L> { job: &job, number }),
+            |_, block| {
+                statistics.merge(&block);
+                ControlFlow::Continue(())
+            },
+        );
         match (statistics.last().map_or(0, Moments::count), statistics.failures.first()) {
             (0, Some(failure)) => Err(failure.error.into()),
             _ => Ok(statistics),
@@ -234,6 +227,10 @@ where
             ))
             .into());
         }
+        let end = start.t + steps as f64 * h;
+        if !end.is_finite() {
+            return Err(ConfigError::End { start: start.t, end, h }.into());
+        }
         let times = (0..=nodes).map(|node| start.t + steps.min(node * every) as f64 * h).collect();
         let observables = if self.observables.is_empty() { standard(system) } else { self.observables };
         let (names, observables) = observables
@@ -263,21 +260,4 @@ fn standard<H: Discretized<E> + Sync, E>(system: &H) -> Vec<Named<'_, H::Vector>
     }
     all.push((Some("energy".into()), Box::new(|state| system.energy(state))));
     all
-}
-
-/// Merges blocks in the order of their numbers, whichever is done first.
-struct Merger {
-    total: Statistics,
-    merged: u64,
-    waiting: BTreeMap<u64, Statistics>,
-}
-
-impl Merger {
-    fn add(&mut self, number: u64, statistics: Statistics) {
-        self.waiting.insert(number, statistics);
-        while let Some(statistics) = self.waiting.remove(&self.merged) {
-            self.total.merge(&statistics);
-            self.merged += 1;
-        }
-    }
 }

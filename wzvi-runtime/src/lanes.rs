@@ -47,6 +47,12 @@ impl<const L: usize> Lanes<L> {
         self.0
     }
 
+    /// Replaces the number of one lane.
+    #[inline(always)]
+    pub const fn set(&mut self, lane: usize, number: f64) {
+        self.0[lane] = number;
+    }
+
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
         let mut y = [0.0; L];

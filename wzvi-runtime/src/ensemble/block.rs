@@ -6,9 +6,11 @@ use super::statistics::{PathFailure, Statistics};
 use crate::carry::Plain;
 use crate::error::{StepError, StepFailure};
 use crate::lanes::Lanes;
+use crate::plan::{NoiseClass, Solver};
 use crate::rescue::{Hard, rescue};
 use crate::scalar::Scalar;
 use crate::state::{State, Vector};
+use crate::step::Stepper;
 use crate::system::Discretized;
 
 /// Paths in a block.
@@ -93,6 +95,8 @@ struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     values: Vec<f64>,
     scratch: Vec<f64>,
     state: State<H::Vector>,
+    /// Without noise the steps before help to solve the next one, which is then no matter of lanes: one stepper for each.
+    steppers: Vec<Stepper<'a, H, E, Plain>>,
 }
 
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
@@ -115,6 +119,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             values: vec![0.0; job.observables.len()],
             scratch: vec![0.0; job.observables.len()],
             state: job.start.clone(),
+            steppers: Vec::new(),
         }
     }
 
@@ -130,6 +135,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         }
         self.counts = std::array::from_fn(|lane| path + (lane as u64) < end);
         (self.failed, self.any_failed) = ([false; L], false);
+        if matches!(H::PLAN.noise, NoiseClass::None) {
+            // It cannot fail: the same has been prepared for the job.
+            let stepper = |_| Stepper::new(self.job.system, self.job.h).ok().map(Stepper::plain);
+            self.steppers = (0..L).filter_map(stepper).collect();
+        }
     }
 
     fn time(&self, step: u64) -> f64 {
@@ -138,6 +148,9 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
 
     #[inline(always)]
     fn step(&mut self, step: u64) {
+        if matches!(H::PLAN.noise, NoiseClass::None) {
+            return self.without_noise(step);
+        }
         let job = self.job;
         let within = (step % STEPS as u64) as usize;
         if within == 0 {
@@ -169,6 +182,22 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         }
     }
 
+    #[inline(never)]
+    fn without_noise(&mut self, step: u64) {
+        let t = self.time(step);
+        let mut steppers = std::mem::take(&mut self.steppers);
+        for (lane, stepper) in steppers.iter_mut().enumerate() {
+            if !self.failed[lane] {
+                let mut state = self.state_of(lane, t);
+                match stepper.step(&mut state, &[]) {
+                    Ok(_) => self.put(lane, &state.q, &state.p),
+                    Err(error) => self.fail(lane, error),
+                }
+            }
+        }
+        self.steppers = steppers;
+    }
+
     /// Lanes without a path follow the first that has one; `false` if none has.
     #[cold]
     #[inline(never)]
@@ -190,21 +219,40 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
                 continue;
             }
             if let Err(cause) = self.single(lane, t) {
-                self.failed[lane] = true;
-                self.any_failed = true;
-                if self.counts[lane] {
-                    let error = StepError { step, t, h: self.job.h, cause };
-                    self.failures.push(PathFailure { path: self.path + lane as u64, error });
-                }
+                self.fail(lane, StepError { step, t, h: self.job.h, cause });
             }
         }
     }
 
-    /// One lane, as it goes alone: the short way, then the careful one of a single path.
+    fn fail(&mut self, lane: usize, error: StepError) {
+        (self.failed[lane], self.any_failed) = (true, true);
+        if self.counts[lane] {
+            self.failures.push(PathFailure { path: self.path + lane as u64, error });
+        }
+    }
+
+    fn state_of(&self, lane: usize, t: f64) -> State<H::Vector> {
+        let vector = |lanes: &[Lanes<L>]| {
+            let mut vector = H::Vector::zeros(self.job.system.degrees());
+            for (to, from) in vector.components_mut().iter_mut().zip(lanes) {
+                *to = from[lane];
+            }
+            vector
+        };
+        State { q: vector(&self.q), p: vector(&self.p), t }
+    }
+
+    fn put(&mut self, lane: usize, q: &H::Vector, p: &H::Vector) {
+        let components = q.components().iter().chain(p.components());
+        for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(components) {
+            to.set(lane, *from);
+        }
+    }
+
+    /// One lane, as it goes alone: the short way, then the careful one of a [`Stepper`].
     fn single(&mut self, lane: usize, t: f64) -> Result<(), StepFailure> {
         let job = self.job;
-        let alone =
-            |lanes: &[Lanes<L>]| -> Vec<Lanes<1>> { lanes.iter().map(|x| Lanes::new([x[lane]])).collect() };
+        let alone = |lanes: &[Lanes<L>]| -> Vec<_> { lanes.iter().map(|x| Lanes::new([x[lane]])).collect() };
         let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(&self.dw));
         let outcome = job.system.advance_carrying::<Lanes<1>, Plain, false>(
             &job.prepared,
@@ -216,34 +264,20 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             &mut Default::default(),
             &mut Plain,
         );
-        if let Err(cause) = outcome {
-            let d = job.system.degrees();
-            let vector = |lanes: &[Lanes<1>]| {
-                let mut vector = H::Vector::zeros(d);
-                for (to, from) in vector.components_mut().iter_mut().zip(lanes) {
-                    *to = from[0];
+        match outcome {
+            Ok(_) => {
+                for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(q.iter().chain(&p)) {
+                    to.set(lane, from[0]);
                 }
-                vector
-            };
-            let dw: Vec<f64> = dw.iter().map(|dw| dw[0]).collect();
-            let hard = Hard {
-                system: job.system,
-                prepared: job.prepared.clone(),
-                t,
-                h: job.h,
-                q: vector(&q),
-                p: vector(&p),
-                dw: &dw,
-                carry: Plain,
-            };
-            let rescued = rescue(hard, cause)?;
-            let lanes = |vector: &H::Vector| vector.components().iter().map(|&x| Lanes::new([x])).collect();
-            (q, p) = (lanes(&rescued.q), lanes(&rescued.p));
-        }
-        for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(q.iter().chain(&p)) {
-            let mut all = to.to_array();
-            all[lane] = from[0];
-            *to = Lanes::new(all);
+            }
+            Err(cause) if !matches!(H::PLAN.solver, Solver::Newton) => return Err(cause),
+            Err(cause) => {
+                let State { q, p, t } = self.state_of(lane, t);
+                let dw: Vec<f64> = dw.iter().map(|dw| dw[0]).collect();
+                let (system, h, prepared) = (job.system, job.h, job.prepared.clone());
+                let rescued = rescue(Hard { system, prepared, t, h, q, p, dw: &dw, carry: Plain }, cause)?;
+                self.put(lane, &rescued.q, &rescued.p);
+            }
         }
         Ok(())
     }

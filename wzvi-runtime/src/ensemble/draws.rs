@@ -30,6 +30,14 @@ pub(crate) fn key(seed: u64, process: u64) -> [u32; 8] {
     [a, b, c, d, 0, 0, VERSION, 0]
 }
 
+/// The standard normal of one step, path and process of an ensemble with this seed, before truncation: for whoever wants to
+/// see what drove a path. It costs as much as the ten of a block of random words together.
+pub fn normal(seed: u64, process: u64, path: u64, step: u64) -> f64 {
+    let mut block = [[0.0; 1]; STEPS];
+    normals(&key(seed, process), path, step / STEPS as u64, &mut block);
+    block[(step % STEPS as u64) as usize][0]
+}
+
 /// Normals of steps `STEPS * block ..` of paths `path ..`: `[step][path]`.
 #[inline(always)]
 pub(crate) fn normals<const L: usize>(key: &[u32; 8], path: u64, block: u64, to: &mut [[f64; L]; STEPS]) {

@@ -77,6 +77,9 @@ fn ratio<const L: usize>(correction: Lanes<L>, size: Lanes<L>) -> Lanes<L> {
 }
 
 /// `newton::iterate`, by lane.
+///
+/// It ends: relative to what it leads to, the first correction of a lane is at most 1 (from zero) or below it (from a
+/// guess), and each next one at most half of the last, or the lane goes astray; 2^-52 is the last.
 #[inline(always)]
 pub(super) fn iterate<const L: usize, const N: usize>(
     start: [Lanes<L>; N],
