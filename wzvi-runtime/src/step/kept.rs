@@ -17,6 +17,12 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
         tape.word(ticks);
         tape.numbers([start, now]);
         for vector in reached {
+            // A system may not know its size before its first step.
+            let length = vector.components().len();
+            let kept = tape.length(length);
+            if kept != length {
+                *vector = H::Vector::zeros(kept);
+            }
             tape.numbers(vector.components_mut());
         }
         memory.visit(&mut |number| tape.number(number));
