@@ -9,9 +9,13 @@ pub mod checkpoint;
 mod checkpoint;
 mod checksum;
 pub mod embedding;
+#[cfg(feature = "ensemble")]
+pub mod ensemble;
 pub mod error;
 pub mod increments;
 pub mod integrate;
+#[cfg(feature = "ensemble")]
+pub mod lanes;
 #[cfg(feature = "noise")]
 pub mod noise;
 pub mod numbers;

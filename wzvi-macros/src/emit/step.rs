@@ -380,7 +380,7 @@ impl SolveBody<'_> {
                     let rhs: Vec<_> = rhs.iter().map(|&op| self.printer.scalar_value(op)).collect();
                     let names: Vec<_> = unknowns.iter().map(|&op| self.printer.name(op)).collect();
                     statements.extend(quote! {
-                        let [#(#names),*] = __wzvi::Factor::<__S, _>::new([#(#rows),*])?.solve([#(#rhs),*]);
+                        let [#(#names),*] = __wzvi::linear::<__S, _>([#(#rows),*], [#(#rhs),*])?;
                     });
                 }
                 Solve::Newton { .. } => {
