@@ -24,16 +24,28 @@ macro_rules! kubo {
 }
 
 kubo!(Family, &[f64], [|q, p, k| sigma[k] * (0.5 * q[k] * q[k] + 0.3 * q[k] * p[k] + p[k].cos()); 6]);
-kubo!(FamilyUnrolled, [f64; 6], [|q, p, k| sigma[k] * (0.5 * q[k] * q[k] + 0.3 * q[k] * p[k] + p[k].cos()); 6]);
+kubo!(
+    FamilyUnrolled,
+    [f64; 6],
+    [|q, p, k| sigma[k] * (0.5 * q[k] * q[k] + 0.3 * q[k] * p[k] + p[k].cos()); 6]
+);
 // Two noises that do not commute, in sums of different form.
-kubo!(Pair, &[f64], [
-    |q, p| (0..q.len()).map(|i| sigma[i] * (q[i] * p[i] + q[i].sin())).sum::<f64>(),
-    |q, p| q.iter().skip(1).zip(p.iter().skip(1)).map(|(q, p)| 0.2 * (q * q + p * p)).sum::<f64>(),
-]);
-kubo!(PairUnrolled, [f64; 6], [
-    |q: [f64; 6], p: [f64; 6]| (0..6).map(|i| sigma[i] * (q[i] * p[i] + q[i].sin())).sum::<f64>(),
-    |q: [f64; 6], p: [f64; 6]| (1..6).map(|i| 0.2 * (q[i] * q[i] + p[i] * p[i])).sum::<f64>(),
-]);
+kubo!(
+    Pair,
+    &[f64],
+    [
+        |q, p| (0..q.len()).map(|i| sigma[i] * (q[i] * p[i] + q[i].sin())).sum::<f64>(),
+        |q, p| q.iter().skip(1).zip(p.iter().skip(1)).map(|(q, p)| 0.2 * (q * q + p * p)).sum::<f64>(),
+    ]
+);
+kubo!(
+    PairUnrolled,
+    [f64; 6],
+    [
+        |q: [f64; 6], p: [f64; 6]| (0..6).map(|i| sigma[i] * (q[i] * p[i] + q[i].sin())).sum::<f64>(),
+        |q: [f64; 6], p: [f64; 6]| (1..6).map(|i| 0.2 * (q[i] * q[i] + p[i] * p[i])).sum::<f64>(),
+    ]
+);
 
 const SIGMA: [f64; 6] = [0.3, 0.5, 0.2, 0.4, 0.1, 0.6];
 
@@ -59,7 +71,8 @@ fn corrected_steps_are_those_of_unrolled_sums() {
 #[test]
 fn the_counter_term_is_part_of_the_discrete_lagrangian() {
     let family = Family { sigma: SIGMA };
-    let rows: Vec<[f64; 6]> = (0..10).map(|n| std::array::from_fn(|k| 0.1 * (n as f64 + 2.0 * k as f64).sin())).collect();
+    let rows: Vec<[f64; 6]> =
+        (0..10).map(|n| std::array::from_fn(|k| 0.1 * (n as f64 + 2.0 * k as f64).sin())).collect();
     let path = family
         .simulate::<Corrected<Lambda<1, 4>>>(0.05)
         .start(State::new(vec![0.3, -0.2, 0.5, 0.1, 0.7, -0.4], vec![0.1; 6]))

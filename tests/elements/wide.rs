@@ -73,5 +73,9 @@ fn small_and_narrow_systems_have_a_band() {
     let mut stepper = torus.stepper::<Midpoint>(0.1).unwrap();
     assert_eq!(method(&stepper), Some(Method::Undecided));
     stepper.step(&mut State::new(wave(100, 0.1, 0.0), wave(100, 0.1, 0.0)), &[]).unwrap();
-    assert!(matches!(method(&stepper), Some(Method::Band { half_width }) if half_width < 30), "{:?}", method(&stepper));
+    assert!(
+        matches!(method(&stepper), Some(Method::Band { half_width }) if half_width < 30),
+        "{:?}",
+        method(&stepper)
+    );
 }

@@ -18,6 +18,7 @@ pub(super) type Fields = Vec<(String, String)>;
 /// The settings of a run, each of which the user knows; `noise` are those of the source.
 pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
     stepper: &Stepper<'_, H, E, C>,
+    degrees: usize,
     every: u64,
     retry: Retry,
     noise: Fields,
@@ -28,7 +29,7 @@ pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
     set("the version of wzvi", env!("CARGO_PKG_VERSION").to_owned());
     set("the system", short_name(type_name::<H>()));
     set("the scheme", short_name(type_name::<E>()));
-    set("the number of degrees of freedom", system.degrees().to_string());
+    set("the number of degrees of freedom", degrees.to_string());
     set("the number of noises", system.noises().to_string());
     set("the step size", format!("{:?}", stepper.step_size()));
     set("record_every", every.to_string());

@@ -253,8 +253,11 @@ fn sweep(model: &mut Model, facts: &Facts, wanted: Wanted) -> TokenStream {
     let noise = noise_elements(model);
     let counter = counter_elements(model, facts);
     let mut code = TokenStream::new();
-    let groups =
-        [(quote!(__terms.drift), drift), (quote!(__terms.noise), noise), (quote!(__terms.counter != 0.0), counter)];
+    let groups = [
+        (quote!(__terms.drift), drift),
+        (quote!(__terms.noise), noise),
+        (quote!(__terms.counter != 0.0), counter),
+    ];
     for (group, list) in groups {
         let mut parts = TokenStream::new();
         for (element, weight) in &list {
@@ -543,6 +546,7 @@ fn discretized(model: &Model, facts: &Facts, embedding: &Embedding, text: &str) 
                 const EQUATIONS: &'static __wzvi::core::primitive::str = #text;
                 // A start that is no guide costs iterations, not digits.
                 const REMEMBERS: __wzvi::core::primitive::bool = false;
+                const IN_LANES: __wzvi::core::primitive::bool = false;
                 type Prepared = ();
                 type Memory<__S: __wzvi::Scalar> = #elements::Memory<__S>;
                 type Compensated<__S: __wzvi::Scalar> = #elements::CompensationVec<__S>;
