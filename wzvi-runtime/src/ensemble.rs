@@ -232,7 +232,11 @@ where
             return Err(ConfigError::End { start: start.t, end, h }.into());
         }
         let times = (0..=nodes).map(|node| start.t + steps.min(node * every) as f64 * h).collect();
-        let observables = if self.observables.is_empty() { standard(system) } else { self.observables };
+        let observables = if self.observables.is_empty() {
+            standard(system, start.q.components().len())
+        } else {
+            self.observables
+        };
         let (names, observables) = observables
             .into_iter()
             .enumerate()
@@ -246,15 +250,15 @@ where
 type Named<'a, V> = (Option<String>, Observable<'a, V>);
 
 /// What is observed if nothing is asked for.
-fn standard<H: Discretized<E> + Sync, E>(system: &H) -> Vec<Named<'_, H::Vector>> {
+fn standard<H: Discretized<E> + Sync, E>(system: &H, degrees: usize) -> Vec<Named<'_, H::Vector>> {
     let component =
         |i: usize| move |vector: &H::Vector| vector.components().get(i).copied().unwrap_or(f64::NAN);
     let mut all: Vec<Named<'_, H::Vector>> = Vec::new();
-    for i in 0..system.degrees() {
+    for i in 0..degrees {
         let q = component(i);
         all.push((Some(format!("q{i}")), Box::new(move |state| q(&state.q))));
     }
-    for i in 0..system.degrees() {
+    for i in 0..degrees {
         let p = component(i);
         all.push((Some(format!("p{i}")), Box::new(move |state| p(&state.p))));
     }
