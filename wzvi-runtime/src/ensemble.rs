@@ -32,7 +32,7 @@ use std::num::NonZero;
 use std::ops::ControlFlow;
 
 pub use dispatch::{InstructionSet, Kernel};
-pub use draws::normal;
+pub use draws::{Normals, normal};
 pub use histogram::Histogram;
 use job::{Job, Observable};
 pub use passage::Passages;
@@ -49,8 +49,6 @@ use crate::simulate::{End, checked, count, steps_between};
 use crate::state::{State, Vector};
 use crate::system::Discretized;
 
-/// Trajectories per group: two registers of AVX-512, four of AVX2.
-const WIDTH: usize = 16;
 /// More recorded nodes than anyone looks at.
 const MOST_NODES: u64 = 1 << 20;
 /// Bins of passage times.
@@ -228,12 +226,13 @@ where
     /// [`Error::Config`] if a setting is missing or makes no sense, [`Error::Step`] if no path reaches the end: the first
     /// failure. Fewer failures are in the [`Statistics`].
     pub fn run(self) -> Result<Statistics, Error> {
-        self.run_in::<WIDTH>()
+        self.run_in::<0>()
     }
 
-    /// [`Ensemble::run`] with `L` paths beside each other; the result is the same.
+    /// [`Ensemble::run`] with `WIDTH` paths beside each other, with 0 as many as suit the instructions; the result is the
+    /// same.
     #[doc(hidden)]
-    pub fn run_in<const L: usize>(self) -> Result<Statistics, Error> {
+    pub fn run_in<const WIDTH: usize>(self) -> Result<Statistics, Error> {
         let (threads, instructions) = (self.threads, self.instructions);
         let job = self.job()?;
         let threads = match threads {
@@ -245,7 +244,7 @@ where
         if let Some(paths) = &mut statistics.paths {
             paths.reserve(job.paths)?;
         }
-        job.run::<L>(job.blocks(), threads, instructions, |block| {
+        job.run::<WIDTH>(job.blocks(), threads, instructions, |block| {
             statistics.merge(&block);
             ControlFlow::Continue(())
         });

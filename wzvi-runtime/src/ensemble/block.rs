@@ -18,17 +18,24 @@ use crate::system::Discretized;
 /// Paths in a block.
 pub(super) const PATHS: u64 = 512;
 
-/// One block, `L` paths at a time.
-pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const L: usize> {
+/// One block, as many paths at a time as the instructions ask for, or `WIDTH` if that is not 0.
+pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const WIDTH: usize> {
     pub(super) job: &'j Job<'a, H, E>,
     pub(super) number: u64,
 }
 
-impl<H: Discretized<E>, E, const L: usize> Kernel for Block<'_, '_, H, E, L> {
+impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Block<'_, '_, H, E, WIDTH> {
     type Output = Statistics;
 
     #[inline(always)]
-    fn run(self) -> Statistics {
+    fn run<const L: usize>(self) -> Statistics {
+        if WIDTH == 0 { self.of_width::<L>() } else { self.of_width::<WIDTH>() }
+    }
+}
+
+impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
+    #[inline(always)]
+    fn of_width<const L: usize>(self) -> Statistics {
         let job = self.job;
         let mut statistics = Statistics::new(&job.wanted);
         let first = self.number * PATHS;
