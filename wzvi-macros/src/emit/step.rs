@@ -135,7 +135,7 @@ fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
 
 fn plan(facts: &Facts, scheme: &Scheme) -> TokenStream {
     let hardest = scheme.structure.blocks.iter().map(|block| match block.solution {
-        Solution::Assigned => 0,
+        Solution::Assigned | Solution::Isolated(_) => 0,
         Solution::Linear { .. } => 1,
         Solution::Newton { .. } => 2,
     });
