@@ -69,9 +69,9 @@ struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     path: u64,
     q: Vec<Lanes<L>>,
     p: Vec<Lanes<L>>,
-    dw: Vec<Lanes<L>>,
     keys: Vec<[u32; 8]>,
-    normals: Vec<[[f64; L]; STEPS]>,
+    /// Increments of `STEPS` steps: those of the first, then those of the second, ...
+    increments: Vec<Lanes<L>>,
     deviation: f64,
     /// Lanes that are paths of this run; others only keep the vector full.
     counts: [bool; L],
@@ -101,9 +101,8 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             path: 0,
             q: vec![zero; d],
             p: vec![zero; d],
-            dw: vec![zero; processes],
             keys: (0..processes).map(|process| key(job.seed, process as u64)).collect(),
-            normals: vec![[[0.0; L]; STEPS]; processes],
+            increments: vec![zero; STEPS * processes],
             deviation: job.h.abs().sqrt(),
             counts: [false; L],
             failed: [false; L],
@@ -162,31 +161,49 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         let job = self.job;
         let within = (step % STEPS as u64) as usize;
         if within == 0 {
-            for (key, to) in self.keys.iter().zip(&mut self.normals) {
-                normals(key, self.path, step / STEPS as u64, to);
-            }
+            self.draw(step / STEPS as u64);
         }
-        for (dw, normals) in self.dw.iter_mut().zip(&self.normals) {
-            let z = Lanes::new(normals[within]);
-            *dw = z.max(Lanes::from_f64(-job.clip)).min(Lanes::from_f64(job.clip)) * self.deviation;
-        }
-        if self.any_failed && !self.mirror() {
+        if self.any_failed && !self.mirror(within) {
             return;
         }
         let t = self.time(step);
         let (q, p, memory) = (&mut self.q, &mut self.p, &mut Default::default());
+        let processes = self.keys.len();
+        let Some(dw) = self.increments.get(within * processes..(within + 1) * processes) else { return };
         let outcome = job.system.advance_carrying::<Lanes<L>, Plain, false>(
             &job.prepared,
             t,
             job.h,
             q,
             p,
-            &self.dw,
+            dw,
             memory,
             &mut Plain,
         );
         if outcome.is_err() {
-            self.one_by_one(step, t);
+            self.one_by_one(step, t, within);
+        }
+    }
+
+    /// The increments of the next steps.
+    #[inline(always)]
+    fn draw(&mut self, block: u64) {
+        let (clip, deviation, processes) = (self.job.clip, self.deviation, self.keys.len());
+        let mut drawn = [[0.0; L]; STEPS];
+        for (process, key) in self.keys.iter().enumerate() {
+            normals(key, self.path, block, &mut drawn);
+            for (step, drawn) in drawn.iter().enumerate() {
+                let mut dw = [0.0; L];
+                for i in 0..L {
+                    // As `clamp`, which takes more instructions because of NaN.
+                    let z = if drawn[i] < clip { drawn[i] } else { clip };
+                    let z = if z > -clip { z } else { -clip };
+                    dw[i] = z * deviation;
+                }
+                if let Some(to) = self.increments.get_mut(step * processes + process) {
+                    *to = Lanes::new(dw);
+                }
+            }
         }
     }
 
@@ -209,9 +226,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     /// Lanes without a path follow the first that has one; `false` if none has.
     #[cold]
     #[inline(never)]
-    fn mirror(&mut self) -> bool {
+    fn mirror(&mut self, within: usize) -> bool {
         let Some(living) = (0..L).find(|&lane| !self.failed[lane]) else { return false };
-        for x in self.q.iter_mut().chain(&mut self.p).chain(&mut self.dw) {
+        let processes = self.keys.len();
+        let dw = self.increments.iter_mut().skip(within * processes).take(processes);
+        for x in self.q.iter_mut().chain(&mut self.p).chain(dw) {
             let old = x.to_array();
             *x = Lanes::new(std::array::from_fn(|lane| old[if self.failed[lane] { living } else { lane }]));
         }
@@ -221,12 +240,12 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     /// The step that not all lanes can take the short way.
     #[cold]
     #[inline(never)]
-    fn one_by_one(&mut self, step: u64, t: f64) {
+    fn one_by_one(&mut self, step: u64, t: f64, within: usize) {
         for lane in 0..L {
             if self.failed[lane] {
                 continue;
             }
-            if let Err(cause) = self.single(lane, t) {
+            if let Err(cause) = self.single(lane, t, within) {
                 self.fail(lane, StepError { step, t, h: self.job.h, cause });
             }
         }
@@ -258,10 +277,12 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     }
 
     /// One lane, as it goes alone: the short way, then the careful one of a [`Stepper`].
-    fn single(&mut self, lane: usize, t: f64) -> Result<(), StepFailure> {
+    fn single(&mut self, lane: usize, t: f64, within: usize) -> Result<(), StepFailure> {
         let job = self.job;
         let alone = |lanes: &[Lanes<L>]| -> Vec<_> { lanes.iter().map(|x| Lanes::new([x[lane]])).collect() };
-        let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(&self.dw));
+        let processes = self.keys.len();
+        let dw = self.increments.get(within * processes..(within + 1) * processes).unwrap_or_default();
+        let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(dw));
         let outcome = job.system.advance_carrying::<Lanes<1>, Plain, false>(
             &job.prepared,
             t,
