@@ -2,6 +2,8 @@
 
 use super::dispatch::Kernel;
 use super::draws::{STEPS, key, normals};
+use super::job::Job;
+use super::passage::{Passage, crossing};
 use super::statistics::{PathFailure, Statistics};
 use crate::carry::Plain;
 use crate::error::{StepError, StepFailure};
@@ -16,60 +18,45 @@ use crate::system::Discretized;
 /// Paths in a block.
 pub(super) const PATHS: u64 = 512;
 
-/// A function of the state.
-pub(super) type Observable<'a, V> = Box<dyn Fn(&State<V>) -> f64 + Send + Sync + 'a>;
-
-/// Everything that all blocks of a run share.
-pub(super) struct Job<'a, H: Discretized<E>, E> {
-    pub(super) system: &'a H,
-    pub(super) prepared: H::Prepared,
-    pub(super) h: f64,
-    pub(super) start: State<H::Vector>,
-    pub(super) paths: u64,
-    pub(super) steps: u64,
-    /// Steps between recorded nodes; the last node is one, too.
-    pub(super) every: u64,
-    pub(super) times: Vec<f64>,
-    pub(super) seed: u64,
-    /// The largest normal, in absolute value.
-    pub(super) clip: f64,
-    pub(super) observables: Vec<Observable<'a, H::Vector>>,
-    pub(super) names: Vec<String>,
-}
-
-/// One block, `L` paths at a time.
-pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const L: usize> {
+/// One block, as many paths at a time as the instructions ask for, or `WIDTH` if that is not 0.
+pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const WIDTH: usize> {
     pub(super) job: &'j Job<'a, H, E>,
     pub(super) number: u64,
 }
 
-impl<H: Discretized<E>, E, const L: usize> Kernel for Block<'_, '_, H, E, L> {
+impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Block<'_, '_, H, E, WIDTH> {
     type Output = Statistics;
 
     #[inline(always)]
-    fn run(self) -> Statistics {
+    fn run<const L: usize>(self) -> Statistics {
+        if WIDTH == 0 { self.of_width::<L>() } else { self.of_width::<WIDTH>() }
+    }
+}
+
+impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
+    #[inline(always)]
+    fn of_width<const L: usize>(self) -> Statistics {
         let job = self.job;
-        let mut statistics = Statistics::new(&job.names, &job.times);
+        let mut statistics = Statistics::new(&job.wanted);
         let first = self.number * PATHS;
         let end = job.paths.min(first + PATHS);
         let mut group = Group::<H, E, L>::new(job);
         let mut path = first;
         while path < end {
-            group.begin(path, end);
+            group.begin(path, end, &mut statistics);
             group.record(0, &mut statistics);
             let mut node = 1;
             for step in 0..job.steps {
                 group.step(step);
-                if (step + 1) % job.every == 0 || step + 1 == job.steps {
+                if !job.events.is_empty() {
+                    group.watch(step);
+                }
+                if job.recorded.get(node) == Some(&(step + 1)) {
                     group.record(node, &mut statistics);
                     node += 1;
                 }
             }
-            // They came in the order of time, which depends on who ran beside whom.
-            group.failures.sort_unstable_by_key(|failure| failure.path);
-            for failure in group.failures.drain(..) {
-                statistics.fail(failure);
-            }
+            group.finish(&mut statistics);
             path += L as u64;
         }
         statistics
@@ -82,9 +69,9 @@ struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     path: u64,
     q: Vec<Lanes<L>>,
     p: Vec<Lanes<L>>,
-    dw: Vec<Lanes<L>>,
     keys: Vec<[u32; 8]>,
-    normals: Vec<[[f64; L]; STEPS]>,
+    /// Increments of `STEPS` steps: those of the first, then those of the second, ...
+    increments: Vec<Lanes<L>>,
     deviation: f64,
     /// Lanes that are paths of this run; others only keep the vector full.
     counts: [bool; L],
@@ -92,11 +79,17 @@ struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     failed: [bool; L],
     any_failed: bool,
     failures: Vec<PathFailure>,
+    /// What each event's function was at the last node.
+    before: Vec<[f64; L]>,
+    /// When each event happened; NaN before.
+    passed: Vec<[f64; L]>,
+    /// Number of each lane among the paths that are kept.
+    kept: [usize; L],
     values: Vec<f64>,
     scratch: Vec<f64>,
     state: State<H::Vector>,
     /// Increments of one lane.
-    increments: Vec<f64>,
+    alone: Vec<f64>,
     /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]): one stepper for each.
     steppers: Vec<Stepper<'a, H, E, Plain>>,
 }
@@ -111,24 +104,26 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             path: 0,
             q: vec![zero; d],
             p: vec![zero; d],
-            dw: vec![zero; processes],
             keys: (0..processes).map(|process| key(job.seed, process as u64)).collect(),
-            normals: vec![[[0.0; L]; STEPS]; processes],
+            increments: vec![zero; STEPS * processes],
             deviation: job.h.abs().sqrt(),
             counts: [false; L],
             failed: [false; L],
             any_failed: false,
             failures: Vec::new(),
+            before: vec![[0.0; L]; job.events.len()],
+            passed: vec![[0.0; L]; job.events.len()],
+            kept: [0; L],
             values: vec![0.0; job.observables.len()],
             scratch: vec![0.0; job.observables.len()],
             state: job.start.clone(),
-            increments: vec![0.0; processes],
+            alone: vec![0.0; processes],
             steppers: Vec::new(),
         }
     }
 
     /// Starts paths `path ..`, as many as there are before `end`.
-    fn begin(&mut self, path: u64, end: u64) {
+    fn begin(&mut self, path: u64, end: u64, statistics: &mut Statistics) {
         self.path = path;
         let start = &self.job.start;
         for (to, from) in self.q.iter_mut().zip(start.q.components()) {
@@ -144,6 +139,18 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             let stepper = |_| Stepper::new(self.job.system, self.job.h).ok().map(Stepper::plain);
             self.steppers = (0..L).filter_map(stepper).collect();
         }
+        if let Some(paths) = &mut statistics.paths {
+            for lane in 0..L {
+                if self.counts[lane] {
+                    self.kept[lane] = paths.begin();
+                }
+            }
+        }
+        for ((before, passed), event) in self.before.iter_mut().zip(&mut self.passed).zip(&self.job.events) {
+            let value = event(start);
+            *before = [value; L];
+            *passed = [if value == 0.0 { start.t } else { f64::NAN }; L];
+        }
     }
 
     fn time(&self, step: u64) -> f64 {
@@ -153,53 +160,72 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     #[inline(always)]
     fn step(&mut self, step: u64) {
         if matches!(H::PLAN.noise, NoiseClass::None) {
-            return self.by_steppers(step);
+            return self.by_steppers(step, 0);
         }
         let job = self.job;
         let within = (step % STEPS as u64) as usize;
         if within == 0 {
-            for (key, to) in self.keys.iter().zip(&mut self.normals) {
-                normals(key, self.path, step / STEPS as u64, to);
-            }
-        }
-        for (dw, normals) in self.dw.iter_mut().zip(&self.normals) {
-            let z = Lanes::new(normals[within]);
-            *dw = z.max(Lanes::from_f64(-job.clip)).min(Lanes::from_f64(job.clip)) * self.deviation;
+            self.draw(step / STEPS as u64);
         }
         if !H::IN_LANES {
-            return self.by_steppers(step);
+            return self.by_steppers(step, within);
         }
-        if self.any_failed && !self.mirror() {
+        if self.any_failed && !self.mirror(within) {
             return;
         }
         let t = self.time(step);
         let (q, p, memory) = (&mut self.q, &mut self.p, &mut Default::default());
+        let processes = self.keys.len();
+        let Some(dw) = self.increments.get(within * processes..(within + 1) * processes) else { return };
         let outcome = job.system.advance_carrying::<Lanes<L>, Plain, false>(
             &job.prepared,
             t,
             job.h,
             q,
             p,
-            &self.dw,
+            dw,
             memory,
             &mut Plain,
         );
         if outcome.is_err() {
-            self.one_by_one(step, t);
+            self.one_by_one(step, t, within);
+        }
+    }
+
+    /// The increments of the next steps.
+    #[inline(always)]
+    fn draw(&mut self, block: u64) {
+        let (clip, deviation, processes) = (self.job.clip, self.deviation, self.keys.len());
+        let mut drawn = [[0.0; L]; STEPS];
+        for (process, key) in self.keys.iter().enumerate() {
+            normals(key, self.path, block, &mut drawn);
+            for (step, drawn) in drawn.iter().enumerate() {
+                let mut dw = [0.0; L];
+                for i in 0..L {
+                    // As `clamp`, which takes more instructions because of NaN.
+                    let z = if drawn[i] < clip { drawn[i] } else { clip };
+                    let z = if z > -clip { z } else { -clip };
+                    dw[i] = z * deviation;
+                }
+                if let Some(to) = self.increments.get_mut(step * processes + process) {
+                    *to = Lanes::new(dw);
+                }
+            }
         }
     }
 
     #[inline(never)]
-    fn by_steppers(&mut self, step: u64) {
+    fn by_steppers(&mut self, step: u64, within: usize) {
         let t = self.time(step);
+        let first = within * self.keys.len();
         let mut steppers = std::mem::take(&mut self.steppers);
         for (lane, stepper) in steppers.iter_mut().enumerate() {
             if !self.failed[lane] {
                 let mut state = self.state_of(lane, t);
-                for (to, from) in self.increments.iter_mut().zip(&self.dw) {
+                for (to, from) in self.alone.iter_mut().zip(self.increments.iter().skip(first)) {
                     *to = from[lane];
                 }
-                match stepper.step(&mut state, &self.increments) {
+                match stepper.step(&mut state, &self.alone) {
                     Ok(_) => self.put(lane, &state.q, &state.p),
                     Err(error) => self.fail(lane, error),
                 }
@@ -211,9 +237,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     /// Lanes without a path follow the first that has one; `false` if none has.
     #[cold]
     #[inline(never)]
-    fn mirror(&mut self) -> bool {
+    fn mirror(&mut self, within: usize) -> bool {
         let Some(living) = (0..L).find(|&lane| !self.failed[lane]) else { return false };
-        for x in self.q.iter_mut().chain(&mut self.p).chain(&mut self.dw) {
+        let processes = self.keys.len();
+        let dw = self.increments.iter_mut().skip(within * processes).take(processes);
+        for x in self.q.iter_mut().chain(&mut self.p).chain(dw) {
             let old = x.to_array();
             *x = Lanes::new(std::array::from_fn(|lane| old[if self.failed[lane] { living } else { lane }]));
         }
@@ -223,12 +251,12 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     /// The step that not all lanes can take the short way.
     #[cold]
     #[inline(never)]
-    fn one_by_one(&mut self, step: u64, t: f64) {
+    fn one_by_one(&mut self, step: u64, t: f64, within: usize) {
         for lane in 0..L {
             if self.failed[lane] {
                 continue;
             }
-            if let Err(cause) = self.single(lane, t) {
+            if let Err(cause) = self.single(lane, t, within) {
                 self.fail(lane, StepError { step, t, h: self.job.h, cause });
             }
         }
@@ -260,10 +288,12 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     }
 
     /// One lane, as it goes alone: the short way, then the careful one of a [`Stepper`].
-    fn single(&mut self, lane: usize, t: f64) -> Result<(), StepFailure> {
+    fn single(&mut self, lane: usize, t: f64, within: usize) -> Result<(), StepFailure> {
         let job = self.job;
         let alone = |lanes: &[Lanes<L>]| -> Vec<_> { lanes.iter().map(|x| Lanes::new([x[lane]])).collect() };
-        let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(&self.dw));
+        let processes = self.keys.len();
+        let dw = self.increments.get(within * processes..(within + 1) * processes).unwrap_or_default();
+        let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(dw));
         let outcome = job.system.advance_carrying::<Lanes<1>, Plain, false>(
             &job.prepared,
             t,
@@ -292,6 +322,41 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         Ok(())
     }
 
+    /// Moves a lane to where observables see it.
+    fn look(&mut self, lane: usize) -> &State<H::Vector> {
+        for (to, from) in self.state.q.components_mut().iter_mut().zip(&self.q) {
+            *to = from[lane];
+        }
+        for (to, from) in self.state.p.components_mut().iter_mut().zip(&self.p) {
+            *to = from[lane];
+        }
+        &self.state
+    }
+
+    /// Looks for the events of a step that has been taken.
+    #[inline(never)]
+    fn watch(&mut self, step: u64) {
+        let times = [self.time(step), self.time(step + 1)];
+        self.state.t = times[1];
+        for lane in 0..L {
+            let is_over = !self.counts[lane] || self.failed[lane];
+            if is_over || self.passed.iter().all(|passed| !passed[lane].is_nan()) {
+                continue;
+            }
+            self.look(lane);
+            let memory = self.before.iter_mut().zip(&mut self.passed);
+            for ((before, passed), event) in memory.zip(&self.job.events) {
+                if passed[lane].is_nan() {
+                    let after = event(&self.state);
+                    if let Some(time) = crossing(times, [before[lane], after]) {
+                        passed[lane] = time;
+                    }
+                    before[lane] = after;
+                }
+            }
+        }
+    }
+
     /// Adds the paths that are still there to the statistics of a node.
     #[inline(never)]
     fn record(&mut self, node: usize, statistics: &mut Statistics) {
@@ -301,16 +366,36 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             if !self.counts[lane] || self.failed[lane] {
                 continue;
             }
-            for (to, from) in self.state.q.components_mut().iter_mut().zip(&self.q) {
-                *to = from[lane];
-            }
-            for (to, from) in self.state.p.components_mut().iter_mut().zip(&self.p) {
-                *to = from[lane];
-            }
+            self.look(lane);
             for (value, observable) in self.values.iter_mut().zip(&self.job.observables) {
                 *value = observable(&self.state);
             }
-            moments.push(&self.values, &mut self.scratch);
+            moments.push(&self.values, &mut self.scratch, &self.job.wanted);
+            if let Some(paths) = &mut statistics.paths {
+                paths.put(self.kept[lane], node, &self.values);
+            }
+        }
+    }
+
+    /// What became of the paths, in the order of their numbers.
+    fn finish(&mut self, statistics: &mut Statistics) {
+        // They came in the order of time, which depends on who ran beside whom.
+        self.failures.sort_unstable_by_key(|failure| failure.path);
+        let watched = statistics.passages.iter_mut().zip(&self.passed).zip(&self.job.wanted.watches);
+        for ((passages, passed), watch) in watched {
+            let mut failures = self.failures.iter();
+            for lane in (0..L).filter(|&lane| self.counts[lane]) {
+                let failure = if self.failed[lane] { failures.next() } else { None };
+                let passage = match failure {
+                    _ if !passed[lane].is_nan() => Passage::At(passed[lane]),
+                    Some(failure) => Passage::Lost(failure.error.t),
+                    None => Passage::Censored,
+                };
+                passages.push(passage, watch);
+            }
+        }
+        for failure in self.failures.drain(..) {
+            statistics.fail(failure);
         }
     }
 }

@@ -56,12 +56,15 @@ impl<const L: usize> Progress<L> {
         let converged = (square * relative).less_equal(self.enough);
         let contracts = relative.less(self.last * 0.5);
         let mut good = self.done | converged | contracts;
-        let mut stagnates = LaneMask::from_bool(false);
-        if !good.all() && self.iterations > 1 {
-            stagnates = !is_nan(relative) & !(converged | contracts) & at_rounding();
+        self.done = self.done | converged;
+        if !good.all() {
+            let mut stagnates = LaneMask::from_bool(false);
+            if self.iterations > 1 {
+                stagnates = !is_nan(relative) & !good & at_rounding();
+            }
             good = good | stagnates;
+            self.done = self.done | stagnates | !good;
         }
-        self.done = self.done | converged | stagnates | !good;
         self.last = relative;
         let predicted = relative * (0.25 * ROUNDING) * relative;
         let floor = Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING);
@@ -97,7 +100,8 @@ pub(super) fn iterate<const L: usize, const N: usize>(
         for i in 0..N {
             moved[i] = x[i] - correction[i];
             let size = ratio(correction[i], moved[i].abs());
-            largest = Lanes::select(size.less_equal(largest) | is_nan(largest), largest, size);
+            let keeps = size.less_equal(largest) | is_nan(largest);
+            largest = if i == 0 { size } else { Lanes::select(keeps, largest, size) };
         }
         let astray = progress.judge(largest, || {
             let mut all = LaneMask::from_bool(true);
@@ -143,7 +147,7 @@ pub(super) fn correction<const L: usize, const N: usize>(
     if !is_safe.all() {
         let mut full = *matrix;
         full[0][1] = m01;
-        let other = if is_symmetric { symmetric(&full, b) } else { general(&full, b) };
+        let other = rarely(&full, b, is_symmetric);
         for i in 0..N {
             solution[i] = Lanes::select(is_safe, solution[i], other[i]);
         }
@@ -151,8 +155,19 @@ pub(super) fn correction<const L: usize, const N: usize>(
     solution
 }
 
-/// [`super::Factor`], by lane: the row that a lane takes for its pivot changes place with the first one by selection.
+/// Out of the way of the common one.
+#[cold]
 #[inline(never)]
+fn rarely<const L: usize, const N: usize>(
+    matrix: &Matrix<L, N>,
+    b: &[Lanes<L>; N],
+    is_symmetric: bool,
+) -> [Lanes<L>; N] {
+    if is_symmetric { symmetric(matrix, b) } else { general(matrix, b) }
+}
+
+/// [`super::Factor`], by lane: the row that a lane takes for its pivot changes place with the first one by selection.
+#[inline(always)]
 pub(super) fn general<const L: usize, const N: usize>(
     matrix: &Matrix<L, N>,
     b: &[Lanes<L>; N],
@@ -212,7 +227,7 @@ fn swapped<const L: usize>(mask: LaneMask<L>, a: Lanes<L>, b: Lanes<L>) -> (Lane
 }
 
 /// [`super::SymmetricFactor`], by lane.
-#[inline(never)]
+#[inline(always)]
 fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L>; N]) -> [Lanes<L>; N] {
     let (mut l, mut x) = (*matrix, *b);
     let mut stable = LaneMask::from_bool(true);
@@ -244,7 +259,7 @@ fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L
     }
     if !stable.all() {
         let full = std::array::from_fn(|i: usize| std::array::from_fn(|j: usize| matrix[i.max(j)][i.min(j)]));
-        let other = general(&full, b);
+        let other = rarely(&full, b, false);
         for i in 0..N {
             x[i] = Lanes::select(stable, x[i], other[i]);
         }
