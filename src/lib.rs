@@ -53,9 +53,12 @@
 //!   [`Trajectory::observable`](trajectory::Trajectory::observable) takes a path there.
 //! * **How much error for how much time**: with the feature `report`, `report::WorkPrecision` measures schemes against
 //!   each other and writes tables, plots and one HTML page.
+//! * **Long runs**: with the feature `serde`, `checkpoint::Checkpoint` lets a run that was stopped go on, bit for bit.
 //! * **Errors** are values that say where, why and what to do; [`Error`] is the sum of them all.
 
 pub use wzvi_macros::hamiltonian;
+#[cfg(feature = "serde")]
+pub use wzvi_runtime::checkpoint;
 pub use wzvi_runtime::error::Error;
 /// The vectors of a [`State`](state::State): functions generic over the scheme name them, as in
 /// `fn run<E>(kubo: &Kubo) where Kubo: Discretized<E, Vector = SVector<f64, 1>>`.
@@ -65,13 +68,15 @@ pub use wzvi_runtime::noise;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
-    calculus, elements, embedding, error, increments, integrate, plan, scalar, simulate, state, step, system,
-    trajectory,
+    calculus, elements, embedding, error, increments, integrate, numbers, plan, retry, scalar, simulate,
+    state, step, system, trajectory,
 };
 
 /// Everything that a scene needs: `use wzvi::prelude::*`.
 pub mod prelude {
     pub use wzvi_macros::hamiltonian;
+    #[cfg(feature = "serde")]
+    pub use wzvi_runtime::checkpoint::Checkpoint;
     pub use wzvi_runtime::elements::Iteration;
     pub use wzvi_runtime::embedding::{
         Corrected, DeltaMinus, DeltaPlus, Lambda, Midpoint, Mixed, Uncorrected,
@@ -83,6 +88,7 @@ pub mod prelude {
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
     #[cfg(feature = "report")]
     pub use wzvi_runtime::report::WorkPrecision;
+    pub use wzvi_runtime::retry::Retry;
     pub use wzvi_runtime::state::State;
     pub use wzvi_runtime::step::Stepper;
     pub use wzvi_runtime::system::{Discretized, Hamiltonian};
@@ -104,6 +110,6 @@ pub mod __private {
     pub use wzvi_runtime::solve::*;
     pub use wzvi_runtime::state::{State, Vector};
     pub use wzvi_runtime::system::{
-        Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, Solved, array_mut, increments,
+        Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, array_mut, increments,
     };
 }

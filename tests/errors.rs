@@ -245,6 +245,7 @@ fn what_overflows_or_does_not_converge_says_so() {
                     matches!(
                         error.cause,
                         StepFailure::NotConverged { .. }
+                            | StepFailure::NoSolution { .. }
                             | StepFailure::Singular { .. }
                             | StepFailure::NonFinite
                     ),

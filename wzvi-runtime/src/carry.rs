@@ -7,10 +7,11 @@
 
 use std::fmt::Debug;
 
+use crate::numbers::Numbers;
 use crate::scalar::Scalar;
 
 /// What rounding took from a state, or nothing at all.
-pub trait Carry<S>: Clone + Debug + Default {
+pub trait Carry<S>: Clone + Debug + Default + Numbers<S> {
     /// Whether it holds anything.
     const CARRIES: bool;
     /// What is still to be added to coordinate `i`, which is less than the degrees of freedom.
@@ -44,6 +45,10 @@ impl<S: Scalar> Carry<S> for Plain {
     }
     #[inline(always)]
     fn keep(&mut self, _coordinates: &[S], _momenta: &[S]) {}
+}
+
+impl<S> Numbers<S> for Plain {
+    fn visit(&mut self, _visit: &mut dyn FnMut(&mut S)) {}
 }
 
 /// Sums that carry what rounding takes, for `D` degrees of freedom.
@@ -87,6 +92,13 @@ impl<S: Scalar, const D: usize> Carry<S> for Compensation<S, D> {
         for (carried, lost) in self.momenta.iter_mut().zip(momenta) {
             *carried = *lost;
         }
+    }
+}
+
+impl<S, const D: usize> Numbers<S> for Compensation<S, D> {
+    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
+        let Self { coordinates, momenta } = self;
+        coordinates.iter_mut().chain(momenta).for_each(visit);
     }
 }
 

@@ -11,9 +11,15 @@
 //! An implicit step iterates `x ← φ(x)` while that contracts by [`CONTRACTS`] or better, which for steps that are not
 //! stiff is several times cheaper than Newton's method, and otherwise by Newton's method with the factors of an earlier
 //! iteration as long as they contract as well. Either way it ends when the corrections are at rounding level, so that
-//! the choice changes the cost and no digit that counts.
+//! the choice changes the cost and no digit that counts. Where neither converges the stepper solves the step with care.
+//!
+//! The linear equations of Newton's method are solved in the band that a renumbering of the unknowns leaves where that is
+//! narrow or small ([`Method::Band`]: chains, rings, networks, anything of a hundred unknowns), else by GMRES from
+//! products with the Jacobian, which is never stored ([`Method::Krylov`]: lattices, random graphs, all pairs).
 
+mod careful;
 mod iterate;
+mod jacobian;
 mod memory;
 
 pub use iterate::{Scheme, Unknowns, advance};
@@ -37,6 +43,22 @@ pub enum Iteration {
     FixedPoint,
     /// Newton's method with a new Jacobian in every iteration.
     Newton,
+}
+
+/// How the linear equations of Newton's method are solved, by the pattern of the Jacobian.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// The first step finds out how large the system is.
+    Undecided,
+    /// There are none.
+    Explicit,
+    /// The Jacobian is narrow, or small: it is factored in a band.
+    Band {
+        /// Diagonals on each side.
+        half_width: usize,
+    },
+    /// The band would be too wide: GMRES on products with the Jacobian.
+    Krylov,
 }
 
 /// Which Hamiltonians are summed up.
@@ -146,7 +168,7 @@ pub fn step_momentum<H: Elements>(
 ) -> H::Vector {
     let (mut q, mut p) = (before.q.clone(), before.p.clone());
     let mut memory = Memory::<f64>::default();
-    let solved = advance(
+    let solved = advance::<H, f64, crate::carry::Plain, true>(
         system,
         scheme,
         before.t,

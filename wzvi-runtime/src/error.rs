@@ -12,7 +12,7 @@ pub enum StepFailure {
     NotConverged {
         /// Iterations spent.
         iterations: u32,
-        /// Largest component of the last correction.
+        /// The last correction relative to the unknown, largest component.
         correction: f64,
     },
     /// The matrix of the step is singular to working precision: its smallest pivot against its largest entry.
@@ -20,6 +20,19 @@ pub enum StepFailure {
         /// Absolute value of the pivot.
         pivot: f64,
         /// Largest absolute value in the matrix.
+        scale: f64,
+    },
+    /// The equations have no solution that is connected with the state: followed from no step at all, it ends.
+    NoSolution {
+        /// Fraction of the step, of `h` and of the increments, up to which there is one.
+        reached: f64,
+    },
+    /// The step is too long for the fastest motion: that alternates from step to step, and has taken or given more energy
+    /// than an exact solution would exchange.
+    Unresolved {
+        /// `|H - H(start)|` at the end of the step, in units of energy.
+        energy_error: f64,
+        /// The largest `|P · Δq / h|` so far, twice the kinetic energy of a mechanical system.
         scale: f64,
     },
     /// The new state (or an intermediate value) overflowed or is undefined.
@@ -54,6 +67,18 @@ impl fmt::Display for StepFailure {
                 f,
                 "the matrix of the step is singular (pivot {pivot:.1e} at scale {scale:.1e}); \
                  the scheme has a pole here: take a smaller step or truncate the increments"
+            ),
+            Self::NoSolution { reached } => write!(
+                f,
+                "the step has no solution that continues the state: followed as the step grows, it ends at {:.0} % of \
+                 it; take a smaller step, or subdivide with `.retry(Retry::halving(n))`",
+                100.0 * reached
+            ),
+            Self::Unresolved { energy_error, scale } => write!(
+                f,
+                "the step is too long for the fastest motion, which alternates and has changed the energy by \
+                 {energy_error:.1e} (the motion itself has {scale:.1e}); subdivide with `.retry(Retry::halving(n))`, \
+                 take a smaller step, or choose coordinates in which the stiff direction does not turn"
             ),
             Self::NonFinite => {
                 write!(f, "the new state is not finite; take a smaller step or check the domain of H")
@@ -221,6 +246,9 @@ pub enum Error {
     Path(PathError),
     /// A discrete function was evaluated off its time scale, or combined with one on another.
     Domain(DomainError),
+    /// A checkpoint could not be written, or is not one of this run.
+    #[cfg(feature = "serde")]
+    Checkpoint(crate::checkpoint::CheckpointError),
     /// A measurement could not be made or written.
     #[cfg(feature = "report")]
     Report(crate::report::ReportError),
@@ -234,6 +262,8 @@ impl fmt::Display for Error {
             Self::Noise(error) => error.fmt(f),
             Self::Path(error) => error.fmt(f),
             Self::Domain(error) => error.fmt(f),
+            #[cfg(feature = "serde")]
+            Self::Checkpoint(error) => error.fmt(f),
             #[cfg(feature = "report")]
             Self::Report(error) => error.fmt(f),
         }
@@ -248,6 +278,8 @@ impl std::error::Error for Error {
             Self::Noise(error) => Some(error),
             Self::Path(error) => Some(error),
             Self::Domain(error) => Some(error),
+            #[cfg(feature = "serde")]
+            Self::Checkpoint(error) => Some(error),
             #[cfg(feature = "report")]
             Self::Report(error) => Some(error),
         }

@@ -4,9 +4,12 @@
 //! module's business, so that a scene without noise compiles no generator.
 
 mod error;
+mod identity;
 
+use crate::checksum::Checksum;
 use crate::plan::Plan;
 pub use error::NoiseError;
+pub use identity::Identity;
 
 /// One step of a run, `[start + n h, start + (n + 1) h]`. Times are computed from the number of the step, never
 /// accumulated.
@@ -59,6 +62,21 @@ pub trait Noise {
     /// # Errors
     /// [`NoiseError`]; the run ends there and keeps what it has.
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError>;
+
+    /// Whether the increments are those of a path that can be asked for any interval: then the parts of a step add up to
+    /// the step, and a step that fails can be subdivided ([`Retry`](crate::retry::Retry)). Rows of numbers are none.
+    fn is_path(&self) -> bool {
+        false
+    }
+
+    /// What this source is, asked for after [`Noise::prepare`]. To answer is to promise that the increments of a step
+    /// depend on the identity and the [`Interval`] alone, to the last bit, whatever was asked for before: then a run
+    /// that was interrupted can go on with another source of the same identity.
+    ///
+    /// A source that cannot promise that keeps this default; its runs take no checkpoints.
+    fn identity(&self) -> Option<Identity> {
+        None
+    }
 }
 
 impl<N: Noise + ?Sized> Noise for &mut N {
@@ -69,6 +87,14 @@ impl<N: Noise + ?Sized> Noise for &mut N {
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         (**self).increments(interval, dw)
     }
+
+    fn is_path(&self) -> bool {
+        (**self).is_path()
+    }
+
+    fn identity(&self) -> Option<Identity> {
+        (**self).identity()
+    }
 }
 
 /// No noise at all: what a run of a deterministic system has by default.
@@ -78,6 +104,10 @@ pub struct NoNoise;
 impl Noise for NoNoise {
     fn increments(&mut self, _interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         if dw.is_empty() { Ok(()) } else { Err(NoiseError::Processes { expected: dw.len(), got: 0 }) }
+    }
+
+    fn identity(&self) -> Option<Identity> {
+        Some(Identity::of("none"))
     }
 }
 
@@ -144,6 +174,14 @@ impl Noise for Increments {
             }
             _ => Err(NoiseError::Exhausted { step: interval.step, available: self.steps }),
         }
+    }
+
+    /// By a checksum of the numbers.
+    fn identity(&self) -> Option<Identity> {
+        let mut checksum = Checksum::default();
+        self.values.iter().for_each(|value| checksum.add(&value.to_bits().to_le_bytes()));
+        let identity = Identity::of("Increments").with("steps", self.steps).with("processes", self.processes);
+        Some(identity.with("checksum", checksum))
     }
 }
 

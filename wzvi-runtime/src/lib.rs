@@ -2,6 +2,12 @@
 
 pub mod calculus;
 pub mod carry;
+#[cfg(feature = "serde")]
+pub mod checkpoint;
+#[cfg(not(feature = "serde"))]
+#[path = "checkpoint/absent.rs"]
+mod checkpoint;
+mod checksum;
 pub mod elements;
 pub mod embedding;
 pub mod error;
@@ -9,9 +15,12 @@ pub mod increments;
 pub mod integrate;
 #[cfg(feature = "noise")]
 pub mod noise;
+pub mod numbers;
 pub mod plan;
 #[cfg(feature = "report")]
 pub mod report;
+mod rescue;
+pub mod retry;
 pub mod scalar;
 pub mod simulate;
 pub mod solve;

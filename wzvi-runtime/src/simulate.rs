@@ -2,10 +2,12 @@
 
 use std::marker::PhantomData;
 
+use crate::checkpoint::Keeping;
 use crate::error::{ConfigError, Error, StepFailure};
 use crate::increments::{Interval, NoNoise, Noise};
+use crate::retry::{Retry, Walker};
 use crate::state::{State, Vector};
-use crate::step::{StepInfo, Stepper};
+use crate::step::StepInfo;
 use crate::sum::Sums;
 use crate::system::Discretized;
 use crate::trajectory::{Recorder, Trajectory};
@@ -24,6 +26,8 @@ pub struct Node<'a> {
     pub increments: &'a [f64],
     /// Newton iterations of that step; 0 at the start.
     pub iterations: u32,
+    /// How often that step was halved ([`Retry`]); 0 at the start.
+    pub halvings: u32,
 }
 
 /// Sees the nodes of a run. Implemented by closures `|state, node| ...`.
@@ -76,6 +80,9 @@ pub struct Simulation<'a, H: Discretized<E>, E, N = NoNoise, O = Unobserved> {
     end: Option<End>,
     every: u64,
     observer: O,
+    retry: Retry,
+    is_watched: bool,
+    pub(crate) keeping: Keeping,
     scheme: PhantomData<fn() -> E>,
 }
 
@@ -90,6 +97,9 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
             end: None,
             every: 1,
             observer: Unobserved,
+            retry: Retry::never(),
+            is_watched: true,
+            keeping: Default::default(),
             scheme: PhantomData,
         }
     }
@@ -114,6 +124,9 @@ impl<'a, H: Discretized<E>, E, N, O> Simulation<'a, H, E, N, O> {
             end: self.end,
             every: self.every,
             observer: self.observer,
+            retry: self.retry,
+            is_watched: self.is_watched,
+            keeping: self.keeping,
             scheme: self.scheme,
         }
     }
@@ -141,6 +154,23 @@ impl<'a, H: Discretized<E>, E, N, O> Simulation<'a, H, E, N, O> {
         self
     }
 
+    /// Halves steps that fail ([`crate::retry`]): `Retry::halving(8)` allows 256 parts. Not done unless asked for.
+    ///
+    /// A stochastic system needs a noise that knows its path between the nodes, such as `Wiener` or `WongZakai`. A run
+    /// that starts again in shorter steps shows its observer the nodes again, from step 0; one with checkpoints does not
+    /// start again.
+    pub fn retry(mut self, retry: Retry) -> Self {
+        self.retry = retry;
+        self
+    }
+
+    /// Lets steps pass that do not resolve the fastest motion and spoil the energy
+    /// ([`StepFailure::Unresolved`]): for whoever looks at the energy himself.
+    pub fn unwatched(mut self) -> Self {
+        self.is_watched = false;
+        self
+    }
+
     /// Calls `observer(state, node)` at each recorded node (each node with `record_every(0)`), start and end
     /// included, as the run gets there.
     pub fn observe<F>(self, observer: F) -> Simulation<'a, H, E, N, F>
@@ -155,6 +185,9 @@ impl<'a, H: Discretized<E>, E, N, O> Simulation<'a, H, E, N, O> {
             noise: self.noise,
             end: self.end,
             every: self.every,
+            retry: self.retry,
+            is_watched: self.is_watched,
+            keeping: self.keeping,
             scheme: self.scheme,
         }
     }
@@ -177,12 +210,14 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
     /// anything did ([`Error::Step`] or [`Error::Noise`]).
     ///
     /// # Errors
-    /// [`Error::Config`] or [`Error::Noise`] if the run could not start: then there is no trajectory.
+    /// [`Error::Config`] or [`Error::Noise`] (`Error::Checkpoint` with the feature `serde`) if the run could not start:
+    /// then there is no trajectory.
     pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error> {
-        let Self { system, h, start, noise, end, every, mut observer, .. } = self;
-        let mut stepper = Stepper::<H, E>::new(system, h)?;
+        let Self { system, h, start, noise, end, every, mut observer, retry, is_watched, keeping, .. } = self;
+        let mut walker = Walker::<H, E>::new(system, h, retry, is_watched)?;
         let mut state = checked(system, start)?;
-        let origin = state.t;
+        let start = state.clone();
+        let origin = start.t;
         let steps = count(end, origin, h)?;
         let processes = system.noises();
         // A deterministic system asks its noise for nothing.
@@ -192,36 +227,64 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
             None if processes > 0 => return Err(ConfigError::Missing(NOISE).into()),
             None => {}
         }
+        if retry.most() > 0 && noise.as_ref().is_some_and(|noise| !noise.is_path()) {
+            return Err(ConfigError::Setting(GIVEN.to_owned()).into());
+        }
         let mut dw = vec![0.0; processes];
         let mut path = Sums::new(processes);
         let mut recorder = Recorder::new(&state, h, processes, every, steps)?;
-        observer.observe(&state, &Node { step: 0, wiener: path.totals(), increments: &dw, iterations: 0 });
-
-        for step in 0..steps {
-            let interval = Interval { start: origin, h, step };
-            let drawn = match &mut noise {
-                Some(noise) => noise.increments(&interval, &mut dw).map_err(Error::from),
-                None => Ok(()),
-            };
-            let outcome = drawn.and_then(|()| stepper.step(&mut state, &dw).map_err(Error::from));
-            let StepInfo { iterations } = match outcome {
-                Ok(info) => info,
-                Err(error) => return Ok((recorder.finish(state), Some(error))),
-            };
-            recorder.step(&dw, iterations);
-            let node = step + 1;
-            let seen = recorder.reach(&state, node == steps);
-            if O::LOOKS {
-                path.add(&dw);
-                if seen {
-                    observer.observe(
-                        &state,
-                        &Node { step: node, wiener: path.totals(), increments: &dw, iterations },
-                    );
+        let mut keeper = keeping.open(
+            &mut walker.stepper,
+            &mut state,
+            &mut recorder,
+            &mut path,
+            noise.as_ref(),
+            (steps, retry),
+        )?;
+        let mut begin = keeper.first();
+        'run: loop {
+            let first = begin;
+            if first == 0 {
+                let node =
+                    Node { step: 0, wiener: path.totals(), increments: &dw, iterations: 0, halvings: 0 };
+                observer.observe(&state, &node);
+            }
+            for step in first..steps {
+                let interval = Interval { start: origin, h, step };
+                let info = match walker.step(&mut state, &interval, &mut noise, &mut dw) {
+                    Ok(info) => info,
+                    // A run that is kept does not start again: its file says that it went this far.
+                    Err(error) if !keeper.keeps() && walker.refine(&error)? => {
+                        state = start.clone();
+                        dw.fill(0.0);
+                        path = Sums::new(processes);
+                        recorder = Recorder::new(&state, h, processes, every, steps)?;
+                        begin = 0;
+                        continue 'run;
+                    }
+                    Err(error) => return Ok((recorder.finish(state), Some(error))),
+                };
+                recorder.step(&dw, &info);
+                let node = step + 1;
+                let seen = recorder.reach(&state) || node == steps;
+                if O::LOOKS || keeper.keeps() {
+                    path.add(&dw);
+                    if O::LOOKS && seen {
+                        let StepInfo { iterations, halvings, .. } = info;
+                        let wiener = path.totals();
+                        let node = Node { step: node, wiener, increments: &dw, iterations, halvings };
+                        observer.observe(&state, &node);
+                    }
+                }
+                if keeper.is_due(node)
+                    && let Err(error) =
+                        keeper.save(&mut walker.stepper, &mut state, &mut recorder, &mut path, node)
+                {
+                    return Ok((recorder.finish(state), Some(error)));
                 }
             }
+            return Ok((recorder.finish(state), None));
         }
-        Ok((recorder.finish(state), None))
     }
 }
 
@@ -229,6 +292,9 @@ const START: &str = "a start: add `.start(State::new(q, p))`";
 const END: &str = "an end: add `.until(time)` or `.steps(number)`";
 const NOISE: &str = "increments for the noises of the system: add `.noise(...)` with a seeded source or \
                      `Increments::from(...)`";
+
+const GIVEN: &str = "`.retry(...)` needs increments between the nodes, which these do not have: use `Wiener` or \
+                     `WongZakai`, or leave `.retry(...)` out";
 
 fn checked<H: Discretized<E>, E>(
     system: &H,

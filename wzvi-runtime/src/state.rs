@@ -44,6 +44,7 @@ impl Vector for DVector<f64> {
 
 /// A state: coordinates `q`, canonical momenta `p` and time `t`, in the units of the Hamiltonian.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct State<V> {
     /// Coordinates.
     pub q: V,

@@ -1,18 +1,36 @@
 //! One step at a time.
 
+#[cfg(feature = "serde")]
+mod kept;
+mod strain;
+
 use std::marker::PhantomData;
 
 use crate::carry::{Carry, Plain};
-use crate::elements::Iteration;
+use crate::elements::{Iteration, Method};
 use crate::error::{ConfigError, StepError, StepFailure};
+use crate::plan::Solver;
+use crate::rescue::{Hard, rescue};
+use crate::solve::Effort;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
+use strain::Strain;
 
 /// What one step took.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StepInfo {
-    /// Newton iterations, over all blocks; 0 for explicit and linear steps.
+    /// Newton iterations of the solution, over all blocks; 0 for explicit and linear steps.
     pub iterations: u32,
+    /// How often the step was halved: it is `2^halvings` steps of size `h / 2^halvings`. 0 unless a
+    /// [`Retry`](crate::retry::Retry) allows more.
+    pub halvings: u32,
+    /// Whether the steps before were no guide to this one, so that it was solved from zero with a line search. Usual for
+    /// the first step of a run; many in a row say that the step is long for the fastest motion.
+    pub is_hard: bool,
+    /// Whether the solution could not be followed from the state along the step, so that it is the connected one by the
+    /// orientation of its Jacobian only. Where that happens the step is far too long for a stiff force.
+    pub is_doubtful: bool,
 }
 
 /// A prepared integrator: everything that depends on the system and the step size only is computed once.
@@ -31,6 +49,7 @@ pub struct Stepper<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f6
     clock: Clock,
     /// `q` and `p` after the last step.
     reached: [H::Vector; 2],
+    strain: Strain,
     scheme: PhantomData<E>,
 }
 
@@ -78,6 +97,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             before: 0,
             clock: Clock::started(f64::NAN),
             reached: [H::Vector::zeros(d), H::Vector::zeros(d)],
+            strain: Strain::default(),
             scheme: PhantomData,
         })
     }
@@ -94,6 +114,13 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         self.carrying()
     }
 
+    /// The same steps, but none is refused because it does not resolve the fastest motion
+    /// ([`StepFailure::Unresolved`]): for whoever watches the energy.
+    pub fn unwatched(mut self) -> Self {
+        self.strain = Strain::ignored();
+        self
+    }
+
     fn carrying<C: Carry<f64>>(self) -> Stepper<'a, H, E, C> {
         Stepper {
             carry: C::default(),
@@ -104,6 +131,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             prepared: self.prepared,
             memory: self.memory,
             reached: self.reached,
+            strain: self.strain,
             scheme: PhantomData,
         }
     }
@@ -126,6 +154,11 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     pub fn iteration(mut self, iteration: Iteration) -> Self {
         H::pin(&mut self.memory, iteration);
         self
+    }
+
+    /// How the linear equations of a step are solved where that depends on its size: in systems of elements.
+    pub fn method(&self) -> Option<Method> {
+        H::method(&self.memory)
     }
 
     /// The system that it steps.
@@ -159,23 +192,67 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         let next = self.clock.next(self.h);
         let (q, p) = (state.q.components_mut(), state.p.components_mut());
         let (t, h, prepared, memory) = (state.t, self.h, &self.prepared, &mut self.memory);
-        match self.system.advance_carrying(prepared, t, h, q, p, dw, memory, &mut self.carry) {
-            Ok(solved) => {
-                self.clock = next;
-                state.t = next.now;
-                if Self::REMEMBERS {
-                    copy(&mut self.reached[0], &state.q);
-                    copy(&mut self.reached[1], &state.p);
-                }
-                Ok(StepInfo { iterations: solved.iterations })
+        match self.system.advance_carrying::<f64, C, false>(prepared, t, h, q, p, dw, memory, &mut self.carry)
+        {
+            Ok(effort) => {
+                self.arrive(state, next);
+                Ok(StepInfo { iterations: effort.iterations, ..StepInfo::default() })
             }
-            Err(cause) => {
-                if let Some(left) = left {
-                    (self.memory, self.carry, self.clock, self.before) = left;
+            Err(cause) => match self.hard_step(state, dw, cause) {
+                Ok(Effort { iterations, doubtful, .. }) => {
+                    self.arrive(state, next);
+                    Ok(StepInfo { iterations, halvings: 0, is_hard: true, is_doubtful: doubtful })
                 }
-                Err(self.error(state, dw, cause))
-            }
+                Err(cause) => {
+                    if let Some(left) = left {
+                        (self.memory, self.carry, self.clock, self.before) = left;
+                    }
+                    Err(self.error(state, dw, cause))
+                }
+            },
         }
+    }
+
+    #[inline(always)]
+    fn arrive(&mut self, state: &mut State<H::Vector>, at: Clock) {
+        self.clock = at;
+        state.t = at.now;
+        if Self::REMEMBERS {
+            copy(&mut self.reached[0], &state.q);
+            copy(&mut self.reached[1], &state.p);
+        }
+    }
+
+    /// The step again, from zero and with care. Everything goes there and comes back by value, because state and stepper
+    /// stay in registers only where no function is given their address.
+    #[inline(always)]
+    fn hard_step(
+        &mut self,
+        state: &mut State<H::Vector>,
+        dw: &[f64],
+        cause: StepFailure,
+    ) -> Result<Effort, StepFailure> {
+        if !matches!(H::PLAN.solver, Solver::Newton) {
+            return Err(cause);
+        }
+        let hard = Hard {
+            system: self.system,
+            prepared: self.prepared.clone(),
+            t: state.t,
+            h: self.h,
+            q: state.q.clone(),
+            p: state.p.clone(),
+            dw,
+            carry: self.carry.clone(),
+        };
+        let rescued = rescue(hard, cause)?;
+        let from = State { q: state.q.clone(), p: state.p.clone(), t: state.t };
+        let to = State { q: rescued.q, p: rescued.p, t: state.t };
+        self.strain = self.strain.after::<H, E>(self.system, &from, &to, self.h, self.steps())?;
+        (state.q, state.p) = (to.q, to.p);
+        H::adopt(&mut self.memory, rescued.memory);
+        self.carry = rescued.carry;
+        Ok(rescued.effort)
     }
 
     /// Starts to count from `t`; `false`, and nothing done, if time could overflow from there: no step needs to check
@@ -188,6 +265,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             self.carry = C::default();
             self.before += self.clock.ticks;
             self.clock = Clock::started(t);
+            self.strain = self.strain.restarted();
         }
         is_safe
     }

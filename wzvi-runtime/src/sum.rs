@@ -24,6 +24,15 @@ impl Sum {
     }
 }
 
+#[cfg(feature = "serde")]
+impl Sum {
+    /// What a checkpoint keeps.
+    pub(crate) fn pass(&mut self, tape: &mut crate::checkpoint::Tape) {
+        let Self { rounded, lost } = self;
+        tape.numbers([rounded, lost]);
+    }
+}
+
 /// Several at once, with their totals at hand.
 #[derive(Clone, Debug)]
 pub(crate) struct Sums {
@@ -46,6 +55,17 @@ impl Sums {
 
     pub(crate) fn totals(&self) -> &[f64] {
         &self.totals
+    }
+}
+
+#[cfg(feature = "serde")]
+impl Sums {
+    /// What a checkpoint keeps.
+    pub(crate) fn pass(&mut self, tape: &mut crate::checkpoint::Tape) {
+        for (sum, total) in self.sums.iter_mut().zip(&mut self.totals) {
+            sum.pass(tape);
+            *total = sum.total();
+        }
     }
 }
 

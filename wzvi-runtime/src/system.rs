@@ -3,10 +3,12 @@
 use std::fmt::Debug;
 
 use crate::carry::{Carry, Plain};
-use crate::elements::Iteration;
+use crate::elements::{Iteration, Method};
 use crate::error::{ConfigError, StepFailure};
-use crate::plan::Plan;
+use crate::numbers::Numbers;
+use crate::plan::{NoiseClass, Plan};
 use crate::scalar::{Mask, Scalar};
+use crate::solve::Effort;
 use crate::state::{State, Vector};
 
 /// A partial derivative with respect to the coordinates and one with respect to the momenta.
@@ -36,6 +38,13 @@ pub trait Hamiltonian {
 
     /// Number of first integrals that the compiler has proven.
     fn invariants(&self) -> usize;
+
+    /// Name and value of a number that the Hamiltonians read from the system, as they name it; `None` from some `index`
+    /// on. For people, who are told by it which parameter of a run differs.
+    fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+        let _ = index;
+        None
+    }
 
     /// `H_term(q, p, t)`: the drift for `term = 0`, noise `term - 1` otherwise; NaN for a term that does not exist.
     ///
@@ -135,8 +144,8 @@ pub struct Solution<S, const D: usize> {
     pub p: [(S, S); D],
     /// `P`
     pub momentum: [S; D],
-    /// Newton iterations, over all blocks.
-    pub iterations: u32,
+    /// What Newton's method took, over all blocks.
+    pub effort: Effort,
 }
 
 impl<S: Scalar, const D: usize> Solution<S, D> {
@@ -147,11 +156,11 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
         [q, p]: [[S; D]; 2],
         [dq, dp]: [[S; D]; 2],
         momentum: [S; D],
-        iterations: u32,
+        effort: Effort,
     ) -> Self {
         let q = std::array::from_fn(|i| C::add(q[i], dq[i], carry.of_coordinate(i)));
         let p = std::array::from_fn(|i| C::add(p[i], dp[i], carry.of_momentum(i)));
-        Self { q, p, momentum, iterations }
+        Self { q, p, momentum, effort }
     }
 
     /// Whether every component is finite.
@@ -162,11 +171,11 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
 
     /// Moves the state.
     #[inline(always)]
-    pub fn store<C: Carry<S>>(self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) -> Solved {
+    pub fn store<C: Carry<S>>(self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) -> Effort {
         *q = self.q.map(|(sum, _)| sum);
         *p = self.p.map(|(sum, _)| sum);
         carry.keep(&self.q.map(|(_, lost)| lost), &self.p.map(|(_, lost)| lost));
-        Solved { iterations: self.iterations }
+        self.effort
     }
 }
 
@@ -189,13 +198,6 @@ pub fn increments<S: Copy, const K: usize>(dw: &[S]) -> Result<[S; K], StepFailu
     dw.try_into().map_err(|_| StepFailure::Increments { expected: K, got: dw.len() })
 }
 
-/// How hard a step was.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Solved {
-    /// Newton iterations, over all blocks.
-    pub iterations: u32,
-}
-
 /// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no discretisation by `{E}`",
@@ -213,7 +215,7 @@ pub trait Discretized<E>: Hamiltonian {
     type Prepared: Clone + Debug;
 
     /// What one step leaves for the starting value of the next; `()` where nothing is iterated.
-    type Memory<S: Scalar>: Clone + Debug + Default;
+    type Memory<S: Scalar>: Clone + Debug + Default + Numbers<S>;
 
     /// Compensated sums of the state's increments: [`Compensation`](crate::carry::Compensation).
     type Compensated<S: Scalar>: Carry<S>;
@@ -224,7 +226,8 @@ pub trait Discretized<E>: Hamiltonian {
 
     /// Whether steps use what the ones before left in memory for this state alone: then a state that the caller moved
     /// makes them forget it.
-    const REMEMBERS: bool = size_of::<Self::Memory<f64>>() != 0;
+    const REMEMBERS: bool =
+        matches!(Self::PLAN.noise, NoiseClass::None) && size_of::<Self::Memory<f64>>() != 0;
 
     /// The memory of a new stepper: all that its steps will need, where the system knows its size.
     fn memory(&self) -> Self::Memory<f64> {
@@ -236,19 +239,33 @@ pub trait Discretized<E>: Hamiltonian {
         *memory = Default::default();
     }
 
+    /// Takes what a step left that was solved with another memory.
+    #[inline(always)]
+    fn adopt(memory: &mut Self::Memory<f64>, left: Self::Memory<f64>) {
+        *memory = left;
+    }
+
     /// Pins how implicit steps are iterated; only systems of elements have a choice.
     fn pin(_memory: &mut Self::Memory<f64>, _iteration: Iteration) {}
+
+    /// How linear equations are solved, in systems of elements.
+    fn method(_memory: &Self::Memory<f64>) -> Option<Method> {
+        None
+    }
 
     /// Computes what does not change from step to step; fails if a matrix that is factored here is singular.
     fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError>;
 
     /// One step from `(q, p)` at `t` in place. Slices have [`Hamiltonian::degrees`] and [`Hamiltonian::noises`]
     /// elements. On `Err`, `q`, `p`, `memory` and `carry` are as they were.
+    ///
+    /// Unless `CAREFUL`, an iteration that does not converge fast is given up; what then follows is the
+    /// business of the [`Stepper`](crate::step::Stepper).
     #[expect(
         clippy::too_many_arguments,
         reason = "generated code calls it, and each is one thing that a step reads"
     )]
-    fn advance_carrying<S: Scalar, C: Carry<S>>(
+    fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         &self,
         prepared: &Self::Prepared,
         t: f64,
@@ -258,9 +275,13 @@ pub trait Discretized<E>: Hamiltonian {
         dw: &[S],
         memory: &mut Self::Memory<S>,
         carry: &mut C,
-    ) -> Result<Solved, StepFailure>;
+    ) -> Result<Effort, StepFailure>;
 
-    /// [`Discretized::advance_carrying`] with plain sums.
+    /// [`Discretized::advance_carrying`] with plain sums, and from zero with a line search where the
+    /// short way fails.
+    ///
+    /// # Errors
+    /// As there; `q`, `p` and `memory` are then as they were.
     #[expect(clippy::too_many_arguments, reason = "as above")]
     #[inline(always)]
     fn advance<S: Scalar>(
@@ -272,8 +293,18 @@ pub trait Discretized<E>: Hamiltonian {
         p: &mut [S],
         dw: &[S],
         memory: &mut Self::Memory<S>,
-    ) -> Result<Solved, StepFailure> {
-        self.advance_carrying(prepared, t, h, q, p, dw, memory, &mut Plain)
+    ) -> Result<Effort, StepFailure> {
+        match self.advance_carrying::<S, Plain, false>(prepared, t, h, q, p, dw, memory, &mut Plain) {
+            Ok(effort) => Ok(effort),
+            Err(_) => {
+                let mut fresh = Default::default();
+                let plain = &mut Plain;
+                let effort =
+                    self.advance_carrying::<S, Plain, true>(prepared, t, h, q, p, dw, &mut fresh, plain)?;
+                *memory = fresh;
+                Ok(effort)
+            }
+        }
     }
 
     /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise.

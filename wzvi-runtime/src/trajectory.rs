@@ -1,21 +1,39 @@
 //! What a run leaves: states at the recorded nodes and the increments between them.
 
+#[cfg(feature = "serde")]
+mod kept;
+#[cfg(feature = "serde")]
+mod serial;
+
 use std::fmt;
 use std::marker::PhantomData;
 
 use crate::calculus::{Function, Interior, Nodes, TimeScale};
 use crate::error::{ConfigError, PathError};
 use crate::state::{State, Vector};
+use crate::step::StepInfo;
 use crate::sum::Sum;
 use crate::system::{Discretized, EulerLagrangeResidual, Hamiltonian, Segment};
+#[cfg(feature = "serde")]
+pub(crate) use kept::Kept;
 
-/// Newton iterations of a run.
+/// Newton iterations of a run, and what its steps took besides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Iterations {
     /// Over all steps.
     pub total: u64,
     /// The most that one step took.
     pub largest: u32,
+    /// Steps to which the ones before were no guide ([`StepInfo::is_hard`]): one at the start of a run is usual, many say
+    /// that the step is long for the fastest motion.
+    pub hard: u64,
+    /// Steps whose solution is the connected one by its orientation only ([`StepInfo::is_doubtful`]).
+    pub doubtful: u64,
+    /// Steps that were halved ([`Retry`](crate::retry::Retry)).
+    pub halved: u64,
+    /// The most halvings of a step.
+    pub halvings: u32,
 }
 
 /// A path by the scheme `E`: never empty, its first state is the start.
@@ -28,6 +46,7 @@ pub struct Trajectory<V, E> {
 
 /// The part of a trajectory that the scheme has no say in.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Path<V> {
     h: f64,
     every: u64,
@@ -321,20 +340,26 @@ impl<V: Vector> Recorder<V> {
 
     /// A step was taken.
     #[inline]
-    pub(crate) fn step(&mut self, dw: &[f64], iterations: u32) {
+    pub(crate) fn step(&mut self, dw: &[f64], info: &StepInfo) {
         self.path.steps += 1;
-        self.path.iterations.total += u64::from(iterations);
-        self.path.iterations.largest = self.path.iterations.largest.max(iterations);
+        let counts = &mut self.path.iterations;
+        counts.total += u64::from(info.iterations);
+        counts.largest = counts.largest.max(info.iterations);
+        counts.hard += u64::from(info.is_hard);
+        counts.doubtful += u64::from(info.is_doubtful);
+        counts.halved += u64::from(info.halvings > 0);
+        counts.halvings = counts.halvings.max(info.halvings);
         self.since += 1;
         for (sum, &dw) in self.pending.iter_mut().zip(dw) {
             sum.add(dw);
         }
     }
 
-    /// Keeps the node just reached if it is the `last` or one of the `every`-th; whether an observer is to see it.
+    /// Keeps the node just reached if it is one of the `every`-th; whether an observer is to see it. The last node is
+    /// kept by [`Recorder::finish`].
     #[inline]
-    pub(crate) fn reach(&mut self, state: &State<V>, last: bool) -> bool {
-        let due = last || self.since == self.path.every;
+    pub(crate) fn reach(&mut self, state: &State<V>) -> bool {
+        let due = self.since == self.path.every;
         if due {
             self.keep(state);
         }

@@ -17,6 +17,7 @@ use crate::model::Model;
 
 pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
+pub(crate) use system::parameter;
 
 /// Everything that `#[hamiltonian]` stands for. `equations` has the text of each scheme, in their order.
 pub(crate) fn emit(

@@ -61,7 +61,11 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
                 }
 
                 #[inline(always)]
-                fn advance_carrying<__S: __wzvi::Scalar, __C: __wzvi::Carry<__S>>(
+                fn advance_carrying<
+                    __S: __wzvi::Scalar,
+                    __C: __wzvi::Carry<__S>,
+                    const __CAREFUL: __wzvi::core::primitive::bool,
+                >(
                     &self,
                     __prepared: &Self::Prepared,
                     __t: #f64,
@@ -71,11 +75,13 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
                     __dw: &[__S],
                     __memory: &mut Self::Memory<__S>,
                     __carry: &mut __C,
-                ) -> __wzvi::core::result::Result<__wzvi::Solved, __wzvi::StepFailure> {
+                ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
                     let __q = __wzvi::array_mut::<__S, #d>(__q)?;
                     let __p = __wzvi::array_mut::<__S, #d>(__p)?;
                     let __dw = __wzvi::increments::<__S, #noises>(__dw)?;
-                    let __next = __solve(__prepared, __t, __h, *__q, *__p, __dw, __memory, __carry)?;
+                    let __next = __solve::<__S, __C, __CAREFUL>(
+                        __prepared, __t, __h, *__q, *__p, __dw, __memory, __carry,
+                    )?;
                     __wzvi::core::result::Result::Ok(__next.store(__q, __p, __carry))
                 }
 
@@ -115,7 +121,9 @@ fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
                     .map_err(|_| __wzvi::StepFailure::NonFinite)?;
                 let (__q, __p) = (__wzvi::core::convert::Into::into(__before.q), __wzvi::core::convert::Into::into(__before.p));
                 let mut __memory = __wzvi::core::default::Default::default();
-                __solve(&__prepared, __before.t, __h, __q, __p, __dw, &mut __memory, &__wzvi::Plain)
+                __solve::<#f64, __wzvi::Plain, true>(
+                    &__prepared, __before.t, __h, __q, __p, __dw, &mut __memory, &__wzvi::Plain,
+                )
             });
             match __solved {
                 __wzvi::core::result::Result::Ok(__solved) => __wzvi::core::convert::From::from(__solved.momentum),
@@ -195,9 +203,9 @@ impl<'f> Step<'f> {
         quote!(([#f64; #count], #(#factors,)* #truths))
     }
 
-    /// One extrapolation per Newton block of a system without noise.
+    /// One extrapolation per Newton block.
     fn memory_type(&self) -> TokenStream {
-        let sizes = self.flow.remembered();
+        let sizes = self.flow.newton_sizes();
         match sizes.is_empty() {
             // The parameter of the alias must be used.
             true => quote!(__wzvi::core::marker::PhantomData<__S>),
@@ -293,7 +301,11 @@ impl<'f> Step<'f> {
             SolveBody { flow, uses: flow.program.uses(&flow.roots()), printer, records: Vec::new() }.emit();
         quote! {
             #[inline(always)]
-            fn __solve<__S: __wzvi::Scalar, __C: __wzvi::Carry<__S>>(
+            fn __solve<
+                __S: __wzvi::Scalar,
+                __C: __wzvi::Carry<__S>,
+                const __CAREFUL: __wzvi::core::primitive::bool,
+            >(
                 __prepared: &__Prepared,
                 __t: #f64,
                 __h: #f64,
@@ -372,7 +384,7 @@ impl SolveBody<'_> {
                     });
                 }
                 Solve::Newton { .. } => {
-                    let count = format_ident!("__iterations{i}");
+                    let count = format_ident!("__effort{i}");
                     statements.extend(self.newton(solve, &count));
                     counts.push(count);
                 }
@@ -409,11 +421,13 @@ impl SolveBody<'_> {
         let shared = inner.bind(&roots, &inner_uses, &|_| false);
         let values: Vec<TokenStream> = residual.iter().map(|&op| inner.scalar_value(op)).collect();
         let bases: Vec<TokenStream> = bases.iter().map(|&op| self.printer.scalar_value(op)).collect();
-        let start = self.start(unknowns.len());
+        let used = self.uses_memory();
+        let index = proc_macro2::Literal::usize_unsuffixed(self.records.len());
+        let start = quote!(__memory.#index.guess::<#used>());
         if let [name] = names.as_slice() {
             let (slope, value, base) = (inner.scalar_value(jacobian[0][0]), &values[0], &bases[0]);
             statements.extend(quote! {
-                let (#name, #count) = __wzvi::newton_scalar(#start[0], #base, |#name: __S| {
+                let (#name, #count) = __wzvi::newton_scalar::<__S, #used, __CAREFUL>(#start[0], #base, |#name: __S| {
                     #shared
                     (#value, #slope)
                 })?;
@@ -423,31 +437,27 @@ impl SolveBody<'_> {
             let rows = rows(&inner, jacobian);
             let solver = if *symmetric { quote!(newton_symmetric) } else { quote!(newton) };
             statements.extend(quote! {
-                let ([#(#names),*], #count) =
-                    __wzvi::#solver(#start, [#(#bases),*], |&[#(#names),*]: &[__S; #n]| {
+                let ([#(#names),*], #count) = __wzvi::#solver::<__S, #n, #used, __CAREFUL>(
+                    #start,
+                    [#(#bases),*],
+                    |&[#(#names),*]: &[__S; #n]| {
                         #shared
                         ([#(#values),*], [#(#rows),*])
-                    })?;
+                    },
+                )?;
             });
         }
-        if self.flow.remembers {
-            let index = proc_macro2::Literal::usize_unsuffixed(self.records.len());
-            self.records.push(quote!(__memory.#index.record([#(#names),*]);));
-        }
+        self.records.push(quote!(__memory.#index.record::<#used>([#(#names),*]);));
         for (&op, name) in unknowns.iter().zip(names) {
             self.printer.set(op, name);
         }
         statements
     }
 
-    /// Without noise the last steps are extrapolated; with it the increments decide, and zero is as good a start.
-    fn start(&self, n: usize) -> TokenStream {
-        if self.flow.remembers {
-            let index = proc_macro2::Literal::usize_unsuffixed(self.records.len());
-            quote!(__memory.#index.guess())
-        } else {
-            quote!([<__S as __wzvi::Scalar>::from_f64(0.0); #n])
-        }
+    /// Without noise the last steps are extrapolated; with it the increments decide, and zero is as good a start, but
+    /// where a solution is followed along its step.
+    fn uses_memory(&self) -> TokenStream {
+        if self.flow.is_deterministic { quote!(true) } else { quote!(__CAREFUL) }
     }
 
     fn finish(&mut self, counts: &[Ident]) -> TokenStream {
@@ -459,7 +469,10 @@ impl SolveBody<'_> {
         };
         let (q, p) = (values(&flow.q0), values(&flow.p0));
         let (dq, dp, momentum) = (values(&flow.dq), values(&flow.dp), values(&flow.momentum));
-        let iterations = if counts.is_empty() { quote!(0) } else { quote!(#(#counts)+*) };
+        let effort = match counts.is_empty() {
+            true => quote!(__wzvi::Effort::fast(0)),
+            false => quote!(#(#counts)+*),
+        };
         let records = &self.records;
         quote! {
             #statements
@@ -468,7 +481,7 @@ impl SolveBody<'_> {
                 [[#(#q),*], [#(#p),*]],
                 [[#(#dq),*], [#(#dp),*]],
                 [#(#momentum),*],
-                #iterations,
+                #effort,
             );
             if !__next.is_finite() {
                 return __wzvi::core::result::Result::Err(__wzvi::StepFailure::NonFinite);

@@ -125,9 +125,11 @@ fn discretized(wzvi: &Path) -> TokenStream {
         fn prepare(&self, _: #real) -> ::core::result::Result<(), #wzvi::error::ConfigError> {
             ::core::unimplemented!()
         }
-        fn advance_carrying<S: #wzvi::scalar::Scalar, C: #wzvi::__private::Carry<S>>(
+        fn advance_carrying<
+            S: #wzvi::scalar::Scalar, C: #wzvi::__private::Carry<S>, const CAREFUL: ::core::primitive::bool,
+        >(
             &self, _: &(), _: #real, _: #real, _: &mut [S], _: &mut [S], _: &[S], _: &mut (), _: &mut C,
-        ) -> ::core::result::Result<#wzvi::system::Solved, #wzvi::error::StepFailure> { ::core::unimplemented!() }
+        ) -> ::core::result::Result<#wzvi::__private::Effort, #wzvi::error::StepFailure> { ::core::unimplemented!() }
         fn discrete_lagrangian(&self, _: &#segment, _: &[#real]) -> #real { ::core::unimplemented!() }
         fn discrete_lagrangian_gradient(
             &self, _: &#segment, _: &[#real],

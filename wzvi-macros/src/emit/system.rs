@@ -117,6 +117,8 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts) -> TokenStream {
             (__wzvi::Vector::components(&__state.q), __wzvi::Vector::components(&__state.p), __state.t);
     };
 
+    let parameter = parameter(&model.graph, &model.parameters);
+
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let size = quote!(__wzvi::core::primitive::usize);
@@ -130,6 +132,8 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts) -> TokenStream {
             fn noises(&self) -> #size { #noises }
 
             fn invariants(&self) -> #size { #invariants }
+
+            #parameter
 
             fn evaluate<__S: __wzvi::Scalar>(&self, __term: #size, __q: &[__S], __p: &[__S], __t: #f64) -> __S {
                 match (__term, __q, __p) {
@@ -180,6 +184,28 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts) -> TokenStream {
             }
         }
     }
+}
+
+/// Names and values of the parameters; the default of the trait if there are none.
+pub(crate) fn parameter(graph: &Graph, parameters: &[Parameter]) -> Option<TokenStream> {
+    let (f64, option) = (f64_type(), quote!(__wzvi::core::option::Option));
+    let arms = parameters.iter().enumerate().map(|(i, Parameter { symbol, tokens })| {
+        let name = graph.symbol_name(*symbol);
+        quote!(#i => #option::Some((#name, #tokens)),)
+    });
+    (!parameters.is_empty()).then(|| {
+        quote! {
+            fn parameter(
+                &self,
+                __index: __wzvi::core::primitive::usize,
+            ) -> #option<(&'static __wzvi::core::primitive::str, #f64)> {
+                match __index {
+                    #(#arms)*
+                    _ => #option::None,
+                }
+            }
+        }
+    })
 }
 
 fn value_arm(values: &[TokenStream]) -> TokenStream {

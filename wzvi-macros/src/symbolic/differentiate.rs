@@ -99,6 +99,20 @@ impl Graph {
         }
         let mut terms = Vec::new();
         for (i, &(base, exponent)) in factors.iter().enumerate() {
+            // `(√x)^n` is differentiated as `x^(n/2)`: `(√x)^(n-1) / √x` would be undefined at zero.
+            if let &Node::Apply(Function::Sqrt, ref arguments) = self.node(base)
+                && let Some(lower) = exponent.add(Rational::integer(-2)).filter(|lower| !lower.is_negative())
+                && let Some(half) = exponent.multiply(Rational::HALF)
+            {
+                let slope = slopes.of(arguments[0]);
+                if slope != slopes.zero {
+                    let mut operands = factors.to_vec();
+                    operands[i].1 = lower;
+                    operands.push((slope, Rational::ONE));
+                    terms.push((self.product_of_powers(&operands), half));
+                }
+                continue;
+            }
             let slope = slopes.of(base);
             if slope != slopes.zero {
                 let mut operands = factors.to_vec();

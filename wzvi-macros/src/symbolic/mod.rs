@@ -3,6 +3,8 @@
 //! Everything is a handle ([`Expr`]) into a hash-consing [`Graph`]. Two handles are equal exactly when their
 //! canonical forms are. Constructors (`build`) keep the canonical form, so that a pass never has to simplify.
 
+#[cfg(test)]
+mod accuracy_tests;
 pub(crate) mod build;
 pub(crate) mod differentiate;
 mod display;
@@ -10,8 +12,12 @@ pub(crate) mod evaluate;
 pub(crate) mod function;
 pub(crate) mod graph;
 #[cfg(test)]
+mod precise;
+#[cfg(test)]
 mod random_tests;
 pub(crate) mod rational;
+#[cfg(test)]
+mod real;
 mod residue;
 pub(crate) mod sign;
 pub(crate) mod stabilise;

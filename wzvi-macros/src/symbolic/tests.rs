@@ -269,3 +269,16 @@ fn bounds_survive_large_intermediate_values() {
     let bounded = g.evaluate_bounded(&[inverse], &|_| 1890.5)[0];
     assert!(bounded.error > 100.0 * f64::EPSILON * bounded.value && bounded.excludes_zero(), "{bounded:?}");
 }
+
+#[test]
+fn the_slope_of_a_power_of_a_root_exists_at_zero() {
+    let mut graph = Graph::new();
+    let symbol = graph.new_symbol("x");
+    let x = graph.symbol(symbol);
+    for (exponent, slopes) in [((3, 2), [0.0, 3.0]), ((5, 2), [0.0, 20.0])] {
+        let power = graph.power(x, Rational::new(exponent.0, exponent.1).unwrap());
+        let slope = graph.derivative(power, symbol);
+        let at = |x: f64| graph.evaluate(&[slope], &|_| x)[0];
+        assert_eq!([at(0.0), at(4.0)], slopes, "{}", graph.display(slope));
+    }
+}

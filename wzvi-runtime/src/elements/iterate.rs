@@ -1,17 +1,17 @@
 //! One step: `x = φ(x)` solved to rounding.
 
+use super::jacobian::Linear;
 use super::memory::Work;
-use super::{CONTRACTS, Curvature, Elements, Iteration, Memory, Point, Terms};
+use super::{CONTRACTS, Elements, Iteration, Memory, Point, Terms};
 use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::scalar::{Mask, Scalar};
-use crate::solve::Banded;
-use crate::system::Solved;
+use crate::solve::{Effort, STAGNATION, astray};
 
 /// Corrections below this fraction of the largest unknown change nothing.
 const ROUNDING: f64 = f64::EPSILON;
-/// Stagnation counts as convergence below this fraction of the state.
-const STAGNATION: f64 = 1e-9;
+/// Residual of linear equations that are solved by iteration: each Newton iteration gains three digits.
+const FORCING: f64 = 1e-3;
 /// Corrections that move the coordinates by less than this fraction are rounding of the forces.
 const MOVES_NOTHING: f64 = 64.0 * f64::EPSILON;
 /// More iterations than any step needs that converges at all.
@@ -53,12 +53,12 @@ pub(super) fn stages(scheme: &Scheme) -> impl Iterator<Item = (usize, f64, Terms
 }
 
 /// The givens of one step.
-struct Step<'a, H, S> {
-    system: &'a H,
-    scheme: &'a Scheme,
+pub(super) struct Step<'a, H, S> {
+    pub(super) system: &'a H,
+    pub(super) scheme: &'a Scheme,
     t: f64,
     h: f64,
-    q: &'a [S],
+    pub(super) q: &'a [S],
     p: &'a [S],
     dw: &'a [S],
 }
@@ -68,7 +68,7 @@ struct Step<'a, H, S> {
 /// # Errors
 /// [`StepFailure`]: sizes that do not fit, no convergence, a singular Jacobian, a state that is not finite.
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
-pub fn advance<H: Elements, S: Scalar, C: Carry<S>>(
+pub fn advance<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     system: &H,
     scheme: &Scheme,
     t: f64,
@@ -78,7 +78,7 @@ pub fn advance<H: Elements, S: Scalar, C: Carry<S>>(
     dw: &[S],
     memory: &mut Memory<S>,
     carry: &mut C,
-) -> Result<Solved, StepFailure> {
+) -> Result<Effort, StepFailure> {
     if memory.degrees != q.len() || q.is_empty() {
         memory.fit(system, scheme, q.len())?;
     }
@@ -89,7 +89,12 @@ pub fn advance<H: Elements, S: Scalar, C: Carry<S>>(
         return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
     }
     let step = Step { system, scheme, t, h, q, p, dw };
-    let iterations = step.solve(memory)?;
+    let (effort, prefers_newton) = if CAREFUL {
+        (step.careful(memory)?, scheme.unknowns != Unknowns::None)
+    } else {
+        let solved = step.solve(memory)?;
+        (Effort::fast(solved.iterations), solved.prefers_newton)
+    };
     step.finish(&mut memory.work);
     // by_p becomes the increment of the momenta; sums are made before anything is stored.
     let Work { u, by_p: dp, by_q, stage, .. } = &mut memory.work;
@@ -101,7 +106,6 @@ pub fn advance<H: Elements, S: Scalar, C: Carry<S>>(
         (*dp, *lost) = C::add(p[i], *dp, carry.of_momentum(i));
     }
     if !S::are_finite(u.iter().chain(dp.iter()).copied()).all() {
-        memory.forget();
         return Err(StepFailure::NonFinite);
     }
     q.copy_from_slice(u);
@@ -110,15 +114,16 @@ pub fn advance<H: Elements, S: Scalar, C: Carry<S>>(
         carry.keep(lost_q, lost_p);
     }
     memory.record();
-    Ok(Solved { iterations })
+    memory.prefers_newton = prefers_newton;
+    Ok(effort)
 }
 
 impl<S: Scalar> Memory<S> {
-    /// `3x_n - 3x_{n-1} + x_{n-2}` of the past, as far as it is known, or zero.
-    fn guess(&mut self) {
+    /// `3x_n - 3x_{n-1} + x_{n-2}` of the past, as far as `known`, or zero.
+    pub(super) fn guess(&mut self, known: u8) {
         let x = &mut self.work.x;
         let [a, b, c] = &self.past;
-        match self.known {
+        match known {
             0 => x.fill(S::from_f64(0.0)),
             1 => x.copy_from_slice(a),
             2 => {
@@ -144,15 +149,22 @@ impl<S: Scalar> Memory<S> {
     }
 }
 
-/// The largest correction against the largest unknown, and the same against the state; NaN if any part is.
-struct Size {
-    relative: f64,
-    correction: f64,
+/// What the short way took.
+struct Solved {
+    iterations: u32,
+    /// Whether the next step should not start with the fixed point.
+    prefers_newton: bool,
+}
+
+/// The largest correction, and the same against the largest unknown; NaN if any part is.
+pub(super) struct Size {
+    pub(super) relative: f64,
+    pub(super) largest: f64,
 }
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// `φ` at `x`, for the scheme's unknowns, as the correction `x - φ(x)`; leaves `u`, `P`, the stages and slopes.
-    fn residual(&self, work: &mut Work<S>) {
+    pub(super) fn residual(&self, work: &mut Work<S>) {
         let Work { x, correction, u, momentum, stage, by_q, by_p, .. } = work;
         let zero = S::from_f64(0.0);
         let d = self.q.len();
@@ -201,32 +213,32 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    fn at<'b>(&'b self, q: &'b [S], p: &'b [S], l: f64) -> Point<'b, S> {
+    pub(super) fn at<'b>(&'b self, q: &'b [S], p: &'b [S], l: f64) -> Point<'b, S> {
         Point { q, p, t: self.t + l * self.h, h: self.h, dw: self.dw }
     }
 
-    /// Solves for the unknowns; the number of iterations.
-    fn solve(&self, memory: &mut Memory<S>) -> Result<u32, StepFailure> {
+    /// Solves for the unknowns by the short way.
+    fn solve(&self, memory: &mut Memory<S>) -> Result<Solved, StepFailure> {
         if self.scheme.unknowns == Unknowns::None {
             self.explicit(&mut memory.work);
-            return Ok(0);
+            return Ok(Solved { iterations: 0, prefers_newton: false });
         }
-        memory.guess();
-        let pinned = memory.iteration;
-        let first = self.iterate(memory, pinned);
-        // A start that misleads is given up for zero, and what was tried for Newton's method from there.
-        let may_try_again = memory.known > 0 || pinned == Iteration::Automatic;
-        if first.is_ok() || !may_try_again {
-            return first;
-        }
-        memory.forget();
-        memory.guess();
-        let last_resort = if pinned == Iteration::Automatic { Iteration::Newton } else { pinned };
-        self.iterate(memory, last_resort)
+        let (pinned, known) = (memory.iteration, memory.known);
+        let first = self.iterate(memory, known, pinned);
+        let solved = match first {
+            // A start that misleads is given up for zero, and what was tried for Newton's method from there.
+            Err(_) if known > 0 || pinned == Iteration::Automatic => {
+                let last_resort = if pinned == Iteration::Automatic { Iteration::Newton } else { pinned };
+                self.iterate(memory, 0, last_resort)?
+            }
+            first => first?,
+        };
+        self.refresh(&mut memory.work);
+        Ok(solved)
     }
 
     /// `v` from the terms at `q_i`, then `u`.
-    fn explicit(&self, work: &mut Work<S>) {
+    pub(super) fn explicit(&self, work: &mut Work<S>) {
         let Work { u, momentum, by_q, by_p, .. } = work;
         let zero = S::from_f64(0.0);
         momentum.copy_from_slice(self.p);
@@ -241,56 +253,78 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         self.velocities(momentum, by_p, u);
     }
 
-    fn iterate(&self, memory: &mut Memory<S>, iteration: Iteration) -> Result<u32, StepFailure> {
-        let Memory { work, matrix, has_factors, .. } = memory;
-        let mut newton =
-            iteration == Iteration::Newton || (*has_factors && iteration == Iteration::Automatic);
+    /// From the guess in `memory`.
+    fn iterate(
+        &self,
+        memory: &mut Memory<S>,
+        known: u8,
+        iteration: Iteration,
+    ) -> Result<Solved, StepFailure> {
+        memory.guess(known);
+        let is_guess = known > 0;
+        let mut newton = match iteration {
+            Iteration::Newton => true,
+            Iteration::Automatic => memory.prefers_newton,
+            Iteration::FixedPoint => false,
+        };
+        // Fresh factors in every iteration, or only where old ones contract too slowly.
+        let mut is_stale = true;
+        let mut prefers_newton = true;
         let mut last = f64::INFINITY;
         for iterations in 1..=MOST_ITERATIONS {
+            let Memory { work, linear, .. } = memory;
             self.residual(work);
+            let was_refreshed = newton && is_stale;
+            let mut stretch = 1.0;
             if newton {
-                let Some(matrix) = matrix.as_mut() else {
-                    return Err(StepFailure::NotConverged { iterations, correction: last });
-                };
-                if !*has_factors || iteration == Iteration::Newton {
-                    *has_factors = false;
-                    self.assemble(work, matrix);
-                    matrix.factor()?;
-                    *has_factors = true;
+                let Some(linear) = linear else { return Err(astray(iterations, last)) };
+                if is_stale {
+                    self.linearise(work, linear)?;
                 }
-                matrix.solve(&mut work.correction);
+                is_stale = iteration == Iteration::Newton || matches!(linear, Linear::Krylov(_));
+                let before = largest(&work.correction);
+                self.correct(work, linear, FORCING)?;
+                stretch = before / largest(&work.correction);
             }
-            let Size { relative, correction } = subtract(&mut work.x, &work.correction);
+            let Size { relative, largest } = subtract(&mut work.x, &work.correction);
             if relative.is_nan() {
-                *has_factors = false;
                 return Err(StepFailure::NonFinite);
             }
             let ratio = relative / last;
             let predicts = last < f64::INFINITY && ratio < 0.5;
             if relative <= ROUNDING || (predicts && relative * ratio <= 0.25 * ROUNDING) {
-                self.refresh(work);
-                return Ok(iterations);
+                return Ok(Solved { iterations, prefers_newton: newton && prefers_newton });
             }
+            // A guess claims to be near the solution.
+            let is_misled = newton && is_guess && iterations == 1 && relative >= 1.0;
             let is_slow = last < f64::INFINITY && ratio > CONTRACTS;
-            let is_small = is_slow && self.is_rounding(work, correction);
+            let is_small = is_slow && self.is_rounding(work, largest);
             if is_small && ratio > 0.5 {
-                self.refresh(work);
-                return Ok(iterations);
+                return Ok(Solved { iterations, prefers_newton: newton && prefers_newton });
             }
-            if iterations == MOST_ITERATIONS {
-                return Err(StepFailure::NotConverged { iterations, correction });
+            // Fresh factors that do not halve the correction: the solution is not near.
+            if is_misled || (was_refreshed && is_slow && ratio > 0.5) {
+                return Err(astray(iterations, relative));
             }
-            if iteration == Iteration::Automatic && is_slow && !is_small {
-                // Old factors, or none, do not contract. Near rounding nothing does.
-                (newton, *has_factors) = (matrix.is_some(), false);
+            if newton && iterations == 1 && iteration == Iteration::Automatic {
+                // Where `J` is about the identity the fixed point contracts as well.
+                prefers_newton = (stretch - 1.0).abs() > 0.5 * CONTRACTS;
             }
             last = relative;
+            if is_slow && !is_small && iteration == Iteration::Automatic {
+                // Old factors, or none, do not contract. Near rounding nothing does.
+                if !newton && ratio > 0.5 {
+                    memory.guess(known);
+                    last = f64::INFINITY;
+                }
+                (newton, is_stale) = (true, true);
+            }
         }
         Err(StepFailure::NotConverged { iterations: MOST_ITERATIONS, correction: last })
     }
 
     /// `u` and `P` at the solution.
-    fn refresh(&self, work: &mut Work<S>) {
+    pub(super) fn refresh(&self, work: &mut Work<S>) {
         let Work { x, u, momentum, by_p, .. } = work;
         let is_both = self.scheme.unknowns == Unknowns::Both;
         for (i, (momentum, &p)) in momentum.iter_mut().zip(self.p).enumerate() {
@@ -308,7 +342,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// Whether every correction is small against the unknown and the state that it changes, or moves the coordinates by
     /// rounding: forces of long waves are small differences of large coordinates.
     #[cold]
-    fn is_rounding(&self, work: &Work<S>, correction: f64) -> bool {
+    pub(super) fn is_rounding(&self, work: &Work<S>, correction: f64) -> bool {
         let norm = |x: &[S]| x.iter().fold(0.0_f64, |largest, x| largest.max(x.magnitude()));
         // `∂u/∂P`, for a kinetic energy that is about quadratic.
         let moved = correction * norm(&work.u);
@@ -327,29 +361,6 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             correction.relative_to(work.x[k], Some(state)) <= STAGNATION
                 || correction.magnitude() <= STAGNATION * largest
         })
-    }
-
-    /// `I - φ'` at the current stages.
-    fn assemble(&self, work: &mut Work<S>, matrix: &mut Banded<S>) {
-        let Work { stage, momentum, diagonal, .. } = work;
-        matrix.reset();
-        if self.scheme.unknowns == Unknowns::Momenta {
-            diagonal.fill(S::from_f64(0.0));
-            for (_, l, terms) in stages(self.scheme) {
-                let at = self.at(self.q, momentum, l);
-                self.system.curvature(Terms { by_q: false, ..terms }, &at, &mut Diagonal(diagonal));
-            }
-        }
-        for (s, l, terms) in stages(self.scheme) {
-            let at = self.at(&stage[s], momentum, l);
-            match self.scheme.unknowns {
-                Unknowns::Both => self.system.curvature(terms, &at, &mut Coupled { matrix: &mut *matrix, l }),
-                _ => {
-                    let terms = Terms { by_p: false, ..terms };
-                    self.system.curvature(terms, &at, &mut Reduced { matrix: &mut *matrix, diagonal, l });
-                }
-            }
-        }
     }
 
     /// `p_{i+1} - p_i` into `by_p`.
@@ -412,96 +423,50 @@ fn by_node<S: Scalar>(by_q: &[S], scheme: &Scheme, i: usize) -> S {
 
 /// `x -= correction`, and how large that was.
 fn subtract<S: Scalar>(x: &mut [S], correction: &[S]) -> Size {
-    let (mut largest_x, mut largest, mut nan) = (0.0_f64, 0.0_f64, false);
-    let mut relative = 0.0_f64;
     for (x, &c) in x.iter_mut().zip(correction) {
         *x = *x - c;
-        let (size, change) = (x.magnitude(), c.magnitude());
-        nan |= change.is_nan();
-        largest_x = if size > largest_x { size } else { largest_x };
-        largest = if change > largest { change } else { largest };
     }
-    if nan || largest.is_infinite() {
-        return Size { relative: f64::NAN, correction: f64::NAN };
+    size_of_correction(x, correction)
+}
+
+/// How large a correction is that leads to `x`.
+pub(super) fn size_of_correction<S: Scalar>(x: &[S], correction: &[S]) -> Size {
+    let (size, change) = (largest(x), largest(correction));
+    if !change.is_finite() {
+        return Size { relative: f64::NAN, largest: f64::NAN };
     }
+    let mut relative = if change == 0.0 { 0.0 } else { change / (size + f64::MIN_POSITIVE) };
     if size_of::<S>() != size_of::<f64>() {
         // Numbers that carry derivatives or lanes converge in every part.
         for (&x, &c) in x.iter().zip(correction) {
             if c.magnitude() != 0.0 || !(c.relative_to(x, None) == 0.0) {
-                let part = c.relative_to(x, Some(S::from_f64(largest_x)));
+                let part = c.relative_to(x, Some(S::from_f64(size)));
                 relative = if part > relative || part.is_nan() { part } else { relative };
             }
         }
     }
-    let by_value = if largest == 0.0 { 0.0 } else { largest / (largest_x + f64::MIN_POSITIVE) };
-    Size { relative: if relative > by_value { relative } else { by_value }, correction: largest }
+    Size { relative, largest: change }
 }
 
-/// `∂u/∂v`, which the choice of unknowns has shown to be diagonal where it is needed.
-struct Diagonal<'a, S>(&'a mut [S]);
-
-impl<S: Scalar> Curvature<S> for Diagonal<'_, S> {
-    #[inline(always)]
-    fn add_qq(&mut self, _: usize, _: usize, _: bool, _: S) {}
-    #[inline(always)]
-    fn add_qp(&mut self, _: usize, _: usize, _: bool, _: S) {}
-    #[inline(always)]
-    fn add_pp(&mut self, i: usize, _: usize, is_diagonal: bool, value: S) {
-        if is_diagonal {
-            self.0[i] = self.0[i] + value;
+/// The largest magnitude; NaN if any is. In lanes, so that it does not wait for itself.
+pub(super) fn largest<S: Scalar>(x: &[S]) -> f64 {
+    let mut lanes = [0.0_f64; 8];
+    // Sums of squares show NaN and infinity, which a maximum may swallow.
+    let mut poison = [0.0_f64; 8];
+    let (chunks, rest) = x.as_chunks::<8>();
+    let mut take = |lane: usize, x: S| {
+        let size = x.magnitude();
+        lanes[lane] = if size > lanes[lane] { size } else { lanes[lane] };
+        poison[lane] += size * 0.0;
+    };
+    for chunk in chunks {
+        for (lane, &x) in chunk.iter().enumerate() {
+            take(lane, x);
         }
     }
-}
-
-/// `∂(v - φ_v)/∂v` with `∂u/∂v = D`: `I + Σ (1 - l) (l F_qq D + F_qp)`.
-struct Reduced<'a, S> {
-    matrix: &'a mut Banded<S>,
-    diagonal: &'a [S],
-    l: f64,
-}
-
-impl<S: Scalar> Curvature<S> for Reduced<'_, S> {
-    #[inline(always)]
-    fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
-        let weighted = value * (self.l * (1.0 - self.l));
-        self.matrix.add(i, j, weighted * self.diagonal[j]);
-        if !is_diagonal {
-            self.matrix.add(j, i, weighted * self.diagonal[i]);
-        }
+    for (lane, &x) in rest.iter().enumerate() {
+        take(lane, x);
     }
-    #[inline(always)]
-    fn add_qp(&mut self, i: usize, j: usize, _: bool, value: S) {
-        self.matrix.add(i, j, value * (1.0 - self.l));
-    }
-    #[inline(always)]
-    fn add_pp(&mut self, _: usize, _: usize, _: bool, _: S) {}
-}
-
-/// The Jacobian of `(u - φ_u, v - φ_v)`, unknowns `u_0, v_0, u_1, v_1, ...`
-struct Coupled<'a, S> {
-    matrix: &'a mut Banded<S>,
-    l: f64,
-}
-
-impl<S: Scalar> Curvature<S> for Coupled<'_, S> {
-    #[inline(always)]
-    fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
-        let weighted = value * (self.l * (1.0 - self.l));
-        self.matrix.add(2 * i + 1, 2 * j, weighted);
-        if !is_diagonal {
-            self.matrix.add(2 * j + 1, 2 * i, weighted);
-        }
-    }
-    #[inline(always)]
-    fn add_qp(&mut self, i: usize, j: usize, _: bool, value: S) {
-        self.matrix.add(2 * i + 1, 2 * j + 1, value * (1.0 - self.l));
-        self.matrix.add(2 * j, 2 * i, -(value * self.l));
-    }
-    #[inline(always)]
-    fn add_pp(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
-        self.matrix.add(2 * i, 2 * j + 1, -value);
-        if !is_diagonal {
-            self.matrix.add(2 * j, 2 * i + 1, -value);
-        }
-    }
+    let most = lanes.into_iter().fold(0.0, f64::max);
+    most + poison.into_iter().sum::<f64>()
 }

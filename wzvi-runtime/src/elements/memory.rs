@@ -1,17 +1,28 @@
 //! What a stepper of a system of elements allocates, once.
 
 use super::iterate::{Scheme, Unknowns};
-use super::{Curvature, Elements, Iteration, Point, Terms};
+use super::jacobian::{Linear, pattern};
+use super::{Elements, Iteration, Method};
 use crate::carry::{Carry, Compensation};
 use crate::error::StepFailure;
+use crate::numbers::Numbers;
 use crate::scalar::Scalar;
-use crate::solve::Banded;
+use crate::solve::{Banded, Krylov, reverse_cuthill_mckee};
 
 /// Numbers that a factorisation may hold: 2 GiB of `f64`.
 const MOST_NUMBERS: usize = 1 << 28;
 
+/// A band is taken if it is this narrow, or if it is factored by [`FEW_OPERATIONS`].
+const NARROW: usize = 16;
+/// Half a bandwidth up to which the order of the unknowns is kept.
+const NARROW_AS_IT_IS: usize = 4;
+/// Multiplications that are about as many as some iterations on products with the matrix need.
+const FEW_OPERATIONS: usize = 1 << 22;
+/// Entries per unknown of a pattern that is worth a renumbering.
+const SPARSE: usize = 64;
+
 /// Vectors of one step, unknowns of the steps before, and the matrix.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Memory<S> {
     pub(super) degrees: usize,
     pub(super) iteration: Iteration,
@@ -19,13 +30,13 @@ pub struct Memory<S> {
     /// Unknowns of past steps, the latest first.
     pub(super) past: [Vec<S>; 3],
     pub(super) known: u8,
-    pub(super) matrix: Option<Banded<S>>,
-    /// Whether the matrix holds the factors of some iteration.
-    pub(super) has_factors: bool,
+    /// Whether the fixed point contracted too slowly in the last step.
+    pub(super) prefers_newton: bool,
+    pub(super) linear: Option<Linear<S>>,
 }
 
 /// Scratch of one step.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Work<S> {
     pub(super) x: Vec<S>,
     pub(super) correction: Vec<S>,
@@ -61,8 +72,39 @@ impl<S> Default for Memory<S> {
             work: Work::default(),
             past: [Vec::new(), Vec::new(), Vec::new()],
             known: 0,
-            matrix: None,
-            has_factors: false,
+            prefers_newton: false,
+            linear: None,
+        }
+    }
+}
+
+/// What the steps before left; scratch is allocated anew where the copy is used.
+impl<S: Scalar> Clone for Memory<S> {
+    fn clone(&self) -> Self {
+        let past = if self.known == 0 { Default::default() } else { self.past.clone() };
+        let (iteration, known, prefers_newton) = (self.iteration, self.known, self.prefers_newton);
+        Self { iteration, past, known, prefers_newton, ..Self::default() }
+    }
+}
+
+impl<S: Scalar> Numbers<S> for Memory<S> {
+    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
+        let zero = S::from_f64(0.0);
+        // Exact: small integers.
+        let mut whole = |number: usize| {
+            let mut number = S::from_f64(number as f64);
+            visit(&mut number);
+            number.magnitude() as usize
+        };
+        let unknowns = whole(if self.known == 0 { 0 } else { self.past[0].len() });
+        let known = whole(self.known.into());
+        self.known = u8::try_from(known).unwrap_or(0);
+        self.prefers_newton = whole(self.prefers_newton.into()) == 1;
+        if unknowns != 0 {
+            for past in &mut self.past {
+                past.resize(unknowns, zero);
+                past.iter_mut().for_each(&mut *visit);
+            }
         }
     }
 }
@@ -86,7 +128,29 @@ impl<S: Scalar> Memory<S> {
     /// Forgets past steps: they are no guide from another state.
     pub fn forget(&mut self) {
         self.known = 0;
-        self.has_factors = false;
+        self.prefers_newton = false;
+    }
+
+    /// Takes what a step left that was solved in another memory.
+    pub fn adopt(&mut self, left: Self) {
+        (self.past, self.known, self.prefers_newton) = (left.past, left.known, left.prefers_newton);
+        if self.work.x.is_empty() {
+            (self.degrees, self.work, self.linear) = (left.degrees, left.work, left.linear);
+        }
+        let unknowns = self.work.x.len();
+        if self.known == 0 && self.past[0].len() != unknowns {
+            self.past.iter_mut().for_each(|past| past.resize(unknowns, S::from_f64(0.0)));
+        }
+    }
+
+    /// How the linear equations of Newton's method are solved; known once the size is.
+    pub fn method(&self) -> Method {
+        match &self.linear {
+            _ if self.degrees == 0 => Method::Undecided,
+            None => Method::Explicit,
+            Some(Linear::Band(band)) => Method::Band { half_width: band.half_width() },
+            Some(Linear::Krylov(_)) => Method::Krylov,
+        }
     }
 
     /// `P` of the last step.
@@ -125,68 +189,49 @@ impl<S: Scalar> Memory<S> {
             by_p: zeros(true),
             diagonal: zeros(scheme.unknowns == Unknowns::Momenta),
         };
-        let past = || vec![S::from_f64(0.0); if scheme.remembers { unknowns } else { 0 }];
-        self.past = [past(), past(), past()];
-        (self.known, self.has_factors) = (0, false);
+        let remembered = if scheme.remembers { unknowns } else { 0 };
+        // A copy comes with its past.
+        if self.past[0].len() != remembered {
+            let past = || vec![S::from_f64(0.0); remembered];
+            self.past = [past(), past(), past()];
+            self.known = 0;
+        }
         self.degrees = degrees;
-        self.matrix = if is_implicit { matrix(system, scheme, degrees, unknowns) } else { None };
+        self.linear = is_implicit.then(|| linear(system, scheme, degrees, unknowns));
     }
 }
 
-/// Room for the Jacobian, found by a sweep over the indices; `None` if it does not fit.
-fn matrix<H: Elements, S: Scalar>(
-    system: &H,
-    scheme: &Scheme,
-    degrees: usize,
-    unknowns: usize,
-) -> Option<Banded<S>> {
-    let mut pattern = Pattern { both: scheme.unknowns == Unknowns::Both, pairs: Vec::new() };
-    let zeros = vec![0.0; degrees];
-    let dw = vec![0.0; system.noises()];
-    let at = Point { q: &zeros, p: &zeros, t: 0.0, h: 1.0, dw: &dw };
-    system.curvature(Terms { drift: true, noise: true, by_q: true, by_p: true }, &at, &mut pattern);
-    pattern.pairs.sort_unstable();
-    pattern.pairs.dedup();
-    Banded::new(unknowns, &pattern.pairs, MOST_NUMBERS)
-}
-
-/// Which unknowns the Jacobian couples.
-struct Pattern {
-    both: bool,
-    pairs: Vec<(usize, usize)>,
-}
-
-impl Pattern {
-    fn add(&mut self, a: usize, b: usize) {
-        if a != b {
-            self.pairs.push((a.min(b), a.max(b)));
-        }
+/// A band if it is narrow or small, after a renumbering where that pays; else a basis for products with the matrix.
+fn linear<H: Elements, S: Scalar>(system: &H, scheme: &Scheme, degrees: usize, unknowns: usize) -> Linear<S> {
+    let krylov = || Linear::Krylov(Krylov::new(unknowns));
+    // Derivatives that a number carries are not orthogonal to anything.
+    let is_plain = size_of::<S>() == size_of::<f64>();
+    let is_cheap = |half: usize| {
+        half <= NARROW || unknowns.saturating_mul(half).saturating_mul(half) <= FEW_OPERATIONS || !is_plain
+    };
+    let (mut natural, mut entries) = (0_usize, 0_usize);
+    pattern(system, scheme, degrees, |row, column| {
+        natural = natural.max(row.abs_diff(column));
+        entries += 1;
+    });
+    let band = |half: usize, position: Vec<usize>| {
+        let band = is_cheap(half).then(|| Banded::new(unknowns, half, position, MOST_NUMBERS)).flatten();
+        band.map_or_else(krylov, Linear::Band)
+    };
+    if natural <= NARROW_AS_IT_IS || entries > SPARSE.saturating_mul(unknowns) {
+        return band(natural, Vec::new());
     }
-}
-
-impl Curvature<f64> for Pattern {
-    fn add_qq(&mut self, i: usize, j: usize, _: bool, _: f64) {
-        if self.both {
-            self.add(2 * i + 1, 2 * j);
-            self.add(2 * j + 1, 2 * i);
-        } else {
-            self.add(i, j);
+    let mut pairs = Vec::with_capacity(entries / 2);
+    pattern(system, scheme, degrees, |row, column| {
+        if row < column {
+            pairs.push((row, column));
         }
-    }
-    fn add_qp(&mut self, i: usize, j: usize, _: bool, _: f64) {
-        if self.both {
-            self.add(2 * i + 1, 2 * j + 1);
-            self.add(2 * j, 2 * i);
-        } else {
-            self.add(i, j);
-        }
-    }
-    fn add_pp(&mut self, i: usize, j: usize, _: bool, _: f64) {
-        if self.both {
-            self.add(2 * i, 2 * j + 1);
-            self.add(2 * j, 2 * i + 1);
-        }
-    }
+    });
+    pairs.sort_unstable();
+    pairs.dedup();
+    let position = reverse_cuthill_mckee(unknowns, &pairs);
+    let half = pairs.iter().map(|&(a, b)| position[a].abs_diff(position[b])).max().unwrap_or(0);
+    if half < natural { band(half, position) } else { band(natural, Vec::new()) }
 }
 
 /// [`Compensation`] of a size that is known at run time; empty until the first step.
@@ -223,5 +268,16 @@ impl<S: Scalar> Carry<S> for CompensationVec<S> {
         self.momenta.resize(momenta.len(), zero);
         self.coordinates.copy_from_slice(coordinates);
         self.momenta.copy_from_slice(momenta);
+    }
+}
+
+impl<S: Scalar> Numbers<S> for CompensationVec<S> {
+    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
+        for list in [&mut self.coordinates, &mut self.momenta] {
+            let mut length = S::from_f64(list.len() as f64);
+            visit(&mut length);
+            list.resize(length.magnitude() as usize, S::from_f64(0.0));
+            list.iter_mut().for_each(&mut *visit);
+        }
     }
 }

@@ -14,6 +14,7 @@ use super::normal::ln_shifted;
 
 /// Whether and how increments are truncated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Truncation {
     /// The user said nothing: a run may choose.
     #[default]

@@ -5,6 +5,7 @@ use super::cursor::Cursor;
 use super::grid::{FARTHEST, Point};
 use super::stream::Source;
 use super::{Interval, Noise, NoiseError, Paths, Truncation};
+use crate::increments::Identity;
 use crate::plan::Plan;
 
 /// Independent standard Wiener processes `W_k`, two-sided in time, `W_k(0) = 0`.
@@ -188,6 +189,10 @@ impl Wiener {
 }
 
 impl Noise for Wiener {
+    fn is_path(&self) -> bool {
+        true
+    }
+
     #[inline]
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         check_step(interval.h)?;
@@ -209,6 +214,11 @@ impl Noise for Wiener {
         }
         check_step(h)?;
         self.check(start)
+    }
+
+    fn identity(&self) -> Option<Identity> {
+        let identity = Identity::of("Wiener").with("seed", self.seed).with("path", self.path);
+        Some(identity.with("unit", self.unit).with("truncation", self.truncation))
     }
 }
 

@@ -14,12 +14,14 @@ use super::bridge::Span;
 use super::grid::Point;
 use super::wiener::{NOWHERE, Wiener, check_step};
 use super::{Interval, Noise, NoiseError, Paths, Truncation};
+use crate::increments::Identity;
 use crate::plan::Plan;
 
 /// Which increments a step of length h from t_i gets. With rho = eps / h and f the fractional part of rho, the sampled ones converge
 /// for h -> 0 at fixed rho to noises multiplied by `sqrt(v)`, `v = 1 + f (1 - f) / rho^2`: right iff rho is an integer (and `v = 1 / rho` for
 /// rho < 1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Sampling {
     /// `(h/eps) (W(t_i + eps) - W(t_i))`. For h = eps these are the increments of the path.
     #[default]
@@ -222,6 +224,10 @@ impl WongZakai {
 }
 
 impl Noise for WongZakai {
+    fn is_path(&self) -> bool {
+        true
+    }
+
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         self.check_window()?;
         self.early.check(interval.start)?;
@@ -260,6 +266,11 @@ impl Noise for WongZakai {
         check_step(h)?;
         self.check_window()?;
         self.early.check(start)
+    }
+
+    fn identity(&self) -> Option<Identity> {
+        let identity = self.early.identity()?.renamed("WongZakai");
+        Some(identity.with("eps", self.eps).with("sampling", self.sampling))
     }
 }
 

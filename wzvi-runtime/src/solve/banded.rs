@@ -5,13 +5,10 @@
 //! *Matrix Computations*, section 4.3. With pivoting, `U` has as many upper diagonals as `A` has in all.
 
 use crate::error::StepFailure;
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar};
 
 /// A pivot below this many units of rounding of its row makes the matrix singular to working precision.
 const PIVOT_ULPS: f64 = 4.0 * f64::EPSILON;
-
-/// Half a bandwidth up to which the order of the unknowns is kept.
-const NARROW: usize = 4;
 
 /// A square matrix with room for its factors.
 #[derive(Clone, Debug)]
@@ -29,23 +26,12 @@ pub struct Banded<S> {
 }
 
 impl<S: Scalar> Banded<S> {
-    /// Room for a matrix of `n` unknowns whose entries off the diagonal are at `pairs` and their mirror images; `None`
-    /// if the band does not fit `most` numbers.
-    pub fn new(n: usize, pairs: &[(usize, usize)], most: usize) -> Option<Self> {
-        let natural = pairs.iter().map(|&(a, b)| a.abs_diff(b)).max().unwrap_or(0);
-        let (position, half) = if natural <= NARROW {
-            (Vec::new(), natural)
-        } else {
-            let position = reverse_cuthill_mckee(n, pairs);
-            let half = pairs.iter().map(|&(a, b)| position[a].abs_diff(position[b])).max().unwrap_or(0);
-            if half < natural { (position, half) } else { (Vec::new(), natural) }
-        };
-        let numbers = n.checked_mul(3 * half + 1)?;
-        if numbers > most {
-            return None;
-        }
+    /// Room for a matrix of `n` unknowns with `half` diagonals on each side, in the order that `position` gives them;
+    /// empty for the order that they have. `None` if it has more than `most` numbers.
+    pub fn new(n: usize, half: usize, position: Vec<usize>, most: usize) -> Option<Self> {
+        let numbers = half.checked_mul(3)?.checked_add(1)?.checked_mul(n)?;
         let zero = S::from_f64(0.0);
-        Some(Self {
+        (numbers <= most).then(|| Self {
             n,
             half,
             position,
@@ -53,6 +39,11 @@ impl<S: Scalar> Banded<S> {
             exchanges: vec![0; n],
             scratch: vec![zero; n],
         })
+    }
+
+    /// Diagonals on each side.
+    pub fn half_width(&self) -> usize {
+        self.half
     }
 
     /// The identity.
@@ -78,25 +69,24 @@ impl<S: Scalar> Banded<S> {
     /// Factors the matrix in place.
     ///
     /// # Errors
-    /// [`StepFailure::Singular`] if a pivot is at the rounding level of the largest entry of the matrix around it.
+    /// [`StepFailure::Singular`] if a pivot is at the rounding level of the largest entry of the rows around it.
     pub fn factor(&mut self) -> Result<(), StepFailure> {
         let (n, half, width) = (self.n, self.half, 3 * self.half + 1);
         let rows = &mut self.rows;
+        for (scale, row) in self.scratch.iter_mut().zip(rows.chunks_exact(width)) {
+            *scale = S::from_f64(largest(row));
+        }
         for k in 0..n {
             let last = (k + half).min(n - 1);
             let entry = |i: usize, j: usize| i * width + j + half - i;
             let mut best = k;
-            let mut scale = 0.0_f64;
-            for i in k..=last {
+            for i in k + 1..=last {
                 if rows[entry(i, k)].magnitude() > rows[entry(best, k)].magnitude() {
                     best = i;
                 }
-                for j in k..(k + 2 * half + 1).min(n).min(i + 2 * half + 1) {
-                    scale = scale.max(rows[entry(i, j)].magnitude());
-                }
             }
-            let pivot = rows[entry(best, k)].magnitude();
-            if pivot.is_nan() || scale.is_infinite() {
+            let (pivot, scale) = (rows[entry(best, k)].magnitude(), largest(&self.scratch[k..=last]));
+            if pivot.is_nan() || !scale.is_finite() {
                 return Err(StepFailure::NonFinite);
             }
             if pivot <= PIVOT_ULPS * scale {
@@ -105,21 +95,34 @@ impl<S: Scalar> Banded<S> {
             self.exchanges[k] = best;
             let end = (k + 2 * half + 1).min(n);
             if best != k {
-                for j in k..end.min(k + 2 * half + 1) {
+                for j in k..end {
                     rows.swap(entry(k, j), entry(best, j));
                 }
             }
-            let inverse = rows[entry(k, k)].recip();
-            rows[entry(k, k)] = inverse;
-            for i in k + 1..=last {
-                let factor = rows[entry(i, k)] * inverse;
-                rows[entry(i, k)] = factor;
-                for j in k + 1..end {
-                    rows[entry(i, j)] = rows[entry(i, j)] - factor * rows[entry(k, j)];
+            let (above, below) = rows.split_at_mut((k + 1) * width);
+            let pivot_row = &mut above[k * width + half..k * width + half + end - k];
+            let inverse = pivot_row[0].recip();
+            pivot_row[0] = inverse;
+            for (i, row) in (k + 1..=last).zip(below.chunks_exact_mut(width)) {
+                let row = &mut row[k + half - i..][..end - k];
+                let factor = row[0] * inverse;
+                row[0] = factor;
+                for (own, &other) in row[1..].iter_mut().zip(&pivot_row[1..]) {
+                    *own = *own - factor * other;
                 }
             }
         }
         Ok(())
+    }
+
+    /// Whether the determinant is negative, after [`Banded::factor`].
+    pub fn is_reversed(&self) -> bool {
+        let width = 3 * self.half + 1;
+        let zero = S::from_f64(0.0);
+        let pivots = self.rows.iter().skip(self.half).step_by(width);
+        let negative = pivots.filter(|pivot| pivot.less(zero).all()).count();
+        let swapped = self.exchanges.iter().enumerate().filter(|&(k, &with)| k != with).count();
+        (negative + swapped) % 2 == 1
     }
 
     /// `b` becomes `A⁻¹ b`, after [`Banded::factor`].
@@ -160,21 +163,20 @@ impl<S: Scalar> Banded<S> {
     }
 }
 
-/// The position of each unknown in an order where neighbours are near each other.
-fn reverse_cuthill_mckee(n: usize, pairs: &[(usize, usize)]) -> Vec<usize> {
-    let mut neighbours: Vec<Vec<usize>> = vec![Vec::new(); n];
-    for &(a, b) in pairs {
-        if a != b {
-            neighbours[a].push(b);
-            neighbours[b].push(a);
-        }
-    }
-    for list in &mut neighbours {
-        list.sort_unstable();
-        list.dedup();
-    }
+/// The largest magnitude; NaN if any is.
+fn largest<S: Scalar>(numbers: &[S]) -> f64 {
+    numbers.iter().fold(0.0, |most: f64, x| {
+        let size = x.magnitude();
+        if size <= most || most.is_nan() { most } else { size }
+    })
+}
+
+/// The position of each unknown in an order where neighbours are near each other. No pair twice.
+pub fn reverse_cuthill_mckee(n: usize, pairs: &[(usize, usize)]) -> Vec<usize> {
+    let neighbours = Neighbours::new(n, pairs);
     let mut order = Vec::with_capacity(n);
     let mut met = vec![false; n];
+    let (mut swept, mut sweep) = (vec![0; n], 0);
     for seed in 0..n {
         if met[seed] {
             continue;
@@ -182,15 +184,16 @@ fn reverse_cuthill_mckee(n: usize, pairs: &[(usize, usize)]) -> Vec<usize> {
         // Two sweeps lead to an end of the component.
         let mut start = seed;
         for _ in 0..2 {
-            start = farthest(&neighbours, start);
+            sweep += 1;
+            start = farthest(&neighbours, start, &mut swept, sweep);
         }
         met[start] = true;
         let mut next = order.len();
         order.push(start);
         while next < order.len() {
             let mut ring: Vec<usize> =
-                neighbours[order[next]].iter().copied().filter(|&other| !met[other]).collect();
-            ring.sort_by_key(|&other| neighbours[other].len());
+                neighbours.of(order[next]).iter().copied().filter(|&other| !met[other]).collect();
+            ring.sort_by_key(|&other| neighbours.of(other).len());
             for &other in &ring {
                 met[other] = true;
             }
@@ -205,15 +208,52 @@ fn reverse_cuthill_mckee(n: usize, pairs: &[(usize, usize)]) -> Vec<usize> {
     position
 }
 
-/// The last unknown that a breadth-first search from `start` meets.
-fn farthest(neighbours: &[Vec<usize>], start: usize) -> usize {
-    let mut met = std::collections::HashSet::from([start]);
+/// The lists of a graph, one after the other.
+struct Neighbours {
+    starts: Vec<usize>,
+    lists: Vec<usize>,
+}
+
+impl Neighbours {
+    fn new(n: usize, pairs: &[(usize, usize)]) -> Self {
+        let mut starts = vec![0; n + 1];
+        for &(a, b) in pairs {
+            starts[a + 1] += 1;
+            starts[b + 1] += 1;
+        }
+        for i in 0..n {
+            starts[i + 1] += starts[i];
+        }
+        let mut ends = starts.clone();
+        let mut lists = vec![0; starts[n]];
+        for &(a, b) in pairs {
+            for (from, to) in [(a, b), (b, a)] {
+                lists[ends[from]] = to;
+                ends[from] += 1;
+            }
+        }
+        Self { starts, lists }
+    }
+
+    fn of(&self, unknown: usize) -> &[usize] {
+        &self.lists[self.starts[unknown]..self.starts[unknown + 1]]
+    }
+}
+
+/// The last unknown that a breadth-first search from `start` meets; `met` is marked with `sweep`.
+fn farthest(neighbours: &Neighbours, start: usize, met: &mut [usize], sweep: usize) -> usize {
     let (mut ring, mut last) = (vec![start], start);
+    met[start] = sweep;
     while !ring.is_empty() {
         let mut next = Vec::new();
         for &unknown in &ring {
             last = unknown;
-            next.extend(neighbours[unknown].iter().copied().filter(|&other| met.insert(other)));
+            for &other in neighbours.of(unknown) {
+                if met[other] != sweep {
+                    met[other] = sweep;
+                    next.push(other);
+                }
+            }
         }
         ring = next;
     }
@@ -233,7 +273,10 @@ mod tests {
     /// never near here: 100 allows for it).
     fn reconstruct(n: usize, pairs: &[(usize, usize)]) -> usize {
         let mut seed = n as u64;
-        let mut matrix = Banded::<f64>::new(n, pairs, usize::MAX).unwrap();
+        let apart: Vec<_> = pairs.iter().copied().filter(|(a, b)| a != b).collect();
+        let position = reverse_cuthill_mckee(n, &apart);
+        let half = apart.iter().map(|&(a, b)| position[a].abs_diff(position[b])).max().unwrap_or(0);
+        let mut matrix = Banded::<f64>::new(n, half, position, usize::MAX).unwrap();
         let mut dense = vec![vec![0.0; n]; n];
         matrix.reset();
         for (i, row) in dense.iter_mut().enumerate() {
@@ -249,6 +292,7 @@ mod tests {
         let b: Vec<f64> = (0..n).map(|_| random(&mut seed)).collect();
         let mut x = b.clone();
         matrix.factor().unwrap();
+        assert_eq!(matrix.is_reversed(), is_reversed(dense.clone()));
         matrix.solve(&mut x);
         let size = x.iter().fold(1.0_f64, |largest, x| largest.max(x.abs()));
         for i in 0..n {
@@ -256,6 +300,18 @@ mod tests {
             assert!((sum - b[i]).abs() <= 100.0 * n as f64 * f64::EPSILON * size, "row {i} of {n}");
         }
         matrix.half
+    }
+
+    /// By elimination without exchanges.
+    fn is_reversed(mut a: Vec<Vec<f64>>) -> bool {
+        let n = a.len();
+        for k in 0..n {
+            for i in k + 1..n {
+                let (factor, pivot) = (a[i][k] / a[k][k], a[k].clone());
+                a[i].iter_mut().zip(pivot).skip(k).for_each(|(own, other)| *own -= factor * other);
+            }
+        }
+        (0..n).filter(|&k| a[k][k] < 0.0).count() % 2 == 1
     }
 
     #[test]
@@ -278,11 +334,11 @@ mod tests {
 
     #[test]
     fn a_singular_matrix_is_found_and_a_wide_one_refused() {
-        let mut matrix = Banded::<f64>::new(2, &[(0, 1)], 100).unwrap();
+        let mut matrix = Banded::<f64>::new(2, 1, Vec::new(), 100).unwrap();
         matrix.reset();
         matrix.add(0, 1, 1.0);
         matrix.add(1, 0, 1.0);
         assert!(matches!(matrix.factor(), Err(StepFailure::Singular { .. })));
-        assert!(Banded::<f64>::new(1000, &[(0, 999), (0, 1), (0, 500)], 500).is_none());
+        assert!(Banded::<f64>::new(1000, 999, Vec::new(), 500).is_none());
     }
 }

@@ -2,7 +2,7 @@
 #![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
 use crate::error::{ConfigError, StepFailure};
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar};
 
 /// A pivot below this many units of rounding of its row makes the matrix singular to working precision.
 const PIVOT_ULPS: f64 = 4.0 * f64::EPSILON;
@@ -124,6 +124,16 @@ impl<S: Scalar, const N: usize> Factor<S, N> {
             x[i] = x[i] * self.lu[i][i];
         }
         x
+    }
+}
+
+impl<S: Scalar, const N: usize> Factor<S, N> {
+    /// Whether the determinant is negative.
+    pub(super) fn is_reversed(&self) -> bool {
+        let negative = (0..N).filter(|&k| self.lu[k][k].less(S::from_f64(0.0)).all()).count();
+        let inversions = (0..N).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let swapped = inversions.filter(|&(i, j)| self.order[i] < self.order[j]).count();
+        (negative + swapped) % 2 == 1
     }
 }
 
@@ -265,6 +275,16 @@ mod tests {
         reconstruct::<5>(false);
         reconstruct::<2>(true);
         reconstruct::<5>(true);
+    }
+
+    #[test]
+    fn the_sign_of_a_determinant() {
+        let sign = |matrix| Factor::<f64, 3>::new(matrix).unwrap().is_reversed();
+        assert!(!sign([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]));
+        assert!(sign([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]));
+        assert!(!sign([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]));
+        // 1·(5·10 - 6·8) - 2·(4·10 - 6·7) + 3·(4·8 - 5·7) = -3
+        assert!(sign([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 10.0]]));
     }
 
     #[test]

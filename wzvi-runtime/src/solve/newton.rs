@@ -5,19 +5,57 @@
 //! predicts that the next correction, `e_k (e_k / e_{k-1})²`, is below it, or when the corrections stop shrinking at
 //! the level of the rounding of the residual (E. Hairer, R. I. McLachlan, A. Razakarivony, "Achieving Brouwer's law
 //! with implicit Runge-Kutta methods", BIT 48, 2008).
+//!
+//! This is the way that nearly every step takes: no damping, and given up as soon as the corrections do not at least
+//! halve. Then the step is solved again with `CAREFUL`, which is [`damped`](super::damped).
 
+use std::ops::Add;
+
+use super::damped::damped;
 use super::dense::{Factor, SymmetricFactor};
 use crate::error::StepFailure;
+use crate::numbers::Numbers;
 use crate::scalar::Scalar;
 
 /// Corrections below this fraction of an unknown change nothing.
 const ROUNDING: f64 = f64::EPSILON;
 /// Stagnation counts as convergence below this fraction of the unknown or of the state component that it changes.
-const STAGNATION: f64 = 1e-9;
+pub(crate) const STAGNATION: f64 = 1e-9;
 /// A determinant above this fraction of its two products has lost three digits at most, which Newton's method makes up.
 const SAFE_DETERMINANT: f64 = 1e-3;
-/// More iterations than any step needs that converges at all.
-const MOST_ITERATIONS: u32 = 50;
+
+/// What a solution took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Newton iterations.
+    pub iterations: u32,
+    /// Whether the first corrections did not shrink as they do near a solution: there may be another one nearer to
+    /// the start. Only a careful solution says so, the other gives up.
+    pub doubtful: bool,
+    /// Whether the Jacobian at the solution has a negative determinant, if the solution was a careful one.
+    pub is_reversed: bool,
+}
+
+impl Effort {
+    /// A solution by the short way, or (0) without iterations.
+    #[inline(always)]
+    pub const fn fast(iterations: u32) -> Self {
+        Self { iterations, doubtful: false, is_reversed: false }
+    }
+}
+
+impl Add for Effort {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self {
+            iterations: self.iterations + other.iterations,
+            doubtful: self.doubtful | other.doubtful,
+            is_reversed: self.is_reversed ^ other.is_reversed,
+        }
+    }
+}
 
 /// Unknowns of past steps, extrapolated to start the next one: `3x_n - 3x_{n-1} + x_{n-2}`.
 #[derive(Clone, Copy, Debug)]
@@ -33,16 +71,22 @@ impl<S: Scalar, const N: usize> Default for Extrapolation<S, N> {
 }
 
 impl<S: Scalar, const N: usize> Extrapolation<S, N> {
-    /// The starting value: zero, constant, linear or quadratic, by what is known.
+    /// The starting value: zero, constant, linear or quadratic, by what is known; zero unless `USED`.
     #[inline(always)]
-    pub fn guess(&self) -> [S; N] {
+    pub fn guess<const USED: bool>(&self) -> [S; N] {
+        if !USED {
+            return [S::from_f64(0.0); N];
+        }
         let [a, b, c] = self.past;
         std::array::from_fn(|i| (a[i] - b[i]) * 3.0 + c[i])
     }
 
-    /// Takes the solution of a step that succeeded.
+    /// Takes the solution of a step that succeeded; nothing unless `USED`.
     #[inline(always)]
-    pub fn record(&mut self, solution: [S; N]) {
+    pub fn record<const USED: bool>(&mut self, solution: [S; N]) {
+        if !USED {
+            return;
+        }
         self.past = [solution, self.past[0], self.past[1]];
         if self.known < 2 {
             self.pretend();
@@ -61,106 +105,147 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
     }
 }
 
+impl<S: Scalar, const N: usize> Numbers<S> for Extrapolation<S, N> {
+    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
+        let Self { past, known } = self;
+        past.iter_mut().flatten().for_each(&mut *visit);
+        let mut number = S::from_f64(f64::from(*known));
+        visit(&mut number);
+        // Exact: 0, 1 or 2.
+        *known = number.magnitude() as u8;
+    }
+}
+
 /// Decides when to stop.
-struct Progress {
+pub(crate) struct Progress {
     last: f64,
     /// The cube of the relative correction that is good enough: `ROUNDING³` or `last² ROUNDING / 4`.
     enough: f64,
-    iterations: u32,
+    pub(crate) iterations: u32,
 }
 
-enum Verdict {
+/// What a correction says.
+pub(crate) enum Verdict {
+    /// It was the last.
     Converged,
-    Continue,
+    /// It is at most half of the one before.
+    Contracting,
+    /// It is not.
+    Straying,
 }
 
 impl Progress {
+    /// A start other than zero claims to be near the solution: its first correction has to be smaller than the
+    /// solution itself.
     #[inline(always)]
-    fn new() -> Self {
-        Self { last: f64::INFINITY, enough: ROUNDING * ROUNDING * ROUNDING, iterations: 0 }
+    pub(crate) fn new(is_guess: bool) -> Self {
+        let last = if is_guess { 2.0 } else { f64::INFINITY };
+        Self { last, enough: ROUNDING * ROUNDING * ROUNDING, iterations: 0 }
     }
 
     /// `relative`: largest correction relative to its unknown. `at_rounding`: whether every correction is small
     /// against the state.
     #[inline(always)]
-    fn judge(&mut self, relative: f64, at_rounding: impl FnOnce() -> bool) -> Result<Verdict, StepFailure> {
+    pub(crate) fn judge(&mut self, relative: f64, at_rounding: impl FnOnce() -> bool) -> Verdict {
         self.iterations += 1;
         let square = relative * relative;
         // `relative <= ROUNDING || relative (relative / last)² <= ROUNDING / 4` without dividing.
         if square * relative <= self.enough {
-            return Ok(Verdict::Converged);
+            return Verdict::Converged;
         }
         // False for NaN, too: one comparison on the way that is taken.
         let contracts = relative < 0.5 * self.last;
         if !contracts {
-            if relative.is_nan() {
-                return Err(StepFailure::NonFinite);
-            }
-            if self.last < f64::INFINITY && at_rounding() {
-                return Ok(Verdict::Converged);
-            }
-            // Corrections that at least halve are at rounding level soon: only these need to be counted.
-            if self.iterations >= MOST_ITERATIONS {
-                return Err(StepFailure::NotConverged { iterations: self.iterations, correction: relative });
-            }
+            let is_stagnation = self.iterations > 1 && !relative.is_nan() && at_rounding();
+            return if is_stagnation { Verdict::Converged } else { Verdict::Straying };
         }
+        self.expect(relative);
+        Verdict::Contracting
+    }
+
+    /// Quadratic convergence from a correction of this size.
+    #[inline(always)]
+    fn expect(&mut self, relative: f64) {
         self.last = relative;
         // `relative` is above `ROUNDING` here, so that neither product underflows.
-        let (predicted, floor) = (0.25 * ROUNDING * square, ROUNDING * ROUNDING * ROUNDING);
+        let (predicted, floor) = (0.25 * ROUNDING * relative * relative, ROUNDING * ROUNDING * ROUNDING);
         self.enough = if predicted > floor { predicted } else { floor };
-        Ok(Verdict::Continue)
+    }
+
+    /// A correction that does not count as one of a sequence: the next is judged by itself.
+    pub(crate) fn forget(&mut self) {
+        (self.last, self.enough) = (f64::INFINITY, ROUNDING * ROUNDING * ROUNDING);
+    }
+}
+
+/// Why an iteration is given up.
+#[cold]
+pub(crate) fn astray(iterations: u32, correction: f64) -> StepFailure {
+    if correction.is_nan() {
+        StepFailure::NonFinite
+    } else {
+        StepFailure::NotConverged { iterations, correction }
     }
 }
 
 /// `|correction| / |unknown|`, 0 for no correction.
 #[inline(always)]
-fn relative<S: Scalar>(correction: S, unknown: S) -> f64 {
+pub(super) fn relative<S: Scalar>(correction: S, unknown: S) -> f64 {
     correction.relative_to(unknown, None)
 }
 
 /// Rarely asked; inlined it would keep its operands in registers for every iteration.
 #[cold]
 #[inline(never)]
-fn is_rounding<S: Scalar>(correction: S, unknown: S, state: S) -> bool {
+pub(super) fn is_rounding<S: Scalar>(correction: S, unknown: S, state: S) -> bool {
     correction.relative_to(unknown, Some(state)) <= STAGNATION
 }
 
 /// Solves `r(x) = 0` for one unknown from `start`; `equation` gives the residual and its slope, `state` the component
-/// of the state that `x` is an increment of. Returns the solution and the iterations.
+/// of the state that `x` is an increment of. `GUESS`: whether a start other than zero may come from past steps.
 ///
 /// # Errors
-/// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; a start other than zero is
-/// given up for zero first.
+/// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless `CAREFUL`, of any
+/// iteration whose corrections do not shrink fast.
 #[inline(always)]
-pub fn newton_scalar<S: Scalar>(
+pub fn newton_scalar<S: Scalar, const GUESS: bool, const CAREFUL: bool>(
     start: S,
     state: S,
     mut equation: impl FnMut(S) -> (S, S),
-) -> Result<(S, u32), StepFailure> {
+) -> Result<(S, Effort), StepFailure> {
+    if CAREFUL {
+        let (x, effort) = damped([start], [state], |&[x]| {
+            let (residual, slope) = equation(x);
+            ([residual], [[slope]])
+        })?;
+        return Ok((x[0], effort));
+    }
     let mut x = start;
-    let mut may_restart = true;
-    let mut progress = Progress::new();
+    let mut progress = Progress::new(GUESS);
     loop {
         let (residual, slope) = equation(x);
         let correction = residual / slope;
         x = x - correction;
-        match progress.judge(relative(correction, x), || is_rounding(correction, x, state)) {
-            Ok(Verdict::Converged) => return Ok((x, progress.iterations)),
-            Ok(Verdict::Continue) => {}
-            // Not a second copy of the loop: it would keep the whole step from being inlined.
-            Err(_) if may_restart && start.magnitude() != 0.0 => {
-                (x, may_restart, progress) = (S::from_f64(0.0), false, Progress::new());
+        let size = relative(correction, x);
+        match progress.judge(size, || is_rounding(correction, x, state)) {
+            Verdict::Converged => {
+                return Ok((x, Effort::fast(progress.iterations)));
             }
-            Err(failure) => return Err(explain(failure, slope)),
+            Verdict::Contracting => {}
+            Verdict::Straying => return Err(explain(progress.iterations, size, slope)),
         }
     }
 }
 
 /// A slope of zero is the cause of the infinity that follows from it.
 #[cold]
-fn explain<S: Scalar>(failure: StepFailure, slope: S) -> StepFailure {
+fn explain<S: Scalar>(iterations: u32, correction: f64, slope: S) -> StepFailure {
     let pivot = slope.magnitude();
-    if pivot < f64::EPSILON { StepFailure::Singular { pivot, scale: 1.0 } } else { failure }
+    if pivot < f64::EPSILON {
+        StepFailure::Singular { pivot, scale: 1.0 }
+    } else {
+        astray(iterations, correction)
+    }
 }
 
 /// [`newton_scalar`] for `N` coupled unknowns; `equations` gives the residuals and the Jacobian by rows.
@@ -168,12 +253,15 @@ fn explain<S: Scalar>(failure: StepFailure, slope: S) -> StepFailure {
 /// # Errors
 /// As [`newton_scalar`].
 #[inline(always)]
-pub fn newton<S: Scalar, const N: usize>(
+pub fn newton<S: Scalar, const N: usize, const GUESS: bool, const CAREFUL: bool>(
     start: [S; N],
     state: [S; N],
     mut equations: impl FnMut(&[S; N]) -> ([S; N], [[S; N]; N]),
-) -> Result<([S; N], u32), StepFailure> {
-    iterate(start, state, |x| {
+) -> Result<([S; N], Effort), StepFailure> {
+    if CAREFUL {
+        return damped(start, state, equations);
+    }
+    iterate::<S, N, GUESS>(start, state, |x| {
         let (residual, jacobian) = equations(x);
         match solve_pair(&jacobian, &residual) {
             Some(correction) => Ok(correction),
@@ -187,12 +275,19 @@ pub fn newton<S: Scalar, const N: usize>(
 /// # Errors
 /// As [`newton_scalar`].
 #[inline(always)]
-pub fn newton_symmetric<S: Scalar, const N: usize>(
+pub fn newton_symmetric<S: Scalar, const N: usize, const GUESS: bool, const CAREFUL: bool>(
     start: [S; N],
     state: [S; N],
     mut equations: impl FnMut(&[S; N]) -> ([S; N], [[S; N]; N]),
-) -> Result<([S; N], u32), StepFailure> {
-    iterate(start, state, |x| {
+) -> Result<([S; N], Effort), StepFailure> {
+    if CAREFUL {
+        return damped(start, state, |x| {
+            let (residual, lower) = equations(x);
+            let full = |i: usize, j: usize| lower[i.max(j)][i.min(j)];
+            (residual, std::array::from_fn(|i| std::array::from_fn(|j| full(i, j))))
+        });
+    }
+    iterate::<S, N, GUESS>(start, state, |x| {
         let (residual, mut jacobian) = equations(x);
         if N == 2 {
             jacobian[0][1] = jacobian[1][0];
@@ -238,32 +333,28 @@ fn factored_symmetric<S: Scalar, const N: usize>(
 }
 
 #[inline(always)]
-fn iterate<S: Scalar, const N: usize>(
+fn iterate<S: Scalar, const N: usize, const GUESS: bool>(
     start: [S; N],
     state: [S; N],
     mut correction_at: impl FnMut(&[S; N]) -> Result<[S; N], StepFailure>,
-) -> Result<([S; N], u32), StepFailure> {
+) -> Result<([S; N], Effort), StepFailure> {
     let mut x = start;
-    let mut may_restart = true;
-    let mut progress = Progress::new();
+    let mut progress = Progress::new(GUESS);
     loop {
-        let outcome = correction_at(&x).and_then(|correction| {
-            let mut largest = 0.0_f64;
-            for i in 0..N {
-                x[i] = x[i] - correction[i];
-                let size = relative(correction[i], x[i]);
-                // Not `max`, which would drop a NaN.
-                largest = if size <= largest || largest.is_nan() { largest } else { size };
+        let correction = correction_at(&x)?;
+        let mut largest = 0.0_f64;
+        for i in 0..N {
+            x[i] = x[i] - correction[i];
+            let size = relative(correction[i], x[i]);
+            // Not `max`, which would drop a NaN.
+            largest = if size <= largest || largest.is_nan() { largest } else { size };
+        }
+        match progress.judge(largest, || (0..N).all(|i| is_rounding(correction[i], x[i], state[i]))) {
+            Verdict::Converged => {
+                return Ok((x, Effort::fast(progress.iterations)));
             }
-            progress.judge(largest, || (0..N).all(|i| is_rounding(correction[i], x[i], state[i])))
-        });
-        match outcome {
-            Ok(Verdict::Converged) => return Ok((x, progress.iterations)),
-            Ok(Verdict::Continue) => {}
-            Err(_) if may_restart && start.iter().any(|x| x.magnitude() != 0.0) => {
-                (x, may_restart, progress) = ([S::from_f64(0.0); N], false, Progress::new());
-            }
-            Err(failure) => return Err(failure),
+            Verdict::Contracting => {}
+            Verdict::Straying => return Err(astray(progress.iterations, largest)),
         }
     }
 }
@@ -272,25 +363,37 @@ fn iterate<S: Scalar, const N: usize>(
 mod tests {
     use super::*;
 
+    /// Both ways to solve one equation.
+    fn scalar(start: f64, equation: impl Fn(f64) -> (f64, f64)) -> [Result<(f64, Effort), StepFailure>; 2] {
+        [
+            newton_scalar::<_, false, false>(start, 1.0, &equation),
+            newton_scalar::<_, false, true>(start, 1.0, &equation),
+        ]
+    }
+
     #[test]
     fn the_last_digit_is_reached() {
         // x = cos x, to the nearest number.
-        let (x, iterations) = newton_scalar(0.5, 1.0, |x: f64| (x - x.cos(), 1.0 + x.sin())).unwrap();
-        assert!((x - 0.739_085_133_215_160_6).abs() <= f64::EPSILON);
-        assert!(iterations <= 5, "{iterations}");
+        for outcome in scalar(0.5, |x| (x - x.cos(), 1.0 + x.sin())) {
+            let (x, effort) = outcome.unwrap();
+            assert!((x - 0.739_085_133_215_160_6).abs() <= f64::EPSILON);
+            assert!(effort.iterations <= 5, "{effort:?}");
+        }
     }
 
     #[test]
     fn no_solution_is_an_error() {
-        let outcome = newton_scalar(0.5, 1.0, |x: f64| (1.0 + x * x, 2.0 * x));
-        assert!(
-            matches!(outcome, Err(StepFailure::NotConverged { .. } | StepFailure::Singular { .. })),
-            "{outcome:?}"
-        );
-        let outcome = newton([0.0], [1.0], |_: &[f64; 1]| ([1.0], [[0.0]]));
+        for outcome in scalar(0.5, |x| (1.0 + x * x, 2.0 * x)) {
+            assert!(
+                matches!(outcome, Err(StepFailure::NotConverged { .. } | StepFailure::Singular { .. })),
+                "{outcome:?}"
+            );
+        }
+        let outcome = newton::<_, 1, false, false>([0.0], [1.0], |_| ([1.0], [[0.0]]));
         assert!(matches!(outcome, Err(StepFailure::Singular { .. })), "{outcome:?}");
-        let outcome = newton_scalar(0.0, 1.0, |_| (f64::NAN, 1.0));
-        assert_eq!(outcome, Err(StepFailure::NonFinite));
+        for outcome in scalar(0.0, |_| (f64::NAN, 1.0)) {
+            assert_eq!(outcome, Err(StepFailure::NonFinite));
+        }
     }
 
     #[test]
@@ -301,16 +404,27 @@ mod tests {
             let residual = [x - 1e12 * (1.0 + y * y), y - 1e-12 * y.cos()];
             (residual, [[1.0, -2e12 * y], [0.0, 1.0 + 1e-12 * y.sin()]])
         };
-        let ([x, y], _) = newton([0.0; 2], [1.0; 2], equations).unwrap();
+        let ([x, y], _) = newton::<_, 2, false, false>([0.0; 2], [1.0; 2], equations).unwrap();
         assert_eq!((x, y), (1e12, 1e-12));
+        let ([x, y], _) = newton::<_, 2, false, true>([0.0; 2], [1.0; 2], equations).unwrap();
+        assert_eq!((x, y), (1e12, 1e-12));
+    }
+
+    #[test]
+    fn a_guess_that_is_no_guide_is_given_up() {
+        let equation = |x: f64| (x - 1.0, 1.0);
+        assert!(newton_scalar::<_, true, false>(0.9, 1.0, equation).is_ok());
+        let outcome = newton_scalar::<_, true, false>(-7.0, 1.0, equation);
+        assert!(matches!(outcome, Err(StepFailure::NotConverged { iterations: 1, .. })), "{outcome:?}");
     }
 
     #[test]
     fn extrapolation_is_exact_for_a_parabola() {
         let mut memory = Extrapolation::<f64, 1>::default();
         for n in 0..3 {
-            memory.record([f64::from(n * n)]);
+            memory.record::<true>([f64::from(n * n)]);
         }
-        assert_eq!(memory.guess(), [9.0]);
+        assert_eq!(memory.guess::<true>(), [9.0]);
+        assert_eq!(memory.guess::<false>(), [0.0]);
     }
 }

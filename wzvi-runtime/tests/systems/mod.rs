@@ -8,9 +8,9 @@ use wzvi_runtime::embedding::{DeltaPlus, Midpoint};
 use wzvi_runtime::error::{ConfigError, StepFailure};
 use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
 use wzvi_runtime::scalar::{Mask, Scalar};
-use wzvi_runtime::solve::{Extrapolation, newton_scalar};
+use wzvi_runtime::solve::{Effort, Extrapolation, newton_scalar};
 use wzvi_runtime::state::State;
-use wzvi_runtime::system::{Discretized, Hamiltonian, LagrangianGradient, Segment, Solved};
+use wzvi_runtime::system::{Discretized, Hamiltonian, LagrangianGradient, Segment};
 
 pub(crate) type V1 = SVector<f64, 1>;
 
@@ -102,7 +102,7 @@ impl Discretized<Midpoint> for Kubo {
     fn prepare(&self, h: f64) -> Result<(), ConfigError> {
         if (self.a * h).is_finite() && self.sigma.is_finite() { Ok(()) } else { Err(ConfigError::Parameter) }
     }
-    fn advance_carrying<S: Scalar, C: Carry<S>>(
+    fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         &self,
         _prepared: &(),
         _t: f64,
@@ -112,14 +112,14 @@ impl Discretized<Midpoint> for Kubo {
         dw: &[S],
         _memory: &mut (),
         _carry: &mut C,
-    ) -> Result<Solved, StepFailure> {
+    ) -> Result<Effort, StepFailure> {
         let (q0, p0, dw) = (one(q, dimension)?, one(p, dimension)?, one(dw, increments)?);
         let theta = (dw * self.sigma + self.a * h) * 0.5;
         let factor = theta * 2.0 / (theta * theta + 1.0);
         let (q1, p1) = (q0 + factor * (p0 - theta * q0), p0 - factor * (q0 + theta * p0));
         finite(q1, p1)?;
         (q[0], p[0]) = (q1, p1);
-        Ok(Solved::default())
+        Ok(Effort::default())
     }
     fn discrete_lagrangian(&self, s: &Segment<V1>, dw: &[f64]) -> f64 {
         let [dw] = dw else { return f64::NAN };
@@ -193,7 +193,7 @@ impl Discretized<Midpoint> for Pendulum {
     fn prepare(&self, h: f64) -> Result<f64, ConfigError> {
         Some(h * self.omega * self.omega).filter(|x| x.is_finite()).ok_or(ConfigError::Parameter)
     }
-    fn advance_carrying<S: Scalar, C: Carry<S>>(
+    fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         &self,
         &kick: &f64,
         _t: f64,
@@ -203,20 +203,20 @@ impl Discretized<Midpoint> for Pendulum {
         dw: &[S],
         memory: &mut Extrapolation<S, 1>,
         _carry: &mut C,
-    ) -> Result<Solved, StepFailure> {
+    ) -> Result<Effort, StepFailure> {
         let (q0, p0) = (one(q, dimension)?, one(p, dimension)?);
         if !dw.is_empty() {
             return Err(increments(0, dw.len()));
         }
-        let (x, iterations) = newton_scalar(memory.guess()[0], q0, |x| {
+        let (x, effort) = newton_scalar::<_, true, CAREFUL>(memory.guess::<true>()[0], q0, |x| {
             let (sin, cos) = (q0 + x).sin_cos();
             (x - p0 * (0.5 * h) + sin * (0.25 * h * kick), cos * (0.25 * h * kick) + 1.0)
         })?;
         let (q1, p1) = (q0 + x * 2.0, p0 - (q0 + x).sin() * kick);
         finite(q1, p1)?;
-        memory.record([x]);
+        memory.record::<true>([x]);
         (q[0], p[0]) = (q1, p1);
-        Ok(Solved { iterations })
+        Ok(effort)
     }
     fn discrete_lagrangian(&self, s: &Segment<V1>, dw: &[f64]) -> f64 {
         if !dw.is_empty() {
@@ -292,7 +292,7 @@ impl Discretized<DeltaPlus> for Rotors {
     fn prepare(&self, _h: f64) -> Result<(), ConfigError> {
         Ok(())
     }
-    fn advance_carrying<S: Scalar, C: Carry<S>>(
+    fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         &self,
         _prepared: &(),
         _t: f64,
@@ -302,7 +302,7 @@ impl Discretized<DeltaPlus> for Rotors {
         dw: &[S],
         _memory: &mut (),
         _carry: &mut C,
-    ) -> Result<Solved, StepFailure> {
+    ) -> Result<Effort, StepFailure> {
         for slice in [&*q, &*p] {
             if slice.len() != self.count {
                 return Err(dimension(self.count, slice.len()));
@@ -322,7 +322,7 @@ impl Discretized<DeltaPlus> for Rotors {
         for i in 0..self.count {
             (q[i], p[i]) = next(i, q, p);
         }
-        Ok(Solved::default())
+        Ok(Effort::default())
     }
     fn discrete_lagrangian(&self, s: &Segment<DVector<f64>>, dw: &[f64]) -> f64 {
         let kinetic: f64 = s.p.dot(&(&s.q1 - &s.q0)) - 0.5 * s.h * s.p.dot(&s.p);

@@ -14,7 +14,7 @@ use super::model::{Element, Model, Noises, Reads, Slot, Term};
 use super::plan::{Unknowns, unknowns};
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::{Knowledge, NoiseClass};
-use crate::emit::{embedding_type, f64_type, wrapped};
+use crate::emit::{embedding_type, f64_type, parameter, wrapped};
 use crate::input::{Length, Shape};
 use crate::symbolic::{Expr, Symbol};
 
@@ -331,6 +331,7 @@ fn hamiltonian(model: &mut Model) -> TokenStream {
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let (usize, f64) = (quote!(__wzvi::core::primitive::usize), f64_type());
+    let parameter = parameter(&model.graph, &model.parameters);
     let fits = quote! {
         __q.len() == __p.len() && __wzvi::elements::check(self, __q.len()).is_ok()
     };
@@ -344,6 +345,8 @@ fn hamiltonian(model: &mut Model) -> TokenStream {
             fn noises(&self) -> #usize { #noises }
 
             fn invariants(&self) -> #usize { 0 }
+
+            #parameter
 
             fn evaluate<__S: __wzvi::Scalar>(&self, __term: #usize, __q: &[__S], __p: &[__S], __t: #f64) -> __S {
                 let __nan = <__S as __wzvi::Scalar>::from_f64(#f64::NAN);
@@ -494,6 +497,14 @@ fn discretized(model: &Model, facts: &Facts, embedding: &Embedding, text: &str) 
                     __memory.pin(__iteration);
                 }
 
+                fn adopt(__memory: &mut #elements::Memory<#f64>, __left: #elements::Memory<#f64>) {
+                    __memory.adopt(__left);
+                }
+
+                fn method(__memory: &#elements::Memory<#f64>) -> __wzvi::core::option::Option<#elements::Method> {
+                    __wzvi::core::option::Option::Some(__memory.method())
+                }
+
                 fn prepare(&self, __h: #f64) -> __wzvi::core::result::Result<(), __wzvi::ConfigError> {
                     #(
                         if #f64::is_nan(#nan_checks) {
@@ -503,7 +514,11 @@ fn discretized(model: &Model, facts: &Facts, embedding: &Embedding, text: &str) 
                     #elements::prepare(self)
                 }
 
-                fn advance_carrying<__S: __wzvi::Scalar, __C: __wzvi::Carry<__S>>(
+                fn advance_carrying<
+                    __S: __wzvi::Scalar,
+                    __C: __wzvi::Carry<__S>,
+                    const __CAREFUL: __wzvi::core::primitive::bool,
+                >(
                     &self,
                     __prepared: &(),
                     __t: #f64,
@@ -513,8 +528,10 @@ fn discretized(model: &Model, facts: &Facts, embedding: &Embedding, text: &str) 
                     __dw: &[__S],
                     __memory: &mut #elements::Memory<__S>,
                     __carry: &mut __C,
-                ) -> __wzvi::core::result::Result<__wzvi::Solved, __wzvi::StepFailure> {
-                    #elements::advance(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
+                ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
+                    #elements::advance::<_, __S, __C, __CAREFUL>(
+                        self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry,
+                    )
                 }
 
                 fn discrete_lagrangian(

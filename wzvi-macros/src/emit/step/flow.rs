@@ -64,8 +64,8 @@ pub(crate) struct Flow {
     pub(crate) dq: Vec<Op>,
     pub(crate) dp: Vec<Op>,
     pub(crate) momentum: Vec<Op>,
-    /// Whether Newton starts from past steps.
-    pub(crate) remembers: bool,
+    /// Whether there is no noise.
+    pub(crate) is_deterministic: bool,
 }
 
 impl Flow {
@@ -109,10 +109,8 @@ impl Flow {
         }
         let [dq, dp, momentum] = ends.map(|ends| ends.into_iter().map(|end| lowering.lower(end)).collect());
         let hints = hints(&mut lowering, scheme);
-        let has_newton = solves.iter().any(|solve| matches!(solve, Solve::Newton { .. }));
-        let remembers = is_deterministic && has_newton;
         let program = lowering.program;
-        Self { program, hints, parameters, h, t, q0, p0, dw, solves, dq, dp, momentum, remembers }
+        Self { program, hints, parameters, h, t, q0, p0, dw, solves, dq, dp, momentum, is_deterministic }
     }
 
     /// Whether compensated sums, six additions per component, are less than 5 % of the step; a Newton step iterates
@@ -125,13 +123,13 @@ impl Flow {
         step > 20 * 6 * 2 * self.q0.len()
     }
 
-    /// Sizes of the Newton blocks that remember their solutions.
-    pub(crate) fn remembered(&self) -> Vec<usize> {
+    /// Sizes of the Newton blocks.
+    pub(crate) fn newton_sizes(&self) -> Vec<usize> {
         let sizes = self.solves.iter().filter_map(|solve| match solve {
             Solve::Newton { unknowns, .. } => Some(unknowns.len()),
             _ => None,
         });
-        if self.remembers { sizes.collect() } else { Vec::new() }
+        sizes.collect()
     }
 
     /// Everything that the step computes.

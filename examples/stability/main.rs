@@ -1,0 +1,66 @@
+//! Where the schemes hold and where they stop: one table of stiff and extreme cases, with what each costs.
+//!
+//! Run with `cargo run --release --example stability`; the table is also written to `target/wzvi/stability/table.csv`.
+//! `docs/stability.md` explains each way to fail, and what to do.
+
+mod cases;
+mod systems;
+#[path = "../support/table.rs"]
+mod table;
+
+use std::error::Error;
+use std::fs;
+use std::path::PathBuf;
+
+/// One line of the table.
+pub(crate) struct Row {
+    pub(crate) case: String,
+    pub(crate) scheme: &'static str,
+    pub(crate) outcome: String,
+    pub(crate) steps: u64,
+    /// Newton iterations per step: mean and largest.
+    pub(crate) iterations: Option<(f64, u32)>,
+    /// What the case measures, and how much of it there was.
+    pub(crate) drift: (&'static str, f64),
+    /// Nanoseconds per step.
+    pub(crate) time: f64,
+}
+
+impl Row {
+    fn cells(&self) -> [String; 7] {
+        let iterations = match self.iterations {
+            Some((mean, largest)) => format!("{mean:.2} ({largest})"),
+            None => String::from("-"),
+        };
+        [
+            self.case.clone(),
+            self.scheme.to_owned(),
+            self.outcome.clone(),
+            self.steps.to_string(),
+            iterations,
+            format!("{} {:.1e}", self.drift.0, self.drift.1),
+            format!("{:.0}", self.time),
+        ]
+    }
+}
+
+const HEADS: [&str; 7] = ["case", "scheme", "outcome", "steps", "Newton mean (max)", "worst", "ns/step"];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut lines = vec![HEADS.map(str::to_owned)];
+    for (title, rows) in cases::all()? {
+        let cells: Vec<[String; 7]> = rows.iter().map(Row::cells).collect();
+        println!("\n{title}\n");
+        table::print(HEADS, &cells);
+        lines.extend(cells);
+    }
+    let folder = PathBuf::from("target/wzvi/stability");
+    fs::create_dir_all(&folder)?;
+    let quoted = |line: &[String; 7]| {
+        line.each_ref().map(|cell| format!("\"{}\"", cell.replace('"', "\"\""))).join(",")
+    };
+    let text: Vec<String> = lines.iter().map(quoted).collect();
+    fs::write(folder.join("table.csv"), text.join("\n") + "\n")?;
+    println!("\ntable: {}", folder.join("table.csv").display());
+    Ok(())
+}

@@ -1,0 +1,219 @@
+//! Steps that are hard, have no solution, or do not resolve the motion: what the run says, and what helps.
+
+use wzvi::error::{ConfigError, StepError, StepFailure};
+use wzvi::nalgebra::SVector;
+use wzvi::prelude::*;
+
+/// A mass on a stiff spring under gravity: the stiff direction turns with the pendulum.
+#[hamiltonian(
+    drift = |[x, y], [px, py]| {
+        let stretch = (x * x + y * y).sqrt() - 1.0;
+        0.5 * (px * px + py * py) + y + 0.5 * stiffness * stretch * stretch
+    },
+    embedding = Midpoint,
+)]
+struct SpringPendulum {
+    stiffness: f64,
+}
+
+/// `H = p²/2 - q³/3`: the mid-point of a step solves a quadratic equation.
+#[hamiltonian(drift = |q, p| 0.5 * p * p - q * q * q / 3.0, embedding = Midpoint)]
+struct Cubic;
+
+/// The same, kicked.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p - q * q * q / 3.0,
+    noise = [|q, p| 0.1 * q],
+    embedding = Midpoint,
+)]
+struct KickedCubic;
+
+/// A free mass and a hard elastic wall at zero: a kink in the force.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + if q < 0.0 { 0.5 * stiffness * q * q } else { 0.0 },
+    embedding = Midpoint,
+)]
+struct Wall {
+    stiffness: f64,
+}
+
+/// At an angle of 1 rad, with the given radial momentum.
+fn hanging(radial: f64) -> State<SVector<f64, 2>> {
+    let (x, y) = (1.0_f64.sin(), -1.0_f64.cos());
+    State::new([x, y], [radial * x, radial * y])
+}
+
+fn length_error(state: &State<SVector<f64, 2>>) -> f64 {
+    (state.q.norm() - 1.0).abs()
+}
+
+/// The largest error of the length, and of the energy, at the nodes of a run.
+fn errors(k: f64, radial: f64, retry: Retry, end: f64) -> Result<(f64, f64, u32), wzvi::Error> {
+    let spring = SpringPendulum { stiffness: k };
+    let start = hanging(radial);
+    let energy = spring.energy(&start);
+    let mut worst = (0.0_f64, 0.0_f64);
+    let path = spring
+        .simulate::<Midpoint>(0.01)
+        .start(start)
+        .until(end)
+        .retry(retry)
+        .record_every(0)
+        .observe(|state: &State<_>, node: &wzvi::simulate::Node<'_>| {
+            // A run that starts again is another run.
+            worst = if node.step == 0 { (0.0, 0.0) } else { worst };
+            let error = (spring.energy(state) - energy).abs();
+            worst = (worst.0.max(length_error(state)), worst.1.max(error));
+        })
+        .run()?;
+    Ok((worst.0, worst.1, path.iterations().halvings))
+}
+
+/// The envelope of the alternating mode, `4 / (ω h²)`, is at least 1.26 up to k = 1e9, above the angular velocity 0.96:
+/// the run is bounded, with `(h v)² / 8 = 1.2e-5` in the length.
+#[test]
+fn a_stiff_spring_is_bounded_while_its_envelope_is_fast() {
+    for exponent in [2, 4, 6, 8, 9] {
+        let k = 10.0_f64.powi(exponent);
+        for radial in [0.0, 0.1] {
+            let (length, energy, _) = errors(k, radial, Retry::never(), 100.0).unwrap();
+            // The stretch by gravity and rotation, 3 cos 0 - 2 cos 1 = 1.92 at most, the oscillation, and the scheme's own.
+            let bound = 2.0 * 1.92 / k + 1.5 * radial / k.sqrt() + 1.2e-4;
+            assert!(length <= bound, "k = 1e{exponent}, {radial}: {length:.1e} > {bound:.1e}");
+            assert!(energy <= 0.2, "k = 1e{exponent}, {radial}: {energy:.1e}");
+        }
+    }
+}
+
+/// Beyond, a hand-written mid-point converges in three iterations to a length of 11.
+#[test]
+fn a_stiff_spring_that_is_not_resolved_is_refused() {
+    for exponent in [10, 12, 14, 16] {
+        for radial in [0.0, 0.1] {
+            let outcome = errors(10.0_f64.powi(exponent), radial, Retry::never(), 100.0);
+            let Err(wzvi::Error::Step(StepError { cause, t, .. })) = outcome else {
+                panic!("k = 1e{exponent}, {radial}: {outcome:?}");
+            };
+            let StepFailure::Unresolved { energy_error, scale } = cause else {
+                panic!("k = 1e{exponent}, {radial}: {cause}");
+            };
+            assert!(energy_error > 0.25 * scale && t < 60.0);
+        }
+    }
+}
+
+#[test]
+fn subdivision_cures_it_in_the_same_call() {
+    for (exponent, most) in [(10, 4), (16, 8)] {
+        for radial in [0.0, 0.1] {
+            let k = 10.0_f64.powi(exponent);
+            let (length, energy, halvings) = errors(k, radial, Retry::halving(8), 100.0).unwrap();
+            println!(
+                "k = 1e{exponent}, {radial}: length {length:.1e}, energy {energy:.1e}, {halvings} halvings"
+            );
+            assert!(length < 2e-5, "k = 1e{exponent}, {radial}: {length:.1e}");
+            assert!(energy < 0.25, "k = 1e{exponent}, {radial}: {energy:.1e}");
+            assert!(halvings >= 1 && halvings <= most);
+        }
+    }
+}
+
+#[test]
+fn whoever_does_not_want_the_watch_switches_it_off() {
+    let spring = SpringPendulum { stiffness: 1e10 };
+    let run = || spring.simulate::<Midpoint>(0.01).start(hanging(0.1)).until(20.0).record_every(0);
+    assert!(run().run().is_err());
+    let path = run().unwatched().run().unwrap();
+    // This is what it protects from.
+    assert!(length_error(path.last()) > 1e-3);
+    assert!(path.iterations().hard > 100);
+}
+
+/// `M = q + h p / 2 + h² M² / 4` for the mid-point of a step: its two solutions meet where `h² (q + h p / 2) = 1`.
+/// The one with the minus sign is connected with the state.
+#[test]
+fn the_solution_of_a_step_is_the_connected_one_or_none() {
+    let (mut solved, mut refused) = (0, 0);
+    for i in 0..60 {
+        for j in 0..60 {
+            let (q, p, h) = (0.1 * f64::from(i) - 3.0, 0.2 * f64::from(j) - 6.0, 0.9);
+            let mut state = State::new([q], [p]);
+            let outcome = Cubic.stepper::<Midpoint>(h).unwrap().step(&mut state, &[]);
+            let discriminant = |part: f64| 1.0 - (part * h).powi(2) * (q + 0.5 * part * h * p);
+            // The first zero along the step, if there is one.
+            let fold = (1..=10_000).map(|n| f64::from(n) * 1e-4).find(|&part| discriminant(part) < 0.0);
+            match (outcome, fold) {
+                (Ok(_), None) => {
+                    let root = discriminant(1.0).sqrt();
+                    let middle = 2.0 * (q + 0.5 * h * p) / (1.0 + root);
+                    let error = (0.5 * (q + state.q[0]) - middle).abs();
+                    // Rounding, magnified where the two solutions nearly meet.
+                    assert!(error <= 1e-13 * (1.0 + middle.abs()) / root, "q = {q}, p = {p}: {error:.1e}");
+                    solved += 1;
+                }
+                (Err(StepError { cause: StepFailure::NoSolution { reached }, .. }), Some(fold)) => {
+                    assert!((-1e-4..=1.0 / 16.0).contains(&(fold - reached)), "{reached} of {fold}");
+                    refused += 1;
+                }
+                (outcome, fold) => {
+                    // Within rounding of the fold either may be.
+                    assert!(
+                        (1..=100).any(|n| discriminant(0.01 * f64::from(n)).abs() < 1e-3),
+                        "q = {q}, p = {p}: {outcome:?}, fold {fold:?}"
+                    );
+                }
+            }
+        }
+    }
+    println!("{solved} solved, {refused} refused");
+    assert!(solved > 1500 && refused > 500, "{solved} {refused}");
+}
+
+/// A step into the wall: half of it free, the mid-point inside. Piecewise linear, so that the solution is known.
+#[test]
+fn a_kink_is_no_obstacle() {
+    let (h, q, p) = (0.1, 0.05, -2.0);
+    for exponent in [0, 3, 6, 9] {
+        let wall = Wall { stiffness: 10.0_f64.powi(exponent) };
+        let mut state = State::new([q], [p]);
+        wall.stepper::<Midpoint>(h).unwrap().step(&mut state, &[]).unwrap();
+        // M = (q + h p / 2) / (1 + h² k / 4) < 0
+        let middle = (q + 0.5 * h * p) / (1.0 + 0.25 * h * h * wall.stiffness);
+        assert!((0.5 * (q + state.q[0]) - middle).abs() <= 1e-15, "1e{exponent}");
+    }
+}
+
+/// A step without solution is taken in parts with the increments that the same path has there.
+#[test]
+fn a_subdivided_step_is_the_finer_run() {
+    // h² (q + h p / 2) > 1 for h = 1, not for h = 1/4.
+    let start = State::new([1.2], [0.5]);
+    let run = |h: f64| KickedCubic.simulate::<Midpoint>(h).start(start).noise(Wiener::seed(11));
+    let outcome = run(1.0).steps(1).run();
+    let Err(wzvi::Error::Step(StepError { cause: StepFailure::NoSolution { .. }, .. })) = outcome else {
+        panic!("{outcome:?}");
+    };
+    let path = run(1.0).steps(1).retry(Retry::halving(6)).run().unwrap();
+    let halvings = path.iterations().halvings;
+    assert!(halvings > 0 && path.iterations().halved == 1);
+    let parts = 2.0_f64.powi(halvings as i32);
+    let finer = run(1.0 / parts).steps(parts as u64).run().unwrap();
+    assert_eq!((path.last().q, path.last().p), (finer.last().q, finer.last().p));
+    assert_eq!(path.last().t, 1.0);
+}
+
+#[test]
+fn given_increments_cannot_be_subdivided() {
+    let run = KickedCubic.simulate::<Midpoint>(0.1).start(State::new([0.1], [0.1]));
+    let outcome = run.noise(Increments::from([0.1])).steps(1).retry(Retry::halving(2)).run();
+    assert!(matches!(outcome, Err(wzvi::Error::Config(ConfigError::Setting(_)))), "{outcome:?}");
+}
+
+#[test]
+fn a_retry_that_does_not_help_leaves_the_state() {
+    let run = Cubic.simulate::<Midpoint>(1.0).start(State::new([100.0], [100.0])).steps(3);
+    let (path, error) = run.retry(Retry::halving(1)).run_partial().unwrap();
+    assert_eq!((path.steps(), path.last().q[0], path.last().p[0]), (0, 100.0, 100.0));
+    let Some(wzvi::Error::Step(error)) = error else { panic!("{error:?}") };
+    assert_eq!((error.step, error.h), (0, 0.5));
+}

@@ -1,0 +1,493 @@
+//! What the stable forms are worth: errors before and after, in units in the last place of the exact value.
+#![allow(clippy::unwrap_used)]
+
+use super::real::error_in_ulps;
+use super::residue::SplitMix;
+use super::{Expr, Function, Graph, Rational};
+
+/// Numbers of every size that a parameter or a state may have.
+struct Inputs(SplitMix);
+
+impl Inputs {
+    fn below(&mut self, bound: u64) -> u64 {
+        self.0.next() % bound
+    }
+
+    /// Uniform in [0, 1).
+    fn fraction(&mut self) -> f64 {
+        (self.0.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn sign(&mut self) -> f64 {
+        if self.below(2) == 0 { 1.0 } else { -1.0 }
+    }
+
+    /// Of size `10^low` to `10^high`, logarithmically.
+    fn sized(&mut self, low: f64, high: f64) -> f64 {
+        self.sign() * 10.0_f64.powf(low + (high - low) * self.fraction())
+    }
+
+    /// Within a few units in the last place of `x`, or farther off by a random power of two.
+    fn near(&mut self, x: f64) -> f64 {
+        match self.below(3) {
+            0 => f64::from_bits(x.to_bits().wrapping_add(self.below(9)).wrapping_sub(4)),
+            _ => x * (1.0 + self.sign() * 2.0_f64.powi(-(self.below(52) as i32))),
+        }
+    }
+
+    /// Ordinary, tiny, or close to a multiple of π/2, where trigonometric functions vanish.
+    fn angle(&mut self) -> f64 {
+        match self.below(4) {
+            0 => self.sized(-150.0, 0.0),
+            1 => self.sized(-12.0, 0.0),
+            2 => 10.0 * self.sign() * self.fraction(),
+            _ => {
+                let multiple = self.below(9) as f64 * std::f64::consts::FRAC_PI_2;
+                self.near(multiple)
+            }
+        }
+    }
+}
+
+/// One form that is rewritten: how it is written, and where it is tried.
+struct Form {
+    name: &'static str,
+    /// From `x`, `y` and `a`.
+    written: fn(&mut Graph, [Expr; 3]) -> Expr,
+    inputs: fn(&mut Inputs) -> [f64; 3],
+    /// Most units in the last place that the stable form may be wrong by: the roundings of its operations and
+    /// calls, counted in the comment beside it.
+    bound: f64,
+}
+
+fn minus(graph: &mut Graph, a: Expr, b: Expr) -> Expr {
+    graph.subtract(a, b)
+}
+
+/// `a f(x) - a`
+fn less_one(graph: &mut Graph, function: Function, [x, _, a]: [Expr; 3]) -> Expr {
+    let value = graph.apply(function, &[x]);
+    let product = graph.multiply(a, value);
+    graph.subtract(product, a)
+}
+
+fn square(graph: &mut Graph, x: Expr) -> Expr {
+    graph.power(x, Rational::integer(2))
+}
+
+fn root(graph: &mut Graph, x: Expr) -> Expr {
+    graph.apply(Function::Sqrt, &[x])
+}
+
+/// `exp(multiple · x)`
+fn exponential(graph: &mut Graph, x: Expr, multiple: i32) -> Expr {
+    let argument = graph.scale(x, Rational::integer(multiple));
+    graph.apply(Function::Exp, &[argument])
+}
+
+/// Squares of what is below 1e-154 lose digits to gradual underflow in any form: nothing is tried there.
+///
+/// Calls are granted one unit in the last place each, which is two roundings; a square doubles what it is given.
+const FORMS: [Form; 18] = [
+    Form {
+        name: "a - a cos x",
+        written: |g, symbols| {
+            let difference = less_one(g, Function::Cos, symbols);
+            g.negate(difference)
+        },
+        inputs: |random| [random.angle(), 0.0, random.sized(-3.0, 3.0)],
+        bound: 6.0,
+    },
+    Form {
+        name: "a + a cos x",
+        written: |g, [x, _, a]| {
+            let cosine = g.apply(Function::Cos, &[x]);
+            let product = g.multiply(a, cosine);
+            g.add(a, product)
+        },
+        inputs: |random| [random.angle(), 0.0, random.sized(-3.0, 3.0)],
+        bound: 6.0,
+    },
+    Form {
+        name: "3 - cos x - 2 cos y",
+        written: |g, [x, y, _]| {
+            let [cos_x, cos_y] = [x, y].map(|x| g.apply(Function::Cos, &[x]));
+            let three = g.integer(3);
+            let minus_two = Rational::integer(-2);
+            g.linear_combination(&[(three, Rational::ONE), (cos_x, Rational::MINUS_ONE), (cos_y, minus_two)])
+        },
+        inputs: |random| [random.angle(), random.angle(), 0.0],
+        bound: 7.0,
+    },
+    Form {
+        name: "a cosh x - a",
+        written: |g, symbols| less_one(g, Function::Cosh, symbols),
+        inputs: |random| [random.sized(-150.0, 2.8), 0.0, random.sized(-3.0, 3.0)],
+        bound: 6.0,
+    },
+    Form {
+        name: "a exp x - a",
+        written: |g, symbols| less_one(g, Function::Exp, symbols),
+        inputs: |random| [random.sized(-300.0, 2.8), 0.0, random.sized(-3.0, 3.0)],
+        bound: 3.0,
+    },
+    Form {
+        name: "a exp x - a exp(-x)",
+        written: |g, [x, _, a]| {
+            let (up, down) = (exponential(g, x, 1), exponential(g, x, -1));
+            let (up, down) = (g.multiply(a, up), g.multiply(a, down));
+            g.subtract(up, down)
+        },
+        inputs: |random| [random.sized(-300.0, 2.8), 0.0, random.sized(-3.0, 3.0)],
+        bound: 3.0,
+    },
+    Form {
+        name: "a exp x + a exp(-x) - 2 a",
+        written: |g, [x, _, a]| {
+            let (up, down) = (exponential(g, x, 1), exponential(g, x, -1));
+            let (up, down) = (g.multiply(a, up), g.multiply(a, down));
+            g.linear_combination(&[(up, Rational::ONE), (down, Rational::ONE), (a, Rational::integer(-2))])
+        },
+        inputs: |random| [random.sized(-150.0, 2.8), 0.0, random.sized(-3.0, 3.0)],
+        bound: 6.0,
+    },
+    Form {
+        name: "a exp(-x) - a exp(-2 x)",
+        written: |g, [x, _, a]| {
+            let (slow, fast) = (exponential(g, x, -1), exponential(g, x, -2));
+            let (slow, fast) = (g.multiply(a, slow), g.multiply(a, fast));
+            g.subtract(slow, fast)
+        },
+        inputs: |random| [random.sized(-300.0, 2.5), 0.0, random.sized(-3.0, 3.0)],
+        bound: 6.0,
+    },
+    Form {
+        name: "ln(1 + x)",
+        written: |g, [x, ..]| {
+            let one = g.integer(1);
+            let sum = g.add(one, x);
+            g.apply(Function::Ln, &[sum])
+        },
+        inputs: |random| {
+            let x = random.sized(-300.0, 300.0);
+            [if x < -1.0 { 1.0 / x } else { x }, 0.0, 0.0]
+        },
+        bound: 1.5,
+    },
+    Form {
+        name: "ln(1 - x²)",
+        written: |g, [x, ..]| {
+            let (one, square) = (g.integer(1), square(g, x));
+            let difference = g.subtract(one, square);
+            g.apply(Function::Ln, &[difference])
+        },
+        inputs: |random| {
+            let x = if random.below(2) == 0 { random.sized(-150.0, 0.0) } else { random.near(1.0) };
+            [if x.abs() >= 1.0 { 0.75 } else { x }, 0.0, 0.0]
+        },
+        // Rounding x² = 1/2 moves the logarithm by as much as x² / ((1 - x²) ln(1 - x²)) = 1.44 of it.
+        bound: 4.0,
+    },
+    Form {
+        name: "√(x + y) - √x",
+        written: |g, [x, y, _]| {
+            let sum = g.add(x, y);
+            let (first, second) = (root(g, sum), root(g, x));
+            minus(g, first, second)
+        },
+        inputs: |random| {
+            let x = random.sized(-200.0, 200.0).abs();
+            [x, x * random.sized(-20.0, 5.0).abs(), 0.0]
+        },
+        bound: 4.0,
+    },
+    Form {
+        name: "√(x² + a²) - a",
+        written: |g, [x, _, a]| {
+            let (x, square_a) = (square(g, x), square(g, a));
+            let sum = g.add(x, square_a);
+            let root = root(g, sum);
+            minus(g, root, a)
+        },
+        inputs: |random| {
+            let a = random.sized(-50.0, 50.0);
+            [a * random.sized(-20.0, 5.0), 0.0, a]
+        },
+        bound: 5.0,
+    },
+    Form {
+        name: "a √(1 + x²) - a",
+        written: |g, [x, _, a]| {
+            let (one, square) = (g.integer(1), square(g, x));
+            let sum = g.add(one, square);
+            let root = root(g, sum);
+            let product = g.multiply(a, root);
+            minus(g, product, a)
+        },
+        inputs: |random| [random.sized(-150.0, 150.0), 0.0, random.sized(-3.0, 3.0)],
+        bound: 6.0,
+    },
+    Form {
+        name: "a x² - a y²",
+        written: |g, [x, y, a]| {
+            let squares = [x, y].map(|x| square(g, x));
+            let [first, second] = squares.map(|square| g.multiply(a, square));
+            minus(g, first, second)
+        },
+        inputs: |random| {
+            let x = random.sized(-140.0, 140.0);
+            [x, random.near(x), random.sized(-3.0, 3.0)]
+        },
+        bound: 4.0,
+    },
+    Form {
+        name: "x⁴ - y⁴",
+        written: |g, [x, y, _]| {
+            let [first, second] = [x, y].map(|x| g.power(x, Rational::integer(4)));
+            minus(g, first, second)
+        },
+        inputs: |random| {
+            let x = random.sized(-70.0, 70.0);
+            [x, random.near(x), 0.0]
+        },
+        bound: 7.0,
+    },
+    Form {
+        name: "x³ - 4 x",
+        written: |g, [x, ..]| {
+            let cube = g.power(x, Rational::integer(3));
+            g.linear_combination(&[(cube, Rational::ONE), (x, Rational::integer(-4))])
+        },
+        inputs: |random| [random.near(2.0), 0.0, 0.0],
+        bound: 4.0,
+    },
+    Form {
+        name: "a - a cos²x",
+        written: |g, [x, _, a]| {
+            let cosine = g.apply(Function::Cos, &[x]);
+            let square = square(g, cosine);
+            let product = g.multiply(a, square);
+            minus(g, a, product)
+        },
+        inputs: |random| [random.angle(), 0.0, random.sized(-3.0, 3.0)],
+        bound: 6.0,
+    },
+    Form {
+        name: "a - a tanh²x",
+        written: |g, [x, _, a]| {
+            let tangent = g.apply(Function::Tanh, &[x]);
+            let square = square(g, tangent);
+            let product = g.multiply(a, square);
+            minus(g, a, product)
+        },
+        inputs: |random| [random.sized(-3.0, 2.5), 0.0, random.sized(-3.0, 3.0)],
+        bound: 8.0,
+    },
+];
+
+/// Tries every form at this many points.
+const TRIES: usize = 400;
+
+/// Errors of the form as it is written and of the stable one, at every point where the exact value is one of binary64.
+fn measure(form: &Form) -> Vec<([f64; 3], f64, f64)> {
+    let mut graph = Graph::new();
+    let symbols = ["x", "y", "a"].map(|name| graph.new_symbol(name));
+    let leaves = symbols.map(|symbol| graph.symbol(symbol));
+    let written = (form.written)(&mut graph, leaves);
+    let stable = graph.stabilise(&[written])[0];
+    assert_ne!(written, stable, "{} is left alone", form.name);
+    let mut random = Inputs(SplitMix::new(7));
+    let mut errors = Vec::new();
+    for _ in 0..TRIES {
+        let point = (form.inputs)(&mut random);
+        let values = |symbol| point[symbols.iter().position(|&s| s == symbol).unwrap()];
+        let Some(exact) = graph.evaluate_exactly(written, &values) else { continue };
+        if exact.to_f64().is_finite() {
+            let computed = graph.evaluate(&[written, stable], &values);
+            errors.push((point, error_in_ulps(computed[0], &exact), error_in_ulps(computed[1], &exact)));
+        }
+    }
+    errors
+}
+
+fn percentile(errors: impl Iterator<Item = f64>, percent: usize) -> f64 {
+    let mut errors: Vec<f64> = errors.collect();
+    errors.sort_by(f64::total_cmp);
+    errors[(errors.len() - 1) * percent / 100]
+}
+
+/// To a few units in the last place wherever they are tried, and nowhere worse than as written by more than those.
+#[test]
+fn stable_forms_are_right_to_a_few_units_in_the_last_place() {
+    println!("{:28} {:>9} {:>9} {:>9} | {:>6} {:>6}", "", "typical", "90 %", "largest", "median", "largest");
+    let mut failures = Vec::new();
+    for form in &FORMS {
+        let errors = measure(form);
+        assert!(errors.len() > TRIES * 9 / 10, "{}: only {} points", form.name, errors.len());
+        let before = |percent| percentile(errors.iter().map(|e| e.1), percent);
+        let after = |percent| percentile(errors.iter().map(|e| e.2), percent);
+        println!(
+            "{:28} {:9.2e} {:9.2e} {:9.2e} | {:6.2} {:6.2}",
+            form.name,
+            before(50),
+            before(90),
+            before(100),
+            after(50),
+            after(100)
+        );
+        assert!(before(100) > 1000.0, "{}: no point where it matters", form.name);
+        for &(point, before, after) in &errors {
+            if after > form.bound {
+                failures.push(format!("{} at {point:?}: {before} -> {after}", form.name));
+            }
+        }
+    }
+    assert!(
+        failures.is_empty(),
+        "{} points\n{}",
+        failures.len(),
+        failures[..failures.len().min(30)].join("\n")
+    );
+}
+
+/// Random expressions around the forms of the table: their arguments, their surroundings and their derivatives.
+struct Expressions {
+    graph: Graph,
+    leaves: [Expr; 3],
+    random: Inputs,
+}
+
+impl Expressions {
+    fn new(seed: u64) -> (Self, [super::Symbol; 3]) {
+        let mut graph = Graph::new();
+        let symbols = ["x", "y", "a"].map(|name| graph.new_symbol(name));
+        let leaves = symbols.map(|symbol| graph.symbol(symbol));
+        (Self { graph, leaves, random: Inputs(SplitMix::new(seed)) }, symbols)
+    }
+
+    fn leaf(&mut self) -> Expr {
+        self.leaves[self.random.below(3) as usize]
+    }
+
+    /// Something to put into a form.
+    fn argument(&mut self) -> Expr {
+        let (a, b) = (self.leaf(), self.leaf());
+        let coefficient = [(1, 2), (2, 1), (-3, 1), (1, 3)][self.random.below(4) as usize];
+        let g = &mut self.graph;
+        match self.random.below(9) {
+            0..3 => a,
+            3 => g.add(a, b),
+            4 => g.subtract(a, b),
+            5 => g.multiply(a, b),
+            6 => g.scale(a, Rational::new(coefficient.0, coefficient.1).unwrap()),
+            7 => g.apply(Function::Sin, &[a]),
+            _ => {
+                let square = g.power(a, Rational::integer(2));
+                let one = g.integer(1);
+                g.add(one, square)
+            }
+        }
+    }
+
+    fn form(&mut self) -> Expr {
+        let arguments = [self.argument(), self.argument(), self.argument()];
+        let form = &FORMS[self.random.below(FORMS.len() as u64) as usize];
+        (form.written)(&mut self.graph, arguments)
+    }
+
+    /// A form, and what users have around it.
+    fn expression(&mut self, along: super::Symbol) -> Expr {
+        let (form, other) = (self.form(), self.argument());
+        let kind = self.random.below(8);
+        let second = if kind == 3 { self.form() } else { other };
+        let g = &mut self.graph;
+        match kind {
+            0 => form,
+            1 => g.multiply(form, other),
+            2 | 3 => g.add(form, second),
+            4 => {
+                let product = g.multiply(form, other);
+                let tenth = Rational::new(1, 10).unwrap();
+                g.linear_combination(&[(product, tenth), (other, Rational::ONE)])
+            }
+            5 => {
+                let two = g.integer(2);
+                let square = g.power(form, Rational::integer(2));
+                let sum = g.add(two, square);
+                g.apply(Function::Sqrt, &[sum])
+            }
+            _ => g.derivative(form, along),
+        }
+    }
+
+    /// Numbers of all sizes, neighbours among them.
+    fn point(&mut self) -> [f64; 3] {
+        let random = &mut self.random;
+        let x = match random.below(6) {
+            0 => [1e-9, 1e-160, 1e-300, 1e20, 1e75, -1.0, std::f64::consts::PI][random.below(7) as usize],
+            1 => random.angle(),
+            _ => random.sized(-10.0, 1.5),
+        };
+        let y = if random.below(2) == 0 { random.near(x) } else { random.sized(-10.0, 1.5) };
+        let a = if random.below(3) == 0 { random.near(x) } else { random.sized(-3.0, 1.5) };
+        [x, y, a]
+    }
+}
+
+/// Points within a few units in the last place: one computed value may be right by luck, several are not.
+fn cluster(random: &mut Inputs, point: [f64; 3]) -> Vec<[f64; 3]> {
+    (0..6).map(|_| point.map(|x| f64::from_bits((x.to_bits() & !7) | random.below(8)))).collect()
+}
+
+/// In a cluster of points, the largest error of the stable form is at most four times that of the form as it is
+/// written, and `FEW` units in the last place: a difference of squares of inexact numbers doubles what it inherits, the
+/// largest of six samples of a rounding error is half of its bound or more, and what replaces one operation has a few.
+#[test]
+fn no_stable_form_is_worse_than_what_is_written() {
+    const FEW: f64 = 8.0;
+    let (mut compared, mut rewritten, mut better, mut failures) = (0, 0, 0, Vec::new());
+    for seed in 0..700 {
+        let (mut expressions, symbols) = Expressions::new(seed);
+        let written = expressions.expression(symbols[0]);
+        let stable = expressions.graph.stabilise(&[written])[0];
+        if stable == written {
+            continue;
+        }
+        rewritten += 1;
+        for _ in 0..3 {
+            let point = expressions.point();
+            let (mut before, mut after) = (0.0_f64, 0.0_f64);
+            for point in cluster(&mut expressions.random, point) {
+                let values = |symbol| point[symbols.iter().position(|&s| s == symbol).unwrap()];
+                let graph = &expressions.graph;
+                let Some(exact) = graph.evaluate_exactly(written, &values) else { continue };
+                let computed = graph.evaluate(&[written, stable], &values);
+                if exact.to_f64().is_finite() {
+                    before = before.max(error_in_ulps(computed[0], &exact));
+                    after = after.max(error_in_ulps(computed[1], &exact));
+                    compared += 1;
+                }
+            }
+            better += usize::from(after < 0.5 * before);
+            if after > 4.0 * before + FEW {
+                let graph = &expressions.graph;
+                failures.push(format!(
+                    "seed {seed} at {point:?}: {before:.1} -> {after:.1}\n  {}\n  {}",
+                    graph.display(written),
+                    graph.display(stable)
+                ));
+            }
+        }
+    }
+    println!(
+        "{rewritten} expressions, {compared} points; at least twice as good in {better} of {} clusters",
+        3 * rewritten
+    );
+    assert!(
+        failures.is_empty(),
+        "{} clusters\n{}",
+        failures.len(),
+        failures[..failures.len().min(12)].join("\n")
+    );
+    assert!(compared > 5000 && better > 200, "{compared} {better}");
+}

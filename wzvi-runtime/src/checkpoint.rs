@@ -1,0 +1,125 @@
+//! Long runs: checkpoints, and going on from them (feature `serde`).
+//!
+//! [`Simulation::checkpoint`] has a run write down, now and then, all that its steps change. A run that is stopped at
+//! any moment, by a signal, a crash or a loss of power, and then started again with the same settings goes on from
+//! its last checkpoint, and its trajectory is bit for bit that of a run that was never stopped:
+//!
+//! ```ignore
+//! let path = kepler
+//!     .simulate::<Midpoint>(0.01)
+//!     .start(State::new([0.5, 0.0], [0.0, 3.0_f64.sqrt()]))
+//!     .steps(100_000_000)
+//!     .record_every(0)
+//!     .checkpoint(Checkpoint::to("kepler.wzvi").every_steps(1_000_000))
+//!     .run()?;
+//! ```
+//!
+//! # What happens to the file
+//!
+//! | The file | The run |
+//! |---|---|
+//! | is not there | starts, and writes it before the first step: a folder that cannot be written to shows at once |
+//! | is of this run | goes on from there |
+//! | is of this run, and that has finished | returns the same trajectory at once; with a later end, goes on to it |
+//! | is of another run, damaged, of another format, or no checkpoint | fails with a [`CheckpointError`]; the file stays as it is |
+//!
+//! Two runs are the same if system, parameters, scheme, step size, start, noise and `record_every` are, and the
+//! version of this crate. Parameters are compared by the numbers that the step computes from them, and by energies
+//! and forces at the start and at the checkpoint. Only the end may differ. To repeat a run from its start, remove its
+//! files.
+//!
+//! Bits are those of the same program on the same machine: `sin`, `exp` and the like come from the platform.
+//!
+//! # Files
+//!
+//! A checkpoint is written to a temporary file in the same folder, which is flushed to the disk and then renamed; the
+//! folder is flushed after that. The file is one line, `wzvi-checkpoint <version> <length> <checksum>`, and that many
+//! bytes of JSON, in which every number is its 64 bits in hexadecimal digits. Nodes that are recorded
+//! ([`record_every`](Simulation::record_every) above 0) go to a second file, named like the first with `.nodes` at its end: each is appended
+//! once, so that a checkpoint costs what is new, however long the path is. The two belong together; move or remove
+//! both. Only one process at a time should use them; one that finds the checkpoint changed by another stops with
+//! [`CheckpointError::Taken`].
+//!
+//! # Observers
+//!
+//! What an observer has seen is not kept: one that is attached to a run which goes on sees the nodes after the
+//! checkpoint, with the sums of the increments from the start. A node between the last checkpoint and the moment of
+//! the stop is seen twice, once before and once after it.
+//!
+//! # Sources of noise
+//!
+//! [`Wiener`](crate::noise::Wiener), [`WongZakai`](crate::noise::WongZakai) and given increments need no state: what they
+//! are is in the file, and they are asked for step `n` as in a run that was never stopped. A source of your own says
+//! what it is by [`Noise::identity`](crate::increments::Noise::identity), or takes no checkpoints.
+
+mod error;
+mod format;
+mod identity;
+mod keeper;
+mod nodes;
+mod replace;
+mod schedule;
+mod tape;
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use crate::error::ConfigError;
+use crate::simulate::Simulation;
+use crate::system::Discretized;
+pub use error::{CheckpointError, Damage, Difference};
+pub(crate) use tape::Tape;
+
+/// Where a run writes itself down, and how often.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[must_use = "give it to `Simulation::checkpoint`"]
+pub struct Checkpoint {
+    path: PathBuf,
+    steps: Option<u64>,
+    interval: Option<Duration>,
+}
+
+/// How often, unless the user says otherwise.
+const MINUTE: Duration = Duration::from_secs(60);
+
+impl Checkpoint {
+    /// To this file, once a minute unless told otherwise.
+    pub fn to(path: impl Into<PathBuf>) -> Self {
+        Self { path: path.into(), steps: None, interval: None }
+    }
+
+    /// At each node whose number is a multiple of `steps`, at least 1.
+    pub fn every_steps(mut self, steps: u64) -> Self {
+        self.steps = Some(steps);
+        self
+    }
+
+    /// As soon as this time has gone by since the last checkpoint, more than zero. Together with
+    /// [`Checkpoint::every_steps`], whichever comes first.
+    pub fn every(mut self, interval: Duration) -> Self {
+        self.interval = Some(interval);
+        self
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        let mistake = match (self.steps, self.interval) {
+            (Some(0), _) => "a checkpoint every 0 steps; give at least 1",
+            (_, Some(Duration::ZERO)) => "a checkpoint after no time at all; give more than zero",
+            _ => return Ok(()),
+        };
+        Err(ConfigError::Setting(mistake.to_owned()))
+    }
+}
+
+/// What a run was told to keep.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Keeping(Option<Checkpoint>);
+
+impl<H: Discretized<E>, E, N, O> Simulation<'_, H, E, N, O> {
+    /// Goes on from the checkpoint if its file is there and of this run, and writes one now and then and at the end:
+    /// see [`crate::checkpoint`].
+    pub fn checkpoint(mut self, checkpoint: Checkpoint) -> Self {
+        self.keeping = Keeping(Some(checkpoint));
+        self
+    }
+}

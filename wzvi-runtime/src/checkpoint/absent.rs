@@ -1,0 +1,63 @@
+//! Without the feature `serde` no run keeps anything: what the loop asks for is answered at compile time.
+
+use crate::carry::Carry;
+use crate::error::Error;
+use crate::retry::Retry;
+use crate::state::State;
+use crate::step::Stepper;
+use crate::sum::Sums;
+use crate::system::Discretized;
+use crate::trajectory::Recorder;
+
+/// What a run was told to keep: nothing.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Keeping;
+
+/// Keeps nothing.
+#[derive(Debug)]
+pub(crate) struct Keeper;
+
+impl Keeping {
+    #[inline(always)]
+    pub(crate) fn open<H: Discretized<E>, E, C: Carry<f64>, N>(
+        self,
+        _stepper: &mut Stepper<'_, H, E, C>,
+        _state: &mut State<H::Vector>,
+        _recorder: &mut Recorder<H::Vector>,
+        _path: &mut Sums,
+        _noise: Option<&N>,
+        _extent: (u64, Retry),
+    ) -> Result<Keeper, Error> {
+        Ok(Keeper)
+    }
+}
+
+impl Keeper {
+    /// Every run starts at its start.
+    #[inline(always)]
+    pub(crate) fn first(&self) -> u64 {
+        0
+    }
+
+    #[inline(always)]
+    pub(crate) fn keeps(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_due(&mut self, _node: u64) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    pub(crate) fn save<H: Discretized<E>, E, C: Carry<f64>>(
+        &mut self,
+        _stepper: &mut Stepper<'_, H, E, C>,
+        _state: &mut State<H::Vector>,
+        _recorder: &mut Recorder<H::Vector>,
+        _path: &mut Sums,
+        _node: u64,
+    ) -> Result<(), Error> {
+        Ok(())
+    }
+}

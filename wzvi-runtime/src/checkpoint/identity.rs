@@ -1,0 +1,175 @@
+//! What makes two runs the same: as names and texts, so that a difference can be told.
+
+use std::any::type_name;
+use std::fmt::{self, Write};
+
+use super::error::Difference;
+use super::format::Word;
+use crate::carry::Carry;
+use crate::checksum::Checksum;
+use crate::retry::Retry;
+use crate::state::{State, Vector};
+use crate::step::Stepper;
+use crate::system::{Discretized, Hamiltonian};
+
+/// Names and values.
+pub(super) type Fields = Vec<(String, String)>;
+
+/// The settings of a run, each of which the user knows; `noise` are those of the source.
+pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
+    stepper: &Stepper<'_, H, E, C>,
+    every: u64,
+    retry: Retry,
+    noise: Fields,
+) -> Fields {
+    let system = stepper.system();
+    let mut fields = Fields::new();
+    let mut set = |name: &str, value: String| fields.push((name.to_owned(), value));
+    set("the version of wzvi", env!("CARGO_PKG_VERSION").to_owned());
+    set("the system", short_name(type_name::<H>()));
+    set("the scheme", short_name(type_name::<E>()));
+    set("the number of degrees of freedom", system.degrees().to_string());
+    set("the number of noises", system.noises().to_string());
+    set("the step size", format!("{:?}", stepper.step_size()));
+    set("record_every", every.to_string());
+    set("the halvings allowed", retry.most().to_string());
+    set("compensated summation", stepper.is_compensated().to_string());
+    for (name, value) in (0..MOST_PARAMETERS).map_while(|index| system.parameter(index)) {
+        set(&format!("the parameter {name}"), format!("{value:?}"));
+    }
+    fields.extend(noise);
+    fields
+}
+
+/// Parameters that a file names; the others show in the checksums.
+const MOST_PARAMETERS: usize = 64;
+
+/// Checksums of everything that the user need not know: what the compiler derived, what is computed once from
+/// parameters and step size, and the Hamiltonians at the start.
+pub(super) fn derived<H: Discretized<E>, E, C: Carry<f64>>(
+    stepper: &Stepper<'_, H, E, C>,
+    start: &State<H::Vector>,
+) -> Fields {
+    let mut constants = Checksum::default();
+    // Numbers are written exactly, and taking them in cannot fail.
+    let _ = write!(Text(&mut constants), "{:?}", stepper.prepared());
+    let mut equations = Checksum::default();
+    equations.add(H::EQUATIONS.as_bytes());
+    vec![
+        ("the derivation (checksum)".to_owned(), format!("{equations:?}")),
+        (CONSTANTS.to_owned(), format!("{constants:?}")),
+        (forces_at("start"), forces(stepper.system(), start)),
+    ]
+}
+
+const CONSTANTS: &str = "what the step computes once from the parameters (checksum)";
+
+pub(super) fn forces_at(place: &str) -> String {
+    format!("what energies and forces are at the {place} (checksum)")
+}
+
+/// The checksum of all Hamiltonians and their gradients at a state: it tells parameters apart that matter there.
+pub(super) fn forces<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> String {
+    let mut checksum = Checksum::default();
+    let mut add = |number: &f64| checksum.add(&number.to_bits().to_le_bytes());
+    let d = system.degrees();
+    let (mut dq, mut dp) = (vec![0.0; d], vec![0.0; d]);
+    let (q, p) = (state.q.components(), state.p.components());
+    for term in 0..=system.noises() {
+        add(&system.evaluate(term, q, p, state.t));
+        system.differentiate(term, q, p, state.t, &mut dq, &mut dp);
+        dq.iter().chain(&dp).for_each(&mut add);
+    }
+    format!("{checksum:?}")
+}
+
+/// Text into a checksum, without holding it.
+struct Text<'c>(&'c mut Checksum);
+
+impl Write for Text<'_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0.add(text.as_bytes());
+        Ok(())
+    }
+}
+
+/// A type without the modules that it and its arguments live in: where they live may change.
+fn short_name(name: &str) -> String {
+    let mut short = String::new();
+    let mut word = String::new();
+    for c in name.chars() {
+        if c == ':' {
+            word.clear();
+        } else if c.is_alphanumeric() || c == '_' {
+            word.push(c);
+        } else {
+            short.push_str(&word);
+            short.push(c);
+            word.clear();
+        }
+    }
+    short + &word
+}
+
+/// What differs between two lists of fields, in the order of `run`.
+pub(super) fn differences(checkpoint: &Fields, run: &Fields) -> Vec<Difference> {
+    let value = |fields: &Fields, name: &str| {
+        fields.iter().find(|(field, _)| field == name).map(|(_, value)| value.clone())
+    };
+    let only_there = checkpoint.iter().filter(|(name, _)| value(run, name).is_none());
+    let names = run.iter().chain(only_there).map(|(name, _)| name);
+    names
+        .map(|name| Difference {
+            field: name.clone(),
+            checkpoint: value(checkpoint, name),
+            run: value(run, name),
+        })
+        .filter(|difference| difference.checkpoint != difference.run)
+        .collect()
+}
+
+/// What differs between two first states of `d` degrees of freedom, bit by bit.
+pub(super) fn start_differences(d: usize, checkpoint: &[Word], run: &[Word]) -> Vec<Difference> {
+    let show = |word: Option<&Word>| word.map(|word| format!("{:?}", f64::from_bits(word.0)));
+    (0..checkpoint.len().max(run.len()))
+        .map(|i| (i, checkpoint.get(i), run.get(i)))
+        .filter(|(_, there, here)| there != here)
+        .map(|(i, there, here)| {
+            let component = match i.checked_sub(1) {
+                None => "t".to_owned(),
+                Some(i) if i < d => format!("q[{i}]"),
+                Some(i) => format!("p[{}]", i - d),
+            };
+            Difference {
+                field: format!("{component} of the start"),
+                checkpoint: show(there),
+                run: show(here),
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{differences, short_name};
+
+    #[test]
+    fn modules_are_left_out() {
+        let name = "wzvi_runtime::embedding::Mixed<a::DeltaPlus, [b::c::X_1; 3]>";
+        assert_eq!(short_name(name), "Mixed<DeltaPlus, [X_1; 3]>");
+        assert_eq!(short_name("Kubo"), "Kubo");
+    }
+
+    #[test]
+    fn differences_go_both_ways() {
+        let fields = |pairs: &[(&str, &str)]| {
+            pairs.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect()
+        };
+        let found =
+            differences(&fields(&[("a", "1"), ("b", "2")]), &fields(&[("c", "3"), ("a", "1"), ("b", "4")]));
+        let found: Vec<String> = found.iter().map(ToString::to_string).collect();
+        assert_eq!(found, ["c is not set there and 3 here", "b is 2 there and 4 here"]);
+        let found = differences(&fields(&[("b", "2")]), &fields(&[]));
+        assert_eq!(found[0].to_string(), "b is 2 there and not set here");
+    }
+}

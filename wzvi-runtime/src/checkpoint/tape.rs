@@ -1,0 +1,79 @@
+//! Words that are written down and read back by the same code, so that reading cannot disagree with writing.
+
+/// A list of 64-bit words. A number is its bits, so that zeros keep their sign and NaN its payload.
+#[derive(Debug)]
+pub(crate) enum Tape {
+    /// Takes down what it is shown.
+    Writing(Vec<u64>),
+    /// Replaces what it is shown.
+    Reading {
+        /// What was taken down.
+        words: std::vec::IntoIter<u64>,
+        /// Whether it was shown more than was taken down.
+        short: bool,
+    },
+}
+
+impl Tape {
+    /// The words of everything that `pass` shows.
+    pub(crate) fn write(pass: impl FnOnce(&mut Self)) -> Vec<u64> {
+        let mut tape = Self::Writing(Vec::new());
+        pass(&mut tape);
+        match tape {
+            Self::Writing(words) => words,
+            Self::Reading { words, .. } => words.collect(),
+        }
+    }
+
+    /// Replaces everything that `pass` shows by the words; `None` if there are more or fewer of them.
+    pub(crate) fn read(words: Vec<u64>, pass: impl FnOnce(&mut Self)) -> Option<()> {
+        let mut tape = Self::Reading { words: words.into_iter(), short: false };
+        pass(&mut tape);
+        match tape {
+            Self::Reading { words, short } => (!short && words.len() == 0).then_some(()),
+            Self::Writing(_) => None,
+        }
+    }
+
+    /// Takes down or replaces a word.
+    pub(crate) fn word(&mut self, word: &mut u64) {
+        match self {
+            Self::Writing(words) => words.push(*word),
+            Self::Reading { words, short } => match words.next() {
+                Some(read) => *word = read,
+                None => *short = true,
+            },
+        }
+    }
+
+    /// Takes down or replaces a number.
+    pub(crate) fn number(&mut self, number: &mut f64) {
+        let mut word = number.to_bits();
+        self.word(&mut word);
+        *number = f64::from_bits(word);
+    }
+
+    /// Takes down or replaces several numbers.
+    pub(crate) fn numbers<'x>(&mut self, numbers: impl IntoIterator<Item = &'x mut f64>) {
+        numbers.into_iter().for_each(|number| self.number(number));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Tape;
+
+    #[test]
+    fn every_bit_comes_back() {
+        let payload = f64::from_bits(0x7FF8_0000_DEAD_BEEF);
+        let values = [0.0, -0.0, 1.5, f64::MIN_POSITIVE / 8.0, f64::INFINITY, payload];
+        let mut numbers = values;
+        let words = Tape::write(|tape| tape.numbers(&mut numbers));
+        assert_eq!(numbers.map(f64::to_bits), values.map(f64::to_bits));
+        let mut read = [1.0; 6];
+        assert_eq!(Tape::read(words.clone(), |tape| tape.numbers(&mut read)), Some(()));
+        assert_eq!(read.map(f64::to_bits), values.map(f64::to_bits));
+        assert_eq!(Tape::read(words.clone(), |tape| tape.numbers(&mut [0.0; 5])), None);
+        assert_eq!(Tape::read(words, |tape| tape.numbers(&mut [0.0; 7])), None);
+    }
+}

@@ -1,0 +1,174 @@
+//! What a run does about a step that fails: it takes it in halves.
+//!
+//! A step of size `h` becomes `2^m` steps of size `h / 2^m`, with the increments that the same Wiener path has there: the
+//! retry converges to the same solution. A step that has no solution is subdivided alone. A step that does not resolve the
+//! fastest motion ([`StepFailure::Unresolved`]) cannot be repaired where it is noticed, because the energy is in the wrong
+//! motion already: the run starts again, all its steps subdivided once more, so that they stay uniform.
+
+use crate::error::{ConfigError, Error, StepError, StepFailure};
+use crate::increments::{Interval, Noise};
+use crate::state::State;
+use crate::step::{StepInfo, Stepper};
+use crate::system::Discretized;
+
+/// How often steps may be halved: never, unless asked for, because it breaks the uniform step that the long-time
+/// behaviour of a symplectic scheme rests on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Retry {
+    most: u32,
+}
+
+impl Retry {
+    /// Steps are what they are: the default.
+    pub const fn never() -> Self {
+        Self { most: 0 }
+    }
+
+    /// Into `2^most` parts at the finest, 30 halvings at the most.
+    pub const fn halving(most: u32) -> Self {
+        Self { most: if most < 30 { most } else { 30 } }
+    }
+
+    /// The most halvings.
+    pub const fn most(self) -> u32 {
+        self.most
+    }
+}
+
+/// Walks from node to node of a run, subdividing where it has to and may.
+pub(crate) struct Walker<'a, H: Discretized<E>, E> {
+    system: &'a H,
+    h: f64,
+    retry: Retry,
+    is_watched: bool,
+    /// Halvings of every step of this run.
+    base: u32,
+    /// Takes the steps of `base`.
+    pub(crate) stepper: Stepper<'a, H, E>,
+    /// Increments of a part of a step.
+    part: Vec<f64>,
+}
+
+impl<'a, H: Discretized<E>, E> Walker<'a, H, E> {
+    pub(crate) fn new(system: &'a H, h: f64, retry: Retry, is_watched: bool) -> Result<Self, ConfigError> {
+        let stepper = Self::stepper(system, h, is_watched)?;
+        Ok(Self { system, h, retry, is_watched, base: 0, stepper, part: vec![0.0; system.noises()] })
+    }
+
+    fn stepper(system: &'a H, h: f64, is_watched: bool) -> Result<Stepper<'a, H, E>, ConfigError> {
+        let stepper = Stepper::new(system, h)?;
+        Ok(if is_watched { stepper } else { stepper.unwatched() })
+    }
+
+    /// Subdivides every step of the run once more, if that may help against `error` and is allowed.
+    pub(crate) fn refine(&mut self, error: &Error) -> Result<bool, ConfigError> {
+        let is_unresolved =
+            matches!(error, Error::Step(StepError { cause: StepFailure::Unresolved { .. }, .. }));
+        let may = is_unresolved && self.base < self.retry.most;
+        if may {
+            self.base += 1;
+            self.stepper = Self::stepper(self.system, part_of(self.h, self.base), self.is_watched)?;
+        }
+        Ok(may)
+    }
+
+    /// One step of the run: `dw` becomes its increments.
+    #[inline]
+    pub(crate) fn step<N: Noise>(
+        &mut self,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+    ) -> Result<StepInfo, Error> {
+        if self.base > 0 {
+            return self.subdivide(state, interval, noise, dw, self.base);
+        }
+        if let Some(noise) = noise {
+            noise.increments(interval, dw)?;
+        }
+        match self.stepper.step(state, dw) {
+            Ok(info) => Ok(info),
+            Err(error) if self.retry.most == 0 || !is_curable(error.cause) => {
+                Err(StepError { step: interval.step, ..error }.into())
+            }
+            Err(_) => self.subdivide(state, interval, noise, dw, 1),
+        }
+    }
+
+    /// The step in `2^from` parts, or as many more as it takes.
+    #[cold]
+    fn subdivide<N: Noise>(
+        &mut self,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+        from: u32,
+    ) -> Result<StepInfo, Error> {
+        let mut level = from;
+        loop {
+            let mut end = state.clone();
+            let outcome = if level == self.base {
+                self.parts(None, &mut end, interval, noise, dw, level)
+            } else {
+                let mut finer = Self::stepper(self.system, part_of(self.h, level), self.is_watched)?;
+                self.parts(Some(&mut finer), &mut end, interval, noise, dw, level)
+            };
+            match outcome {
+                Ok(iterations) => {
+                    end.t = interval.end();
+                    *state = end;
+                    return Ok(StepInfo { iterations, halvings: level, ..StepInfo::default() });
+                }
+                Err(Error::Step(error)) if level < self.retry.most && is_curable(error.cause) => level += 1,
+                Err(Error::Step(error)) => return Err(StepError { step: interval.step, ..error }.into()),
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    /// The `2^level` parts of a step by `finer`, or by the stepper of the run.
+    fn parts<N: Noise>(
+        &mut self,
+        finer: Option<&mut Stepper<'a, H, E>>,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+        level: u32,
+    ) -> Result<u32, Error> {
+        let stepper = finer.unwrap_or(&mut self.stepper);
+        let (parts, h) = (1_u64 << level, part_of(interval.h, level));
+        dw.fill(0.0);
+        let mut iterations = 0_u32;
+        for part in 0..parts {
+            if let Some(noise) = noise {
+                let step = interval.step.saturating_mul(parts).saturating_add(part);
+                noise.increments(&Interval { h, step, ..*interval }, &mut self.part)?;
+                dw.iter_mut().zip(&self.part).for_each(|(sum, dw)| *sum += dw);
+            }
+            iterations = iterations.saturating_add(stepper.step(state, &self.part)?.iterations);
+        }
+        Ok(iterations)
+    }
+}
+
+/// `h / 2^level`, exactly.
+fn part_of(h: f64, level: u32) -> f64 {
+    h / (1_u64 << level) as f64
+}
+
+/// Whether a shorter step may help it. One that does not resolve the fastest motion is no matter of one step.
+fn is_curable(cause: StepFailure) -> bool {
+    match cause {
+        StepFailure::NotConverged { .. }
+        | StepFailure::Singular { .. }
+        | StepFailure::NoSolution { .. }
+        | StepFailure::NonFinite => true,
+        StepFailure::Unresolved { .. }
+        | StepFailure::Increments { .. }
+        | StepFailure::Dimension { .. }
+        | StepFailure::NonFiniteInput => false,
+    }
+}

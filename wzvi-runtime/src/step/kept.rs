@@ -1,0 +1,38 @@
+//! What of a stepper a checkpoint keeps.
+
+use super::{Clock, Stepper};
+use crate::carry::Carry;
+use crate::checkpoint::Tape;
+use crate::numbers::Numbers;
+use crate::state::Vector;
+use crate::system::Discretized;
+
+impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
+    /// Everything that steps change. What depends on system and step size only is computed anew.
+    pub(crate) fn pass(&mut self, tape: &mut Tape) {
+        let Self { system, h: _, prepared: _, memory, carry, before, clock, reached, strain, scheme: _ } =
+            self;
+        let Clock { start, ticks, now } = clock;
+        tape.word(before);
+        tape.word(ticks);
+        tape.numbers([start, now]);
+        for vector in reached {
+            if system.degrees() == 0 {
+                let mut degrees = vector.components().len() as u64;
+                tape.word(&mut degrees);
+                if degrees != vector.components().len() as u64 {
+                    *vector = H::Vector::zeros(degrees as usize);
+                }
+            }
+            tape.numbers(vector.components_mut());
+        }
+        memory.visit(&mut |number| tape.number(number));
+        carry.visit(&mut |number| tape.number(number));
+        strain.pass(tape);
+    }
+
+    /// What is computed once for all steps, for people and checksums.
+    pub(crate) fn prepared(&self) -> &H::Prepared {
+        &self.prepared
+    }
+}

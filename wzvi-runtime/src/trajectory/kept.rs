@@ -1,0 +1,46 @@
+//! What of a trajectory in the making a checkpoint keeps.
+
+use super::{Iterations, Path, Recorder};
+use crate::checkpoint::Tape;
+use crate::state::{State, Vector};
+
+/// Nodes after the start and the increments between them, by rows.
+pub(crate) type Kept<V> = (Vec<State<V>>, Vec<f64>);
+
+impl<V: Vector> Recorder<V> {
+    /// Everything that steps change but the recorded nodes, which only grow.
+    pub(crate) fn pass(&mut self, tape: &mut Tape) {
+        let Self { path, pending, since } = self;
+        let Path { h: _, every: _, steps, iterations, processes: _, increments: _, states: _, last: _ } =
+            path;
+        let Iterations { total, largest, hard, doubtful, halved, halvings } = iterations;
+        for word in [steps, total, hard, doubtful, halved, since] {
+            tape.word(word);
+        }
+        for count in [largest, halvings] {
+            let mut word = u64::from(*count);
+            tape.word(&mut word);
+            *count = u32::try_from(word).unwrap_or(u32::MAX);
+        }
+        for sum in pending {
+            sum.pass(tape);
+        }
+    }
+
+    /// What `record_every` is.
+    pub(crate) fn every(&self) -> u64 {
+        self.path.every
+    }
+
+    /// The nodes recorded after the first `known`, the start not counted, and the increments that led to them.
+    pub(crate) fn nodes_after(&self, known: usize) -> (&[State<V>], &[f64]) {
+        let states = self.path.states.get(known + 1..).unwrap_or(&[]);
+        (states, self.path.increments.get(known * self.path.processes..).unwrap_or(&[]))
+    }
+
+    /// Puts the nodes back that were recorded after the start.
+    pub(crate) fn put_back(&mut self, (states, increments): Kept<V>) {
+        self.path.states.extend(states);
+        self.path.increments.extend(increments);
+    }
+}
