@@ -32,7 +32,7 @@ pub(crate) fn elements_back_end(
     diagnostics: &mut Diagnostics,
 ) -> TokenStream {
     let facts = elements::facts::Facts::new(&mut model);
-    elements::facts::check(&model, &facts, diagnostics);
+    elements::facts::check(&mut model, &facts, diagnostics);
     if diagnostics.has_errors() {
         return TokenStream::new();
     }

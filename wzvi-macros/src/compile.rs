@@ -42,7 +42,7 @@ fn compile(
             let mut trial = Diagnostics::new();
             let elements = lower_elements(&system, &declaration, &phase_space, &mut trial)
                 .filter(|_| !trial.has_errors())
-                .filter(|model| model.has_loops() && model.invariants.is_empty())
+                .filter(|model| model.has_loops())
                 .and_then(|model| {
                     let expansion = elements_back_end(model, &mut trial);
                     (!trial.has_errors()).then_some(expansion)

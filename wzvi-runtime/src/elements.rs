@@ -62,12 +62,14 @@ pub enum Method {
 }
 
 /// Which Hamiltonians are summed up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Terms {
     /// The drift, weighted by the step size.
     pub drift: bool,
     /// The noises, weighted by their increments.
     pub noise: bool,
+    /// The factor of the counter-term, weighted by products of increments; 0 for none.
+    pub counter: f64,
     /// Whether slopes with respect to coordinates are wanted.
     pub by_q: bool,
     /// Whether slopes with respect to momenta are wanted.
@@ -209,7 +211,18 @@ pub fn discrete_lagrangian<H: Elements>(
         .enumerate()
         .map(|(k, dw)| dw * system.evaluate(k + 1, &stage, p, time(scheme.noise_l)))
         .sum();
-    pairing - segment.h * drift - noise
+    let counter = match scheme.counter {
+        0.0 => 0.0,
+        factor if check(system, q0.len()).is_ok() && p.len() == q0.len() => {
+            let (mut force, mut velocity) = (vec![0.0; q0.len()], vec![0.0; q0.len()]);
+            let at = Point { q: &stage, p, t: time(scheme.noise_l), h: segment.h, dw };
+            let terms = Terms { drift: false, noise: true, counter: 0.0, by_q: true, by_p: true };
+            system.slopes(terms, &at, &mut force, &mut velocity);
+            factor * force.iter().zip(&velocity).map(|(force, velocity)| force * velocity).sum::<f64>()
+        }
+        _ => f64::NAN,
+    };
+    pairing - segment.h * drift - noise - counter
 }
 
 /// The gradient of [`discrete_lagrangian`], NaN if sizes do not fit.

@@ -212,7 +212,7 @@ pub(crate) fn no_sum(found: impl ToTokens) -> Error {
 pub(crate) fn long_for_loop(found: impl ToTokens) -> Error {
     at(
         found,
-        "a `for` loop of this length is not unrolled; write it as a sum, `(a..b).map(|i| ...).sum::<f64>()`",
+        "a `for` loop whose length is known at run time can only add to its variables: `total += ...`",
     )
 }
 

@@ -111,6 +111,13 @@ pub(crate) fn describe(model: &Model, facts: &Facts, embedding: &Embedding) -> S
     };
     let _ = writeln!(text, "\nDiscrete Lagrangian of the step from t_i to t_i + h");
     let _ = writeln!(text, "  L_d = P · Δ{q} - h H0(P, {}){noise}", point(drift_l));
+    if !facts.counter_of(embedding).is_empty() {
+        let _ = writeln!(
+            text,
+            "        - (1/2 - {noise_l}) (Σ_j ΔW_j ∂H_j/∂{q}) · (Σ_k ΔW_k ∂H_k/∂{p}) at (P, {})",
+            point(noise_l)
+        );
+    }
     let _ = writeln!(text, "  {q}_{{i+l}} = {q}_i + l Δ{q}");
     let _ = writeln!(text, "\nDiscrete Euler-Lagrange equations");
     let _ = writeln!(text, "  ∂L_d/∂P = 0:  Δ{q} = Σ_m c_m ∂H_m/∂{p}");
@@ -131,6 +138,9 @@ pub(crate) fn describe(model: &Model, facts: &Facts, embedding: &Embedding) -> S
             "not known to converge to the Stratonovich system"
         };
         let _ = writeln!(text, "  {verdict}");
+    }
+    for invariant in &model.invariants {
+        let _ = writeln!(text, "  first integral {}", term(model, &invariant.term.elements));
     }
     let energy = match facts.conserves_energy {
         Knowledge::Proven => "is a first integral",

@@ -1,6 +1,8 @@
 //! What can be said about a system of elements, by its structure: what each element reads decides; where that does not,
 //! the answer is "unknown".
 
+use super::invariants::{self, Failure};
+use super::counter::{Counter, counter_term};
 use super::model::{Element, Model, Noises, Reads};
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::embedding::{Correction, Embedding};
@@ -16,14 +18,15 @@ pub(crate) struct Facts {
     pub(crate) has_diagonal_kinetic_energy: bool,
     /// Whether `∂H_k/∂q · ∂H_k/∂p` vanishes for every noise: each reads only coordinates or only momenta.
     pub(crate) has_no_defect: bool,
-    /// Whether the same holds for every pair of noises.
-    pub(crate) has_no_counter_term: bool,
+    /// The counter-term of `Corrected`: empty if it does nothing, `None` if it is no sum of elements.
+    pub(crate) counter: Option<Vec<Counter>>,
     pub(crate) conserves_energy: Knowledge,
     pub(crate) commuting: Knowledge,
 }
 
 impl Facts {
     pub(crate) fn new(model: &mut Model) -> Self {
+        let counter = counter_term(model);
         let Model { graph, drift, noises, t, .. } = model;
         let noises = &*noises;
         let noise_elements = || noises.terms().iter().flat_map(|term| &term.elements);
@@ -61,10 +64,16 @@ impl Facts {
             is_separable: all().all(|element| element.reads() != Reads::Both),
             has_diagonal_kinetic_energy,
             has_no_defect: has_no_defect || is_affine,
-            has_no_counter_term: only_q || only_p || is_affine,
+            counter: if only_q || only_p || is_affine { Some(Vec::new()) } else { counter },
             conserves_energy,
             commuting,
         }
+    }
+
+    /// The counter-term that a scheme adds; empty for most.
+    pub(crate) fn counter_of(&self, embedding: &Embedding) -> &[Counter] {
+        let acts = embedding.correction() == Correction::Corrected && embedding.quadrature().1 != Rational::HALF;
+        if acts { self.counter.as_deref().unwrap_or_default() } else { &[] }
     }
 
     /// Whether noises at quadrature point `l` give the Stratonovich limit.
@@ -96,7 +105,7 @@ fn is_affine(graph: &mut Graph, element: &Element) -> bool {
 }
 
 /// What the mathematics, or what is supported so far, forbids.
-pub(crate) fn check(model: &Model, facts: &Facts, diagnostics: &mut Diagnostics) {
+pub(crate) fn check(model: &mut Model, facts: &Facts, diagnostics: &mut Diagnostics) {
     for embedding in &model.embeddings {
         let l = embedding.value.quadrature().1;
         match embedding.value.correction() {
@@ -104,14 +113,22 @@ pub(crate) fn check(model: &Model, facts: &Facts, diagnostics: &mut Diagnostics)
                 let defect = "Σ_k (1/2 - l) ∂H_k/∂q · ∂H_k/∂p";
                 diagnostics.report(messages::inconsistent(embedding, defect, &Knowledge::Unknown));
             }
-            Correction::Corrected if l != Rational::HALF && !facts.has_no_counter_term => {
+            Correction::Corrected if l != Rational::HALF && facts.counter.is_none() => {
                 diagnostics.report(messages::counter_term_of_elements(embedding));
             }
             _ => {}
         }
     }
-    for invariant in &model.invariants {
-        diagnostics.report(messages::invariant_of_elements(invariant.term.extent));
+    for number in 0..model.invariants.len() {
+        let Some(failure) = invariants::failure(model, number) else { continue };
+        let extent = model.invariants[number].term.extent;
+        diagnostics.report(match failure {
+            Failure::NotLocal => messages::invariant_not_local(extent),
+            Failure::ReadsTime => messages::invariant_reads_time(extent),
+            Failure::Rate { term, rate, knowledge } => {
+                messages::invariant_of_elements(extent, term, &rate, &knowledge, &model.graph)
+            }
+        });
     }
 }
 

@@ -161,6 +161,60 @@ impl Index {
         }
     }
 
+    /// `self = divisor · a + b` with `0 <= b < divisor`, if every multiple in it is one of `divisor`.
+    pub(crate) fn divided(&self, divisor: i128) -> Option<(Self, i128)> {
+        let divides = |coefficient: &i128| coefficient.checked_rem(divisor) == Some(0);
+        if !self.terms.iter().all(|(_, coefficient)| divides(coefficient)) {
+            return None;
+        }
+        let terms = self.terms.iter().map(|(atom, c)| (atom.clone(), c / divisor)).collect();
+        let constant = self.constant.checked_div_euclid(divisor)?;
+        Some((Self { terms, constant }, self.constant.checked_rem_euclid(divisor)?))
+    }
+
+    /// The index with `by` for a loop variable; `None` on overflow.
+    pub(crate) fn with(&self, variable: u32, by: &Self) -> Option<Self> {
+        let mut sum = Self::integer(self.constant);
+        for (atom, coefficient) in &self.terms {
+            let part = match atom {
+                Atom::Loop(own) if *own == variable => by.clone(),
+                Atom::Loop(_) | Atom::Size => Self::atom(atom.clone()),
+                Atom::Given(id, indices) => {
+                    let indices = indices.iter().map(|index| index.with(variable, by)).collect::<Option<_>>()?;
+                    Self::atom(Atom::Given(*id, indices))
+                }
+                Atom::Product(both) => both.0.with(variable, by)?.multiply(&both.1.with(variable, by)?)?,
+                Atom::Quotient(both) => both.0.with(variable, by)?.divide(&both.1.with(variable, by)?)?,
+                Atom::Remainder(both) => both.0.with(variable, by)?.remainder(&both.1.with(variable, by)?)?,
+                Atom::Minimum(both) => both.0.with(variable, by)?.minimum(&both.1.with(variable, by)?),
+                Atom::Maximum(both) => both.0.with(variable, by)?.maximum(&both.1.with(variable, by)?),
+            };
+            sum = sum.plus(&part, *coefficient)?;
+        }
+        Some(sum)
+    }
+
+    /// The index with one loop variable named like another.
+    pub(crate) fn renamed(&self, from: u32, to: u32) -> Self {
+        let both = |both: &(Self, Self)| Box::new((both.0.renamed(from, to), both.1.renamed(from, to)));
+        let atom = |atom: &Atom| match atom {
+            Atom::Loop(variable) => Atom::Loop(if *variable == from { to } else { *variable }),
+            Atom::Size => Atom::Size,
+            Atom::Given(id, indices) => {
+                Atom::Given(*id, indices.iter().map(|index| index.renamed(from, to)).collect())
+            }
+            Atom::Product(operands) => Atom::Product(both(operands)),
+            Atom::Quotient(operands) => Atom::Quotient(both(operands)),
+            Atom::Remainder(operands) => Atom::Remainder(both(operands)),
+            Atom::Minimum(operands) => Atom::Minimum(both(operands)),
+            Atom::Maximum(operands) => Atom::Maximum(both(operands)),
+        };
+        let mut terms: Vec<(Atom, i128)> =
+            self.terms.iter().map(|(known, coefficient)| (atom(known), *coefficient)).collect();
+        terms.sort();
+        Self { terms, constant: self.constant }
+    }
+
     /// The coefficient of a loop variable, if it occurs linearly and nowhere else; 0 if it does not occur.
     pub(crate) fn slope(&self, variable: u32) -> Option<i128> {
         let mut slope = 0;

@@ -18,9 +18,11 @@
 //! ```
 
 pub(crate) mod collect;
+pub(crate) mod counter;
 pub(crate) mod describe;
 pub(crate) mod emit;
 pub(crate) mod facts;
 pub(crate) mod index;
+pub(crate) mod invariants;
 pub(crate) mod model;
 pub(crate) mod plan;

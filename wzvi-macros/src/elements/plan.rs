@@ -32,9 +32,11 @@ pub(crate) fn unknowns(model: &Model, facts: &Facts, embedding: &Embedding) -> U
     let drift_at_node = at_node(drift_l) || !reads_q(&model.drift.elements);
     let noise_at_node = at_node(noise_l) || model.noises.terms().iter().all(|term| !reads_q(&term.elements));
     let all_at_start = drift_l.is_zero() && (noise_l.is_zero() || model.noises.is_empty());
-    if facts.is_separable && drift_at_node && noise_at_node {
+    // The counter-term reads coordinates and momenta.
+    let is_separable = facts.is_separable && facts.counter_of(embedding).is_empty();
+    if is_separable && drift_at_node && noise_at_node {
         Unknowns::None
-    } else if (facts.is_separable && facts.has_diagonal_kinetic_energy) || all_at_start {
+    } else if (is_separable && facts.has_diagonal_kinetic_energy) || all_at_start {
         Unknowns::Momenta
     } else {
         Unknowns::Both

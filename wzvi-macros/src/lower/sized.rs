@@ -85,15 +85,15 @@ impl Loops {
     }
 }
 
-impl Interpreter<'_, '_> {
+impl<'a> Interpreter<'a, '_> {
     /// The outermost size of the phase space, as it was written.
     pub(super) fn size(&mut self, expr: &syn::Expr) -> Index {
         let id = self.loops().table(&source(expr), &expr.to_token_stream(), true);
         Index::atom(Atom::Given(id, Vec::new()))
     }
 
-    /// The number of noises of a family: an integer literal, a constant, a size or a field.
-    pub(super) fn family_count(&mut self, count: &syn::Expr) -> Option<Index> {
+    /// The number of noises of a family: an integer literal, a constant, a size, a field, or what is made of them.
+    pub(super) fn family_count(&mut self, count: &'a syn::Expr) -> Option<Index> {
         let constant = match count {
             syn::Expr::Lit(literal) => match &literal.lit {
                 syn::Lit::Int(count) => count.base10_parse::<u32>().ok().map(|n| Index::integer(n.into())),
@@ -101,6 +101,11 @@ impl Interpreter<'_, '_> {
             },
             syn::Expr::Path(_) => Some(self.size(count)),
             syn::Expr::Field(field) if super::names::is_self(&field.base) => Some(self.size(count)),
+            syn::Expr::MethodCall(_) | syn::Expr::Binary(_) | syn::Expr::Paren(_) => {
+                self.start();
+                let value = self.evaluate(count);
+                return self.as_index(&value, count);
+            }
             _ => None,
         };
         if constant.is_none() {

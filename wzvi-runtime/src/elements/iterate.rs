@@ -35,6 +35,8 @@ pub struct Scheme {
     pub drift_l: f64,
     /// Quadrature point of the noises.
     pub noise_l: f64,
+    /// The factor `1/2 - l` of the counter-term; 0 if there is none.
+    pub counter: f64,
     /// What is iterated on.
     pub unknowns: Unknowns,
     /// Whether past steps start the iteration: not where increments decide.
@@ -45,7 +47,10 @@ pub struct Scheme {
 
 /// The groups of terms that share a quadrature point.
 pub(super) fn stages(scheme: &Scheme) -> impl Iterator<Item = (usize, f64, Terms)> {
-    let terms = |drift, noise| Terms { drift, noise, by_q: true, by_p: true };
+    let terms = |drift, noise| {
+        let counter = if noise { scheme.counter } else { 0.0 };
+        Terms { drift, noise, counter, by_q: true, by_p: true }
+    };
     let together = !scheme.has_noise || scheme.drift_l == scheme.noise_l;
     let first = (0, scheme.drift_l, terms(true, together));
     let second = (1, scheme.noise_l, terms(false, true));
@@ -96,16 +101,24 @@ pub fn advance<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         (Effort::fast(solved.iterations), solved.prefers_newton)
     };
     step.finish(&mut memory.work);
-    // by_p becomes the increment of the momenta; sums are made before anything is stored.
+    // Sums are made before anything is stored; what they lose takes the place of slopes and stages.
     let Work { u, by_p: dp, by_q, stage, .. } = &mut memory.work;
     let (lost_q, lost_p) = (&mut by_q[0], &mut stage[0]);
-    for (i, (u, lost)) in u.iter_mut().zip(lost_q.iter_mut()).enumerate() {
-        (*u, *lost) = C::add(q[i], *u, carry.of_coordinate(i));
+    for (i, (u, (&q, lost))) in u.iter_mut().zip(q.iter().zip(&mut *lost_q)).enumerate() {
+        let (sum, taken) = C::add(q, *u, carry.of_coordinate(i));
+        *u = sum;
+        if C::CARRIES {
+            *lost = taken;
+        }
     }
-    for (i, (dp, lost)) in dp.iter_mut().zip(lost_p.iter_mut()).enumerate() {
-        (*dp, *lost) = C::add(p[i], *dp, carry.of_momentum(i));
+    for (i, (dp, (&p, lost))) in dp.iter_mut().zip(p.iter().zip(&mut *lost_p)).enumerate() {
+        let (sum, taken) = C::add(p, *dp, carry.of_momentum(i));
+        *dp = sum;
+        if C::CARRIES {
+            *lost = taken;
+        }
     }
-    if !S::are_finite(u.iter().chain(dp.iter()).copied()).all() {
+    if !(are_finite(u) && are_finite(dp)) {
         return Err(StepFailure::NonFinite);
     }
     q.copy_from_slice(u);
@@ -165,47 +178,50 @@ pub(super) struct Size {
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// `φ` at `x`, for the scheme's unknowns, as the correction `x - φ(x)`; leaves `u`, `P`, the stages and slopes.
     pub(super) fn residual(&self, work: &mut Work<S>) {
+        self.refresh(work);
         let Work { x, correction, u, momentum, stage, by_q, by_p, .. } = work;
         let zero = S::from_f64(0.0);
-        let d = self.q.len();
         let is_both = self.scheme.unknowns == Unknowns::Both;
-        let value = |x: &[S], i: usize| if is_both { x[2 * i + 1] } else { x[i] };
-        for (i, (momentum, &p)) in momentum.iter_mut().zip(self.p).enumerate() {
-            *momentum = p + value(x, i);
-        }
         if is_both {
-            for (i, u) in u.iter_mut().enumerate() {
-                *u = x[2 * i];
-            }
-        } else {
-            self.velocities(momentum, by_p, u);
+            by_p.fill(zero);
         }
-        by_p.fill(zero);
         for (s, l, terms) in stages(self.scheme) {
-            for (point, (&q, &u)) in stage[s].iter_mut().zip(self.q.iter().zip(&*u)) {
-                *point = q + u * l;
-            }
-            by_q[s].fill(zero);
+            self.place(&mut stage[s], &mut by_q[s], u, l);
             let at = self.at(&stage[s], momentum, l);
             self.system.slopes(Terms { by_p: is_both, ..terms }, &at, &mut by_q[s], by_p);
         }
-        for i in 0..d {
-            let mut force = zero;
-            for (s, l, _) in stages(self.scheme) {
-                force = force + by_q[s][i] * (1.0 - l);
+        if is_both {
+            for (c, (x, &by_p)) in correction.as_chunks_mut().0.iter_mut().zip(x.as_chunks().0.iter().zip(&*by_p)) {
+                let ([c_u, c_v], [x_u, x_v]) = (c, x);
+                (*c_u, *c_v) = (*x_u - by_p, *x_v);
             }
+        } else {
+            correction.copy_from_slice(x);
+        }
+        for (s, l, _) in stages(self.scheme) {
+            let weight = 1.0 - l;
             if is_both {
-                correction[2 * i] = x[2 * i] - by_p[i];
-                correction[2 * i + 1] = x[2 * i + 1] + force;
+                for ([_, c], &force) in correction.as_chunks_mut().0.iter_mut().zip(&by_q[s]) {
+                    *c = *c + force * weight;
+                }
             } else {
-                correction[i] = x[i] + force;
+                for (c, &force) in correction.iter_mut().zip(&by_q[s]) {
+                    *c = *c + force * weight;
+                }
             }
         }
     }
 
-    /// `u` from `P`, where it does not read `u` itself.
+    /// `Q_l = q_i + l u`, and room for the slopes there.
+    fn place(&self, stage: &mut [S], by_q: &mut [S], u: &[S], l: f64) {
+        for ((point, slope), (&q, &u)) in stage.iter_mut().zip(by_q).zip(self.q.iter().zip(u)) {
+            *point = q + u * l;
+            *slope = S::from_f64(0.0);
+        }
+    }
+
+    /// Adds to `u` what follows from `P`, where that does not read `u` itself.
     fn velocities(&self, momentum: &[S], by_p: &mut [S], u: &mut [S]) {
-        u.fill(S::from_f64(0.0));
         for (_, l, terms) in stages(self.scheme) {
             // Elements that read both are at the node `q_i` here, by the choice of unknowns.
             let at = self.at(self.q, momentum, l);
@@ -241,14 +257,14 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     pub(super) fn explicit(&self, work: &mut Work<S>) {
         let Work { u, momentum, by_q, by_p, .. } = work;
         let zero = S::from_f64(0.0);
-        momentum.copy_from_slice(self.p);
         by_q[0].fill(zero);
+        u.fill(zero);
         for (_, l, terms) in stages(self.scheme).filter(|(_, l, _)| *l == 0.0) {
             let at = self.at(self.q, self.p, l);
             self.system.slopes(Terms { by_p: false, ..terms }, &at, &mut by_q[0], by_p);
         }
-        for (momentum, &force) in momentum.iter_mut().zip(&by_q[0]) {
-            *momentum = *momentum - force;
+        for (momentum, (&p, &force)) in momentum.iter_mut().zip(self.p.iter().zip(&by_q[0])) {
+            *momentum = p - force;
         }
         self.velocities(momentum, by_p, u);
     }
@@ -292,7 +308,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             }
             let ratio = relative / last;
             let predicts = last < f64::INFINITY && ratio < 0.5;
-            if relative <= ROUNDING || (predicts && relative * ratio <= 0.25 * ROUNDING) {
+            let is_enough = relative <= ROUNDING || (predicts && relative * ratio <= 0.25 * ROUNDING);
+            if is_enough && self.resolves(work, if predicts { ratio } else { 1.0 }) {
                 return Ok(Solved { iterations, prefers_newton: newton && prefers_newton });
             }
             // A guess claims to be near the solution.
@@ -326,16 +343,34 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// `u` and `P` at the solution.
     pub(super) fn refresh(&self, work: &mut Work<S>) {
         let Work { x, u, momentum, by_p, .. } = work;
-        let is_both = self.scheme.unknowns == Unknowns::Both;
-        for (i, (momentum, &p)) in momentum.iter_mut().zip(self.p).enumerate() {
-            *momentum = p + if is_both { x[2 * i + 1] } else { x[i] };
-        }
-        if is_both {
-            for (i, u) in u.iter_mut().enumerate() {
-                *u = x[2 * i];
+        if self.scheme.unknowns == Unknowns::Both {
+            let unknowns = x.as_chunks().0;
+            let known = momentum.iter_mut().zip(u).zip(self.p.iter().zip(unknowns));
+            for ((momentum, u), (&p, &[x_u, x_v])) in known {
+                (*u, *momentum) = (x_u, p + x_v);
             }
         } else {
+            for ((momentum, u), (&p, &x)) in momentum.iter_mut().zip(&mut *u).zip(self.p.iter().zip(&*x)) {
+                (*u, *momentum) = (S::from_f64(0.0), p + x);
+            }
             self.velocities(momentum, by_p, u);
+        }
+    }
+
+    /// Whether what is left of each correction after another factor `ratio` is below the rounding of the state that it
+    /// changes: momenta of light particles count as much as those of heavy ones.
+    fn resolves(&self, work: &Work<S>, ratio: f64) -> bool {
+        let is_small = |correction: S, x: S, state: S| {
+            ratio * correction.magnitude() <= ROUNDING * (x.magnitude() + state.magnitude())
+        };
+        let Work { x, correction, .. } = work;
+        if self.scheme.unknowns == Unknowns::Both {
+            let unknowns = correction.as_chunks().0.iter().zip(x.as_chunks().0);
+            unknowns.zip(self.q.iter().zip(self.p)).all(|((&[c_u, c_v], &[u, v]), (&q, &p))| {
+                is_small(c_u, u, q) && is_small(c_v, v, p)
+            })
+        } else {
+            correction.iter().zip(x).zip(self.p).all(|((&c, &x), &p)| is_small(c, x, p))
         }
     }
 
@@ -365,49 +400,35 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 
     /// `p_{i+1} - p_i` into `by_p`.
     fn finish(&self, work: &mut Work<S>) {
-        let Work { u, momentum, stage, by_q, by_p, .. } = work;
-        let zero = S::from_f64(0.0);
-        let is_explicit = self.scheme.unknowns == Unknowns::None;
-        for (s, l, terms) in stages(self.scheme).filter(|(_, l, _)| *l != 0.0) {
-            // With one quadrature point `l < 1` the forces at the solution follow from `v`.
-            if !is_explicit && l != 1.0 && self.has_one_point() {
-                continue;
-            }
-            for (point, (&q, &u)) in stage[s].iter_mut().zip(self.q.iter().zip(&*u)) {
-                *point = q + u * l;
-            }
-            by_q[s].fill(zero);
-            let at = self.at(&stage[s], momentum, l);
-            self.system.slopes(Terms { by_p: false, ..terms }, &at, &mut by_q[s], by_p);
-        }
+        let Work { x, u, momentum, stage, by_q, by_p, correction, .. } = work;
+        let l = self.scheme.drift_l;
         let is_both = self.scheme.unknowns == Unknowns::Both;
-        for (i, dp) in by_p.iter_mut().enumerate() {
-            let v = match self.scheme.unknowns {
-                Unknowns::None => -by_node(&by_q[0], self.scheme, i),
-                _ => work.x[if is_both { 2 * i + 1 } else { i }],
-            };
-            let l = self.scheme.drift_l;
-            if !is_explicit && l != 1.0 && self.has_one_point() {
-                *dp = v * (1.0 / (1.0 - l));
-                continue;
-            }
-            *dp = v;
-            for (s, l, _) in stages(self.scheme).filter(|(_, l, _)| *l != 0.0) {
-                *dp = *dp - by_q[s][i] * l;
-            }
+        let is_explicit = self.scheme.unknowns == Unknowns::None;
+        if is_explicit && stages(self.scheme).all(|(_, l, _)| l == 0.0) {
+            by_p.iter_mut().zip(&by_q[0]).for_each(|(dp, &force)| *dp = -force);
+            return;
         }
         if is_explicit {
-            // `v` is `P - p_i`, of which the sum has taken digits: the slopes are still there if nothing is at l = 1.
-            let all_at_start = stages(self.scheme).all(|(_, l, _)| l == 0.0);
-            if !all_at_start {
-                for (i, dp) in by_p.iter_mut().enumerate() {
-                    let mut sum = momentum[i] - self.p[i];
-                    for (s, l, _) in stages(self.scheme).filter(|(_, l, _)| *l != 0.0) {
-                        sum = sum - by_q[s][i] * l;
-                    }
-                    *dp = sum;
-                }
+            for (dp, (&momentum, &p)) in by_p.iter_mut().zip(momentum.iter().zip(self.p)) {
+                *dp = momentum - p;
             }
+        } else if is_both {
+            by_p.iter_mut().zip(x.as_chunks().0).for_each(|(dp, &[_, v])| *dp = v);
+        } else {
+            by_p.copy_from_slice(x);
+        }
+        if !is_explicit && l != 1.0 && self.has_one_point() {
+            // With one quadrature point `l < 1` the forces at the solution follow from `v`.
+            let factor = 1.0 / (1.0 - l);
+            by_p.iter_mut().for_each(|dp| *dp = *dp * factor);
+            return;
+        }
+        // Slopes with respect to momenta go where nobody looks.
+        for (s, l, terms) in stages(self.scheme).filter(|(_, l, _)| *l != 0.0) {
+            self.place(&mut stage[s], &mut by_q[s], u, l);
+            let at = self.at(&stage[s], momentum, l);
+            self.system.slopes(Terms { by_p: false, ..terms }, &at, &mut by_q[s], correction);
+            by_p.iter_mut().zip(&by_q[s]).for_each(|(dp, &force)| *dp = *dp - force * l);
         }
     }
 
@@ -416,22 +437,30 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 }
 
-/// The slope that an explicit step found at `q_i`.
-fn by_node<S: Scalar>(by_q: &[S], scheme: &Scheme, i: usize) -> S {
-    if stages(scheme).any(|(_, l, _)| l == 0.0) { by_q[i] } else { S::from_f64(0.0) }
-}
-
 /// `x -= correction`, and how large that was.
 fn subtract<S: Scalar>(x: &mut [S], correction: &[S]) -> Size {
-    for (x, &c) in x.iter_mut().zip(correction) {
-        *x = *x - c;
+    let (mut size, mut change) = (Largest::default(), Largest::default());
+    let (chunks, rest) = x.as_chunks_mut::<LANES>();
+    let (corrections, other) = correction.as_chunks::<LANES>();
+    for (x, c) in chunks.iter_mut().zip(corrections) {
+        *x = std::array::from_fn(|lane| x[lane] - c[lane]);
+        size.take(x);
+        change.take(c);
     }
-    size_of_correction(x, correction)
+    for (x, &c) in rest.iter_mut().zip(other) {
+        *x = *x - c;
+        size.take(&[*x]);
+        change.take(&[c]);
+    }
+    relate(x, correction, size.get(), change.get())
 }
 
 /// How large a correction is that leads to `x`.
 pub(super) fn size_of_correction<S: Scalar>(x: &[S], correction: &[S]) -> Size {
-    let (size, change) = (largest(x), largest(correction));
+    relate(x, correction, largest(x), largest(correction))
+}
+
+fn relate<S: Scalar>(x: &[S], correction: &[S], size: f64, change: f64) -> Size {
     if !change.is_finite() {
         return Size { relative: f64::NAN, largest: f64::NAN };
     }
@@ -448,25 +477,48 @@ pub(super) fn size_of_correction<S: Scalar>(x: &[S], correction: &[S]) -> Size {
     Size { relative, largest: change }
 }
 
-/// The largest magnitude; NaN if any is. In lanes, so that it does not wait for itself.
-pub(super) fn largest<S: Scalar>(x: &[S]) -> f64 {
-    let mut lanes = [0.0_f64; 8];
-    // Sums of squares show NaN and infinity, which a maximum may swallow.
-    let mut poison = [0.0_f64; 8];
-    let (chunks, rest) = x.as_chunks::<8>();
-    let mut take = |lane: usize, x: S| {
-        let size = x.magnitude();
-        lanes[lane] = if size > lanes[lane] { size } else { lanes[lane] };
-        poison[lane] += size * 0.0;
-    };
-    for chunk in chunks {
-        for (lane, &x) in chunk.iter().enumerate() {
-            take(lane, x);
+/// Numbers that are looked at side by side.
+const LANES: usize = 8;
+
+/// The largest magnitude, in lanes, so that the search does not wait for itself.
+#[derive(Default)]
+struct Largest {
+    most: [f64; LANES],
+    /// Zero unless a number was not finite, which a maximum may swallow.
+    poison: [f64; LANES],
+}
+
+impl Largest {
+    #[inline(always)]
+    fn take<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
+        for ((most, poison), number) in self.most.iter_mut().zip(&mut self.poison).zip(numbers) {
+            let size = number.magnitude();
+            *most = if size > *most { size } else { *most };
+            *poison += size * 0.0;
         }
     }
-    for (lane, &x) in rest.iter().enumerate() {
-        take(lane, x);
+
+    /// NaN if any was NaN or infinite.
+    fn get(self) -> f64 {
+        self.most.into_iter().fold(0.0, f64::max) + self.poison.into_iter().sum::<f64>()
     }
-    let most = lanes.into_iter().fold(0.0, f64::max);
-    most + poison.into_iter().sum::<f64>()
+}
+
+/// The largest magnitude; NaN if any is not finite.
+pub(super) fn largest<S: Scalar>(x: &[S]) -> f64 {
+    let mut largest = Largest::default();
+    let (chunks, rest) = x.as_chunks::<LANES>();
+    chunks.iter().for_each(|chunk| largest.take(chunk));
+    rest.iter().for_each(|&x| largest.take(&[x]));
+    largest.get()
+}
+
+/// Whether every part of every number is finite.
+fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
+    let mut poison = [S::from_f64(0.0); LANES];
+    let (chunks, rest) = numbers.as_chunks::<LANES>();
+    for chunk in chunks {
+        poison = std::array::from_fn(|lane| poison[lane] + chunk[lane] * 0.0);
+    }
+    S::are_finite(poison.into_iter()).all() && S::are_finite(rest.iter().copied()).all()
 }

@@ -149,7 +149,7 @@ pub(super) fn pattern<H: Elements>(
     }
     let (zeros, dw) = (vec![0.0; degrees], vec![0.0; system.noises()]);
     let at = Point { q: &zeros, p: &zeros, t: 0.0, h: 1.0, dw: &dw };
-    let terms = Terms { drift: true, noise: true, by_q: true, by_p: true };
+    let terms = Terms { drift: true, noise: true, counter: scheme.counter, by_q: true, by_p: true };
     add_entries(system, scheme, &at, 0.5, terms, &zeros, &mut Places(visit));
 }
 

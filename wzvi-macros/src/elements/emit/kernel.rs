@@ -1,6 +1,6 @@
 //! One element in its loops. The innermost loop runs in chunks: what it reads is sliced or gathered, the arithmetic
-//! goes over slices of one length without conditions, so that it can be vectorised, and what it computes is added to
-//! the vectors of the system afterwards.
+//! goes over slices of one length without conditions, so that it can be vectorised. What it computes is added to a slice of
+//! each vector of the system at once, and to other places of the same vector afterwards.
 
 use std::collections::HashMap;
 
@@ -180,6 +180,7 @@ impl Chunk<'_> {
         let mut stores = TokenStream::new();
         let mut scatters = TokenStream::new();
         let mut after = TokenStream::new();
+        let mut direct: Vec<&Ident> = Vec::new();
         for (j, ((_, target), value)) in self.outputs.iter().zip(values).enumerate() {
             let buffer = format_ident!("__b{j}");
             match self.placed(target, inner.variable) {
@@ -187,6 +188,17 @@ impl Chunk<'_> {
                     before.extend(quote!(let mut #buffer = #zero;));
                     stores.extend(quote!(#buffer = #buffer + #value;));
                     after.extend(self.add(target, &quote!(#buffer)));
+                }
+                // One slice of each vector can be written to while the arithmetic runs.
+                Placed::Run(index) if self.is_free(target, &direct) => {
+                    let Target::Slope { vector, .. } = target else { continue };
+                    direct.push(vector);
+                    let base = self.indices.position(&index);
+                    opening.extend(quote! {
+                        let #buffer = #base;
+                        let #buffer = &mut #vector[#buffer..#buffer + __len];
+                    });
+                    stores.extend(quote!(#buffer[__k] = #buffer[__k] + #value;));
                 }
                 Placed::Run(index) => {
                     let Target::Slope { vector, .. } = target else { continue };
@@ -340,6 +352,10 @@ impl Chunk<'_> {
             }
             _ => Placed::Each,
         }
+    }
+
+    fn is_free(&self, target: &Target, taken: &[&Ident]) -> bool {
+        matches!(target, Target::Slope { vector, .. } if !taken.contains(&vector))
     }
 
     fn add(&self, target: &Target, value: &TokenStream) -> TokenStream {

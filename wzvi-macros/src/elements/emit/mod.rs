@@ -8,6 +8,7 @@ use quote::{format_ident, quote};
 
 use self::indices::{Indices, variable};
 use self::kernel::{Context, Target};
+use super::counter::{Counter, Weight};
 use super::facts::{Facts, is_consistent};
 use super::index::{Atom, Bounds, Index};
 use super::model::{Element, Model, Noises, Reads, Slot, Term};
@@ -21,7 +22,7 @@ use crate::symbolic::{Expr, Symbol};
 /// Everything that `#[hamiltonian]` stands for. `equations` has the text of each scheme, in their order.
 pub(crate) fn emit(model: &mut Model, facts: &Facts, equations: &[String]) -> TokenStream {
     let mut generated = hamiltonian(model);
-    generated.extend(elements(model));
+    generated.extend(elements(model, facts));
     let embeddings: Vec<Embedding> = model.embeddings.iter().map(|known| known.value.clone()).collect();
     for (embedding, text) in embeddings.iter().zip(equations) {
         generated.extend(discretized(model, facts, embedding, text));
@@ -181,10 +182,28 @@ fn noise_elements(model: &Model) -> Vec<(Element, TokenStream)> {
     }
 }
 
+/// The elements of the counter-term, if a scheme adds it, with their weights.
+fn counter_elements(model: &Model, facts: &Facts) -> Vec<(Element, TokenStream)> {
+    let schemes = model.embeddings.iter();
+    let used = schemes.map(|known| facts.counter_of(&known.value)).find(|counter| !counter.is_empty());
+    let weigh = |Counter { element, weight }: &Counter| {
+        let weight = match weight {
+            Weight::Pair(j, k) => quote!(__at.dw[#j] * __at.dw[#k] * __terms.counter),
+            Weight::Member => {
+                let member = element.loops.first().map(|known| variable(known.variable));
+                let increment = quote!(__at.dw[#member as __wzvi::core::primitive::usize]);
+                quote!(#increment * #increment * __terms.counter)
+            }
+        };
+        (element.clone(), weight)
+    };
+    used.unwrap_or_default().iter().map(weigh).collect()
+}
+
 /// `impl Elements`
-fn elements(model: &mut Model) -> TokenStream {
-    let slopes = sweep(model, Wanted::Slopes);
-    let curvature = sweep(model, Wanted::Curvature);
+fn elements(model: &mut Model, facts: &Facts) -> TokenStream {
+    let slopes = sweep(model, facts, Wanted::Slopes);
+    let curvature = sweep(model, facts, Wanted::Curvature);
     let required = required(model);
     let read = parameters(model);
     let size = sizes(model, &quote!(__at.q.len()));
@@ -224,7 +243,7 @@ fn elements(model: &mut Model) -> TokenStream {
 }
 
 /// Every element of the drift and the noises, under the conditions of `__terms`.
-fn sweep(model: &mut Model, wanted: Wanted) -> TokenStream {
+fn sweep(model: &mut Model, facts: &Facts, wanted: Wanted) -> TokenStream {
     let drift: Vec<(Element, TokenStream)> = model
         .drift
         .elements
@@ -232,9 +251,11 @@ fn sweep(model: &mut Model, wanted: Wanted) -> TokenStream {
         .map(|element| (element.clone(), quote!(<__S as __wzvi::Scalar>::from_f64(__at.h))))
         .collect();
     let noise = noise_elements(model);
+    let counter = counter_elements(model, facts);
     let mut code = TokenStream::new();
-    for (group, list) in [("drift", drift), ("noise", noise)] {
-        let group = format_ident!("{group}");
+    let groups =
+        [(quote!(__terms.drift), drift), (quote!(__terms.noise), noise), (quote!(__terms.counter != 0.0), counter)];
+    for (group, list) in groups {
         let mut parts = TokenStream::new();
         for (element, weight) in &list {
             let condition = match element.reads() {
@@ -248,7 +269,7 @@ fn sweep(model: &mut Model, wanted: Wanted) -> TokenStream {
             parts.extend(quote!(if #condition { #body }));
         }
         if !parts.is_empty() {
-            code.extend(quote!(if __terms.#group { #parts }));
+            code.extend(quote!(if #group { #parts }));
         }
     }
     code
@@ -328,6 +349,7 @@ fn hamiltonian(model: &mut Model) -> TokenStream {
     let (values, slopes) = (arms(model, Wanted::Value), arms(model, Wanted::Slopes));
     let read = parameters(model);
     let size = sizes(model, &quote!(__q.len()));
+    let (invariants, invariant) = (model.invariants.len(), invariant(model));
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let (usize, f64) = (quote!(__wzvi::core::primitive::usize), f64_type());
@@ -344,7 +366,7 @@ fn hamiltonian(model: &mut Model) -> TokenStream {
 
             fn noises(&self) -> #usize { #noises }
 
-            fn invariants(&self) -> #usize { 0 }
+            fn invariants(&self) -> #usize { #invariants }
 
             #parameter
 
@@ -393,7 +415,7 @@ fn hamiltonian(model: &mut Model) -> TokenStream {
                 }
             }
 
-            fn invariant(&self, _: #usize, _: &__wzvi::State<Self::Vector>) -> #f64 { #f64::NAN }
+            #invariant
 
             fn energy_rate(&self, __k: #usize, __state: &__wzvi::State<Self::Vector>) -> #f64 {
                 __wzvi::elements::energy_rate(self, __k, __state)
@@ -402,17 +424,56 @@ fn hamiltonian(model: &mut Model) -> TokenStream {
     }
 }
 
+/// `Hamiltonian::invariant`
+fn invariant(model: &mut Model) -> TokenStream {
+    let (usize, f64) = (quote!(__wzvi::core::primitive::usize), f64_type());
+    if model.invariants.is_empty() {
+        return quote!(fn invariant(&self, _: #usize, _: &__wzvi::State<Self::Vector>) -> #f64 { #f64::NAN });
+    }
+    let one = quote!(<__S as __wzvi::Scalar>::from_f64(1.0));
+    let integrals: Vec<Vec<Element>> =
+        model.invariants.iter().map(|invariant| invariant.term.elements.clone()).collect();
+    let mut arms = TokenStream::new();
+    for (number, elements) in integrals.iter().enumerate() {
+        let body = terms_code(model, elements, Wanted::Value, &one);
+        arms.extend(quote!(#number => { #body }));
+    }
+    let (read, size) = (parameters(model), sizes(model, &quote!(__at.q.len())));
+    quote! {
+        fn invariant(&self, __number: #usize, __state: &__wzvi::State<Self::Vector>) -> #f64 {
+            type __S = #f64;
+            let (__q, __p) = (__wzvi::Vector::components(&__state.q), __wzvi::Vector::components(&__state.p));
+            if __q.len() != __p.len() || __wzvi::elements::check(self, __q.len()).is_err() {
+                return #f64::NAN;
+            }
+            let __at = __wzvi::elements::Point::<#f64> { q: __q, p: __p, t: __state.t, h: 1.0, dw: &[] };
+            let __t = __at.t;
+            #read
+            #size
+            let mut __total: #f64 = 0.0;
+            match __number {
+                #arms
+                _ => return #f64::NAN,
+            }
+            __total
+        }
+    }
+}
+
+/// The code of several elements, one after the other.
+fn terms_code(model: &mut Model, elements: &[Element], wanted: Wanted, weight: &TokenStream) -> TokenStream {
+    let mut parts = TokenStream::new();
+    for element in elements {
+        let symbol = model.graph.new_symbol("c");
+        parts.extend(element_code(model, element, wanted, symbol, weight));
+    }
+    parts
+}
+
 /// One match arm per term, on its number.
 fn arms(model: &mut Model, wanted: Wanted) -> TokenStream {
     let one = quote!(<__S as __wzvi::Scalar>::from_f64(1.0));
-    let code = |model: &mut Model, elements: &[Element]| -> TokenStream {
-        let mut parts = TokenStream::new();
-        for element in elements {
-            let symbol = model.graph.new_symbol("c");
-            parts.extend(element_code(model, element, wanted, symbol, &one));
-        }
-        parts
-    };
+    let code = |model: &mut Model, elements: &[Element]| terms_code(model, elements, wanted, &one);
     let drift = model.drift.elements.clone();
     let drift = code(model, &drift);
     let mut arms = quote!(0 => { #drift });
@@ -459,6 +520,7 @@ fn discretized(model: &Model, facts: &Facts, embedding: &Embedding, text: &str) 
         Unknowns::Momenta => quote!(Momenta),
         Unknowns::Both => quote!(Both),
     };
+    let counter = if facts.counter_of(embedding).is_empty() { 0.0 } else { 0.5 - noise_l };
     let nan_checks = model.parameters.iter().map(|parameter| &parameter.tokens);
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
@@ -469,6 +531,7 @@ fn discretized(model: &Model, facts: &Facts, embedding: &Embedding, text: &str) 
             const __SCHEME: #elements::Scheme = #elements::Scheme {
                 drift_l: #drift_l,
                 noise_l: #noise_l,
+                counter: #counter,
                 unknowns: #elements::Unknowns::#chosen,
                 remembers: #remembers,
                 has_noise: #has_noise,
