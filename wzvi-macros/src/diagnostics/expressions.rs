@@ -210,10 +210,7 @@ pub(crate) fn no_sum(found: impl ToTokens) -> Error {
 }
 
 pub(crate) fn long_for_loop(found: impl ToTokens) -> Error {
-    at(
-        found,
-        "a `for` loop whose length is known at run time can only add to its variables: `total += ...`",
-    )
+    at(found, "a `for` loop whose length is known at run time can only add to its variables: `total += ...`")
 }
 
 pub(crate) fn inner_length(found: impl ToTokens) -> Error {

@@ -1,8 +1,8 @@
 //! What can be said about a system of elements, by its structure: what each element reads decides; where that does not,
 //! the answer is "unknown".
 
-use super::invariants::{self, Failure};
 use super::counter::{Counter, counter_term};
+use super::invariants::{self, Failure};
 use super::model::{Element, Model, Noises, Reads};
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::embedding::{Correction, Embedding};
@@ -72,7 +72,8 @@ impl Facts {
 
     /// The counter-term that a scheme adds; empty for most.
     pub(crate) fn counter_of(&self, embedding: &Embedding) -> &[Counter] {
-        let acts = embedding.correction() == Correction::Corrected && embedding.quadrature().1 != Rational::HALF;
+        let acts =
+            embedding.correction() == Correction::Corrected && embedding.quadrature().1 != Rational::HALF;
         if acts { self.counter.as_deref().unwrap_or_default() } else { &[] }
     }
 

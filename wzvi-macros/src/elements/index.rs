@@ -180,7 +180,8 @@ impl Index {
                 Atom::Loop(own) if *own == variable => by.clone(),
                 Atom::Loop(_) | Atom::Size => Self::atom(atom.clone()),
                 Atom::Given(id, indices) => {
-                    let indices = indices.iter().map(|index| index.with(variable, by)).collect::<Option<_>>()?;
+                    let indices =
+                        indices.iter().map(|index| index.with(variable, by)).collect::<Option<_>>()?;
                     Self::atom(Atom::Given(*id, indices))
                 }
                 Atom::Product(both) => both.0.with(variable, by)?.multiply(&both.1.with(variable, by)?)?,

@@ -216,7 +216,8 @@ impl<'a> Interpreter<'a, '_> {
                 totals.push((name.clone(), self.real(value, &name)?));
             }
         }
-        let placeholders: Vec<Symbol> = totals.iter().map(|(name, _)| self.graph.new_symbol(&name.to_string())).collect();
+        let placeholders: Vec<Symbol> =
+            totals.iter().map(|(name, _)| self.graph.new_symbol(&name.to_string())).collect();
         let mut added = Vec::new();
         // One pass for each total, so that each has sums of its own.
         for (wanted, &placeholder) in placeholders.iter().enumerate() {

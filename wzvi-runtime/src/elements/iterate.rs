@@ -191,7 +191,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             self.system.slopes(Terms { by_p: is_both, ..terms }, &at, &mut by_q[s], by_p);
         }
         if is_both {
-            for (c, (x, &by_p)) in correction.as_chunks_mut().0.iter_mut().zip(x.as_chunks().0.iter().zip(&*by_p)) {
+            for (c, (x, &by_p)) in
+                correction.as_chunks_mut().0.iter_mut().zip(x.as_chunks().0.iter().zip(&*by_p))
+            {
                 let ([c_u, c_v], [x_u, x_v]) = (c, x);
                 (*c_u, *c_v) = (*x_u - by_p, *x_v);
             }
@@ -366,9 +368,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let Work { x, correction, .. } = work;
         if self.scheme.unknowns == Unknowns::Both {
             let unknowns = correction.as_chunks().0.iter().zip(x.as_chunks().0);
-            unknowns.zip(self.q.iter().zip(self.p)).all(|((&[c_u, c_v], &[u, v]), (&q, &p))| {
-                is_small(c_u, u, q) && is_small(c_v, v, p)
-            })
+            unknowns
+                .zip(self.q.iter().zip(self.p))
+                .all(|((&[c_u, c_v], &[u, v]), (&q, &p))| is_small(c_u, u, q) && is_small(c_v, v, p))
         } else {
             correction.iter().zip(x).zip(self.p).all(|((&c, &x), &p)| is_small(c, x, p))
         }

@@ -253,8 +253,11 @@ fn sweep(model: &mut Model, facts: &Facts, wanted: Wanted) -> TokenStream {
     let noise = noise_elements(model);
     let counter = counter_elements(model, facts);
     let mut code = TokenStream::new();
-    let groups =
-        [(quote!(__terms.drift), drift), (quote!(__terms.noise), noise), (quote!(__terms.counter != 0.0), counter)];
+    let groups = [
+        (quote!(__terms.drift), drift),
+        (quote!(__terms.noise), noise),
+        (quote!(__terms.counter != 0.0), counter),
+    ];
     for (group, list) in groups {
         let mut parts = TokenStream::new();
         for (element, weight) in &list {
