@@ -71,6 +71,8 @@ pub use wzvi_runtime::{
     calculus, elements, embedding, error, increments, integrate, numbers, plan, retry, scalar, simulate,
     state, step, system, trajectory,
 };
+#[cfg(feature = "ensemble")]
+pub use wzvi_runtime::{ensemble, lanes};
 
 /// Everything that a scene needs: `use wzvi::prelude::*`.
 pub mod prelude {

@@ -82,7 +82,8 @@ const PENDULUM: (Pendulum, f64) = (Pendulum, 0.1);
 const KEPLER: (Kepler, f64) = (Kepler { mu: 1.0 }, std::f64::consts::TAU / 500.0);
 const HENON: (HenonHeiles, f64) = (HenonHeiles, 0.1);
 
-/// Increments of variance `h`, near enough: sums of uniforms, repeated after 512 steps.
+/// Increments of variance `h`, near enough: sums of uniforms. Every run starts anew after these 512 steps: noise that
+/// repeats heats a system without end.
 fn table(h: f64) -> [f64; 512] {
     let mut seed = 7_u64;
     let mut uniform = || {
@@ -90,6 +91,11 @@ fn table(h: f64) -> [f64; 512] {
         (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
     };
     std::array::from_fn(|_| h.sqrt() * (0..12).map(|_| uniform()).sum::<f64>())
+}
+
+/// The numbers of `n` steps, run by run.
+fn runs(n: u64) -> impl Iterator<Item = std::ops::Range<usize>> {
+    (0..n as usize).step_by(512).map(move |first| first..(first + 512).min(n as usize))
 }
 
 fn outcome<V: Vector>(state: &State<V>, iterations: u64) -> Outcome {
@@ -101,17 +107,20 @@ fn outcome<V: Vector>(state: &State<V>, iterations: u64) -> Outcome {
 /// Steps with `K` increments each through the stepper.
 fn stepped<E, H: Discretized<E>, const K: usize>(
     (system, h): (H, f64),
-    state: State<H::Vector>,
+    start: State<H::Vector>,
     n: u64,
 ) -> Outcome {
     let (system, h, dw) = (black_box(system), black_box(h), table(h));
     let mut stepper = system.stepper::<E>(h).unwrap();
     // On the stack of this function, as the state by hand is.
-    let mut state = state.clone();
+    let mut state = start.clone();
     let mut iterations = 0;
-    for i in 0..n as usize {
-        let dw: [f64; K] = std::array::from_fn(|k| dw[(i + 100 * k) % 512]);
-        iterations += u64::from(stepper.step(&mut state, &dw).unwrap().iterations);
+    for run in runs(n) {
+        state.clone_from(&start);
+        for i in run {
+            let dw: [f64; K] = std::array::from_fn(|k| dw[(i + 100 * k) % 512]);
+            iterations += u64::from(stepper.step(&mut state, &dw).unwrap().iterations);
+        }
     }
     outcome(&state, iterations)
 }
@@ -119,20 +128,23 @@ fn stepped<E, H: Discretized<E>, const K: usize>(
 /// The same through the bare map.
 fn advanced<E, H: Discretized<E>, const K: usize>(
     (system, h): (H, f64),
-    state: State<H::Vector>,
+    start: State<H::Vector>,
     n: u64,
 ) -> Outcome {
     let (system, h, dw) = (black_box(system), black_box(h), table(h));
     let prepared = system.prepare(h).unwrap();
     let mut memory = H::Memory::<f64>::default();
     // On the stack of this function, as the state by hand is.
-    let mut state = state.clone();
+    let mut state = start.clone();
     let mut iterations = 0;
-    for i in 0..n as usize {
-        let dw: [f64; K] = std::array::from_fn(|k| dw[(i + 100 * k) % 512]);
-        let (q, p) = (state.q.components_mut(), state.p.components_mut());
-        let solved = system.advance::<f64>(&prepared, i as f64 * h, h, q, p, &dw, &mut memory).unwrap();
-        iterations += u64::from(solved.iterations);
+    for run in runs(n) {
+        state.clone_from(&start);
+        for i in run {
+            let dw: [f64; K] = std::array::from_fn(|k| dw[(i + 100 * k) % 512]);
+            let (q, p) = (state.q.components_mut(), state.p.components_mut());
+            let solved = system.advance::<f64>(&prepared, i as f64 * h, h, q, p, &dw, &mut memory).unwrap();
+            iterations += u64::from(solved.iterations);
+        }
     }
     outcome(&state, iterations)
 }
@@ -148,9 +160,12 @@ fn by_hand<S: by_hand::Step<D, K>, const D: usize, const K: usize>(
     let (mut stepper, dw) = (prepare(h), table(h));
     let mut state = by_hand::State { q: start[0], p: start[1], t: 0.0 };
     let mut iterations = 0;
-    for i in 0..n as usize {
-        let dw: [f64; K] = std::array::from_fn(|k| dw[(i + 100 * k) % 512]);
-        iterations += u64::from(stepper.step(&mut state, dw).unwrap());
+    for run in runs(n) {
+        (state.q, state.p) = (start[0], start[1]);
+        for i in run {
+            let dw: [f64; K] = std::array::from_fn(|k| dw[(i + 100 * k) % 512]);
+            iterations += u64::from(stepper.step(&mut state, dw).unwrap());
+        }
     }
     black_box(state.t);
     Outcome { state: state.q.into_iter().chain(state.p).collect(), iterations }

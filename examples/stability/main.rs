@@ -1,6 +1,7 @@
 //! Where the schemes hold and where they stop: one table of stiff and extreme cases, with what each costs.
 //!
-//! Run with `cargo run --release --example stability`; the table is also written to `target/wzvi/stability/table.csv`.
+//! Run with `cargo run --release --example stability`; the table is also written to `target/wzvi/stability/table.csv`
+//! and, as a page, to `target/wzvi/stability/index.html`.
 //! `docs/stability.md` explains each way to fail, and what to do.
 
 mod cases;
@@ -11,6 +12,8 @@ mod table;
 use std::error::Error;
 use std::fs;
 use std::path::PathBuf;
+
+use wzvi::report::Document;
 
 /// One line of the table.
 pub(crate) struct Row {
@@ -48,10 +51,13 @@ const HEADS: [&str; 7] = ["case", "scheme", "outcome", "steps", "Newton mean (ma
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut lines = vec![HEADS.map(str::to_owned)];
+    let mut page = Document::new("Where the schemes hold and where they stop");
     for (title, rows) in cases::all()? {
         let cells: Vec<[String; 7]> = rows.iter().map(Row::cells).collect();
         println!("\n{title}\n");
         table::print(HEADS, &cells);
+        let rows = cells.iter().map(|cells| cells.to_vec()).collect();
+        page = page.table(title, HEADS.map(str::to_owned).to_vec(), rows);
         lines.extend(cells);
     }
     let folder = PathBuf::from("target/wzvi/stability");
@@ -61,6 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let text: Vec<String> = lines.iter().map(quoted).collect();
     fs::write(folder.join("table.csv"), text.join("\n") + "\n")?;
-    println!("\ntable: {}", folder.join("table.csv").display());
+    page.write(&folder)?;
+    println!("\ntable: {}, {}", folder.join("table.csv").display(), folder.join("index.html").display());
     Ok(())
 }

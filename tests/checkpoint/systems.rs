@@ -73,6 +73,19 @@ impl Pendulum {
     }
 }
 
+/// The solution of a step with `h > 2` may end at a fold, that of a shorter one cannot: in a run of long steps some have
+/// to be halved.
+#[hamiltonian(drift = |q, p| 0.5 * p * p - q.cos(), noise = [|q, p| 0.5 * q], embedding = Midpoint)]
+#[derive(Clone, Debug)]
+pub(crate) struct Folding;
+
+impl Folding {
+    pub(crate) fn run(&self, steps: u64, every: u64) -> Simulation<'_, Self, Midpoint, Wiener> {
+        let run = self.simulate(2.5).start(State::new([2.2], [0.8])).noise(Wiener::seed(11));
+        run.steps(steps).record_every(every).retry(Retry::halving(10))
+    }
+}
+
 /// A folder of the test's own, empty.
 pub(crate) fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("checkpoint").join(name);

@@ -40,6 +40,13 @@
 //! both. Only one process at a time should use them; one that finds the checkpoint changed by another stops with
 //! [`CheckpointError::Taken`].
 //!
+//! # Cost
+//!
+//! A checkpoint of a small system is about a kilobyte, and takes as long as the disk takes to confirm it: about a
+//! millisecond on a solid-state disk, more on others. Between two of them a step costs one comparison more. Recorded
+//! nodes take `8 (1 + 2 d + K)` bytes each on the disk, `d` degrees of freedom and `K` noises, as in memory.
+//! `cargo run --release --example long_run -- cost` measures it.
+//!
 //! # Observers
 //!
 //! What an observer has seen is not kept: one that is attached to a run which goes on sees the nodes after the

@@ -1,5 +1,7 @@
 //! What every system can do with its schemes.
 
+#[cfg(feature = "ensemble")]
+use crate::ensemble::Ensemble;
 use crate::error::ConfigError;
 use crate::simulate::Simulation;
 use crate::step::Stepper;
@@ -25,6 +27,16 @@ pub trait Integrate: Hamiltonian {
         Self: Discretized<E> + Sized,
     {
         Simulation::new(self, h)
+    }
+
+    /// Many paths in steps of size `h` (time units of the Hamiltonian; negative runs backwards), for their statistics.
+    /// Whatever is wrong with the settings, [`Ensemble::run`] says it.
+    #[cfg(feature = "ensemble")]
+    fn ensemble<E>(&self, h: f64) -> Ensemble<'_, Self, E>
+    where
+        Self: Discretized<E> + Sized,
+    {
+        Ensemble::new(self, h)
     }
 }
 

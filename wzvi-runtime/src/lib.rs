@@ -10,9 +10,13 @@ mod checkpoint;
 mod checksum;
 pub mod elements;
 pub mod embedding;
+#[cfg(feature = "ensemble")]
+pub mod ensemble;
 pub mod error;
 pub mod increments;
 pub mod integrate;
+#[cfg(feature = "ensemble")]
+pub mod lanes;
 #[cfg(feature = "noise")]
 pub mod noise;
 pub mod numbers;

@@ -17,7 +17,7 @@
 mod bridge;
 mod cursor;
 mod grid;
-mod normal;
+pub(crate) mod normal;
 mod stream;
 mod truncation;
 mod wiener;

@@ -9,6 +9,8 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 pub use dual::Dual;
 
+use crate::solve::{Solve, Together};
+
 /// The truth of a comparison: `bool` for one number, a mask for several at once.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// The same truth in every lane.
@@ -39,6 +41,8 @@ pub trait Scalar:
 {
     /// The truth of a comparison.
     type Mask: Mask;
+    /// How the equations of a step are solved in numbers of this type.
+    type Solver: Solve<Self>;
 
     /// A constant.
     fn from_f64(value: f64) -> Self;
@@ -49,10 +53,16 @@ pub trait Scalar:
     fn relative_to(self, a: Self, b: Option<Self>) -> f64;
     /// Where every part of the number is finite.
     fn is_finite(self) -> Self::Mask;
-    /// Where every part of every number is finite.
+    /// Where every part of the first of each pair is finite.
     #[inline(always)]
-    fn are_finite(numbers: impl Iterator<Item = Self>) -> Self::Mask {
-        numbers.fold(Self::Mask::from_bool(true), |all, x| all & x.is_finite())
+    fn are_finite<const N: usize>(pairs: [[(Self, Self); N]; 2]) -> Self::Mask {
+        let mut all = Self::Mask::from_bool(true);
+        for pairs in &pairs {
+            for (x, _) in pairs {
+                all = all & x.is_finite();
+            }
+        }
+        all
     }
     /// `self < other`
     fn less(self, other: Self) -> Self::Mask;
@@ -133,6 +143,7 @@ macro_rules! forward {
 
 impl Scalar for f64 {
     type Mask = bool;
+    type Solver = Together;
 
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
@@ -156,8 +167,14 @@ impl Scalar for f64 {
     }
     /// Zero times a finite number is zero, and NaN otherwise: one test for all.
     #[inline(always)]
-    fn are_finite(numbers: impl Iterator<Item = Self>) -> bool {
-        !numbers.fold(-0.0, |zeros, x| zeros + x * 0.0).is_nan()
+    fn are_finite<const N: usize>(pairs: [[(Self, Self); N]; 2]) -> bool {
+        let mut zeros = -0.0;
+        for pairs in &pairs {
+            for (x, _) in pairs {
+                zeros += x * 0.0;
+            }
+        }
+        !zeros.is_nan()
     }
     #[inline(always)]
     fn less(self, other: Self) -> bool {

@@ -61,7 +61,7 @@ impl<V> Observer<V> for Unobserved {
 pub type Partial<V, E> = (Trajectory<V, E>, Option<Error>);
 
 #[derive(Clone, Copy, Debug)]
-enum End {
+pub(crate) enum End {
     Time(f64),
     Steps(u64),
 }
@@ -296,7 +296,7 @@ const NOISE: &str = "increments for the noises of the system: add `.noise(...)` 
 const GIVEN: &str = "`.retry(...)` needs increments between the nodes, which these do not have: use `Wiener` or \
                      `WongZakai`, or leave `.retry(...)` out";
 
-fn checked<H: Discretized<E>, E>(
+pub(crate) fn checked<H: Discretized<E>, E>(
     system: &H,
     start: Option<State<H::Vector>>,
 ) -> Result<State<H::Vector>, ConfigError> {
@@ -316,7 +316,7 @@ fn checked<H: Discretized<E>, E>(
     }
 }
 
-fn count(end: Option<End>, start: f64, h: f64) -> Result<u64, ConfigError> {
+pub(crate) fn count(end: Option<End>, start: f64, h: f64) -> Result<u64, ConfigError> {
     match end.ok_or(ConfigError::Missing(END))? {
         End::Time(end) => steps_between(start, end, h).ok_or(ConfigError::End { start, end, h }),
         End::Steps(steps) if steps <= MOST_STEPS => Ok(steps),

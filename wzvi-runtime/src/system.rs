@@ -158,23 +158,31 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
         momentum: [S; D],
         effort: Effort,
     ) -> Self {
-        let q = std::array::from_fn(|i| C::add(q[i], dq[i], carry.of_coordinate(i)));
-        let p = std::array::from_fn(|i| C::add(p[i], dp[i], carry.of_momentum(i)));
-        Self { q, p, momentum, effort }
+        // Plain loops: closures would be compiled without the vector instructions of the caller.
+        let zero = S::from_f64(0.0);
+        let (mut next_q, mut next_p) = ([(zero, zero); D], [(zero, zero); D]);
+        for i in 0..D {
+            next_q[i] = C::add(q[i], dq[i], carry.of_coordinate(i));
+            next_p[i] = C::add(p[i], dp[i], carry.of_momentum(i));
+        }
+        Self { q: next_q, p: next_p, momentum, effort }
     }
 
     /// Whether every component is finite.
     #[inline(always)]
     pub fn is_finite(&self) -> bool {
-        S::are_finite(self.q.iter().chain(&self.p).map(|&(sum, _)| sum)).all()
+        S::are_finite([self.q, self.p]).all()
     }
 
     /// Moves the state.
     #[inline(always)]
     pub fn store<C: Carry<S>>(self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) -> Effort {
-        *q = self.q.map(|(sum, _)| sum);
-        *p = self.p.map(|(sum, _)| sum);
-        carry.keep(&self.q.map(|(_, lost)| lost), &self.p.map(|(_, lost)| lost));
+        let mut lost = [[S::from_f64(0.0); D]; 2];
+        for i in 0..D {
+            (q[i], lost[0][i]) = self.q[i];
+            (p[i], lost[1][i]) = self.p[i];
+        }
+        carry.keep(&lost[0], &lost[1]);
         self.effort
     }
 }
@@ -228,6 +236,10 @@ pub trait Discretized<E>: Hamiltonian {
     /// makes them forget it.
     const REMEMBERS: bool =
         matches!(Self::PLAN.noise, NoiseClass::None) && size_of::<Self::Memory<f64>>() != 0;
+
+    /// Whether paths run in lanes beside each other. Without noise the steps before help to solve the next one; systems of
+    /// elements are their own vectors.
+    const IN_LANES: bool = !matches!(Self::PLAN.noise, NoiseClass::None);
 
     /// The memory of a new stepper: all that its steps will need, where the system knows its size.
     fn memory(&self) -> Self::Memory<f64> {

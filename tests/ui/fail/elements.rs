@@ -13,7 +13,7 @@ struct Nonlinear;
     drift = |q: &[f64], p: &[f64]| {
         let mut total = 0.0;
         for i in 0..q.len() {
-            total += p[i];
+            total = total * p[i] + q[i];
         }
         total
     },
@@ -23,14 +23,18 @@ struct Loop;
 
 #[hamiltonian(
     drift = |q: &[f64], p: &[f64]| p.iter().zip(q).map(|(p, q)| p * q).sum::<f64>(),
-    invariant = [|q: &[f64], p: &[f64]| p.iter().sum::<f64>()],
+    invariant = [
+        |q: &[f64], p: &[f64]| p.iter().sum::<f64>(),
+        |q: &[f64], p: &[f64]| q[0] * p[0],
+        |q, p, t| p.iter().map(|p| p * t).sum::<f64>(),
+    ],
     embedding = Midpoint,
 )]
 struct Integral;
 
 #[hamiltonian(
     drift = |q: &[f64], p: &[f64]| p.iter().zip(q).map(|(p, q)| p * q).sum::<f64>(),
-    noise = [|q, p, k| q[k] * p[k]; 3],
+    noise = [|q, p, k| q[k] * p[(k + 1) % 3]; 3],
     embedding = [DeltaPlus, Corrected<DeltaPlus>],
 )]
 struct Inconsistent;

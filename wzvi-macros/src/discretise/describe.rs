@@ -89,6 +89,9 @@ fn step(graph: &Graph, scheme: &Scheme, text: &mut String) {
         let Block { iterates, assigned, solution } = block;
         let method = match solution {
             Solution::Assigned => format!("assign {}", names(graph, symbols, assigned)),
+            Solution::Isolated(pivot) => {
+                format!("isolate: {} = 1/({})", graph.symbol_name(pivot.inverse), graph.display(pivot.value))
+            }
             Solution::Linear { .. } => format!("solve for {}: linear", names(graph, symbols, iterates)),
             Solution::Newton { symmetric: true, .. } => {
                 format!("solve for {}: Newton, symmetric Jacobian", names(graph, symbols, iterates))

@@ -20,6 +20,7 @@ pub(crate) enum MomentumUpdate {
 }
 
 /// `φ` and the momentum update, per degree of freedom.
+#[derive(Clone)]
 pub(crate) struct Equations {
     pub(crate) phi_u: Vec<Expr>,
     pub(crate) phi_v: Vec<Expr>,

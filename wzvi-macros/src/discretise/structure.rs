@@ -6,13 +6,16 @@
 
 use std::collections::HashMap;
 
+use self::isolate::isolate;
 use crate::discretise::equations::Equations;
 use crate::discretise::lagrangian::{DiscreteLagrangian, StepSymbols};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 mod blocks;
+mod isolate;
 
 pub(crate) use blocks::Dependencies;
+pub(crate) use isolate::Pivot;
 
 /// One unknown increment.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
@@ -27,6 +30,8 @@ pub(crate) enum Unknown {
 pub(crate) enum Solution {
     /// Nothing to solve: every unknown is assigned.
     Assigned,
+    /// No unknowns: the reciprocal that an isolated one of the next block is assigned with.
+    Isolated(Pivot),
     /// `matrix · x = rhs`
     Linear { matrix: Vec<Vec<Expr>>, rhs: Vec<Expr> },
     /// `residual(x) = 0` with `jacobian = ∂residual/∂x`.
@@ -40,6 +45,24 @@ pub(crate) struct Block {
     /// What follows from the iterates, in order.
     pub(crate) assigned: Vec<Unknown>,
     pub(crate) solution: Solution,
+}
+
+impl Block {
+    fn of(solution: Solution) -> Self {
+        Self { iterates: Vec::new(), assigned: Vec::new(), solution }
+    }
+}
+
+/// The unknowns of a component, split into iterates and assigned ones, with what it takes to solve for them.
+fn block(
+    graph: &mut Graph,
+    symbols: &StepSymbols,
+    equations: &Equations,
+    (iterates, assigned): (Vec<Unknown>, Vec<Unknown>),
+) -> Block {
+    let mut solver = BlockSolver { graph, symbols, equations, slopes: HashMap::new() };
+    let solution = solver.solve(&iterates, &assigned);
+    Block { iterates, assigned, solution }
 }
 
 /// The blocks in solving order, and what every symbol of the step stands for.
@@ -56,13 +79,21 @@ impl Structure {
         let mut definitions = HashMap::new();
         let mut blocks = Vec::new();
         for component in dependencies.components() {
-            let (iterates, assigned) = dependencies.split(&component);
-            for &unknown in &assigned {
-                definitions.insert(symbols.unknown(unknown), equations.phi(unknown));
+            let mut block = block(graph, symbols, equations, dependencies.split(&component));
+            let mut solved = equations;
+            let isolated = match block.solution {
+                Solution::Newton { .. } => isolate(graph, symbols, equations, &component, &block.iterates),
+                _ => None,
+            };
+            if let Some((equations, dependencies, pivots)) = &isolated {
+                block = self::block(graph, symbols, equations, dependencies.split(&component));
+                solved = equations;
+                blocks.extend(pivots.iter().map(|&pivot| Block::of(Solution::Isolated(pivot))));
             }
-            let mut solver = BlockSolver { graph, symbols, equations, slopes: HashMap::new() };
-            let solution = solver.solve(&iterates, &assigned);
-            blocks.push(Block { iterates, assigned, solution });
+            for &unknown in &block.assigned {
+                definitions.insert(symbols.unknown(unknown), solved.phi(unknown));
+            }
+            blocks.push(block);
         }
         define_points(graph, symbols, &mut definitions);
         Self { blocks, definitions }
@@ -75,6 +106,16 @@ impl Structure {
 }
 
 impl Equations {
+    /// With another equation for `unknown`.
+    fn with_phi(&self, unknown: Unknown, phi: Expr) -> Self {
+        let mut changed = self.clone();
+        match unknown {
+            Unknown::Coordinate(i) => changed.phi_u[i] = phi,
+            Unknown::Momentum(i) => changed.phi_v[i] = phi,
+        }
+        changed
+    }
+
     pub(crate) fn phi(&self, unknown: Unknown) -> Expr {
         match unknown {
             Unknown::Coordinate(i) => self.phi_u[i],

@@ -40,8 +40,9 @@ pub(crate) fn counter_term(model: &mut Model) -> Option<Vec<Counter>> {
             if force.coordinates().next().is_none() || velocity.momenta().next().is_none() {
                 continue;
             }
-            let site = Site::of(force, *components)?;
-            let element = product(graph, force, site.at(velocity, *components)?)?;
+            let force = localised(force, *components)?;
+            let velocity = beside(&force, &localised(velocity, *components)?)?;
+            let element = product(graph, &force, velocity)?;
             let weight = if is_family { Weight::Member } else { Weight::Pair(*j, *k) };
             if !graph.is_zero(element.value) {
                 counters.push(Counter { element, weight });
@@ -51,65 +52,62 @@ pub(crate) fn counter_term(model: &mut Model) -> Option<Vec<Counter>> {
     Some(counters)
 }
 
-/// Where a local element is: at the variable of its only loop, or at a fixed place.
-enum Site {
-    Loop(Loop),
-    Fixed,
+/// The element with its loop moved so that the site it reads is the variable of the loop; an element without loops as it
+/// is, if it reads fixed places. `None` if it reads more than one site.
+fn localised(element: &Element, components: i128) -> Option<Element> {
+    let places = || {
+        element.locals.iter().filter_map(|local| match &local.slot {
+            Slot::Coordinate(index) | Slot::Momentum(index) => Some(index),
+            _ => None,
+        })
+    };
+    let known = match element.loops.as_slice() {
+        [] => return places().all(|index| index.as_integer().is_some()).then(|| element.clone()),
+        [known] => known,
+        _ => return None,
+    };
+    let own = Index::atom(Atom::Loop(known.variable));
+    let mut sites = places().map(|index| {
+        let rest = index.plus(&own, -components)?.as_integer()?;
+        Some(rest.div_euclid(components))
+    });
+    let shift = sites.next().unwrap_or(Some(0))?;
+    if !sites.all(|site| site == Some(shift)) {
+        return None;
+    }
+    let range =
+        Loop { variable: known.variable, start: known.start.shifted(shift)?, end: known.end.shifted(shift)? };
+    moved(element, range, &own.shifted(-shift)?)
 }
 
-impl Site {
-    fn of(element: &Element, components: i128) -> Option<Self> {
-        let site = match element.loops.as_slice() {
-            [] => Self::Fixed,
-            [only] => Self::Loop(only.clone()),
-            _ => return None,
+/// The element with `by` for the variable of its only loop, which becomes `range`.
+fn moved(element: &Element, range: Loop, by: &Index) -> Option<Element> {
+    let [Loop { variable, .. }] = element.loops.as_slice() else { return None };
+    let place = |index: &Index| index.with(*variable, by);
+    let locals = element.locals.iter().map(|Local { symbol, slot }| {
+        let slot = match slot {
+            Slot::Coordinate(index) => Slot::Coordinate(place(index)?),
+            Slot::Momentum(index) => Slot::Momentum(place(index)?),
+            Slot::Number(index) => Slot::Number(place(index)?),
+            Slot::Entry(table, indices) => {
+                Slot::Entry(*table, indices.iter().map(place).collect::<Option<_>>()?)
+            }
         };
-        let is_local = element.locals.iter().all(|local| match &local.slot {
-            Slot::Coordinate(index) | Slot::Momentum(index) => site.holds(index, components),
-            Slot::Entry(..) | Slot::Number(_) => true,
-        });
-        is_local.then_some(site)
-    }
+        Some(Local { symbol: *symbol, slot })
+    });
+    Some(Element { locals: locals.collect::<Option<_>>()?, loops: vec![range], value: element.value })
+}
 
-    /// Whether `index` is a component of the point at this site.
-    fn holds(&self, index: &Index, components: i128) -> bool {
-        match self {
-            Self::Fixed => index.as_integer().is_some(),
-            Self::Loop(known) => {
-                let point = Index::atom(Atom::Loop(known.variable));
-                let component = index.plus(&point, -components).and_then(|rest| rest.as_integer());
-                component.is_some_and(|component| (0..components).contains(&component))
-            }
+/// `other` in the loop of `element`; `None` where the two are not of one kind.
+fn beside(element: &Element, other: &Element) -> Option<Element> {
+    match (element.loops.as_slice(), other.loops.as_slice()) {
+        ([], []) => Some(other.clone()),
+        ([own], [known]) => {
+            let (start, end) = (own.start.maximum(&known.start), own.end.minimum(&known.end));
+            let range = Loop { variable: own.variable, start, end };
+            moved(other, range, &Index::atom(Atom::Loop(own.variable)))
         }
-    }
-
-    /// `other` with its loop named and bounded like this one; `None` where the two are not of one kind.
-    fn at(&self, other: &Element, components: i128) -> Option<Element> {
-        match (self, Self::of(other, components)?) {
-            (Self::Fixed, Self::Fixed) => Some(other.clone()),
-            (Self::Loop(own), Self::Loop(known)) => {
-                let renamed = |index: &Index| index.renamed(known.variable, own.variable);
-                let locals = other
-                    .locals
-                    .iter()
-                    .map(|Local { symbol, slot }| {
-                        let slot = match slot {
-                            Slot::Coordinate(index) => Slot::Coordinate(renamed(index)),
-                            Slot::Momentum(index) => Slot::Momentum(renamed(index)),
-                            Slot::Number(index) => Slot::Number(renamed(index)),
-                            Slot::Entry(table, indices) => {
-                                Slot::Entry(*table, indices.iter().map(renamed).collect())
-                            }
-                        };
-                        Local { symbol: *symbol, slot }
-                    })
-                    .collect();
-                let (start, end) = (own.start.maximum(&known.start), own.end.minimum(&known.end));
-                let range = Loop { variable: own.variable, start, end };
-                Some(Element { loops: vec![range], locals, value: other.value })
-            }
-            _ => None,
-        }
+        _ => None,
     }
 }
 

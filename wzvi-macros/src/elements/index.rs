@@ -195,27 +195,6 @@ impl Index {
         Some(sum)
     }
 
-    /// The index with one loop variable named like another.
-    pub(crate) fn renamed(&self, from: u32, to: u32) -> Self {
-        let both = |both: &(Self, Self)| Box::new((both.0.renamed(from, to), both.1.renamed(from, to)));
-        let atom = |atom: &Atom| match atom {
-            Atom::Loop(variable) => Atom::Loop(if *variable == from { to } else { *variable }),
-            Atom::Size => Atom::Size,
-            Atom::Given(id, indices) => {
-                Atom::Given(*id, indices.iter().map(|index| index.renamed(from, to)).collect())
-            }
-            Atom::Product(operands) => Atom::Product(both(operands)),
-            Atom::Quotient(operands) => Atom::Quotient(both(operands)),
-            Atom::Remainder(operands) => Atom::Remainder(both(operands)),
-            Atom::Minimum(operands) => Atom::Minimum(both(operands)),
-            Atom::Maximum(operands) => Atom::Maximum(both(operands)),
-        };
-        let mut terms: Vec<(Atom, i128)> =
-            self.terms.iter().map(|(known, coefficient)| (atom(known), *coefficient)).collect();
-        terms.sort();
-        Self { terms, constant: self.constant }
-    }
-
     /// The coefficient of a loop variable, if it occurs linearly and nowhere else; 0 if it does not occur.
     pub(crate) fn slope(&self, variable: u32) -> Option<i128> {
         let mut slope = 0;

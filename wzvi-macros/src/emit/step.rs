@@ -135,7 +135,7 @@ fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
 
 fn plan(facts: &Facts, scheme: &Scheme) -> TokenStream {
     let hardest = scheme.structure.blocks.iter().map(|block| match block.solution {
-        Solution::Assigned => 0,
+        Solution::Assigned | Solution::Isolated(_) => 0,
         Solution::Linear { .. } => 1,
         Solution::Newton { .. } => 2,
     });
@@ -380,7 +380,7 @@ impl SolveBody<'_> {
                     let rhs: Vec<_> = rhs.iter().map(|&op| self.printer.scalar_value(op)).collect();
                     let names: Vec<_> = unknowns.iter().map(|&op| self.printer.name(op)).collect();
                     statements.extend(quote! {
-                        let [#(#names),*] = __wzvi::Factor::<__S, _>::new([#(#rows),*])?.solve([#(#rhs),*]);
+                        let [#(#names),*] = __wzvi::linear::<__S, _>([#(#rows),*], [#(#rhs),*])?;
                     });
                 }
                 Solve::Newton { .. } => {

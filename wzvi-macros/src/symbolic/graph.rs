@@ -203,7 +203,6 @@ impl Graph {
         self.as_number(expr).is_some_and(Rational::is_zero)
     }
 
-    #[cfg_attr(not(test), expect(dead_code, reason = "for tests"))]
     pub(crate) fn is_one(&self, expr: Expr) -> bool {
         self.as_number(expr).is_some_and(Rational::is_one)
     }

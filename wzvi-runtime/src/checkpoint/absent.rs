@@ -11,7 +11,7 @@ use crate::trajectory::Recorder;
 
 /// What a run was told to keep: nothing.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Keeping;
+pub(crate) struct Keeping(());
 
 /// Keeps nothing.
 #[derive(Debug)]

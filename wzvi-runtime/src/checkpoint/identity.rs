@@ -18,6 +18,7 @@ pub(super) type Fields = Vec<(String, String)>;
 /// The settings of a run, each of which the user knows; `noise` are those of the source.
 pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
     stepper: &Stepper<'_, H, E, C>,
+    degrees: usize,
     every: u64,
     retry: Retry,
     noise: Fields,
@@ -28,7 +29,7 @@ pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
     set("the version of wzvi", env!("CARGO_PKG_VERSION").to_owned());
     set("the system", short_name(type_name::<H>()));
     set("the scheme", short_name(type_name::<E>()));
-    set("the number of degrees of freedom", system.degrees().to_string());
+    set("the number of degrees of freedom", degrees.to_string());
     set("the number of noises", system.noises().to_string());
     set("the step size", format!("{:?}", stepper.step_size()));
     set("record_every", every.to_string());
@@ -72,9 +73,8 @@ pub(super) fn forces_at(place: &str) -> String {
 pub(super) fn forces<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> String {
     let mut checksum = Checksum::default();
     let mut add = |number: &f64| checksum.add(&number.to_bits().to_le_bytes());
-    let d = system.degrees();
-    let (mut dq, mut dp) = (vec![0.0; d], vec![0.0; d]);
     let (q, p) = (state.q.components(), state.p.components());
+    let (mut dq, mut dp) = (vec![0.0; q.len()], vec![0.0; p.len()]);
     for term in 0..=system.noises() {
         add(&system.evaluate(term, q, p, state.t));
         system.differentiate(term, q, p, state.t, &mut dq, &mut dp);

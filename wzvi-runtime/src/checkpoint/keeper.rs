@@ -58,13 +58,14 @@ impl Keeping {
         checkpoint.check()?;
         let noise = noise.map_or_else(|| Some(Identity::of("none")), N::identity);
         let noise = noise.ok_or(CheckpointError::Noise)?.into_settings();
-        let system = stepper.system();
+        // That of the system, which may not know it before its first step.
+        let degrees = state.q.components().len();
         let mut keep = Keep {
             schedule: Schedule::new(&checkpoint, 0, steps),
-            settings: identity::settings(stepper, recorder.every(), retry, noise),
+            settings: identity::settings(stepper, degrees, recorder.every(), retry, noise),
             derived: identity::derived(stepper, state),
             start: format::words(Tape::write(|tape| pass_state(state, tape))),
-            nodes: Nodes::new(&checkpoint.path, system.degrees(), system.noises()),
+            nodes: Nodes::new(&checkpoint.path, degrees, stepper.system().noises()),
             line: None,
             path: checkpoint.path.clone(),
         };
@@ -155,7 +156,7 @@ impl Keep {
         recorder: &mut Recorder<H::Vector>,
         path: &mut Sums,
     ) -> Result<u64, CheckpointError> {
-        self.compare(&saved, stepper.system().degrees())?;
+        self.compare(&saved, state.q.components().len())?;
         let step = saved.step;
         if step > steps {
             return Err(CheckpointError::Beyond { path: self.path.clone(), step, steps });

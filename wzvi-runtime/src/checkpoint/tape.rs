@@ -46,6 +46,20 @@ impl Tape {
         }
     }
 
+    /// Takes down a length, or reads one that no more words can follow than there are.
+    pub(crate) fn length(&mut self, length: usize) -> usize {
+        let mut word = length as u64;
+        self.word(&mut word);
+        match self {
+            Self::Writing(_) => length,
+            Self::Reading { words, short } => {
+                let read = usize::try_from(word).ok().filter(|&read| read <= words.len());
+                *short |= read.is_none();
+                read.unwrap_or(0)
+            }
+        }
+    }
+
     /// Takes down or replaces a number.
     pub(crate) fn number(&mut self, number: &mut f64) {
         let mut word = number.to_bits();
@@ -75,5 +89,9 @@ mod tests {
         assert_eq!(read.map(f64::to_bits), values.map(f64::to_bits));
         assert_eq!(Tape::read(words.clone(), |tape| tape.numbers(&mut [0.0; 5])), None);
         assert_eq!(Tape::read(words, |tape| tape.numbers(&mut [0.0; 7])), None);
+        let words = Tape::write(|tape| assert_eq!(tape.length(3), 3));
+        assert_eq!(words, [3]);
+        assert_eq!(Tape::read(words, |tape| assert_eq!(tape.length(1), 0)), None);
+        assert_eq!(Tape::read(vec![0], |tape| assert_eq!(tape.length(1), 0)), Some(()));
     }
 }

@@ -54,14 +54,12 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         loop {
             // Here `work.x` is `x`, and `work.correction` the correction there.
             correction.copy_from_slice(&work.correction);
-            let Size { relative, largest, .. } = size_of_correction(&x, &correction);
+            move_by(&mut work.x, &x, &correction, 1.0);
+            let Size { relative, largest, .. } = size_of_correction(&work.x, &correction);
             let is_stagnation = || self.is_rounding(work, largest);
             let verdict = progress.judge(relative, is_stagnation);
             let is_lost = match verdict {
-                Verdict::Converged => {
-                    move_by(&mut work.x, &x, &correction, 1.0);
-                    return Ok(found(&progress, doubtful, linear));
-                }
+                Verdict::Converged => return Ok(found(&progress, doubtful, linear)),
                 Verdict::Straying => relative.is_nan() || progress.iterations >= most,
                 Verdict::Contracting => progress.iterations >= MOST_HALVINGS,
             };

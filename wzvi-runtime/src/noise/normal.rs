@@ -6,8 +6,8 @@
 
 /// Two independent standard normals from 96 random bits: 53 for the radius, 43 for the angle. Both are finite and at most
 /// `sqrt(106 ln 2) = 8.57` in absolute value; the probability beyond is `1e-16`.
-#[inline]
-pub(super) fn pair(words: [u32; 3]) -> [f64; 2] {
+#[inline(always)]
+pub(crate) fn pair(words: [u32; 3]) -> [f64; 2] {
     let high = (u64::from(words[0]) << 32) | u64::from(words[1]);
     // In (0, 1] as (m + 1) / 2^53: the logarithm never sees zero.
     let m = (high >> 11) + 1;
@@ -17,7 +17,7 @@ pub(super) fn pair(words: [u32; 3]) -> [f64; 2] {
 }
 
 /// `ln(x 2^shift)` for positive normal `x`.
-#[inline]
+#[inline(always)]
 pub(super) fn ln_shifted(x: f64, shift: i64) -> f64 {
     const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
     const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
@@ -34,7 +34,7 @@ pub(super) fn ln_shifted(x: f64, shift: i64) -> f64 {
     const ONE: u64 = 0x3ff0_0000_0000_0000;
     const ROOT_HALF: u64 = 0x3fe6_a09e_0000_0000;
     let bits = x.to_bits() + (ONE - ROOT_HALF);
-    let k = ((bits >> 52) as i64 - 0x3ff + shift) as f64;
+    let k = small_integer(bits >> 52) - (1023 - shift) as f64;
     let f = f64::from_bits((bits & 0x000f_ffff_ffff_ffff) + ROOT_HALF) - 1.0;
     let s = f / (2.0 + f);
     let z = s * s;
@@ -45,9 +45,16 @@ pub(super) fn ln_shifted(x: f64, shift: i64) -> f64 {
     k * LN2_HIGH - ((half - (s * (half + (odd + even)) + k * LN2_LOW)) - f)
 }
 
+/// An integer below 2^52 as a number; the conversion instruction has no vector form before AVX-512.
+#[inline(always)]
+fn small_integer(n: u64) -> f64 {
+    const TWO_52: f64 = 4_503_599_627_370_496.0;
+    f64::from_bits(n | TWO_52.to_bits()) - TWO_52
+}
+
 /// Sine and cosine of an angle uniform on the circle, from 43 bits: a quadrant and the middle of one of `2^41` cells of it, so
 /// that neither is ever zero and both are symmetric.
-#[inline]
+#[inline(always)]
 fn sin_cos(angle: u64) -> (f64, f64) {
     const S: [f64; 6] = [
         -1.666_666_666_666_663_2e-1,
@@ -66,7 +73,7 @@ fn sin_cos(angle: u64) -> (f64, f64) {
         -1.135_964_755_778_819_5e-11,
     ];
     let quadrant = angle >> 41;
-    let cell = (angle & ((1 << 41) - 1)) as f64;
+    let cell = small_integer(angle & ((1 << 41) - 1));
     let x = ((cell + 0.5) * (1.0 / (1u64 << 41) as f64) - 0.5) * std::f64::consts::FRAC_PI_2;
     let z = x * x;
     let sine = x + x * z * (S[0] + z * (S[1] + z * (S[2] + z * (S[3] + z * (S[4] + z * S[5])))));

@@ -143,6 +143,7 @@ fn norm(components: &[f64]) -> f64 {
 
 impl<const N: usize> Scalar for Dual<N> {
     type Mask = bool;
+    type Solver = crate::solve::Together;
 
     #[inline]
     fn from_f64(value: f64) -> Self {

@@ -5,22 +5,22 @@ use crate::error::{ConfigError, StepFailure};
 use crate::scalar::{Mask, Scalar};
 
 /// A pivot below this many units of rounding of its row makes the matrix singular to working precision.
-const PIVOT_ULPS: f64 = 4.0 * f64::EPSILON;
+pub(super) const PIVOT_ULPS: f64 = 4.0 * f64::EPSILON;
 
 /// Above this size `c` drowns the 1 of `1 - c`: the increments that follow have lost all digits of the state.
-const LARGEST_PIVOT: f64 = 1.0 / f64::EPSILON;
+pub(super) const LARGEST_PIVOT: f64 = 1.0 / f64::EPSILON;
 
 /// `1 / pivot`, for the matrix `1 - c` of one unknown.
 ///
 /// # Errors
 /// [`StepFailure::Singular`] where `1 - c` cancels to rounding, or `c` is so large that the 1 does.
 #[inline(always)]
-pub fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
+pub(super) fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
     let size = pivot.magnitude();
     if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(pivot.recip()) } else { Err(unusable(size)) }
 }
 
-/// [`reciprocal`] of a pivot that is at least one by its form; NaN, which no step returns, where `c` is so large that the
+/// [`reciprocal`](super::reciprocal) of a pivot that is at least one by its form; NaN, which no step returns, where `c` is so large that the
 /// 1 drowns in it.
 #[inline(always)]
 pub fn reciprocal_above_one<S: Scalar>(pivot: S) -> S {
@@ -38,7 +38,7 @@ fn unusable(pivot: f64) -> StepFailure {
 /// # Errors
 /// [`StepFailure::Singular`] as [`reciprocal`].
 #[inline(always)]
-pub fn quotient<S: Scalar>(rhs: S, pivot: S) -> Result<S, StepFailure> {
+pub(super) fn quotient<S: Scalar>(rhs: S, pivot: S) -> Result<S, StepFailure> {
     let size = pivot.magnitude();
     if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(rhs / pivot) } else { Err(unusable(size)) }
 }
@@ -167,7 +167,7 @@ pub enum SymmetricFactor<S, const N: usize> {
 }
 
 /// `L D Lᵀ` is backward stable while its pivots stay above this fraction of the diagonal that they came from.
-const STABLE_PIVOT: f64 = 1e-2;
+pub(super) const STABLE_PIVOT: f64 = 1e-2;
 
 impl<S: Scalar, const N: usize> SymmetricFactor<S, N> {
     /// Factors the symmetric matrix whose lower triangle `matrix` holds.

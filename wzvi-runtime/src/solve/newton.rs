@@ -18,11 +18,11 @@ use crate::numbers::Numbers;
 use crate::scalar::Scalar;
 
 /// Corrections below this fraction of an unknown change nothing.
-const ROUNDING: f64 = f64::EPSILON;
+pub(super) const ROUNDING: f64 = f64::EPSILON;
 /// Stagnation counts as convergence below this fraction of the unknown or of the state component that it changes.
 pub(crate) const STAGNATION: f64 = 1e-9;
 /// A determinant above this fraction of its two products has lost three digits at most, which Newton's method makes up.
-const SAFE_DETERMINANT: f64 = 1e-3;
+pub(super) const SAFE_DETERMINANT: f64 = 1e-3;
 
 /// What a solution took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -208,7 +208,7 @@ pub(super) fn is_rounding<S: Scalar>(correction: S, unknown: S, state: S) -> boo
 /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless `CAREFUL`, of any
 /// iteration whose corrections do not shrink fast.
 #[inline(always)]
-pub fn newton_scalar<S: Scalar, const GUESS: bool, const CAREFUL: bool>(
+pub(super) fn newton_scalar<S: Scalar, const GUESS: bool, const CAREFUL: bool>(
     start: S,
     state: S,
     mut equation: impl FnMut(S) -> (S, S),
@@ -253,7 +253,7 @@ fn explain<S: Scalar>(iterations: u32, correction: f64, slope: S) -> StepFailure
 /// # Errors
 /// As [`newton_scalar`].
 #[inline(always)]
-pub fn newton<S: Scalar, const N: usize, const GUESS: bool, const CAREFUL: bool>(
+pub(super) fn newton<S: Scalar, const N: usize, const GUESS: bool, const CAREFUL: bool>(
     start: [S; N],
     state: [S; N],
     mut equations: impl FnMut(&[S; N]) -> ([S; N], [[S; N]; N]),
@@ -275,7 +275,7 @@ pub fn newton<S: Scalar, const N: usize, const GUESS: bool, const CAREFUL: bool>
 /// # Errors
 /// As [`newton_scalar`].
 #[inline(always)]
-pub fn newton_symmetric<S: Scalar, const N: usize, const GUESS: bool, const CAREFUL: bool>(
+pub(super) fn newton_symmetric<S: Scalar, const N: usize, const GUESS: bool, const CAREFUL: bool>(
     start: [S; N],
     state: [S; N],
     mut equations: impl FnMut(&[S; N]) -> ([S; N], [[S; N]; N]),

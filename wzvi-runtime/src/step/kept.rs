@@ -10,19 +10,18 @@ use crate::system::Discretized;
 impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
     /// Everything that steps change. What depends on system and step size only is computed anew.
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
-        let Self { system, h: _, prepared: _, memory, carry, before, clock, reached, strain, scheme: _ } =
+        let Self { system: _, h: _, prepared: _, memory, carry, before, clock, reached, strain, scheme: _ } =
             self;
         let Clock { start, ticks, now } = clock;
         tape.word(before);
         tape.word(ticks);
         tape.numbers([start, now]);
         for vector in reached {
-            if system.degrees() == 0 {
-                let mut degrees = vector.components().len() as u64;
-                tape.word(&mut degrees);
-                if degrees != vector.components().len() as u64 {
-                    *vector = H::Vector::zeros(degrees as usize);
-                }
+            // A system may not know its size before its first step.
+            let length = vector.components().len();
+            let kept = tape.length(length);
+            if kept != length {
+                *vector = H::Vector::zeros(kept);
             }
             tape.numbers(vector.components_mut());
         }

@@ -546,6 +546,7 @@ fn discretized(model: &Model, facts: &Facts, embedding: &Embedding, text: &str) 
                 const EQUATIONS: &'static __wzvi::core::primitive::str = #text;
                 // A start that is no guide costs iterations, not digits.
                 const REMEMBERS: __wzvi::core::primitive::bool = false;
+                const IN_LANES: __wzvi::core::primitive::bool = false;
                 type Prepared = ();
                 type Memory<__S: __wzvi::Scalar> = #elements::Memory<__S>;
                 type Compensated<__S: __wzvi::Scalar> = #elements::CompensationVec<__S>;

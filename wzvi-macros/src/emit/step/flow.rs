@@ -4,10 +4,14 @@ use std::collections::HashMap;
 
 use crate::discretise::Scheme;
 use crate::discretise::equations::MomentumUpdate;
-use crate::discretise::structure::{Block, Solution, increment};
+use crate::discretise::lagrangian::StepSymbols;
+use crate::discretise::structure::{Block, Pivot, Solution, Unknown, increment};
 use crate::emit::program::{Level, Lowering, Op, Program};
 use crate::model::Parameter;
-use crate::symbolic::{Expr, Graph, Rational, Symbol};
+use crate::symbolic::{Expr, Graph, Rational, Relation, Symbol};
+
+/// Pivots above this have taken a digit of the points that they are summed up in.
+const STIFF: i32 = 2;
 
 /// How a block is solved, in operations.
 pub(crate) enum Solve {
@@ -222,14 +226,63 @@ fn invert_constant_pivots(
                 let value = graph.multiply(factor, rhs[0]);
                 definitions.insert(symbols.unknown(unknown), value);
                 let is_prepared = graph.reads_only(pivot, &constant);
+                if is_prepared {
+                    solve_for_points(
+                        graph,
+                        symbols,
+                        unknown,
+                        &Quotient { rhs: rhs[0], pivot, inverse: factor },
+                        definitions,
+                    );
+                }
                 let level = if is_prepared { Level::Prepared } else { Level::Increments };
                 Some(Inverse { symbol, level, is_safe: graph.exceeds_one(pivot) })
+            }
+            (&Solution::Isolated(Pivot { value, inverse }), _) => {
+                let is_prepared = graph.reads_only(value, &constant);
+                let level = if is_prepared { Level::Prepared } else { Level::Increments };
+                Some(Inverse { symbol: inverse, level, is_safe: graph.exceeds_one(value) })
             }
             _ => None,
         };
         inverses.push(inverse);
     }
     inverses
+}
+
+/// `rhs / pivot`
+struct Quotient {
+    rhs: Expr,
+    pivot: Expr,
+    inverse: Expr,
+}
+
+/// Gives every point `base + w x` that reads the unknown `x = rhs / pivot` a second form, `(w rhs + pivot base) / pivot`,
+/// for pivots above [`STIFF`]: a stiff force turns the state back within the step, `w x` is nearly `-base`, and their sum
+/// would have no digits left. Only where the pivot cancels in the sum, so that it is made without rounding.
+fn solve_for_points(
+    graph: &mut Graph,
+    symbols: &StepSymbols,
+    unknown: Unknown,
+    Quotient { rhs, pivot, inverse }: &Quotient,
+    definitions: &mut HashMap<Symbol, Expr>,
+) {
+    let base = symbols.base(unknown);
+    for (point, weight) in symbols.views(unknown) {
+        let slope = graph.derivative(*rhs, base);
+        let share = graph.linear_combination(&[(slope, weight), (*pivot, Rational::ONE)]);
+        let Some(share) = graph.as_number(share) else { continue };
+        let zero = graph.integer(0);
+        let rest = graph.substitute(&[*rhs], &HashMap::from([(base, zero)]))[0];
+        let start = graph.symbol(base);
+        let sum = graph.linear_combination(&[(rest, weight), (start, share)]);
+        let direct = graph.multiply(*inverse, sum);
+        let limit = graph.integer(STIFF);
+        let is_stiff = graph.compare(Relation::Less, limit, *pivot);
+        if let Some(shifted) = definitions.get_mut(&point) {
+            *shifted = graph.select(is_stiff, direct, *shifted);
+        }
+    }
 }
 
 /// `q_{i+1} - q_i = u`, `p_{i+1} - p_i` and `P`. The increments stay apart from the state: whoever adds them may keep
@@ -261,15 +314,14 @@ fn lower_block(
     };
     match &block.solution {
         Solution::Assigned => None,
+        Solution::Isolated(pivot) => inverse.map(|inverse| {
+            let pivot = lowering.lower(pivot.value);
+            reciprocal(lowering, pivot, inverse)
+        }),
         Solution::Linear { matrix, rhs } => {
             let matrix = lower_rows(lowering, matrix);
             if let Some(inverse) = inverse {
-                let (pivot, Inverse { level, is_safe, .. }) = (matrix[0][0], *inverse);
-                let inverse = lowering.program.input(inverse.symbol);
-                return Some(match level {
-                    Level::Prepared => Solve::Inverted { pivot, inverse },
-                    _ => Solve::Reciprocal { pivot, inverse, is_safe },
-                });
+                return Some(reciprocal(lowering, matrix[0][0], inverse));
             }
             let rhs: Vec<Op> = rhs.iter().map(|&value| lowering.lower(value)).collect();
             let unknowns: Vec<Op> =
@@ -290,6 +342,15 @@ fn lower_block(
             let jacobian = lower_rows(lowering, jacobian);
             Some(Solve::Newton { residual, jacobian, unknowns, bases, symmetric: *symmetric })
         }
+    }
+}
+
+fn reciprocal(lowering: &mut Lowering<'_>, pivot: Op, inverse: &Inverse) -> Solve {
+    let Inverse { symbol, level, is_safe } = *inverse;
+    let inverse = lowering.program.input(symbol);
+    match level {
+        Level::Prepared => Solve::Inverted { pivot, inverse },
+        _ => Solve::Reciprocal { pivot, inverse, is_safe },
     }
 }
 

@@ -1,0 +1,298 @@
+//! Ensembles: the same bits however they are split, and the moments that are known exactly.
+
+#![cfg(feature = "ensemble")]
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says what it expects")]
+#![allow(missing_docs, reason = "test systems")]
+
+use std::sync::Mutex;
+
+use wzvi::ensemble::{InstructionSet, Statistics, normal};
+use wzvi::error::{ConfigError, Error, StepFailure};
+use wzvi::nalgebra;
+use wzvi::prelude::*;
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * a * (q * q + p * p),
+    noise = [|q, p| 0.5 * sigma * (q * q + p * p)],
+    embedding = [Midpoint],
+)]
+pub struct Kubo {
+    pub a: f64,
+    pub sigma: f64,
+}
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.25 * (q * q - 1.0).powi(2),
+    noise = [|q, p| s * q * p],
+    embedding = [Midpoint],
+)]
+pub struct DoubleWell {
+    pub s: f64,
+}
+
+/// Two coupled degrees of freedom, functions, two noises: a Newton block of several unknowns.
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) - x.cos() - (y - x).cos() + (0.1 * x * v).exp(),
+    noise = [|[x, y], [u, v]| s * (x * u).sin(), |[x, y], [u, v]| s * y * v],
+    embedding = [Midpoint, Corrected<DeltaPlus>],
+)]
+pub struct Coupled {
+    pub s: f64,
+}
+
+/// Undefined for negative `q`, where some paths go.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + q * q.sqrt(),
+    noise = [|q, p| -s * q],
+    embedding = [DeltaPlus],
+)]
+pub struct Edge {
+    pub s: f64,
+}
+
+/// The same run in every way to split it.
+macro_rules! every_split {
+    ($run:expr) => {{
+        let reference: Statistics =
+            $run.threads(1).instructions(InstructionSet::Baseline).run_in::<1>().unwrap();
+        for set in [InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512] {
+            for threads in [1, 2, 3] {
+                assert!(
+                    $run.threads(threads).instructions(set).run().unwrap() == reference,
+                    "{set:?}, {threads} threads"
+                );
+            }
+            assert!($run.instructions(set).run_in::<4>().unwrap() == reference, "{set:?}, 4 lanes");
+        }
+        reference
+    }};
+}
+
+#[test]
+fn every_split_gives_the_same_bits() {
+    let kubo = Kubo { a: 1.5, sigma: 1.0 };
+    let start = || State::new([0.0], [1.0]);
+    let all = every_split!(
+        kubo.ensemble::<Midpoint>(0.05).start(start()).paths(1101).seed(3).steps(37).record_every(10)
+    );
+    assert_eq!(all.nodes().len(), 5);
+    assert!(all.nodes().iter().all(|node| node.count() == 1101));
+    let well = DoubleWell { s: 0.3 };
+    every_split!(
+        well.ensemble::<Midpoint>(0.01).start(State::new([0.5], [0.5])).paths(555).seed(4).steps(50)
+    );
+    let coupled = Coupled { s: 0.4 };
+    let start = || State::new([0.3, -0.2], [0.5, 0.1]);
+    every_split!(coupled.ensemble::<Midpoint>(0.05).start(start()).paths(530).seed(5).steps(25));
+    every_split!(coupled.ensemble::<Corrected<DeltaPlus>>(0.05).start(start()).paths(530).seed(5).steps(25));
+}
+
+/// Steps so long that some need the careful way, or have no solution: still the same bits.
+#[test]
+fn hard_steps_and_failures_are_the_same_in_every_split() {
+    let well = DoubleWell { s: 1.5 };
+    let hard = every_split!(
+        well.ensemble::<Midpoint>(0.5)
+            .start(State::new([0.5], [2.0]))
+            .paths(600)
+            .seed(4)
+            .steps(60)
+            .record_every(20)
+    );
+    assert!(hard.last().unwrap().count() + hard.failed() == 600);
+    let edge = Edge { s: 1.0 };
+    let run = every_split!(
+        edge.ensemble::<DeltaPlus>(0.1)
+            .start(State::new([1.0], [0.0]))
+            .paths(700)
+            .seed(1)
+            .steps(30)
+            .record_every(3)
+            .observe(|state| state.q[0])
+            .observe(|state| state.p[0])
+    );
+    assert!(run.failed() > 0 && run.failed() < 700, "{}", run.failed());
+    assert_eq!(run.failures().len() as u64, run.failed());
+    assert!(run.failures().windows(2).all(|pair| pair[0].path < pair[1].path));
+    for failure in run.failures() {
+        assert!(failure.path < 700 && failure.error.step < 30, "{failure:?}");
+        assert_eq!(failure.error.cause, StepFailure::NonFinite);
+        assert_eq!(failure.error.t, failure.error.step as f64 * 0.1);
+    }
+    assert_eq!(run.last().unwrap().count(), 700 - run.failed());
+    let counts: Vec<u64> = run.nodes().iter().map(|node| node.count()).collect();
+    assert!(counts.windows(2).all(|pair| pair[0] >= pair[1]), "{counts:?}");
+}
+
+/// Two degrees of freedom, three unknowns or more in one block.
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) * (1.0 + x * x) + 0.25 * (x * x + y * y - 1.0).powi(2),
+    noise = [|[x, y], [u, v]| s * (x * u + y * y * v), |[x, y], [u, v]| s * x * y],
+    embedding = [Midpoint, Corrected<DeltaPlus>],
+)]
+pub struct Tangled {
+    pub s: f64,
+}
+
+/// Mechanical: a symmetric Jacobian.
+#[hamiltonian(
+    drift = |[x, y, z], [u, v, w]| 0.5 * (u * u + v * v + w * w) + 0.25 * (x * x + y * y + z * z - 1.0).powi(2),
+    noise = [|[x, y, z], [u, v, w]| s * x * y * z],
+    embedding = [Midpoint],
+)]
+pub struct Mechanical {
+    pub s: f64,
+}
+
+/// Every path beside the one of `Stepper::plain` with the same increments: the same bits, and the same errors. How many steps
+/// were hard, and how many paths failed.
+fn as_steppers<H, E, const D: usize>(
+    system: &H,
+    h: f64,
+    start: &State<nalgebra::SVector<f64, D>>,
+    paths: u64,
+    steps: u64,
+) -> (u64, u64)
+where
+    H: Discretized<E, Vector = nalgebra::SVector<f64, D>> + Sync,
+    H::Prepared: Send + Sync,
+{
+    let (seed, noises) = (9, system.noises() as u64);
+    let seen = Mutex::new(Vec::new());
+    let run = system
+        .ensemble::<E>(h)
+        .start(*start)
+        .paths(paths)
+        .seed(seed)
+        .steps(steps)
+        .threads(1)
+        .observe(|state| {
+            if state.t > 0.0 {
+                seen.lock().unwrap().push((state.q, state.p));
+            }
+            0.0
+        })
+        .run();
+    let (run, mut ends) = (run.unwrap(), seen.into_inner().unwrap().into_iter());
+    let mut failures = run.failures().iter();
+    let clip = if H::PLAN.truncates_increments() { wzvi::noise::clip_bound(h, 4.0) } else { f64::INFINITY };
+    let (mut hard, mut failed) = (0, 0);
+    for path in 0..paths {
+        let mut stepper = system.stepper::<E>(h).unwrap().plain();
+        let mut state = *start;
+        let outcome = (0..steps).try_for_each(|step| {
+            let dw: Vec<f64> = (0..noises)
+                .map(|process| normal(seed, process, path, step).clamp(-clip, clip) * h.sqrt())
+                .collect();
+            stepper.step(&mut state, &dw).map(|info| hard += u64::from(info.is_hard))
+        });
+        match outcome {
+            Ok(()) => assert_eq!(ends.next().unwrap(), (state.q, state.p), "path {path}"),
+            Err(error) => {
+                let failure = failures.next().unwrap();
+                assert_eq!((failure.path, failure.error), (path, error));
+                failed += 1;
+            }
+        }
+    }
+    assert!(ends.next().is_none() && failures.next().is_none());
+    (hard, failed)
+}
+
+/// Without elementary functions, whose last bits differ, a lane does what a stepper does; where the short way fails, too.
+#[test]
+fn a_lane_is_the_path_of_a_stepper() {
+    let kubo = Kubo { a: 1.5, sigma: 1.0 };
+    as_steppers::<_, Midpoint, 1>(&kubo, 0.1, &State::new([0.0], [1.0]), 40, 50);
+    let well = DoubleWell { s: 0.3 };
+    as_steppers::<_, Midpoint, 1>(&well, 0.01, &State::new([0.5], [0.5]), 40, 200);
+    let (hard, failed) =
+        as_steppers::<_, Midpoint, 1>(&DoubleWell { s: 1.5 }, 0.5, &State::new([0.5], [2.0]), 600, 60);
+    assert!(hard > 1000 && failed > 0 && failed < 600, "{hard} {failed}");
+    let start = State::new([0.5, 0.3], [0.2, -0.4]);
+    let tangled = Tangled { s: 0.8 };
+    let (hard, failed) = as_steppers::<_, Midpoint, 2>(&tangled, 0.3, &start, 200, 20);
+    assert!(hard > 100 && failed > 0 && failed < 200, "{hard} {failed}");
+    // Linear: what fails is not tried again.
+    let (hard, failed) = as_steppers::<_, Corrected<DeltaPlus>, 2>(&tangled, 0.1, &start, 200, 20);
+    assert!(hard == 0 && failed > 0 && failed < 200, "{hard} {failed}");
+    let start = State::new([0.5, 0.3, 0.1], [0.2, -0.4, 1.0]);
+    let (hard, failed) = as_steppers::<_, Midpoint, 3>(&Mechanical { s: 2.0 }, 0.8, &start, 200, 40);
+    assert!(hard > 100 && failed < 200, "{hard} {failed}");
+}
+
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) - 1.0 / x.hypot(y),
+    embedding = [Midpoint],
+)]
+pub struct Kepler;
+
+/// Without noise every path is that of a stepper, which remembers its steps; also into a collision.
+#[test]
+fn without_noise_all_paths_are_those_of_a_stepper() {
+    as_steppers::<_, Midpoint, 2>(&Kepler, 0.01, &State::new([1.0, 0.0], [0.0, 0.9]), 20, 1000);
+    let start = State::new([1.0, 0.0], [0.0, 0.0]);
+    let failure = Kepler.ensemble::<Midpoint>(0.01).start(start).paths(3).steps(200).run();
+    let mut state = start;
+    let mut stepper = Kepler.stepper::<Midpoint>(0.01).unwrap().plain();
+    let error = (0..200).find_map(|_| stepper.step(&mut state, &[]).err()).unwrap();
+    assert_eq!(failure, Err(Error::Step(error)));
+}
+
+/// `E z(t) = e^{-σ²t/2} R(at) z(0)` and `|z| = 1`: five standard errors, exceeded once in two million. At this step the
+/// weak error of the scheme, about `0.4 h`, is one of them.
+#[test]
+fn kubo_has_its_exact_moments() {
+    let kubo = Kubo { a: 1.5, sigma: 1.0 };
+    let run = kubo
+        .ensemble::<Midpoint>(0.01)
+        .start(State::new([0.0], [1.0]))
+        .paths(20_000)
+        .seed(1)
+        .until(1.0)
+        .observe(|state| state.q[0])
+        .named("q")
+        .observe(|state| state.p[0])
+        .named("p")
+        .observe(|state| state.q[0].powi(2) + state.p[0].powi(2))
+        .run()
+        .unwrap();
+    let decay = (-0.5f64).exp();
+    for (name, exact) in [("q", decay * 1.5f64.sin()), ("p", decay * 1.5f64.cos())] {
+        let (mean, error) = (run.mean(name), run.standard_error(name));
+        assert!((mean - exact).abs() < 5.0 * error, "{name}: {mean} ± {error}, exactly {exact}");
+        // Var = (1 - e^{-2})/2 of the fast angle and so on: between 0 and 1.
+        assert!(error > 1e-3 && error < 1e-2, "{error}");
+    }
+    assert_eq!(run.observables(), ["q", "p", "observable2"]);
+    assert!((run.mean("observable2") - 1.0).abs() < 1e-12);
+    let end = run.last().unwrap();
+    assert_eq!((end.count(), end.time()), (20_000, 1.0));
+    // q² + p² = 1 links the second moments.
+    let second = end.variance(0) + end.mean(0).powi(2) + end.variance(1) + end.mean(1).powi(2);
+    assert!((second - 1.0).abs() < 1e-3, "{second}");
+    assert_eq!(end.covariance(0, 1), end.covariance(1, 0));
+    assert!(run.mean("nothing").is_nan());
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let kubo = Kubo { a: 1.5, sigma: 1.0 };
+    let base = || kubo.ensemble::<Midpoint>(0.01).start(State::new([0.0], [1.0])).paths(4).seed(1).steps(2);
+    assert!(base().run().is_ok());
+    let config = |outcome: Result<Statistics, Error>| matches!(outcome, Err(Error::Config(_)));
+    assert!(
+        config(base().paths(0).run()) && config(base().threads(0).run()) && config(base().until(-1.0).run())
+    );
+    assert!(config(base().truncation(wzvi::noise::Truncation::On(0.5)).run()));
+    let without_seed =
+        kubo.ensemble::<Midpoint>(0.01).start(State::new([0.0], [1.0])).paths(4).steps(2).run();
+    assert!(matches!(without_seed, Err(Error::Config(ConfigError::Missing(_)))));
+    let zero_step =
+        kubo.ensemble::<Midpoint>(0.0).start(State::new([0.0], [1.0])).paths(4).seed(1).steps(2).run();
+    assert_eq!(zero_step, Err(Error::Config(ConfigError::StepSize(0.0))));
+    let edge = Edge { s: 0.0 };
+    let all_fail =
+        edge.ensemble::<DeltaPlus>(0.1).start(State::new([-1.0], [0.0])).paths(20).seed(1).steps(3).run();
+    assert!(matches!(all_fail, Err(Error::Step(error)) if error.step == 0), "{all_fail:?}");
+}

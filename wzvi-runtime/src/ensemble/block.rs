@@ -1,0 +1,316 @@
+//! A block of paths, the unit of work: its statistics depend on nothing but its number.
+
+use super::dispatch::Kernel;
+use super::draws::{STEPS, key, normals};
+use super::statistics::{PathFailure, Statistics};
+use crate::carry::Plain;
+use crate::error::{StepError, StepFailure};
+use crate::lanes::Lanes;
+use crate::plan::{NoiseClass, Solver};
+use crate::rescue::{Hard, rescue};
+use crate::scalar::Scalar;
+use crate::state::{State, Vector};
+use crate::step::Stepper;
+use crate::system::Discretized;
+
+/// Paths in a block.
+pub(super) const PATHS: u64 = 512;
+
+/// A function of the state.
+pub(super) type Observable<'a, V> = Box<dyn Fn(&State<V>) -> f64 + Send + Sync + 'a>;
+
+/// Everything that all blocks of a run share.
+pub(super) struct Job<'a, H: Discretized<E>, E> {
+    pub(super) system: &'a H,
+    pub(super) prepared: H::Prepared,
+    pub(super) h: f64,
+    pub(super) start: State<H::Vector>,
+    pub(super) paths: u64,
+    pub(super) steps: u64,
+    /// Steps between recorded nodes; the last node is one, too.
+    pub(super) every: u64,
+    pub(super) times: Vec<f64>,
+    pub(super) seed: u64,
+    /// The largest normal, in absolute value.
+    pub(super) clip: f64,
+    pub(super) observables: Vec<Observable<'a, H::Vector>>,
+    pub(super) names: Vec<String>,
+}
+
+/// One block, `L` paths at a time.
+pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const L: usize> {
+    pub(super) job: &'j Job<'a, H, E>,
+    pub(super) number: u64,
+}
+
+impl<H: Discretized<E>, E, const L: usize> Kernel for Block<'_, '_, H, E, L> {
+    type Output = Statistics;
+
+    #[inline(always)]
+    fn run(self) -> Statistics {
+        let job = self.job;
+        let mut statistics = Statistics::new(&job.names, &job.times);
+        let first = self.number * PATHS;
+        let end = job.paths.min(first + PATHS);
+        let mut group = Group::<H, E, L>::new(job);
+        let mut path = first;
+        while path < end {
+            group.begin(path, end);
+            group.record(0, &mut statistics);
+            let mut node = 1;
+            for step in 0..job.steps {
+                group.step(step);
+                if (step + 1) % job.every == 0 || step + 1 == job.steps {
+                    group.record(node, &mut statistics);
+                    node += 1;
+                }
+            }
+            // They came in the order of time, which depends on who ran beside whom.
+            group.failures.sort_unstable_by_key(|failure| failure.path);
+            for failure in group.failures.drain(..) {
+                statistics.fail(failure);
+            }
+            path += L as u64;
+        }
+        statistics
+    }
+}
+
+/// `L` paths that run beside each other.
+struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
+    job: &'j Job<'a, H, E>,
+    path: u64,
+    q: Vec<Lanes<L>>,
+    p: Vec<Lanes<L>>,
+    dw: Vec<Lanes<L>>,
+    keys: Vec<[u32; 8]>,
+    normals: Vec<[[f64; L]; STEPS]>,
+    deviation: f64,
+    /// Lanes that are paths of this run; others only keep the vector full.
+    counts: [bool; L],
+    /// Lanes whose path has failed: they follow a neighbour.
+    failed: [bool; L],
+    any_failed: bool,
+    failures: Vec<PathFailure>,
+    values: Vec<f64>,
+    scratch: Vec<f64>,
+    state: State<H::Vector>,
+    /// Increments of one lane.
+    increments: Vec<f64>,
+    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]): one stepper for each.
+    steppers: Vec<Stepper<'a, H, E, Plain>>,
+}
+
+impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
+    fn new(job: &'j Job<'a, H, E>) -> Self {
+        // That of the system, which may not know it.
+        let (d, processes) = (job.start.q.components().len(), job.system.noises());
+        let zero = Lanes::from_f64(0.0);
+        Self {
+            job,
+            path: 0,
+            q: vec![zero; d],
+            p: vec![zero; d],
+            dw: vec![zero; processes],
+            keys: (0..processes).map(|process| key(job.seed, process as u64)).collect(),
+            normals: vec![[[0.0; L]; STEPS]; processes],
+            deviation: job.h.abs().sqrt(),
+            counts: [false; L],
+            failed: [false; L],
+            any_failed: false,
+            failures: Vec::new(),
+            values: vec![0.0; job.observables.len()],
+            scratch: vec![0.0; job.observables.len()],
+            state: job.start.clone(),
+            increments: vec![0.0; processes],
+            steppers: Vec::new(),
+        }
+    }
+
+    /// Starts paths `path ..`, as many as there are before `end`.
+    fn begin(&mut self, path: u64, end: u64) {
+        self.path = path;
+        let start = &self.job.start;
+        for (to, from) in self.q.iter_mut().zip(start.q.components()) {
+            *to = Lanes::from_f64(*from);
+        }
+        for (to, from) in self.p.iter_mut().zip(start.p.components()) {
+            *to = Lanes::from_f64(*from);
+        }
+        self.counts = std::array::from_fn(|lane| path + (lane as u64) < end);
+        (self.failed, self.any_failed) = ([false; L], false);
+        if !H::IN_LANES {
+            // It cannot fail: the same has been prepared for the job.
+            let stepper = |_| Stepper::new(self.job.system, self.job.h).ok().map(Stepper::plain);
+            self.steppers = (0..L).filter_map(stepper).collect();
+        }
+    }
+
+    fn time(&self, step: u64) -> f64 {
+        self.job.start.t + step as f64 * self.job.h
+    }
+
+    #[inline(always)]
+    fn step(&mut self, step: u64) {
+        if matches!(H::PLAN.noise, NoiseClass::None) {
+            return self.by_steppers(step);
+        }
+        let job = self.job;
+        let within = (step % STEPS as u64) as usize;
+        if within == 0 {
+            for (key, to) in self.keys.iter().zip(&mut self.normals) {
+                normals(key, self.path, step / STEPS as u64, to);
+            }
+        }
+        for (dw, normals) in self.dw.iter_mut().zip(&self.normals) {
+            let z = Lanes::new(normals[within]);
+            *dw = z.max(Lanes::from_f64(-job.clip)).min(Lanes::from_f64(job.clip)) * self.deviation;
+        }
+        if !H::IN_LANES {
+            return self.by_steppers(step);
+        }
+        if self.any_failed && !self.mirror() {
+            return;
+        }
+        let t = self.time(step);
+        let (q, p, memory) = (&mut self.q, &mut self.p, &mut Default::default());
+        let outcome = job.system.advance_carrying::<Lanes<L>, Plain, false>(
+            &job.prepared,
+            t,
+            job.h,
+            q,
+            p,
+            &self.dw,
+            memory,
+            &mut Plain,
+        );
+        if outcome.is_err() {
+            self.one_by_one(step, t);
+        }
+    }
+
+    #[inline(never)]
+    fn by_steppers(&mut self, step: u64) {
+        let t = self.time(step);
+        let mut steppers = std::mem::take(&mut self.steppers);
+        for (lane, stepper) in steppers.iter_mut().enumerate() {
+            if !self.failed[lane] {
+                let mut state = self.state_of(lane, t);
+                for (to, from) in self.increments.iter_mut().zip(&self.dw) {
+                    *to = from[lane];
+                }
+                match stepper.step(&mut state, &self.increments) {
+                    Ok(_) => self.put(lane, &state.q, &state.p),
+                    Err(error) => self.fail(lane, error),
+                }
+            }
+        }
+        self.steppers = steppers;
+    }
+
+    /// Lanes without a path follow the first that has one; `false` if none has.
+    #[cold]
+    #[inline(never)]
+    fn mirror(&mut self) -> bool {
+        let Some(living) = (0..L).find(|&lane| !self.failed[lane]) else { return false };
+        for x in self.q.iter_mut().chain(&mut self.p).chain(&mut self.dw) {
+            let old = x.to_array();
+            *x = Lanes::new(std::array::from_fn(|lane| old[if self.failed[lane] { living } else { lane }]));
+        }
+        true
+    }
+
+    /// The step that not all lanes can take the short way.
+    #[cold]
+    #[inline(never)]
+    fn one_by_one(&mut self, step: u64, t: f64) {
+        for lane in 0..L {
+            if self.failed[lane] {
+                continue;
+            }
+            if let Err(cause) = self.single(lane, t) {
+                self.fail(lane, StepError { step, t, h: self.job.h, cause });
+            }
+        }
+    }
+
+    fn fail(&mut self, lane: usize, error: StepError) {
+        (self.failed[lane], self.any_failed) = (true, true);
+        if self.counts[lane] {
+            self.failures.push(PathFailure { path: self.path + lane as u64, error });
+        }
+    }
+
+    fn state_of(&self, lane: usize, t: f64) -> State<H::Vector> {
+        let vector = |lanes: &[Lanes<L>]| {
+            let mut vector = H::Vector::zeros(lanes.len());
+            for (to, from) in vector.components_mut().iter_mut().zip(lanes) {
+                *to = from[lane];
+            }
+            vector
+        };
+        State { q: vector(&self.q), p: vector(&self.p), t }
+    }
+
+    fn put(&mut self, lane: usize, q: &H::Vector, p: &H::Vector) {
+        let components = q.components().iter().chain(p.components());
+        for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(components) {
+            to.set(lane, *from);
+        }
+    }
+
+    /// One lane, as it goes alone: the short way, then the careful one of a [`Stepper`].
+    fn single(&mut self, lane: usize, t: f64) -> Result<(), StepFailure> {
+        let job = self.job;
+        let alone = |lanes: &[Lanes<L>]| -> Vec<_> { lanes.iter().map(|x| Lanes::new([x[lane]])).collect() };
+        let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(&self.dw));
+        let outcome = job.system.advance_carrying::<Lanes<1>, Plain, false>(
+            &job.prepared,
+            t,
+            job.h,
+            &mut q,
+            &mut p,
+            &dw,
+            &mut Default::default(),
+            &mut Plain,
+        );
+        match outcome {
+            Ok(_) => {
+                for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(q.iter().chain(&p)) {
+                    to.set(lane, from[0]);
+                }
+            }
+            Err(cause) if !matches!(H::PLAN.solver, Solver::Newton) => return Err(cause),
+            Err(cause) => {
+                let State { q, p, t } = self.state_of(lane, t);
+                let dw: Vec<f64> = dw.iter().map(|dw| dw[0]).collect();
+                let (system, h, prepared) = (job.system, job.h, job.prepared.clone());
+                let rescued = rescue(Hard { system, prepared, t, h, q, p, dw: &dw, carry: Plain }, cause)?;
+                self.put(lane, &rescued.q, &rescued.p);
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the paths that are still there to the statistics of a node.
+    #[inline(never)]
+    fn record(&mut self, node: usize, statistics: &mut Statistics) {
+        let Some(moments) = statistics.nodes.get_mut(node) else { return };
+        self.state.t = moments.time();
+        for lane in 0..L {
+            if !self.counts[lane] || self.failed[lane] {
+                continue;
+            }
+            for (to, from) in self.state.q.components_mut().iter_mut().zip(&self.q) {
+                *to = from[lane];
+            }
+            for (to, from) in self.state.p.components_mut().iter_mut().zip(&self.p) {
+                *to = from[lane];
+            }
+            for (value, observable) in self.values.iter_mut().zip(&self.job.observables) {
+                *value = observable(&self.state);
+            }
+            moments.push(&self.values, &mut self.scratch);
+        }
+    }
+}

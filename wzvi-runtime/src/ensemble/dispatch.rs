@@ -1,0 +1,93 @@
+//! The instruction set, chosen at run time on the outermost loop.
+//!
+//! A default build is for the oldest processor of its target. The loops of an ensemble are compiled once for each of the
+//! instruction sets here and the best one that the machine has is taken. Which one does not show in the results: no
+//! operation rounds differently, and nothing is fused.
+
+/// A set of vector instructions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum InstructionSet {
+    /// What every processor of the target has.
+    Baseline,
+    /// Registers of four numbers (x86-64 since about 2013).
+    Avx2,
+    /// Registers of eight numbers.
+    Avx512,
+}
+
+impl InstructionSet {
+    /// The best one of this machine.
+    pub fn best() -> Self {
+        [Self::Avx512, Self::Avx2].into_iter().find(|set| set.is_available()).unwrap_or(Self::Baseline)
+    }
+
+    /// Whether this machine has it.
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Baseline => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => std::arch::is_x86_feature_detected!("avx2"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => {
+                std::arch::is_x86_feature_detected!("avx512f")
+                    && std::arch::is_x86_feature_detected!("avx512dq")
+                    && std::arch::is_x86_feature_detected!("avx512bw")
+                    && std::arch::is_x86_feature_detected!("avx512vl")
+            }
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
+        }
+    }
+
+    /// Runs the kernel with these instructions, or with the baseline's where the machine does not have them.
+    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        #[cfg(target_arch = "x86_64")]
+        if self.is_available() {
+            match self {
+                Self::Baseline => {}
+                Self::Avx2 => return x86::avx2(kernel),
+                Self::Avx512 => return x86::avx512(kernel),
+            }
+        }
+        kernel.run()
+    }
+}
+
+/// Work that is compiled for every instruction set: `run` and all that it calls on its way are `#[inline(always)]`.
+pub trait Kernel {
+    /// What it computes.
+    type Output;
+    /// Does the work.
+    fn run(self) -> Self::Output;
+}
+
+#[cfg(target_arch = "x86_64")]
+#[expect(
+    unsafe_code,
+    reason = "a call of code for other instructions than those of its caller; the only unsafe code of the workspace"
+)]
+mod x86 {
+    use super::Kernel;
+
+    /// Only after `InstructionSet::Avx2.is_available()`.
+    pub(super) fn avx2<K: Kernel>(kernel: K) -> K::Output {
+        #[target_feature(enable = "avx2")]
+        fn run<K: Kernel>(kernel: K) -> K::Output {
+            kernel.run()
+        }
+        debug_assert!(super::InstructionSet::Avx2.is_available());
+        // SAFETY: the machine has these instructions; its caller has asked.
+        unsafe { run(kernel) }
+    }
+
+    /// Only after `InstructionSet::Avx512.is_available()`.
+    pub(super) fn avx512<K: Kernel>(kernel: K) -> K::Output {
+        #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl")]
+        fn run<K: Kernel>(kernel: K) -> K::Output {
+            kernel.run()
+        }
+        debug_assert!(super::InstructionSet::Avx512.is_available());
+        // SAFETY: the machine has these instructions; its caller has asked.
+        unsafe { run(kernel) }
+    }
+}

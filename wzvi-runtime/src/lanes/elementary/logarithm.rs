@@ -1,0 +1,103 @@
+//! Logarithms: `ln x = k ln 2 + ln(1 + f)`, and `ln(1 + f) = f - f²/2 + s (f²/2 + R(s))` with `s = f/(2 + f)`.
+
+use super::{LN2_HIGH, LN2_LOW, Unary, exponent_and_mantissa, functions, high, select};
+
+functions! {
+    Unary /// Natural logarithm.
+    Ln(x): ln(x), where is_normal_and_positive(x), else libm::log;
+    Unary /// `ln(1 + x)`
+    Ln1p(x): ln_1p(x), where x > -1.0 && x < 1e300, else libm::log1p;
+    Unary /// Logarithm to base 2.
+    Log2(x): log2(x), where is_normal_and_positive(x), else libm::log2;
+    Unary /// Logarithm to base 10.
+    Log10(x): log10(x), where is_normal_and_positive(x), else libm::log10;
+}
+
+#[inline(always)]
+pub(super) fn is_normal_and_positive(x: f64) -> bool {
+    (f64::MIN_POSITIVE..f64::INFINITY).contains(&x)
+}
+
+/// `f²/2` and `s (f²/2 + R)`
+#[inline(always)]
+fn series(f: f64) -> (f64, f64) {
+    const L: [f64; 7] = [
+        6.666_666_666_666_735e-1,
+        3.999_999_999_940_942e-1,
+        2.857_142_874_366_239e-1,
+        2.222_219_843_214_978_4e-1,
+        1.818_357_216_161_805e-1,
+        1.531_383_769_920_937_3e-1,
+        1.479_819_860_511_658_6e-1,
+    ];
+    let s = f / (2.0 + f);
+    let z = s * s;
+    let w = z * z;
+    let odd = z * (L[0] + w * (L[2] + w * (L[4] + w * L[6])));
+    let even = w * (L[1] + w * (L[3] + w * L[5]));
+    let half = 0.5 * f * f;
+    (half, s * (half + (odd + even)))
+}
+
+/// `ln x` of a positive normal number.
+#[inline(always)]
+pub(super) fn ln(x: f64) -> f64 {
+    let (k, mantissa) = exponent_and_mantissa(x);
+    let f = mantissa - 1.0;
+    let (half, rest) = series(f);
+    k * LN2_HIGH - ((half - (rest + k * LN2_LOW)) - f)
+}
+
+/// `ln(1 + x)` for `-1 < x < 1e300`.
+#[inline(always)]
+pub(super) fn ln_1p(x: f64) -> f64 {
+    let sum = 1.0 + x;
+    let (k, mantissa) = exponent_and_mantissa(sum);
+    // What the sum lost, relative to it.
+    let lost = select(k >= 2.0, 1.0 - (sum - x), x - (sum - 1.0)) / sum;
+    // 1 + x is between √½ and √2: x itself is f.
+    let is_near = x > -0.292_893_2 && x < 0.414_213_5;
+    let k = select(is_near, 0.0, k);
+    let lost = select(is_near, 0.0, lost);
+    let f = select(is_near, x, mantissa - 1.0);
+    let (half, rest) = series(f);
+    let y = k * LN2_HIGH - ((half - (rest + (k * LN2_LOW + lost))) - f);
+    // The sign of zero.
+    select(x == 0.0, x, y)
+}
+
+/// `ln(1 + f)` as a sum whose first part has 21 bits.
+#[inline(always)]
+fn split(f: f64) -> (f64, f64) {
+    let (half, rest) = series(f);
+    let upper = high(f - half);
+    (upper, ((f - upper) - half) + rest)
+}
+
+/// `log₂ x` of a positive normal number.
+#[inline(always)]
+pub(super) fn log2(x: f64) -> f64 {
+    const HIGH: f64 = 1.442_695_040_721_446_3;
+    const LOW: f64 = 1.675_171_316_488_651_2e-10;
+    let (k, mantissa) = exponent_and_mantissa(x);
+    let (upper, lower) = split(mantissa - 1.0);
+    let product = upper * HIGH;
+    let tail = (lower + upper) * LOW + lower * HIGH;
+    let sum = k + product;
+    (tail + ((k - sum) + product)) + sum
+}
+
+/// `log₁₀ x` of a positive normal number.
+#[inline(always)]
+pub(super) fn log10(x: f64) -> f64 {
+    const HIGH: f64 = 4.342_944_818_781_689e-1;
+    const LOW: f64 = 2.508_294_671_164_527_5e-11;
+    const LOG10_2_HIGH: f64 = 3.010_299_956_636_117_7e-1;
+    const LOG10_2_LOW: f64 = 3.694_239_077_158_931e-13;
+    let (k, mantissa) = exponent_and_mantissa(x);
+    let (upper, lower) = split(mantissa - 1.0);
+    let (product, whole) = (upper * HIGH, k * LOG10_2_HIGH);
+    let tail = (k * LOG10_2_LOW + (lower + upper) * LOW) + lower * HIGH;
+    let sum = whole + product;
+    (tail + ((whole - sum) + product)) + sum
+}

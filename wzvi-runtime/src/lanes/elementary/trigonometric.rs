@@ -1,0 +1,146 @@
+//! Sine, cosine and tangent.
+
+use super::{Unary, functions, high, nearest, select};
+
+/// `n π/2` is known to the last digit for `n` below 2^20: that is `|x|` up to here.
+const LARGEST: f64 = 1.6e6;
+
+functions! {
+    Unary /// Sine.
+    Sin(x): sin(x), where x.abs() <= LARGEST, else libm::sin;
+    Unary /// Cosine.
+    Cos(x): cos(x), where x.abs() <= LARGEST, else libm::cos;
+    Unary /// Tangent.
+    Tan(x): tan(x), where x.abs() <= LARGEST, else libm::tan;
+}
+
+/// `x - n π/2` in two parts, at most about `π/4`, and bits that end in `n`.
+///
+/// `π/2` in three parts of 33 bits and a rest (W. J. Cody, W. Waite, "Software Manual for the Elementary Functions",
+/// 1980): their products with `n` are exact.
+#[inline(always)]
+fn reduce(x: f64) -> (f64, f64, u64) {
+    const FIRST: f64 = 1.570_796_326_734_125_6;
+    const SECOND: f64 = 6.077_100_506_303_966e-11;
+    const THIRD: f64 = 2.022_266_248_711_166_5e-21;
+    const REST: f64 = 8.478_427_660_368_9e-32;
+    let (n, bits) = nearest(x * std::f64::consts::FRAC_2_PI);
+    let (r, first_lost) = difference(x - n * FIRST, n * SECOND);
+    let (r, second_lost) = difference(r, n * THIRD);
+    let lost = (first_lost + second_lost) - n * REST;
+    let head = r + lost;
+    (head, (r - head) + lost, bits)
+}
+
+/// `a - b` and what rounding takes from it (Knuth).
+#[inline(always)]
+fn difference(a: f64, b: f64) -> (f64, f64) {
+    let rounded = a - b;
+    let taken = a - rounded;
+    (rounded, (a - (rounded + taken)) - (b - taken))
+}
+
+/// `sin(x + tail)` for `|x| <= π/4`.
+#[inline(always)]
+fn sine(x: f64, tail: f64) -> f64 {
+    const S: [f64; 6] = [
+        -1.666_666_666_666_663_2e-1,
+        8.333_333_333_322_49e-3,
+        -1.984_126_982_985_795e-4,
+        2.755_731_370_707_006_8e-6,
+        -2.505_076_025_340_686_3e-8,
+        1.589_690_995_211_55e-10,
+    ];
+    let z = x * x;
+    let w = z * z;
+    let r = (S[1] + z * (S[2] + z * S[3])) + z * w * (S[4] + z * S[5]);
+    let v = z * x;
+    x - ((z * (0.5 * tail - v * r) - tail) - v * S[0])
+}
+
+/// `cos(x + tail)` for `|x| <= π/4`.
+#[inline(always)]
+fn cosine(x: f64, tail: f64) -> f64 {
+    const C: [f64; 6] = [
+        4.166_666_666_666_66e-2,
+        -1.388_888_888_887_411e-3,
+        2.480_158_728_947_673e-5,
+        -2.755_731_435_139_066_3e-7,
+        2.087_572_321_298_175e-9,
+        -1.135_964_755_778_819_5e-11,
+    ];
+    let z = x * x;
+    let w = z * z;
+    let r = z * (C[0] + z * (C[1] + z * C[2])) + w * w * (C[3] + z * (C[4] + z * C[5]));
+    let half = 0.5 * z;
+    let rounded = 1.0 - half;
+    rounded + (((1.0 - rounded) - half) + (z * r - x * tail))
+}
+
+/// The value with its sign turned if bit 1 of `bits` is set.
+#[inline(always)]
+fn turned(value: f64, bits: u64) -> f64 {
+    f64::from_bits(value.to_bits() ^ ((bits & 2) << 62))
+}
+
+#[inline(always)]
+fn sin(x: f64) -> f64 {
+    let (head, tail, n) = reduce(x);
+    let y = turned(select(n & 1 == 0, sine(head, tail), cosine(head, tail)), n);
+    // The sign of zero.
+    select(x == 0.0, x, y)
+}
+
+#[inline(always)]
+fn cos(x: f64) -> f64 {
+    let (head, tail, n) = reduce(x);
+    turned(select(n & 1 == 0, cosine(head, tail), sine(head, tail)), n.wrapping_add(n & 1))
+}
+
+/// `tan(x)`, and `-1/tan` of the reduced argument for odd `n`.
+#[inline(always)]
+fn tan(x: f64) -> f64 {
+    const T: [f64; 13] = [
+        3.333_333_333_333_341e-1,
+        1.333_333_333_332_012_4e-1,
+        5.396_825_397_622_605e-2,
+        2.186_948_829_485_954_2e-2,
+        8.863_239_823_599_3e-3,
+        3.592_079_107_591_312_4e-3,
+        1.456_209_454_325_290_3e-3,
+        5.880_412_408_202_641e-4,
+        2.464_631_348_184_699e-4,
+        7.817_944_429_395_571e-5,
+        7.140_724_913_826_082e-5,
+        -1.855_863_748_552_754_6e-5,
+        2.590_730_518_636_337e-5,
+    ];
+    const QUARTER: f64 = std::f64::consts::FRAC_PI_4;
+    const QUARTER_LOW: f64 = 3.061_616_997_868_383e-17;
+    let (head, tail, n) = reduce(x);
+    let is_odd = n & 1 == 1;
+    // Near π/4: from the tangent of what is missing to it.
+    let is_large = head.abs() >= 0.674_34;
+    let sign = select(head < 0.0, -1.0, 1.0);
+    let missing = (QUARTER - sign * head) + (QUARTER_LOW - sign * tail);
+    let (u, v) = (select(is_large, missing, head), select(is_large, 0.0, tail));
+    let z = u * u;
+    let w = z * z;
+    let odd = T[1] + w * (T[3] + w * (T[5] + w * (T[7] + w * (T[9] + w * T[11]))));
+    let even = z * (T[2] + w * (T[4] + w * (T[6] + w * (T[8] + w * (T[10] + w * T[12])))));
+    let s = z * u;
+    let r = (v + z * (s * (odd + even) + v)) + s * T[0];
+    let t = u + r;
+
+    let one = select(is_odd, -1.0, 1.0);
+    let near = sign * (one - 2.0 * (u + (r - t * t / (t + one))));
+    // -1/(u + r) to the last digit.
+    let t_high = high(t);
+    let inverse = -1.0 / t;
+    let inverse_high = high(inverse);
+    let rest = 1.0 + inverse_high * t_high + inverse_high * (r - (t_high - u));
+    let cotangent = inverse_high + inverse * rest;
+
+    let y = select(is_large, near, select(is_odd, cotangent, t));
+    select(x == 0.0, x, y)
+}

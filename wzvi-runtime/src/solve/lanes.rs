@@ -1,0 +1,313 @@
+//! Newton's method and linear systems for several trajectories at once.
+//!
+//! Each lane goes the way that it would go alone, operation by operation: it has its own verdict after each iteration,
+//! keeps its bits once it has converged, and pivots for itself. A lane whose step has no solution, or none that the short
+//! way finds, gets NaN, which the end of the step reports for all; whoever runs lanes then takes them one by one.
+#![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
+
+use super::dense::{LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT};
+use super::newton::{Effort, ROUNDING, SAFE_DETERMINANT, STAGNATION};
+use super::{Solve, Together};
+use crate::error::StepFailure;
+use crate::lanes::{LaneMask, Lanes};
+use crate::scalar::{Mask, Scalar};
+
+type Matrix<const L: usize, const N: usize> = [[Lanes<L>; N]; N];
+
+fn poison<const L: usize>() -> Lanes<L> {
+    Lanes::from_f64(f64::NAN)
+}
+
+#[inline(always)]
+fn is_nan<const L: usize>(x: Lanes<L>) -> LaneMask<L> {
+    !x.equal(x)
+}
+
+/// `a > b`
+#[inline(always)]
+fn exceeds<const L: usize>(a: Lanes<L>, b: Lanes<L>) -> LaneMask<L> {
+    b.less(a)
+}
+
+/// The verdicts of `newton::Progress`, by lane.
+struct Progress<const L: usize> {
+    last: Lanes<L>,
+    enough: Lanes<L>,
+    iterations: u32,
+    done: LaneMask<L>,
+}
+
+impl<const L: usize> Progress<L> {
+    #[inline(always)]
+    fn new(is_guess: bool) -> Self {
+        Self {
+            last: Lanes::from_f64(if is_guess { 2.0 } else { f64::INFINITY }),
+            enough: Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING),
+            iterations: 0,
+            done: LaneMask::from_bool(false),
+        }
+    }
+
+    /// The lanes that go astray here.
+    #[inline(always)]
+    fn judge(&mut self, relative: Lanes<L>, at_rounding: impl FnOnce() -> LaneMask<L>) -> LaneMask<L> {
+        self.iterations += 1;
+        let square = relative * relative;
+        let converged = (square * relative).less_equal(self.enough);
+        let contracts = relative.less(self.last * 0.5);
+        let mut good = self.done | converged | contracts;
+        let mut stagnates = LaneMask::from_bool(false);
+        if !good.all() && self.iterations > 1 {
+            stagnates = !is_nan(relative) & !(converged | contracts) & at_rounding();
+            good = good | stagnates;
+        }
+        self.done = self.done | converged | stagnates | !good;
+        self.last = relative;
+        let predicted = relative * (0.25 * ROUNDING) * relative;
+        let floor = Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING);
+        self.enough = Lanes::select(exceeds(predicted, floor), predicted, floor);
+        !good
+    }
+}
+
+/// `|correction| / (|unknown| + |state|)` and alike, as `relative_to` of `f64`.
+#[inline(always)]
+fn ratio<const L: usize>(correction: Lanes<L>, size: Lanes<L>) -> Lanes<L> {
+    correction.abs() / (size + f64::MIN_POSITIVE)
+}
+
+/// `newton::iterate`, by lane.
+///
+/// It ends: relative to what it leads to, the first correction of a lane is at most 1 (from zero) or below it (from a
+/// guess), and each next one at most half of the last, or the lane goes astray; 2^-52 is the last.
+#[inline(always)]
+pub(super) fn iterate<const L: usize, const N: usize>(
+    start: [Lanes<L>; N],
+    state: [Lanes<L>; N],
+    is_guess: bool,
+    mut correction_at: impl FnMut(&[Lanes<L>; N]) -> [Lanes<L>; N],
+) -> ([Lanes<L>; N], Effort) {
+    let mut x = start;
+    let mut progress = Progress::new(is_guess);
+    loop {
+        let correction = correction_at(&x);
+        let done = progress.done;
+        let mut largest = Lanes::from_f64(0.0);
+        let mut moved = x;
+        for i in 0..N {
+            moved[i] = x[i] - correction[i];
+            let size = ratio(correction[i], moved[i].abs());
+            largest = Lanes::select(size.less_equal(largest) | is_nan(largest), largest, size);
+        }
+        let astray = progress.judge(largest, || {
+            let mut all = LaneMask::from_bool(true);
+            for i in 0..N {
+                let size = ratio(correction[i], moved[i].abs() + state[i].abs());
+                all = all & size.less_equal(Lanes::from_f64(STAGNATION));
+            }
+            all
+        });
+        for i in 0..N {
+            x[i] = Lanes::select(done, x[i], moved[i]);
+        }
+        if astray.any() {
+            for x in &mut x {
+                *x = Lanes::select(astray, poison(), *x);
+            }
+        }
+        if progress.done.all() {
+            return (x, Effort::fast(progress.iterations));
+        }
+    }
+}
+
+/// `A⁻¹ b` as the generic solvers have it: Cramer's rule for two unknowns where it is safe, else by elimination.
+#[inline(always)]
+pub(super) fn correction<const L: usize, const N: usize>(
+    matrix: &Matrix<L, N>,
+    b: &[Lanes<L>; N],
+    is_symmetric: bool,
+) -> [Lanes<L>; N] {
+    if N != 2 {
+        return if is_symmetric { symmetric(matrix, b) } else { general(matrix, b) };
+    }
+    let m01 = if is_symmetric { matrix[1][0] } else { matrix[0][1] };
+    let (m00, m10, m11) = (matrix[0][0], matrix[1][0], matrix[1][1]);
+    let (main, cross) = (m00 * m11, m01 * m10);
+    let determinant = main - cross;
+    let is_safe = exceeds(determinant.abs(), (main.abs() + cross.abs()) * SAFE_DETERMINANT)
+        & determinant.abs().less(Lanes::from_f64(f64::INFINITY));
+    let inverse = determinant.recip();
+    let x = [(b[0] * m11 - b[1] * m01) * inverse, (b[1] * m00 - b[0] * m10) * inverse];
+    let mut solution = std::array::from_fn(|i| x[i]);
+    if !is_safe.all() {
+        let mut full = *matrix;
+        full[0][1] = m01;
+        let other = if is_symmetric { symmetric(&full, b) } else { general(&full, b) };
+        for i in 0..N {
+            solution[i] = Lanes::select(is_safe, solution[i], other[i]);
+        }
+    }
+    solution
+}
+
+/// [`super::Factor`], by lane: the row that a lane takes for its pivot changes place with the first one by selection.
+#[inline(never)]
+pub(super) fn general<const L: usize, const N: usize>(
+    matrix: &Matrix<L, N>,
+    b: &[Lanes<L>; N],
+) -> [Lanes<L>; N] {
+    let (mut a, mut x) = (*matrix, *b);
+    let mut usable = LaneMask::from_bool(true);
+    // As `f64::max` does: NaN does not count.
+    let mut scale = a.map(|row| row.iter().fold(Lanes::from_f64(0.0), |largest, x| x.abs().max(largest)));
+    for k in 0..N {
+        let (mut best, mut best_scale) = (a[k][k].abs(), scale[k]);
+        let mut chosen = [LaneMask::from_bool(false); N];
+        for i in k + 1..N {
+            let size = a[i][k].abs();
+            let better = exceeds(size * best_scale, best * scale[i]);
+            best = Lanes::select(better, size, best);
+            best_scale = Lanes::select(better, scale[i], best_scale);
+            for earlier in &mut chosen[..i] {
+                *earlier = *earlier & !better;
+            }
+            chosen[i] = better;
+        }
+        for i in k + 1..N {
+            for j in 0..N {
+                (a[k][j], a[i][j]) = swapped(chosen[i], a[k][j], a[i][j]);
+            }
+            (x[k], x[i]) = swapped(chosen[i], x[k], x[i]);
+            (scale[k], scale[i]) = swapped(chosen[i], scale[k], scale[i]);
+        }
+        usable = usable & exceeds(a[k][k].abs(), scale[k] * PIVOT_ULPS) & !is_nan(scale[k]);
+        let inverse = a[k][k].recip();
+        a[k][k] = inverse;
+        for i in k + 1..N {
+            let factor = a[i][k] * inverse;
+            a[i][k] = factor;
+            for j in k + 1..N {
+                a[i][j] = a[i][j] - factor * a[k][j];
+            }
+        }
+    }
+    for i in 1..N {
+        for j in 0..i {
+            x[i] = x[i] - a[i][j] * x[j];
+        }
+    }
+    for i in (0..N).rev() {
+        for j in i + 1..N {
+            x[i] = x[i] - a[i][j] * x[j];
+        }
+        x[i] = x[i] * a[i][i];
+    }
+    x.map(|x| Lanes::select(usable, x, poison()))
+}
+
+#[inline(always)]
+fn swapped<const L: usize>(mask: LaneMask<L>, a: Lanes<L>, b: Lanes<L>) -> (Lanes<L>, Lanes<L>) {
+    (Lanes::select(mask, b, a), Lanes::select(mask, a, b))
+}
+
+/// [`super::SymmetricFactor`], by lane.
+#[inline(never)]
+fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L>; N]) -> [Lanes<L>; N] {
+    let (mut l, mut x) = (*matrix, *b);
+    let mut stable = LaneMask::from_bool(true);
+    for k in 0..N {
+        let pivot = l[k][k];
+        stable = stable & exceeds(pivot.abs(), matrix[k][k].abs() * STABLE_PIVOT);
+        let inverse = pivot.recip();
+        for i in k + 1..N {
+            let factor = l[i][k] * inverse;
+            for j in k + 1..=i {
+                l[i][j] = l[i][j] - factor * l[j][k];
+            }
+        }
+        for i in k + 1..N {
+            l[i][k] = l[i][k] * inverse;
+        }
+        l[k][k] = inverse;
+    }
+    for i in 1..N {
+        for j in 0..i {
+            x[i] = x[i] - l[i][j] * x[j];
+        }
+    }
+    for i in (0..N).rev() {
+        x[i] = x[i] * l[i][i];
+        for j in i + 1..N {
+            x[i] = x[i] - l[j][i] * x[j];
+        }
+    }
+    if !stable.all() {
+        let full = std::array::from_fn(|i: usize| std::array::from_fn(|j: usize| matrix[i.max(j)][i.min(j)]));
+        let other = general(&full, b);
+        for i in 0..N {
+            x[i] = Lanes::select(stable, x[i], other[i]);
+        }
+    }
+    x
+}
+
+/// The pivot where it is usable, else NaN.
+#[inline(always)]
+pub(super) fn usable<const L: usize>(pivot: Lanes<L>) -> Lanes<L> {
+    let size = pivot.abs();
+    let is_usable = exceeds(size, Lanes::from_f64(PIVOT_ULPS)) & size.less(Lanes::from_f64(LARGEST_PIVOT));
+    Lanes::select(is_usable, pivot, poison())
+}
+
+/// Every lane by itself; the careful way, and a single lane, go as any number does.
+#[derive(Clone, Copy, Debug)]
+pub struct LaneByLane;
+
+impl<const L: usize> Solve<Lanes<L>> for LaneByLane {
+    #[inline(always)]
+    fn newton_scalar<const GUESS: bool, const CAREFUL: bool>(
+        start: Lanes<L>,
+        state: Lanes<L>,
+        mut equation: impl FnMut(Lanes<L>) -> (Lanes<L>, Lanes<L>),
+    ) -> Result<(Lanes<L>, Effort), StepFailure> {
+        if CAREFUL || L == 1 {
+            return Together::newton_scalar::<GUESS, CAREFUL>(start, state, equation);
+        }
+        let ([x], effort) = iterate([start], [state], GUESS, |&[x]| {
+            let (residual, slope) = equation(x);
+            [residual / slope]
+        });
+        Ok((x, effort))
+    }
+
+    #[inline(always)]
+    fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
+        start: [Lanes<L>; N],
+        state: [Lanes<L>; N],
+        mut equations: impl FnMut(&[Lanes<L>; N]) -> ([Lanes<L>; N], Matrix<L, N>),
+    ) -> Result<([Lanes<L>; N], Effort), StepFailure> {
+        if CAREFUL || L == 1 {
+            return Together::newton::<N, SYMMETRIC, GUESS, CAREFUL>(start, state, equations);
+        }
+        Ok(iterate(start, state, GUESS, |x| {
+            let (residual, jacobian) = equations(x);
+            correction(&jacobian, &residual, SYMMETRIC)
+        }))
+    }
+
+    #[inline(always)]
+    fn linear<const N: usize>(matrix: Matrix<L, N>, b: [Lanes<L>; N]) -> Result<[Lanes<L>; N], StepFailure> {
+        if L == 1 { Together::linear(matrix, b) } else { Ok(general(&matrix, &b)) }
+    }
+
+    #[inline(always)]
+    fn reciprocal(pivot: Lanes<L>) -> Result<Lanes<L>, StepFailure> {
+        if L == 1 { Together::reciprocal(pivot) } else { Ok(usable(pivot).recip()) }
+    }
+
+    #[inline(always)]
+    fn quotient(rhs: Lanes<L>, pivot: Lanes<L>) -> Result<Lanes<L>, StepFailure> {
+        if L == 1 { Together::quotient(rhs, pivot) } else { Ok(rhs / usable(pivot)) }
+    }
+}
