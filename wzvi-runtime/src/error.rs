@@ -1,5 +1,8 @@
 //! Errors. Each says where, why and what to do; none leaves a state changed.
 
+#[cfg(feature = "serde")]
+mod words;
+
 use std::fmt;
 
 pub use crate::calculus::DomainError;
