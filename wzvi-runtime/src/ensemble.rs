@@ -12,13 +12,25 @@
 //!
 //! A path whose step fails ends there, with its number and error in [`Statistics::failures`]; its neighbours do not notice.
 
+mod account;
 mod block;
+#[cfg(feature = "mpi")]
+pub mod cluster;
+// The part of it that can be tested without MPI.
 #[cfg(feature = "columnar")]
 mod columnar;
+#[cfg(all(test, not(feature = "mpi")))]
+#[path = "ensemble/cluster/desk.rs"]
+mod desk;
 mod dispatch;
 mod draws;
 mod histogram;
 mod job;
+#[cfg(feature = "serde")]
+mod keeping;
+#[cfg(not(feature = "serde"))]
+#[path = "ensemble/keeping/absent.rs"]
+mod keeping;
 mod moments;
 mod passage;
 mod paths;
@@ -29,8 +41,8 @@ mod table;
 
 use std::marker::PhantomData;
 use std::num::NonZero;
-use std::ops::ControlFlow;
 
+use account::Account;
 pub use dispatch::{InstructionSet, Kernel};
 pub use draws::normal;
 pub use histogram::Histogram;
@@ -43,6 +55,7 @@ use statistics::Wanted;
 pub use statistics::{Node, PathFailure, Statistics};
 pub use table::{Column, FileError, Table};
 
+use crate::checkpoint::Keeping;
 use crate::error::{ConfigError, Error};
 use crate::noise::{Truncation, clip_bound};
 use crate::simulate::{End, checked, count, steps_between};
@@ -81,6 +94,7 @@ pub struct Ensemble<'a, H: Discretized<E>, E> {
     threads: Option<usize>,
     truncation: Truncation,
     instructions: InstructionSet,
+    keeping: Keeping,
     scheme: PhantomData<fn() -> E>,
 }
 
@@ -105,6 +119,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             threads: None,
             truncation: Truncation::Unset,
             instructions: InstructionSet::best(),
+            keeping: Keeping::default(),
             scheme: PhantomData,
         }
     }
@@ -226,33 +241,26 @@ where
     ///
     /// # Errors
     /// [`Error::Config`] if a setting is missing or makes no sense, [`Error::Step`] if no path reaches the end: the first
-    /// failure. Fewer failures are in the [`Statistics`].
+    /// failure. Fewer failures are in the [`Statistics`]. `Error::Checkpoint` if there is a checkpoint that cannot be
+    /// written or gone on from.
     pub fn run(self) -> Result<Statistics, Error> {
         self.run_in::<WIDTH>()
     }
 
     /// [`Ensemble::run`] with `L` paths beside each other; the result is the same.
     #[doc(hidden)]
-    pub fn run_in<const L: usize>(self) -> Result<Statistics, Error> {
-        let (threads, instructions) = (self.threads, self.instructions);
-        let job = self.job()?;
-        let threads = match threads {
+    pub fn run_in<const L: usize>(mut self) -> Result<Statistics, Error> {
+        let instructions = self.instructions;
+        let keeping = std::mem::take(&mut self.keeping);
+        let threads = match self.threads {
             Some(0) => return Err(ConfigError::Setting("0 threads: take at least 1".into()).into()),
             Some(threads) => threads,
             None => std::thread::available_parallelism().map_or(1, NonZero::get),
         };
-        let mut statistics = Statistics::new(&job.wanted);
-        if let Some(paths) = &mut statistics.paths {
-            paths.reserve(job.paths)?;
-        }
-        job.run::<L>(job.blocks(), threads, instructions, |block| {
-            statistics.merge(&block);
-            ControlFlow::Continue(())
-        });
-        match (statistics.last().map_or(0, Node::count), statistics.failures().first()) {
-            (0, Some(failure)) => Err(failure.error.into()),
-            _ => Ok(statistics),
-        }
+        let job = self.job()?;
+        let mut account = Account::open(&job, keeping)?;
+        job.run::<L>(account.blocks(), threads, instructions, |block| account.take(&block));
+        account.close()
     }
 
     fn job(self) -> Result<Job<'a, H, E>, Error> {

@@ -252,6 +252,9 @@ pub enum Error {
     /// A checkpoint could not be written, or is not one of this run.
     #[cfg(feature = "serde")]
     Checkpoint(crate::checkpoint::CheckpointError),
+    /// A run on several ranks ended on all of them.
+    #[cfg(feature = "mpi")]
+    Cluster(crate::ensemble::cluster::ClusterError),
     /// A measurement could not be made or written.
     #[cfg(feature = "report")]
     Report(crate::report::ReportError),
@@ -267,6 +270,8 @@ impl fmt::Display for Error {
             Self::Domain(error) => error.fmt(f),
             #[cfg(feature = "serde")]
             Self::Checkpoint(error) => error.fmt(f),
+            #[cfg(feature = "mpi")]
+            Self::Cluster(error) => error.fmt(f),
             #[cfg(feature = "report")]
             Self::Report(error) => error.fmt(f),
         }
@@ -283,6 +288,8 @@ impl std::error::Error for Error {
             Self::Domain(error) => Some(error),
             #[cfg(feature = "serde")]
             Self::Checkpoint(error) => Some(error),
+            #[cfg(feature = "mpi")]
+            Self::Cluster(error) => Some(error),
             #[cfg(feature = "report")]
             Self::Report(error) => Some(error),
         }

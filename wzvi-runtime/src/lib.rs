@@ -33,4 +33,6 @@ mod sum;
 pub mod system;
 pub mod trajectory;
 
+#[cfg(feature = "mpi")]
+pub use mpi;
 pub use nalgebra;
