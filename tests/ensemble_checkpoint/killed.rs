@@ -16,7 +16,7 @@ const ORDERS: &str = "WZVI_TEST_ENSEMBLE_CHECKPOINT";
 const PATHS: u64 = 100_000;
 
 fn run(file: Option<&Path>) -> String {
-    let run = EDGE.run::<DeltaPlus>().paths(PATHS).keep_paths(1 << 25);
+    let run = EDGE.summed::<DeltaPlus>().paths(PATHS);
     let run = match file {
         // Much of a child's time goes into its checkpoints, so that some of the kills meet one.
         Some(file) => {

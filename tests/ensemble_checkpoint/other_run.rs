@@ -36,7 +36,7 @@ fn every_setting_is_told_apart() {
     assert_eq!(fields(base().seed(8)), ["the seed"]);
     assert_eq!(fields(base().steps(25)), ["the number of steps", "the steps before the recorded nodes"]);
     assert_eq!(fields(base().record_every(12)), ["the steps before the recorded nodes"]);
-    assert_eq!(fields(base().record_at([0.3])), ["the steps before the recorded nodes"]);
+    assert_eq!(fields(base().record_at([0.4])), ["the steps before the recorded nodes"]);
     assert_eq!(fields(base().truncation(Truncation::On(2.0))), ["the largest normal increment"]);
     assert_eq!(fields(base().histogram("q", 0.0, 1.0, 3)), ["the histograms"]);
     assert_eq!(fields(base().first_passage(|state| state.q[0])), ["the events"]);

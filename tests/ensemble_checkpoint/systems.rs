@@ -29,6 +29,14 @@ impl Edge {
     where
         Self: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
     {
+        self.summed().keep_paths(1 << 20)
+    }
+
+    /// Everything that does not grow with the number of paths.
+    pub(crate) fn summed<E>(&self) -> Ensemble<'_, Self, E>
+    where
+        Self: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
+    {
         self.ensemble::<E>(0.05)
             .start(State::new([1.0], [0.5]))
             .paths(PATHS)
@@ -43,7 +51,6 @@ impl Edge {
             .named("turning")
             .quantiles()
             .histogram("q", 0.0, 2.0, 20)
-            .keep_paths(1 << 20)
             .threads(2)
     }
 
