@@ -13,31 +13,48 @@
 //! A path whose step fails ends there, with its number and error in [`Statistics::failures`]; its neighbours do not notice.
 
 mod block;
+#[cfg(feature = "columnar")]
+mod columnar;
 mod dispatch;
 mod draws;
+mod histogram;
+mod job;
+mod moments;
+mod passage;
+mod paths;
+mod quantiles;
 mod schedule;
 mod statistics;
+mod table;
 
 use std::marker::PhantomData;
 use std::num::NonZero;
 use std::ops::ControlFlow;
 
-use block::{Block, Job, Observable, PATHS};
 pub use dispatch::{InstructionSet, Kernel};
 pub use draws::normal;
-use schedule::in_order;
-pub use statistics::{Moments, PathFailure, Statistics};
+pub use histogram::Histogram;
+use job::{Job, Observable};
+pub use passage::Passages;
+use passage::Watch;
+pub use paths::Paths;
+pub use quantiles::Quantiles;
+use statistics::Wanted;
+pub use statistics::{Node, PathFailure, Statistics};
+pub use table::{Column, FileError, Table};
 
 use crate::error::{ConfigError, Error};
 use crate::noise::{Truncation, clip_bound};
-use crate::simulate::{End, checked, count};
+use crate::simulate::{End, checked, count, steps_between};
 use crate::state::{State, Vector};
 use crate::system::Discretized;
 
 /// Trajectories per group: two registers of AVX-512, four of AVX2.
 const WIDTH: usize = 16;
 /// More recorded nodes than anyone looks at.
-const MOST_NODES: u64 = 1 << 24;
+const MOST_NODES: u64 = 1 << 20;
+/// Bins of passage times.
+const PASSAGE_BINS: usize = 100;
 
 /// An ensemble to run: [`Integrate::ensemble`](crate::integrate::Integrate::ensemble) begins it, [`Ensemble::run`] runs
 /// it.
@@ -53,7 +70,14 @@ pub struct Ensemble<'a, H: Discretized<E>, E> {
     seed: Option<u64>,
     end: Option<End>,
     every: u64,
-    observables: Vec<(Option<String>, Observable<'a, H::Vector>)>,
+    chosen: Vec<f64>,
+    observables: Vec<Named<'a, H::Vector>>,
+    events: Vec<Named<'a, H::Vector>>,
+    /// What `named` names.
+    is_event_last: bool,
+    quantiles: bool,
+    histograms: Vec<(String, [f64; 2], usize)>,
+    most_bytes: Option<u64>,
     threads: Option<usize>,
     truncation: Truncation,
     instructions: InstructionSet,
@@ -71,7 +95,13 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             seed: None,
             end: None,
             every: 0,
+            chosen: Vec::new(),
             observables: Vec::new(),
+            events: Vec::new(),
+            is_event_last: false,
+            quantiles: false,
+            histograms: Vec::new(),
+            most_bytes: None,
             threads: None,
             truncation: Truncation::Unset,
             instructions: InstructionSet::best(),
@@ -115,19 +145,53 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
         self
     }
 
-    /// One more observable, a function of the state; a value that is not finite shows in the moments of its time. Without
-    /// any, all coordinates `q0, ...`, momenta `p0, ...` and the
-    /// drift Hamiltonian `energy` are.
-    pub fn observe(mut self, observable: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a) -> Self {
-        self.observables.push((None, Box::new(observable)));
+    /// Statistics at these times, too: each at the first node at or beyond it.
+    pub fn record_at(mut self, times: impl IntoIterator<Item = f64>) -> Self {
+        self.chosen.extend(times);
         self
     }
 
-    /// Names the observable that was added last; without a name it is `observable0` and so on, by its index.
+    /// One more observable, a function of the state, at all recorded times; a value that is not finite shows in the moments of
+    /// its time. Without any, all coordinates `q0, ...`, momenta `p0, ...` and the drift Hamiltonian `energy` are.
+    pub fn observe(mut self, observable: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a) -> Self {
+        self.observables.push((None, Box::new(observable)));
+        self.is_event_last = false;
+        self
+    }
+
+    /// When does `event`, a function of the state, cross zero for the first time? It is asked at every node; what that
+    /// means for the times is in [`Passages`]. More than one may be asked.
+    pub fn first_passage(mut self, event: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a) -> Self {
+        self.events.push((None, Box::new(event)));
+        self.is_event_last = true;
+        self
+    }
+
+    /// Names the observable or event that was added last; without a name it is `observable0` or `event0` and so on, by its
+    /// index.
     pub fn named(mut self, name: impl Into<String>) -> Self {
-        if let Some((named, _)) = self.observables.last_mut() {
+        let last = if self.is_event_last { self.events.last_mut() } else { self.observables.last_mut() };
+        if let Some((named, _)) = last {
             *named = Some(name.into());
         }
+        self
+    }
+
+    /// Quantiles of every observable at every recorded time, to a relative error of [`Quantiles::RELATIVE_ERROR`].
+    pub fn quantiles(mut self) -> Self {
+        self.quantiles = true;
+        self
+    }
+
+    /// A histogram of the observable with this name at every recorded time, in so many bins from `lower` to `upper`.
+    pub fn histogram(mut self, observable: impl Into<String>, lower: f64, upper: f64, bins: usize) -> Self {
+        self.histograms.push((observable.into(), [lower, upper], bins));
+        self
+    }
+
+    /// Keeps all observables of every path at every recorded time, if that takes `bytes` of memory at most.
+    pub fn keep_paths(mut self, bytes: u64) -> Self {
+        self.most_bytes = Some(bytes);
         self
     }
 
@@ -172,23 +236,20 @@ where
     pub fn run_in<const L: usize>(self) -> Result<Statistics, Error> {
         let (threads, instructions) = (self.threads, self.instructions);
         let job = self.job()?;
-        let blocks = job.paths.div_ceil(PATHS);
         let threads = match threads {
             Some(0) => return Err(ConfigError::Setting("0 threads: take at least 1".into()).into()),
             Some(threads) => threads,
             None => std::thread::available_parallelism().map_or(1, NonZero::get),
         };
-        let mut statistics = Statistics::new(&job.names, &job.times);
-        in_order(
-            0..blocks,
-            threads,
-            |number| instructions.run(Block::<H, E, L> { job: &job, number }),
-            |_, block| {
-                statistics.merge(&block);
-                ControlFlow::Continue(())
-            },
-        );
-        match (statistics.last().map_or(0, Moments::count), statistics.failures.first()) {
+        let mut statistics = Statistics::new(&job.wanted);
+        if let Some(paths) = &mut statistics.paths {
+            paths.reserve(job.paths)?;
+        }
+        job.run::<L>(job.blocks(), threads, instructions, |block| {
+            statistics.merge(&block);
+            ControlFlow::Continue(())
+        });
+        match (statistics.last().map_or(0, Node::count), statistics.failures().first()) {
             (0, Some(failure)) => Err(failure.error.into()),
             _ => Ok(statistics),
         }
@@ -219,31 +280,107 @@ where
             Truncation::Unset if H::PLAN.truncates_increments() => clip_bound(h, Truncation::DEFAULT),
             Truncation::Unset => f64::INFINITY,
         };
-        let every = if self.every == 0 { steps.max(1) } else { self.every };
-        let nodes = steps.div_ceil(every);
-        if nodes > MOST_NODES {
-            return Err(ConfigError::Setting(format!(
-                "statistics at {nodes} nodes: take a larger `record_every`"
-            ))
-            .into());
-        }
         let end = start.t + steps as f64 * h;
         if !end.is_finite() {
             return Err(ConfigError::End { start: start.t, end, h }.into());
         }
-        let times = (0..=nodes).map(|node| start.t + steps.min(node * every) as f64 * h).collect();
+        let recorded = recorded(self.every, &self.chosen, start.t, h, steps)?;
+        let times: Vec<f64> = recorded.iter().map(|&steps| start.t + steps as f64 * h).collect();
         let observables = if self.observables.is_empty() { standard(system) } else { self.observables };
-        let (names, observables) = observables
+        let (names, observables) = separated(observables, "observable");
+        let (event_names, events) = separated(self.events, "event");
+        for names in [&names, &event_names] {
+            if let Some(twice) =
+                names.iter().enumerate().find_map(|(i, name)| names[..i].contains(name).then_some(name))
+            {
+                return Err(ConfigError::Setting(format!(
+                    "two observables or events have the name `{twice}`"
+                ))
+                .into());
+            }
+        }
+        let between = [start.t.min(end), start.t.max(end)];
+        let watches = event_names
             .into_iter()
-            .enumerate()
-            .map(|(i, (name, observable))| (name.unwrap_or_else(|| format!("observable{i}")), observable))
-            .unzip();
+            .map(|name| {
+                // Without a step there is no time to count.
+                let [lower, upper] = if steps == 0 { [start.t, start.t + h.abs()] } else { between };
+                let histogram = Histogram::new(lower, upper, PASSAGE_BINS)?;
+                Ok(Watch { name, start: start.t, end, histogram })
+            })
+            .collect::<Result<_, ConfigError>>()?;
+        let histograms = self
+            .histograms
+            .into_iter()
+            .map(|(name, [lower, upper], bins)| match names.iter().position(|known| *known == name) {
+                Some(observable) => Ok((observable, Histogram::new(lower, upper, bins)?)),
+                None => Err(ConfigError::Setting(format!(
+                    "a histogram of `{name}`, which is none of the observables ({})",
+                    names.join(", ")
+                ))),
+            })
+            .collect::<Result<_, ConfigError>>()?;
+        if let Some(most) = self.most_bytes {
+            let bytes = Paths::bytes(paths, recorded.len(), names.len());
+            if bytes > u128::from(most) {
+                return Err(ConfigError::Setting(format!(
+                    "the paths take {bytes} bytes to keep, more than the {most} that are allowed: record fewer times, or fewer \
+                     paths"
+                ))
+                .into());
+            }
+        }
+        let (quantiles, keeps_paths) = (self.quantiles, self.most_bytes.is_some());
+        let wanted = Wanted { names, times, quantiles, histograms, watches, keeps_paths };
         let prepared = system.prepare(h)?;
-        Ok(Job { system, prepared, h, start, paths, steps, every, times, seed, clip, observables, names })
+        Ok(Job {
+            system,
+            prepared,
+            h,
+            start,
+            paths,
+            steps,
+            recorded,
+            seed,
+            clip,
+            observables,
+            events,
+            wanted,
+        })
     }
 }
 
 type Named<'a, V> = (Option<String>, Observable<'a, V>);
+
+/// Names, with an index where the user gave none, and functions.
+fn separated<'a, V>(all: Vec<Named<'a, V>>, kind: &str) -> (Vec<String>, Vec<Observable<'a, V>>) {
+    let named = all.into_iter().enumerate();
+    named.map(|(i, (name, function))| (name.unwrap_or_else(|| format!("{kind}{i}")), function)).unzip()
+}
+
+/// The steps before each recorded node, in order: 0, those asked for, all.
+fn recorded(every: u64, chosen: &[f64], start: f64, h: f64, steps: u64) -> Result<Vec<u64>, ConfigError> {
+    let every = if every == 0 { steps.max(1) } else { every };
+    let nodes = steps.div_ceil(every).saturating_add(chosen.len() as u64);
+    if nodes > MOST_NODES {
+        let wrong = format!("statistics at {nodes} nodes: take a larger `record_every`");
+        return Err(ConfigError::Setting(wrong));
+    }
+    let mut recorded: Vec<u64> = (0..=steps.div_ceil(every)).map(|node| steps.min(node * every)).collect();
+    for &time in chosen {
+        match steps_between(start, time, h) {
+            Some(step) if step <= steps => recorded.push(step),
+            _ => {
+                let end = start + steps as f64 * h;
+                let wrong = format!("statistics at t = {time}, which is not between {start} and {end}");
+                return Err(ConfigError::Setting(wrong));
+            }
+        }
+    }
+    recorded.sort_unstable();
+    recorded.dedup();
+    Ok(recorded)
+}
 
 /// What is observed if nothing is asked for.
 fn standard<H: Discretized<E> + Sync, E>(system: &H) -> Vec<Named<'_, H::Vector>> {

@@ -2,6 +2,8 @@
 
 use super::dispatch::Kernel;
 use super::draws::{STEPS, key, normals};
+use super::job::Job;
+use super::passage::{Passage, crossing};
 use super::statistics::{PathFailure, Statistics};
 use crate::carry::Plain;
 use crate::error::{StepError, StepFailure};
@@ -16,27 +18,6 @@ use crate::system::Discretized;
 /// Paths in a block.
 pub(super) const PATHS: u64 = 512;
 
-/// A function of the state.
-pub(super) type Observable<'a, V> = Box<dyn Fn(&State<V>) -> f64 + Send + Sync + 'a>;
-
-/// Everything that all blocks of a run share.
-pub(super) struct Job<'a, H: Discretized<E>, E> {
-    pub(super) system: &'a H,
-    pub(super) prepared: H::Prepared,
-    pub(super) h: f64,
-    pub(super) start: State<H::Vector>,
-    pub(super) paths: u64,
-    pub(super) steps: u64,
-    /// Steps between recorded nodes; the last node is one, too.
-    pub(super) every: u64,
-    pub(super) times: Vec<f64>,
-    pub(super) seed: u64,
-    /// The largest normal, in absolute value.
-    pub(super) clip: f64,
-    pub(super) observables: Vec<Observable<'a, H::Vector>>,
-    pub(super) names: Vec<String>,
-}
-
 /// One block, `L` paths at a time.
 pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const L: usize> {
     pub(super) job: &'j Job<'a, H, E>,
@@ -49,27 +30,26 @@ impl<H: Discretized<E>, E, const L: usize> Kernel for Block<'_, '_, H, E, L> {
     #[inline(always)]
     fn run(self) -> Statistics {
         let job = self.job;
-        let mut statistics = Statistics::new(&job.names, &job.times);
+        let mut statistics = Statistics::new(&job.wanted);
         let first = self.number * PATHS;
         let end = job.paths.min(first + PATHS);
         let mut group = Group::<H, E, L>::new(job);
         let mut path = first;
         while path < end {
-            group.begin(path, end);
+            group.begin(path, end, &mut statistics);
             group.record(0, &mut statistics);
             let mut node = 1;
             for step in 0..job.steps {
                 group.step(step);
-                if (step + 1) % job.every == 0 || step + 1 == job.steps {
+                if !job.events.is_empty() {
+                    group.watch(step);
+                }
+                if job.recorded.get(node) == Some(&(step + 1)) {
                     group.record(node, &mut statistics);
                     node += 1;
                 }
             }
-            // They came in the order of time, which depends on who ran beside whom.
-            group.failures.sort_unstable_by_key(|failure| failure.path);
-            for failure in group.failures.drain(..) {
-                statistics.fail(failure);
-            }
+            group.finish(&mut statistics);
             path += L as u64;
         }
         statistics
@@ -92,6 +72,12 @@ struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     failed: [bool; L],
     any_failed: bool,
     failures: Vec<PathFailure>,
+    /// What each event's function was at the last node.
+    before: Vec<[f64; L]>,
+    /// When each event happened; NaN before.
+    passed: Vec<[f64; L]>,
+    /// Number of each lane among the paths that are kept.
+    kept: [usize; L],
     values: Vec<f64>,
     scratch: Vec<f64>,
     state: State<H::Vector>,
@@ -116,6 +102,9 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             failed: [false; L],
             any_failed: false,
             failures: Vec::new(),
+            before: vec![[0.0; L]; job.events.len()],
+            passed: vec![[0.0; L]; job.events.len()],
+            kept: [0; L],
             values: vec![0.0; job.observables.len()],
             scratch: vec![0.0; job.observables.len()],
             state: job.start.clone(),
@@ -124,7 +113,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     }
 
     /// Starts paths `path ..`, as many as there are before `end`.
-    fn begin(&mut self, path: u64, end: u64) {
+    fn begin(&mut self, path: u64, end: u64, statistics: &mut Statistics) {
         self.path = path;
         let start = &self.job.start;
         for (to, from) in self.q.iter_mut().zip(start.q.components()) {
@@ -139,6 +128,18 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             // It cannot fail: the same has been prepared for the job.
             let stepper = |_| Stepper::new(self.job.system, self.job.h).ok().map(Stepper::plain);
             self.steppers = (0..L).filter_map(stepper).collect();
+        }
+        if let Some(paths) = &mut statistics.paths {
+            for lane in 0..L {
+                if self.counts[lane] {
+                    self.kept[lane] = paths.begin();
+                }
+            }
+        }
+        for ((before, passed), event) in self.before.iter_mut().zip(&mut self.passed).zip(&self.job.events) {
+            let value = event(start);
+            *before = [value; L];
+            *passed = [if value == 0.0 { start.t } else { f64::NAN }; L];
         }
     }
 
@@ -282,6 +283,41 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         Ok(())
     }
 
+    /// Moves a lane to where observables see it.
+    fn look(&mut self, lane: usize) -> &State<H::Vector> {
+        for (to, from) in self.state.q.components_mut().iter_mut().zip(&self.q) {
+            *to = from[lane];
+        }
+        for (to, from) in self.state.p.components_mut().iter_mut().zip(&self.p) {
+            *to = from[lane];
+        }
+        &self.state
+    }
+
+    /// Looks for the events of a step that has been taken.
+    #[inline(never)]
+    fn watch(&mut self, step: u64) {
+        let times = [self.time(step), self.time(step + 1)];
+        self.state.t = times[1];
+        for lane in 0..L {
+            let is_over = !self.counts[lane] || self.failed[lane];
+            if is_over || self.passed.iter().all(|passed| !passed[lane].is_nan()) {
+                continue;
+            }
+            self.look(lane);
+            let memory = self.before.iter_mut().zip(&mut self.passed);
+            for ((before, passed), event) in memory.zip(&self.job.events) {
+                if passed[lane].is_nan() {
+                    let after = event(&self.state);
+                    if let Some(time) = crossing(times, [before[lane], after]) {
+                        passed[lane] = time;
+                    }
+                    before[lane] = after;
+                }
+            }
+        }
+    }
+
     /// Adds the paths that are still there to the statistics of a node.
     #[inline(never)]
     fn record(&mut self, node: usize, statistics: &mut Statistics) {
@@ -291,16 +327,36 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             if !self.counts[lane] || self.failed[lane] {
                 continue;
             }
-            for (to, from) in self.state.q.components_mut().iter_mut().zip(&self.q) {
-                *to = from[lane];
-            }
-            for (to, from) in self.state.p.components_mut().iter_mut().zip(&self.p) {
-                *to = from[lane];
-            }
+            self.look(lane);
             for (value, observable) in self.values.iter_mut().zip(&self.job.observables) {
                 *value = observable(&self.state);
             }
-            moments.push(&self.values, &mut self.scratch);
+            moments.push(&self.values, &mut self.scratch, &self.job.wanted);
+            if let Some(paths) = &mut statistics.paths {
+                paths.put(self.kept[lane], node, &self.values);
+            }
+        }
+    }
+
+    /// What became of the paths, in the order of their numbers.
+    fn finish(&mut self, statistics: &mut Statistics) {
+        // They came in the order of time, which depends on who ran beside whom.
+        self.failures.sort_unstable_by_key(|failure| failure.path);
+        let watched = statistics.passages.iter_mut().zip(&self.passed).zip(&self.job.wanted.watches);
+        for ((passages, passed), watch) in watched {
+            let mut failures = self.failures.iter();
+            for lane in (0..L).filter(|&lane| self.counts[lane]) {
+                let failure = if self.failed[lane] { failures.next() } else { None };
+                let passage = match failure {
+                    _ if !passed[lane].is_nan() => Passage::At(passed[lane]),
+                    Some(failure) => Passage::Lost(failure.error.t),
+                    None => Passage::Censored,
+                };
+                passages.push(passage, watch);
+            }
+        }
+        for failure in self.failures.drain(..) {
+            statistics.fail(failure);
         }
     }
 }

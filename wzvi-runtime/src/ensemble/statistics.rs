@@ -1,58 +1,68 @@
-//! Moments as the paths run, in memory that does not grow with their number.
+//! What is known of an ensemble, in memory that does not grow with the number of paths.
 
+use super::histogram::Histogram;
+use super::moments::Moments;
+use super::passage::{Passages, Watch};
+use super::paths::Paths;
+use super::quantiles::Quantiles;
 use crate::error::StepError;
 
 /// Failed paths that are kept with their errors; further ones are only counted.
 const MOST_FAILURES: usize = 1000;
 
-/// Means and covariances of several observables over paths (B. P. Welford, Technometrics 4 (1962) 419; merged as in T. F. Chan,
-/// G. H. Golub, R. J. LeVeque, "Updating formulae and a pairwise algorithm for computing sample variances", 1979).
-#[derive(Clone, Debug, PartialEq)]
-pub struct Moments {
-    time: f64,
-    count: u64,
-    mean: Vec<f64>,
-    /// Sums of products of deviations, by rows.
-    comoment: Vec<f64>,
+/// What a run is to find out.
+#[derive(Debug)]
+pub(super) struct Wanted {
+    /// The observables.
+    pub(super) names: Vec<String>,
+    /// The recorded times, the start first.
+    pub(super) times: Vec<f64>,
+    pub(super) quantiles: bool,
+    /// Each of an observable, at every recorded time.
+    pub(super) histograms: Vec<(usize, Histogram)>,
+    pub(super) watches: Vec<Watch>,
+    pub(super) keeps_paths: bool,
 }
 
-impl Moments {
-    pub(super) fn new(time: f64, observables: usize) -> Self {
-        Self { time, count: 0, mean: vec![0.0; observables], comoment: vec![0.0; observables * observables] }
+/// All paths at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    time: f64,
+    moments: Moments,
+    quantiles: Vec<Quantiles>,
+    histograms: Vec<Histogram>,
+}
+
+impl Node {
+    fn new(time: f64, wanted: &Wanted) -> Self {
+        let observables = wanted.names.len();
+        Self {
+            time,
+            moments: Moments::new(observables),
+            quantiles: vec![Quantiles::default(); if wanted.quantiles { observables } else { 0 }],
+            histograms: wanted.histograms.iter().map(|(_, empty)| empty.clone()).collect(),
+        }
     }
 
-    /// One more path; `scratch` has as many elements as `values`.
-    pub(super) fn push(&mut self, values: &[f64], scratch: &mut [f64]) {
-        self.count += 1;
-        let weight = 1.0 / self.count as f64;
-        for ((mean, deviation), value) in self.mean.iter_mut().zip(scratch.iter_mut()).zip(values) {
-            *deviation = value - *mean;
-            *mean += *deviation * weight;
+    /// The observables of one more path; `scratch` has as many elements.
+    pub(super) fn push(&mut self, values: &[f64], scratch: &mut [f64], wanted: &Wanted) {
+        self.moments.push(values, scratch);
+        for (quantiles, value) in self.quantiles.iter_mut().zip(values) {
+            quantiles.push(*value);
         }
-        let rows = self.comoment.chunks_exact_mut(values.len());
-        for (row, deviation) in rows.zip(scratch.iter()) {
-            for ((sum, value), mean) in row.iter_mut().zip(values).zip(&self.mean) {
-                *sum += deviation * (value - mean);
-            }
+        for (histogram, (observable, _)) in self.histograms.iter_mut().zip(&wanted.histograms) {
+            histogram.push(values[*observable]);
         }
     }
 
-    /// The paths of both. The order matters to the last bit.
-    pub(super) fn merge(&mut self, other: &Self) {
-        if other.count == 0 {
-            return;
+    fn merge(&mut self, other: &Self) {
+        self.moments.merge(&other.moments);
+        for (ours, theirs) in self.quantiles.iter_mut().zip(&other.quantiles) {
+            ours.merge(theirs);
         }
-        let (a, b) = (self.count as f64, other.count as f64);
-        let (n, total) = (self.mean.len(), a + b);
-        let difference: Vec<f64> =
-            other.mean.iter().zip(&self.mean).map(|(theirs, ours)| theirs - ours).collect();
-        for (i, (sum, theirs)) in self.comoment.iter_mut().zip(&other.comoment).enumerate() {
-            *sum += theirs + difference[i / n] * difference[i % n] * (a * b / total);
+        for (ours, theirs) in self.histograms.iter_mut().zip(&other.histograms) {
+            ours.merge(theirs);
         }
-        for (mean, difference) in self.mean.iter_mut().zip(&difference) {
-            *mean += difference * (b / total);
-        }
-        self.count += other.count;
     }
 
     /// The time, in the units of the Hamiltonian.
@@ -62,31 +72,37 @@ impl Moments {
 
     /// Number of paths that got here.
     pub fn count(&self) -> u64 {
-        self.count
+        self.moments.count()
     }
 
     /// The mean of an observable; NaN for one that does not exist, and without paths.
     pub fn mean(&self, observable: usize) -> f64 {
-        if self.count == 0 { f64::NAN } else { self.mean.get(observable).copied().unwrap_or(f64::NAN) }
+        self.moments.mean(observable)
     }
 
-    /// The unbiased covariance of two observables; NaN where [`Moments::mean`] is, and for a single path.
+    /// The unbiased covariance of two observables; NaN where [`Node::mean`] is, and for a single path.
     pub fn covariance(&self, a: usize, b: usize) -> f64 {
-        let n = self.mean.len();
-        if a >= n || b >= n || self.count < 2 {
-            return f64::NAN;
-        }
-        self.comoment[a * n + b] / (self.count - 1) as f64
+        self.moments.covariance(a, b)
     }
 
-    /// The unbiased variance of an observable, as [`Moments::covariance`].
+    /// The unbiased variance of an observable, as [`Node::covariance`].
     pub fn variance(&self, observable: usize) -> f64 {
         self.covariance(observable, observable)
     }
 
     /// The standard error of the mean, `√(variance / count)`.
     pub fn standard_error(&self, observable: usize) -> f64 {
-        (self.variance(observable) / self.count as f64).sqrt()
+        (self.variance(observable) / self.count() as f64).sqrt()
+    }
+
+    /// The quantiles of an observable, if the run was asked for them.
+    pub fn quantiles(&self, observable: usize) -> Option<&Quantiles> {
+        self.quantiles.get(observable)
+    }
+
+    /// The histograms, in the order in which the run was asked for them.
+    pub fn histograms(&self) -> &[Histogram] {
+        &self.histograms
     }
 }
 
@@ -105,16 +121,27 @@ pub struct PathFailure {
 /// how many that is true.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statistics {
-    pub(super) names: Vec<String>,
-    pub(super) nodes: Vec<Moments>,
-    pub(super) failed: u64,
-    pub(super) failures: Vec<PathFailure>,
+    names: Vec<String>,
+    /// The observable of each histogram.
+    histogrammed: Vec<usize>,
+    pub(super) nodes: Vec<Node>,
+    pub(super) passages: Vec<Passages>,
+    pub(super) paths: Option<Paths>,
+    failed: u64,
+    failures: Vec<PathFailure>,
 }
 
 impl Statistics {
-    pub(super) fn new(names: &[String], times: &[f64]) -> Self {
-        let nodes = times.iter().map(|&time| Moments::new(time, names.len())).collect();
-        Self { names: names.to_vec(), nodes, failed: 0, failures: Vec::new() }
+    pub(super) fn new(wanted: &Wanted) -> Self {
+        Self {
+            names: wanted.names.clone(),
+            histogrammed: wanted.histograms.iter().map(|&(observable, _)| observable).collect(),
+            nodes: wanted.times.iter().map(|&time| Node::new(time, wanted)).collect(),
+            passages: wanted.watches.iter().map(Passages::new).collect(),
+            paths: wanted.keeps_paths.then(|| Paths::new(wanted.times.len(), wanted.names.len())),
+            failed: 0,
+            failures: Vec::new(),
+        }
     }
 
     pub(super) fn fail(&mut self, failure: PathFailure) {
@@ -124,8 +151,15 @@ impl Statistics {
         }
     }
 
+    /// The paths of both, which follow each other in number: the order matters to the last bit.
     pub(super) fn merge(&mut self, other: &Self) {
         for (ours, theirs) in self.nodes.iter_mut().zip(&other.nodes) {
+            ours.merge(theirs);
+        }
+        for (ours, theirs) in self.passages.iter_mut().zip(&other.passages) {
+            ours.merge(theirs);
+        }
+        if let (Some(ours), Some(theirs)) = (&mut self.paths, &other.paths) {
             ours.merge(theirs);
         }
         self.failed += other.failed;
@@ -143,33 +177,71 @@ impl Statistics {
         self.names.iter().position(|known| known == name)
     }
 
-    /// The moments at each recorded time, the start first.
-    pub fn nodes(&self) -> &[Moments] {
+    /// Each recorded time, the start first.
+    pub fn nodes(&self) -> &[Node] {
         &self.nodes
     }
 
-    /// The moments at the end; `None` never, since the start is always there.
-    pub fn last(&self) -> Option<&Moments> {
+    /// The end; `None` never, since the start is always there.
+    pub fn last(&self) -> Option<&Node> {
         self.nodes.last()
     }
 
     /// The mean of an observable at the end; NaN for a name that does not exist.
     pub fn mean(&self, name: &str) -> f64 {
-        self.at_end(name, Moments::mean)
+        self.at_end(name, Node::mean)
     }
 
     /// Its variance.
     pub fn variance(&self, name: &str) -> f64 {
-        self.at_end(name, Moments::variance)
+        self.at_end(name, Node::variance)
     }
 
     /// The standard error of its mean.
     pub fn standard_error(&self, name: &str) -> f64 {
-        self.at_end(name, Moments::standard_error)
+        self.at_end(name, Node::standard_error)
     }
 
-    fn at_end(&self, name: &str, what: fn(&Moments, usize) -> f64) -> f64 {
-        self.last().zip(self.index(name)).map_or(f64::NAN, |(moments, index)| what(moments, index))
+    /// The covariance of two observables at the end, as [`Node::covariance`].
+    pub fn covariance(&self, a: &str, b: &str) -> f64 {
+        let b = self.index(b);
+        self.at_end(a, |node, a| b.map_or(f64::NAN, |b| node.covariance(a, b)))
+    }
+
+    /// The quantile of an observable at the end, as [`Quantiles::at`]; NaN if the run was not asked for quantiles.
+    pub fn quantile(&self, name: &str, fraction: f64) -> f64 {
+        self.at_end(name, |node, index| node.quantiles(index).map_or(f64::NAN, |all| all.at(fraction)))
+    }
+
+    fn at_end(&self, name: &str, what: impl Fn(&Node, usize) -> f64) -> f64 {
+        self.last().zip(self.index(name)).map_or(f64::NAN, |(node, index)| what(node, index))
+    }
+
+    /// The observable of each of [`Node::histograms`], by its index.
+    pub fn histogrammed(&self) -> &[usize] {
+        &self.histogrammed
+    }
+
+    /// The first histogram of an observable at the end, if the run was asked for one.
+    pub fn histogram(&self, name: &str) -> Option<&Histogram> {
+        let observable = self.index(name)?;
+        let position = self.histogrammed.iter().position(|&known| known == observable)?;
+        self.last()?.histograms().get(position)
+    }
+
+    /// When paths passed, event by event.
+    pub fn passages(&self) -> &[Passages] {
+        &self.passages
+    }
+
+    /// When paths passed the event of this name.
+    pub fn passage(&self, name: &str) -> Option<&Passages> {
+        self.passages.iter().find(|passages| passages.name() == name)
+    }
+
+    /// The paths themselves, if they were kept.
+    pub fn paths(&self) -> Option<&Paths> {
+        self.paths.as_ref()
     }
 
     /// Number of paths that ended early.

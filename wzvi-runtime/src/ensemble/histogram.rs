@@ -1,0 +1,137 @@
+//! Counts in fixed bins.
+
+use crate::error::ConfigError;
+
+/// How many samples fell into each of several bins of equal width, `[lower, upper)` in all.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Histogram {
+    lower: f64,
+    upper: f64,
+    counts: Vec<u64>,
+    below: u64,
+    above: u64,
+    undefined: u64,
+}
+
+impl Histogram {
+    /// So many bins from `lower` to `upper`, all empty.
+    ///
+    /// # Errors
+    /// [`ConfigError::Setting`] unless there is a bin, and they have a width.
+    pub fn new(lower: f64, upper: f64, bins: usize) -> Result<Self, ConfigError> {
+        let width = (upper - lower) / bins as f64;
+        if bins == 0 || !width.is_finite() || width <= 0.0 {
+            let wrong =
+                format!("a histogram with {bins} bins from {lower} to {upper}: they need a width above 0");
+            return Err(ConfigError::Setting(wrong));
+        }
+        Ok(Self { lower, upper, counts: vec![0; bins], below: 0, above: 0, undefined: 0 })
+    }
+
+    /// One more sample.
+    pub fn push(&mut self, sample: f64) {
+        let bins = self.counts.len();
+        if sample < self.lower {
+            self.below += 1;
+        } else if sample >= self.upper {
+            self.above += 1;
+        } else {
+            let place = (sample - self.lower) / (self.upper - self.lower) * bins as f64;
+            // What is below `upper` may round to it; NaN becomes 0 but is none of them.
+            match self.counts.get_mut((place as usize).min(bins - 1)) {
+                Some(count) if !sample.is_nan() => *count += 1,
+                _ => self.undefined += 1,
+            }
+        }
+    }
+
+    /// The samples of both; they have the same bins.
+    pub(super) fn merge(&mut self, other: &Self) {
+        for (ours, theirs) in self.counts.iter_mut().zip(&other.counts) {
+            *ours += theirs;
+        }
+        self.below += other.below;
+        self.above += other.above;
+        self.undefined += other.undefined;
+    }
+
+    /// The counts, bin by bin.
+    pub fn counts(&self) -> &[u64] {
+        &self.counts
+    }
+
+    /// Where a bin begins, and the one before it ends; the last bin ends at `edge(counts().len())`.
+    pub fn edge(&self, bin: usize) -> f64 {
+        let bins = self.counts.len();
+        if bin == bins {
+            self.upper
+        } else {
+            self.lower + (self.upper - self.lower) * bin as f64 / bins as f64
+        }
+    }
+
+    /// Samples below all bins.
+    pub fn below(&self) -> u64 {
+        self.below
+    }
+
+    /// Samples at the upper end of all bins or above it.
+    pub fn above(&self) -> u64 {
+        self.above
+    }
+
+    /// Samples that were NaN.
+    pub fn undefined(&self) -> u64 {
+        self.undefined
+    }
+
+    /// All samples, wherever they fell.
+    pub fn total(&self) -> u64 {
+        self.counts.iter().sum::<u64>() + self.below + self.above + self.undefined
+    }
+
+    /// The density in a bin: the fraction of all samples in it, per unit of the observable. NaN for a bin that does not
+    /// exist, and without samples.
+    pub fn density(&self, bin: usize) -> f64 {
+        let width = (self.upper - self.lower) / self.counts.len() as f64;
+        match (self.counts.get(bin), self.total()) {
+            (Some(&count), total) if total > 0 => count as f64 / (total as f64 * width),
+            _ => f64::NAN,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sample_is_counted_once() {
+        let mut histogram = Histogram::new(-1.0, 2.0, 3).unwrap();
+        let below_two = 2.0 - f64::EPSILON;
+        for x in
+            [-1.0, -0.5, 0.0, 0.5, 1.5, below_two, 2.0, 7.0, f64::INFINITY, -1.1, f64::NEG_INFINITY, f64::NAN]
+        {
+            histogram.push(x);
+        }
+        assert_eq!(histogram.counts(), [2, 2, 2]);
+        assert_eq!(
+            (histogram.below(), histogram.above(), histogram.undefined(), histogram.total()),
+            (2, 3, 1, 12)
+        );
+        assert_eq!([0, 1, 2, 3].map(|bin| histogram.edge(bin)), [-1.0, 0.0, 1.0, 2.0]);
+        assert_eq!(histogram.density(1), 2.0 / 12.0);
+        let mut twice = histogram.clone();
+        twice.merge(&histogram);
+        assert_eq!((twice.counts(), twice.total()), (&[4, 4, 4][..], 24));
+    }
+
+    #[test]
+    fn bins_without_width_are_refused() {
+        for (lower, upper, bins) in
+            [(0.0, 1.0, 0), (1.0, 1.0, 4), (2.0, 1.0, 4), (f64::NAN, 1.0, 4), (0.0, f64::INFINITY, 4)]
+        {
+            assert!(Histogram::new(lower, upper, bins).is_err());
+        }
+    }
+}

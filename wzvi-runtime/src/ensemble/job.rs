@@ -1,0 +1,56 @@
+//! A checked ensemble: everything that its blocks share.
+
+use std::ops::{ControlFlow, Range};
+
+use super::block::{Block, PATHS};
+use super::dispatch::InstructionSet;
+use super::schedule::in_order;
+use super::statistics::{Statistics, Wanted};
+use crate::state::State;
+use crate::system::Discretized;
+
+/// A function of the state.
+pub(super) type Observable<'a, V> = Box<dyn Fn(&State<V>) -> f64 + Send + Sync + 'a>;
+
+/// A run of paths that are known by their numbers.
+pub(super) struct Job<'a, H: Discretized<E>, E> {
+    pub(super) system: &'a H,
+    pub(super) prepared: H::Prepared,
+    pub(super) h: f64,
+    pub(super) start: State<H::Vector>,
+    pub(super) paths: u64,
+    pub(super) steps: u64,
+    /// Steps before each recorded node: 0 first, all last.
+    pub(super) recorded: Vec<u64>,
+    pub(super) seed: u64,
+    /// The largest normal, in absolute value.
+    pub(super) clip: f64,
+    pub(super) observables: Vec<Observable<'a, H::Vector>>,
+    pub(super) events: Vec<Observable<'a, H::Vector>>,
+    pub(super) wanted: Wanted,
+}
+
+impl<H, E> Job<'_, H, E>
+where
+    H: Discretized<E> + Sync,
+    H::Vector: Send + Sync,
+    H::Prepared: Send + Sync,
+{
+    /// The numbers of all blocks: block `n` has the paths from `n PATHS` on.
+    pub(super) fn blocks(&self) -> Range<u64> {
+        0..self.paths.div_ceil(PATHS)
+    }
+
+    /// Runs blocks on so many threads, `L` paths beside each other, and gives their statistics to `take` in the order
+    /// of their numbers, until it breaks.
+    pub(super) fn run<const L: usize>(
+        &self,
+        blocks: Range<u64>,
+        threads: usize,
+        instructions: InstructionSet,
+        mut take: impl FnMut(Statistics) -> ControlFlow<()> + Send,
+    ) {
+        let work = |number| instructions.run(Block::<H, E, L> { job: self, number });
+        in_order(blocks, threads, work, |_, statistics| take(statistics));
+    }
+}
