@@ -1,0 +1,90 @@
+//! Unknowns that an equation can be solved for by hand: `x = φ(x, others)` with `φ` affine in `x` and a slope that does not
+//! read the state is `x = φ(0, others) / (1 - slope)`. What was iterated on is then assigned.
+//!
+//! So `H_1 = σ q p` beside a nonlinear `V(q)` costs one unknown, not two: `P (1 + σΔW/2) = p - h/2 V'(Q)`.
+
+use super::Unknown;
+use super::blocks::Dependencies;
+use crate::discretise::equations::Equations;
+use crate::discretise::lagrangian::StepSymbols;
+use crate::symbolic::{Expr, Graph, Rational, Symbol};
+
+/// Components above this size are left as they are: every unknown of theirs would be tried.
+const MOST: usize = 12;
+
+/// `1 / pivot`, under the name that the equations know it by.
+#[derive(Clone, Copy)]
+pub(crate) struct Pivot {
+    pub(crate) value: Expr,
+    pub(crate) inverse: Symbol,
+}
+
+/// The equations of `component` with as many unknowns isolated as save one iterate each.
+pub(super) fn isolate(
+    graph: &mut Graph,
+    symbols: &StepSymbols,
+    equations: &Equations,
+    component: &[usize],
+    iterates: &[Unknown],
+) -> Option<(Equations, Dependencies, Vec<Pivot>)> {
+    if component.len() > MOST {
+        return None;
+    }
+    let mut best: Option<(Equations, Dependencies, Vec<Pivot>)> = None;
+    let mut fewest = iterates.len();
+    let momenta_first = iterates.iter().filter(|x| matches!(x, Unknown::Momentum(_)));
+    let coordinates = iterates.iter().filter(|x| matches!(x, Unknown::Coordinate(_)));
+    for &unknown in momenta_first.chain(coordinates) {
+        let current = best.as_ref().map_or(equations, |(equations, ..)| equations);
+        let Some((phi, pivot)) = isolated(graph, symbols, current.phi(unknown), unknown) else { continue };
+        let changed = current.with_phi(unknown, phi);
+        let dependencies = Dependencies::new(graph, symbols, &changed);
+        let left = dependencies.split(component).0.len();
+        if left < fewest {
+            fewest = left;
+            let mut pivots = best.map_or_else(Vec::new, |(.., pivots)| pivots);
+            pivots.push(pivot);
+            best = Some((changed, dependencies, pivots));
+        }
+    }
+    best
+}
+
+/// `φ` solved for its own unknown, where it is affine in it.
+fn isolated(graph: &mut Graph, symbols: &StepSymbols, phi: Expr, unknown: Unknown) -> Option<(Expr, Pivot)> {
+    let of_state = symbols.of_state();
+    let base = graph.symbol(symbols.base(unknown));
+    let mut slope = Vec::new();
+    let mut at_base = std::collections::HashMap::new();
+    for (view, weight) in symbols.views(unknown) {
+        let by_view = graph.derivative(phi, view);
+        if graph.depends_on(by_view, &of_state) {
+            return None;
+        }
+        slope.push((by_view, weight.negate()));
+        at_base.insert(view, base);
+    }
+    let one = graph.integer(1);
+    slope.push((one, Rational::ONE));
+    let value = graph.linear_combination(&slope);
+    if graph.is_one(value) {
+        return None;
+    }
+    let inverse = graph.new_symbol("inverse");
+    let factor = graph.symbol(inverse);
+    let rest = graph.substitute(&[phi], &at_base)[0];
+    Some((graph.multiply(factor, rest), Pivot { value, inverse }))
+}
+
+impl StepSymbols {
+    /// Everything that changes from one step to the next but the increments and the time of the node.
+    fn of_state(&self) -> Vec<Symbol> {
+        let stages = self.stages.iter().flat_map(|stage| stage.q.iter().chain([&stage.t]));
+        [&self.q0, &self.p0, &self.u, &self.v, &self.momentum]
+            .into_iter()
+            .flatten()
+            .chain(stages)
+            .copied()
+            .collect()
+    }
+}
