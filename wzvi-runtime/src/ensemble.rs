@@ -36,7 +36,7 @@ use std::ops::ControlFlow;
 
 use control::Control;
 pub use dispatch::{InstructionSet, Kernel};
-pub use draws::normal;
+pub use draws::{Normals, normal};
 pub use histogram::Histogram;
 use job::{Job, Observable, Stop};
 pub use multilevel::{Level, LevelError, LevelFailure, Multilevel, MultilevelEstimate};
@@ -57,8 +57,6 @@ use crate::simulate::{End, checked, count, steps_between};
 use crate::state::{State, Vector};
 use crate::system::Discretized;
 
-/// Trajectories per group: two registers of AVX-512, four of AVX2.
-const WIDTH: usize = 16;
 /// More recorded nodes than anyone looks at.
 const MOST_NODES: u64 = 1 << 20;
 /// Bins of passage times.
@@ -276,19 +274,22 @@ where
     /// [`Error::Config`] if a setting is missing or makes no sense, [`Error::Step`] if all paths fail: the first
     /// failure. Fewer failures are in the [`Statistics`].
     pub fn run(self) -> Result<Statistics, Error> {
-        self.run_in::<WIDTH>()
+        self.run_in::<0>()
     }
 
-    /// [`Ensemble::run`] with `L` paths beside each other; the result is the same.
+    /// [`Ensemble::run`] with `WIDTH` paths beside each other, with 0 as many as suit the instructions; the result is the
+    /// same.
     #[doc(hidden)]
-    pub fn run_in<const L: usize>(mut self) -> Result<Statistics, Error> {
+    pub fn run_in<const WIDTH: usize>(mut self) -> Result<Statistics, Error> {
         let control = std::mem::take(&mut self.control);
         let (threads, instructions) = (threads(self.threads)?, self.instructions);
         let interrupt = Interrupt::watch();
         let stop = || interrupt.requested() || control.is_stopped();
         let job = self.job(&stop)?;
-        if job.is_antithetic && L % 2 == 1 {
-            return Err(ConfigError::Setting(format!("antithetic pairs in {L} lanes: take 2 or more")).into());
+        if job.is_antithetic && WIDTH % 2 == 1 {
+            return Err(
+                ConfigError::Setting(format!("antithetic pairs in {WIDTH} lanes: take 2 or more")).into()
+            );
         }
         let targets = control.targets(&job.wanted.names)?;
         let mut statistics = Statistics::new(&job.wanted);
@@ -296,7 +297,7 @@ where
             paths.reserve(job.paths)?;
         }
         let mut progress = Progress::new("paths", control.is_quiet);
-        job.run::<L>(job.blocks(), threads, instructions, |block| {
+        job.run::<WIDTH>(job.blocks(), threads, instructions, |block| {
             let Some(block) = block else {
                 statistics.is_partial = true;
                 return ControlFlow::Break(());

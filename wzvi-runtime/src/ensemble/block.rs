@@ -20,18 +20,25 @@ pub(super) const PATHS: u64 = 512;
 /// Steps after which a block asks whether the run was stopped: far below a second, whatever the system.
 pub(super) const LOOK: u64 = 1024;
 
-/// One block, `L` paths at a time.
-pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const L: usize> {
+/// One block, as many paths at a time as the instructions ask for, or `WIDTH` if that is not 0.
+pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const WIDTH: usize> {
     pub(super) job: &'j Job<'a, H, E>,
     pub(super) number: u64,
 }
 
-impl<H: Discretized<E>, E, const L: usize> Kernel for Block<'_, '_, H, E, L> {
+impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Block<'_, '_, H, E, WIDTH> {
     /// `None` if the run was stopped on the way.
     type Output = Option<Statistics>;
 
     #[inline(always)]
-    fn run(self) -> Option<Statistics> {
+    fn run<const L: usize>(self) -> Option<Statistics> {
+        if WIDTH == 0 { self.of_width::<L>() } else { self.of_width::<WIDTH>() }
+    }
+}
+
+impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
+    #[inline(always)]
+    fn of_width<const L: usize>(self) -> Option<Statistics> {
         let job = self.job;
         let mut statistics = Statistics::new(&job.wanted);
         let first = self.number * PATHS;

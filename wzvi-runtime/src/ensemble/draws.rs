@@ -17,7 +17,9 @@
 #![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
 
 use std::array::from_fn;
+use std::ops::Range;
 
+use super::dispatch::{InstructionSet, Kernel};
 use crate::noise::normal::pair;
 
 /// Steps whose normals one block of random words makes.
@@ -32,11 +34,68 @@ pub(crate) fn key(seed: u64, process: u64, level: u32) -> [u32; 8] {
 }
 
 /// The standard normal of one step, path and process of an ensemble with this seed, before truncation: for whoever wants to
-/// see what drove a path. It costs as much as the ten of a block of random words together.
+/// see what drove a path. It costs as much as a block of [`Normals`].
 pub fn normal(seed: u64, process: u64, path: u64, step: u64) -> f64 {
-    let mut block = [[0.0; 1]; STEPS];
-    normals(&key(seed, process, 0), path, step / STEPS as u64, &mut block);
-    block[(step % STEPS as u64) as usize][0]
+    Normals::new(seed, process).of_path(path, step / STEPS as u64)[(step % STEPS as u64) as usize]
+}
+
+/// The standard normals of one process of an ensemble, before truncation, in blocks of ten steps: block `b` is for the
+/// steps from `10 b` on.
+#[derive(Clone, Copy, Debug)]
+pub struct Normals {
+    key: [u32; 8],
+}
+
+impl Normals {
+    /// Of process `process`, from 0, with this seed.
+    pub fn new(seed: u64, process: u64) -> Self {
+        Self { key: key(seed, process, 0) }
+    }
+
+    /// One block of one path.
+    #[inline(always)]
+    pub fn of_path(&self, path: u64, block: u64) -> [f64; STEPS] {
+        let mut drawn = [[0.0; 1]; STEPS];
+        normals(&self.key, path, block, &mut drawn);
+        drawn.map(|[normal]| normal)
+    }
+
+    /// Visits blocks of 16 paths beside each other, as `[step][path]`: of the first 16 `paths`, all `blocks` in order, then of
+    /// the next 16. A last group that is not full has the paths that follow.
+    pub fn visit(
+        &self,
+        paths: Range<u64>,
+        blocks: Range<u64>,
+        set: InstructionSet,
+        visit: impl FnMut(&[[f64; 16]; STEPS]),
+    ) {
+        set.run(Visit { key: &self.key, paths, blocks, visit });
+    }
+}
+
+struct Visit<'k, F> {
+    key: &'k [u32; 8],
+    paths: Range<u64>,
+    blocks: Range<u64>,
+    visit: F,
+}
+
+impl<F: FnMut(&[[f64; 16]; STEPS])> Kernel for Visit<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const L: usize>(self) {
+        let Self { key, paths, blocks, mut visit } = self;
+        let mut drawn = [[0.0; 16]; STEPS];
+        let mut path = paths.start;
+        while path < paths.end {
+            for block in blocks.clone() {
+                normals(key, path, block, &mut drawn);
+                visit(&drawn);
+            }
+            path += 16;
+        }
+    }
 }
 
 /// Normals of steps `STEPS * block ..` of paths `path ..`: `[step][path]`.

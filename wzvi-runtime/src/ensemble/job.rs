@@ -63,16 +63,17 @@ where
         0..self.paths.div_ceil(PATHS)
     }
 
-    /// Runs blocks on so many threads, `L` paths beside each other, and gives their statistics to `take` in the order
-    /// of their numbers, until it breaks; `None` for one that was stopped on the way, which is the last.
-    pub(super) fn run<const L: usize>(
+    /// Runs blocks on so many threads, `WIDTH` paths beside each other (with 0 as many as suit the instructions), and gives their
+    /// statistics to `take` in the order of their numbers, until it breaks; `None` for one that was stopped on the way, which is
+    /// the last.
+    pub(super) fn run<const WIDTH: usize>(
         &self,
         blocks: Range<u64>,
         threads: usize,
         instructions: InstructionSet,
         mut take: impl FnMut(Option<Statistics>) -> ControlFlow<()> + Send,
     ) {
-        let work = |number| instructions.run(Block::<H, E, L> { job: self, number });
+        let work = |number| instructions.run(Block::<H, E, WIDTH> { job: self, number });
         in_order(blocks, threads, work, |_, statistics| take(statistics));
     }
 }

@@ -35,7 +35,7 @@ use super::dispatch::InstructionSet;
 use super::job::Job;
 use super::progress::Progress;
 use super::schedule::in_order;
-use super::{Ensemble, WIDTH, clip, threads};
+use super::{Ensemble, clip, threads};
 use crate::error::{ConfigError, Error};
 use crate::interrupt::Interrupt;
 use crate::noise::Truncation;
@@ -98,12 +98,12 @@ where
     /// [`Error::Config`] if a setting is missing or makes no sense, or if a level has no step; [`Error::Level`] if a path fails or
     /// its observable is not finite: without it, the mean would be that of those that do not.
     pub fn run(self) -> Result<MultilevelEstimate, Error> {
-        self.run_in::<WIDTH>()
+        self.run_in::<0>()
     }
 
-    /// [`Multilevel::run`] with `L` paths beside each other; the result is the same.
+    /// [`Multilevel::run`] with `WIDTH` paths beside each other, with 0 as many as suit the instructions; the result is the same.
     #[doc(hidden)]
-    pub fn run_in<const L: usize>(mut self) -> Result<MultilevelEstimate, Error> {
+    pub fn run_in<const WIDTH: usize>(mut self) -> Result<MultilevelEstimate, Error> {
         self.check()?;
         let control = std::mem::take(&mut self.ensemble.control);
         let interrupt = Interrupt::watch();
@@ -129,7 +129,7 @@ where
             finest: self.finest as usize,
             progress: Progress::new("steps", control.is_quiet),
         }
-        .run::<L>()
+        .run::<WIDTH>()
     }
 
     fn check(&self) -> Result<(), ConfigError> {
@@ -197,13 +197,13 @@ where
     H::Vector: Send + Sync,
     H::Prepared: Send + Sync,
 {
-    fn run<const L: usize>(mut self) -> Result<MultilevelEstimate, Error> {
+    fn run<const WIDTH: usize>(mut self) -> Result<MultilevelEstimate, Error> {
         for _ in 0..LEAST_LEVELS {
             self.add_level()?;
         }
         let mut wanted = vec![FIRST_PATHS; LEAST_LEVELS];
         loop {
-            if self.sample::<L>(&wanted)?.is_break() {
+            if self.sample::<WIDTH>(&wanted)?.is_break() {
                 return Ok(self.estimate(true));
             }
             let best = self.best_numbers();
@@ -252,7 +252,7 @@ where
     }
 
     /// Runs paths of each level until there are so many, in whole blocks; breaks if the run was stopped.
-    fn sample<const L: usize>(&mut self, wanted: &[u64]) -> Result<ControlFlow<()>, Error> {
+    fn sample<const WIDTH: usize>(&mut self, wanted: &[u64]) -> Result<ControlFlow<()>, Error> {
         let Self { base, levels, progress, .. } = self;
         let Some(observable) = base.observables.first() else { return Ok(ControlFlow::Continue(())) };
         let cost = |count: u64, level: usize| count.saturating_mul(levels_steps(base.steps, level));
@@ -265,7 +265,7 @@ where
             let Stage { job: fine, blocks, samples } = stage;
             let range = *blocks..wanted.min(self.most_paths).div_ceil(PATHS).max(*blocks);
             let work = |number| {
-                let pairs = Pairs::<H, E, L> { fine, coarse, observable, number };
+                let pairs = Pairs::<H, E, WIDTH> { fine, coarse, observable, number };
                 self.instructions.run(pairs)
             };
             let mut end = Ok(ControlFlow::Continue(()));

@@ -13,20 +13,28 @@ use crate::system::Discretized;
 /// Brownian paths in a block: few, because the finest levels need few.
 pub(super) const PATHS: u64 = 64;
 
-/// One block of a level, `L` Brownian paths at a time; level 0 has no coarse path.
-pub(super) struct Pairs<'j, 'a, H: Discretized<E>, E, const L: usize> {
+/// One block of a level, as many Brownian paths at a time as the instructions ask for, or `WIDTH` if that is not 0; level 0
+/// has no coarse path.
+pub(super) struct Pairs<'j, 'a, H: Discretized<E>, E, const WIDTH: usize> {
     pub(super) fine: &'j Job<'a, H, E>,
     pub(super) coarse: Option<&'j Job<'a, H, E>>,
     pub(super) observable: &'j Observable<'a, H::Vector>,
     pub(super) number: u64,
 }
 
-impl<H: Discretized<E>, E, const L: usize> Kernel for Pairs<'_, '_, H, E, L> {
+impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Pairs<'_, '_, H, E, WIDTH> {
     /// `None` if the run was stopped on the way.
     type Output = Result<Option<Samples>, LevelError>;
 
     #[inline(always)]
-    fn run(self) -> Self::Output {
+    fn run<const L: usize>(self) -> Self::Output {
+        if WIDTH == 0 { self.of_width::<L>() } else { self.of_width::<WIDTH>() }
+    }
+}
+
+impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
+    #[inline(always)]
+    fn of_width<const L: usize>(self) -> Result<Option<Samples>, LevelError> {
         let mut samples = Samples::default();
         let mut fine = Group::<H, E, L>::new(self.fine);
         let mut coarse = self.coarse.map(Group::<H, E, L>::new);
@@ -61,12 +69,10 @@ impl<H: Discretized<E>, E, const L: usize> Kernel for Pairs<'_, '_, H, E, L> {
         }
         Ok(Some(samples))
     }
-}
 
-impl<H: Discretized<E>, E, const L: usize> Pairs<'_, '_, H, E, L> {
     /// The values at the end, or the first path that has none.
     #[inline(never)]
-    fn collect(
+    fn collect<const L: usize>(
         &self,
         first: u64,
         fine: &mut Group<'_, '_, H, E, L>,
