@@ -105,7 +105,7 @@ fn odd_observables_have_their_exact_mean() {
         assert!(paired.standard_error(name) < 1e-15 && paired.variance(name) > 0.5, "{name}");
     }
     // Of an even one both paths say the same where the start is zero: half as many samples.
-    let even = |run: Ensemble<'_, _, _>| {
+    let even = |run: Ensemble<'_, Additive, Midpoint>| {
         run.start(State::new([0.0], [0.0]))
             .observe(|state| state.q[0] * state.q[0])
             .named("q²")
@@ -175,6 +175,8 @@ fn a_pair_may_lose_a_path() {
             .seed(4)
             .until(1.0)
             .antithetic()
+            .observe(|state| state.q[0])
+            .named("q0")
     };
     let one = run().run_in::<2>().unwrap();
     assert!(one.failed() > 10 && one.failed() < 500, "{}", one.failed());
@@ -253,7 +255,7 @@ fn control_c_gives_the_statistics_so_far() {
     assert_eq!(words[1], "true");
     assert!(paths > 0 && paths % 512 == 0, "{line}");
     // `f64` prints and reads without loss.
-    assert_eq!(kubo(2).paths(paths).run().unwrap().mean("q"), words[5].parse().unwrap());
+    assert_eq!(kubo(2).paths(paths).run().unwrap().mean("q"), words[5].parse::<f64>().unwrap());
     assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
@@ -264,13 +266,21 @@ fn a_terminal_shows_progress() {
     for (order, shows) in [("long", true), ("quiet", false)] {
         let exe = std::env::current_exe().unwrap();
         // Its shell becomes the test, so that the signal of `timeout` gets there.
-        let inner = format!("exec timeout -s INT 3 '{}' child --exact --ignored --nocapture", exe.display());
-        let output = Command::new("script")
+        let inner = format!(
+            "exec timeout --foreground -s INT 3 '{}' child --exact --ignored --nocapture",
+            exe.display()
+        );
+        let mut terminal = Command::new("script")
             .args(["-qec", &inner, "/dev/null"])
             .env(CHILD, order)
-            .stdin(Stdio::null())
-            .output()
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
             .unwrap();
+        // Open until the end: `script` may leave when its input ends.
+        let input = terminal.stdin.take();
+        let output = terminal.wait_with_output().unwrap();
+        drop(input);
         let text = String::from_utf8_lossy(&output.stdout);
         assert_eq!(text.contains("paths/s") && text.contains(" left"), shows, "{text}");
         assert!(text.contains("partial true"), "{text}");

@@ -28,7 +28,7 @@ use std::ops::ControlFlow;
 
 pub use estimate::{Level, LevelError, LevelFailure, MultilevelEstimate};
 use estimate::{Samples, bias, variance_slope};
-use pairs::{PATHS, Pairs};
+use pairs::{Pairs, block_size};
 
 use super::control::Control;
 use super::dispatch::InstructionSet;
@@ -44,7 +44,7 @@ use crate::system::Discretized;
 
 /// The part `θ` of the squared error that is left to the bias.
 const BIAS_PART: f64 = 0.25;
-/// Paths of a new level, to learn its variance from.
+/// Paths of a new level at least, to learn its variance from.
 const FIRST_PATHS: u64 = 256;
 /// A bias is not estimated from fewer levels.
 const LEAST_LEVELS: usize = 3;
@@ -263,7 +263,7 @@ where
             let Some(stage) = finer.first_mut() else { break };
             let coarse = coarser.last().map(|stage| &stage.job);
             let Stage { job: fine, blocks, samples } = stage;
-            let range = *blocks..wanted.min(self.most_paths).div_ceil(PATHS).max(*blocks);
+            let range = *blocks..wanted.min(self.most_paths).div_ceil(block_size(fine.level)).max(*blocks);
             let work = |number| {
                 let pairs = Pairs::<H, E, WIDTH> { fine, coarse, observable, number };
                 self.instructions.run(pairs)

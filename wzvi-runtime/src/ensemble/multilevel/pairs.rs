@@ -10,8 +10,11 @@ use crate::lanes::Lanes;
 use crate::scalar::Scalar;
 use crate::system::Discretized;
 
-/// Brownian paths in a block: few, because the finest levels need few.
-pub(super) const PATHS: u64 = 64;
+/// Brownian paths in a block of a level: few on the finest, which need few; on the coarsest as many as make the steps of a block
+/// about as many.
+pub(super) fn block_size(level: u32) -> u64 {
+    64 << 4u32.saturating_sub(level)
+}
 
 /// One block of a level, as many Brownian paths at a time as the instructions ask for, or `WIDTH` if that is not 0; level 0
 /// has no coarse path.
@@ -39,7 +42,8 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
         let mut fine = Group::<H, E, L>::new(self.fine);
         let mut coarse = self.coarse.map(Group::<H, E, L>::new);
         let mut sums = vec![Lanes::from_f64(0.0); self.fine.system.noises()];
-        let (mut path, end) = (self.number * PATHS, (self.number + 1) * PATHS);
+        let size = block_size(self.fine.level);
+        let (mut path, end) = (self.number * size, (self.number + 1) * size);
         while path < end {
             fine.begin(path, end);
             if let Some(coarse) = &mut coarse {
