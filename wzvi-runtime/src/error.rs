@@ -249,6 +249,9 @@ pub enum Error {
     Path(PathError),
     /// A discrete function was evaluated off its time scale, or combined with one on another.
     Domain(DomainError),
+    /// A path of a multilevel run has no value.
+    #[cfg(feature = "ensemble")]
+    Level(crate::ensemble::LevelError),
     /// A checkpoint could not be written, or is not one of this run.
     #[cfg(feature = "serde")]
     Checkpoint(crate::checkpoint::CheckpointError),
@@ -268,6 +271,8 @@ impl fmt::Display for Error {
             Self::Noise(error) => error.fmt(f),
             Self::Path(error) => error.fmt(f),
             Self::Domain(error) => error.fmt(f),
+            #[cfg(feature = "ensemble")]
+            Self::Level(error) => error.fmt(f),
             #[cfg(feature = "serde")]
             Self::Checkpoint(error) => error.fmt(f),
             #[cfg(feature = "mpi")]
@@ -286,6 +291,8 @@ impl std::error::Error for Error {
             Self::Noise(error) => Some(error),
             Self::Path(error) => Some(error),
             Self::Domain(error) => Some(error),
+            #[cfg(feature = "ensemble")]
+            Self::Level(error) => Some(error),
             #[cfg(feature = "serde")]
             Self::Checkpoint(error) => Some(error),
             #[cfg(feature = "mpi")]
@@ -299,6 +306,13 @@ impl std::error::Error for Error {
 impl From<ConfigError> for Error {
     fn from(error: ConfigError) -> Self {
         Self::Config(error)
+    }
+}
+
+#[cfg(feature = "ensemble")]
+impl From<crate::ensemble::LevelError> for Error {
+    fn from(error: crate::ensemble::LevelError) -> Self {
+        Self::Level(error)
     }
 }
 

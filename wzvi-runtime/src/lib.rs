@@ -14,6 +14,11 @@ pub mod ensemble;
 pub mod error;
 pub mod increments;
 pub mod integrate;
+#[cfg(all(feature = "interrupt", any(feature = "ensemble", feature = "report")))]
+mod interrupt;
+#[cfg(all(feature = "ensemble", not(feature = "interrupt")))]
+#[path = "interrupt/absent.rs"]
+mod interrupt;
 #[cfg(feature = "ensemble")]
 pub mod lanes;
 #[cfg(feature = "noise")]

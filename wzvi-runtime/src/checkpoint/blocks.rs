@@ -86,6 +86,8 @@ struct Keep {
     own: Own,
     described: Described,
     first: u64,
+    /// Those that the file has.
+    saved: u64,
     /// Whole blocks of the run.
     blocks: u64,
     schedule: Schedule,
@@ -116,6 +118,7 @@ impl Keeping {
             own: Own::new(&checkpoint.path),
             described: described(),
             first: 0,
+            saved: 0,
             blocks,
             schedule: Schedule::new(every, interval, 0, blocks),
         };
@@ -139,11 +142,15 @@ impl BlockKeeper {
     /// more paths can go on.
     pub(crate) fn done(&mut self, blocks: u64, pass: impl FnMut(&mut Tape)) -> Result<(), CheckpointError> {
         let Some(keep) = &mut self.0 else { return Ok(()) };
-        if blocks <= keep.blocks && keep.schedule.is_due(blocks) {
-            keep.save(blocks, pass)?;
-            keep.schedule.saved();
+        if blocks <= keep.blocks && keep.schedule.is_due(blocks) { keep.save(blocks, pass) } else { Ok(()) }
+    }
+
+    /// So many blocks are done, and no others will be: saves them if they are not.
+    pub(crate) fn close(&mut self, blocks: u64, pass: impl FnMut(&mut Tape)) -> Result<(), CheckpointError> {
+        match &mut self.0 {
+            Some(keep) if blocks <= keep.blocks && blocks > keep.saved => keep.save(blocks, pass),
+            _ => Ok(()),
         }
-        Ok(())
     }
 }
 
@@ -164,7 +171,7 @@ impl Keep {
             let damage = Damage::Content("what is known of the paths has the wrong length".to_owned());
             CheckpointError::Damaged { path: path(), damage }
         })?;
-        self.first = saved.blocks;
+        (self.first, self.saved) = (saved.blocks, saved.blocks);
         Ok(())
     }
 
@@ -188,6 +195,9 @@ impl Keep {
             start: start.clone(),
             blocks,
             statistics: format::words(Tape::write(pass)),
-        })
+        })?;
+        self.saved = blocks;
+        self.schedule.saved();
+        Ok(())
     }
 }

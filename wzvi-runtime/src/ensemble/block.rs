@@ -1,7 +1,7 @@
 //! A block of paths, the unit of work: its statistics depend on nothing but its number.
 
 use super::dispatch::Kernel;
-use super::draws::{STEPS, key, normals};
+use super::draws::{STEPS, key, normals, normals_at};
 use super::job::Job;
 use super::passage::{Passage, crossing};
 use super::statistics::{PathFailure, Statistics};
@@ -17,18 +17,28 @@ use crate::system::Discretized;
 
 /// Paths in a block.
 pub(super) const PATHS: u64 = 512;
+/// Steps after which a block asks whether the run was stopped: far below a second, whatever the system.
+pub(super) const LOOK: u64 = 1024;
 
-/// One block, `L` paths at a time.
-pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const L: usize> {
+/// One block, as many paths at a time as the instructions ask for, or `WIDTH` if that is not 0.
+pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const WIDTH: usize> {
     pub(super) job: &'j Job<'a, H, E>,
     pub(super) number: u64,
 }
 
-impl<H: Discretized<E>, E, const L: usize> Kernel for Block<'_, '_, H, E, L> {
-    type Output = Statistics;
+impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Block<'_, '_, H, E, WIDTH> {
+    /// `None` if the run was stopped on the way.
+    type Output = Option<Statistics>;
 
     #[inline(always)]
-    fn run(self) -> Statistics {
+    fn run<const L: usize>(self) -> Option<Statistics> {
+        if WIDTH == 0 { self.of_width::<L>() } else { self.of_width::<WIDTH>() }
+    }
+}
+
+impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
+    #[inline(always)]
+    fn of_width<const L: usize>(self) -> Option<Statistics> {
         let job = self.job;
         let mut statistics = Statistics::new(&job.wanted);
         let first = self.number * PATHS;
@@ -36,11 +46,16 @@ impl<H: Discretized<E>, E, const L: usize> Kernel for Block<'_, '_, H, E, L> {
         let mut group = Group::<H, E, L>::new(job);
         let mut path = first;
         while path < end {
-            group.begin(path, end, &mut statistics);
+            group.begin(path, end);
+            group.watch_from(&mut statistics);
             group.record(0, &mut statistics);
             let mut node = 1;
             for step in 0..job.steps {
-                group.step(step);
+                if step % LOOK == 0 && job.is_stopped() {
+                    return None;
+                }
+                group.draw(step);
+                group.advance(step);
                 if !job.events.is_empty() {
                     group.watch(step);
                 }
@@ -52,12 +67,12 @@ impl<H: Discretized<E>, E, const L: usize> Kernel for Block<'_, '_, H, E, L> {
             group.finish(&mut statistics);
             path += L as u64;
         }
-        statistics
+        Some(statistics)
     }
 }
 
 /// `L` paths that run beside each other.
-struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
+pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     job: &'j Job<'a, H, E>,
     path: u64,
     q: Vec<Lanes<L>>,
@@ -79,6 +94,8 @@ struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     /// Number of each lane among the paths that are kept.
     kept: [usize; L],
     values: Vec<f64>,
+    /// The values of the other path of an antithetic pair.
+    first_of_pair: Vec<f64>,
     scratch: Vec<f64>,
     state: State<H::Vector>,
     /// Without noise the steps before help to solve the next one, which is then no matter of lanes: one stepper for each.
@@ -86,7 +103,7 @@ struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
 }
 
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
-    fn new(job: &'j Job<'a, H, E>) -> Self {
+    pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
         let (d, processes) = (job.system.degrees(), job.system.noises());
         let zero = Lanes::from_f64(0.0);
         Self {
@@ -95,7 +112,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             q: vec![zero; d],
             p: vec![zero; d],
             dw: vec![zero; processes],
-            keys: (0..processes).map(|process| key(job.seed, process as u64)).collect(),
+            keys: (0..processes).map(|process| key(job.seed, process as u64, job.level)).collect(),
             normals: vec![[[0.0; L]; STEPS]; processes],
             deviation: job.h.abs().sqrt(),
             counts: [false; L],
@@ -106,6 +123,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             passed: vec![[0.0; L]; job.events.len()],
             kept: [0; L],
             values: vec![0.0; job.observables.len()],
+            first_of_pair: vec![0.0; job.observables.len()],
             scratch: vec![0.0; job.observables.len()],
             state: job.start.clone(),
             steppers: Vec::new(),
@@ -113,7 +131,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     }
 
     /// Starts paths `path ..`, as many as there are before `end`.
-    fn begin(&mut self, path: u64, end: u64, statistics: &mut Statistics) {
+    pub(super) fn begin(&mut self, path: u64, end: u64) {
         self.path = path;
         let start = &self.job.start;
         for (to, from) in self.q.iter_mut().zip(start.q.components()) {
@@ -129,6 +147,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             let stepper = |_| Stepper::new(self.job.system, self.job.h).ok().map(Stepper::plain);
             self.steppers = (0..L).filter_map(stepper).collect();
         }
+    }
+
+    /// What is known of events and kept paths at the start.
+    fn watch_from(&mut self, statistics: &mut Statistics) {
+        let start = &self.job.start;
         if let Some(paths) = &mut statistics.paths {
             for lane in 0..L {
                 if self.counts[lane] {
@@ -147,22 +170,64 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         self.job.start.t + step as f64 * self.job.h
     }
 
+    /// The increments of a step; steps are drawn in order.
     #[inline(always)]
-    fn step(&mut self, step: u64) {
-        if matches!(H::PLAN.noise, NoiseClass::None) {
-            return self.without_noise(step);
+    pub(super) fn draw(&mut self, step: u64) {
+        if self.job.is_antithetic {
+            return self.draw_pairs(step);
         }
-        let job = self.job;
         let within = (step % STEPS as u64) as usize;
         if within == 0 {
             for (key, to) in self.keys.iter().zip(&mut self.normals) {
                 normals(key, self.path, step / STEPS as u64, to);
             }
         }
-        for (dw, normals) in self.dw.iter_mut().zip(&self.normals) {
-            let z = Lanes::new(normals[within]);
-            *dw = z.max(Lanes::from_f64(-job.clip)).min(Lanes::from_f64(job.clip)) * self.deviation;
+        for (process, dw) in self.dw.iter_mut().enumerate() {
+            *dw = self.job.increment(Lanes::new(self.normals[process][within]), self.deviation);
         }
+    }
+
+    /// [`Group::draw`] for paths `2k` and `2k + 1` with the normals of path `k`, as they are and negated: of the lanes that
+    /// are drawn at once, half are for the steps after the next [`STEPS`].
+    #[inline(always)]
+    fn draw_pairs(&mut self, step: u64) {
+        let within = step % (2 * STEPS as u64);
+        if within == 0 {
+            let (first, block, half) = (self.path / 2, step / STEPS as u64, L as u64 / 2);
+            for (key, to) in self.keys.iter().zip(&mut self.normals) {
+                normals_at(key, |lane| (first.wrapping_add(lane % half), block + lane / half), to);
+            }
+        }
+        let (half, within) = (within as usize / STEPS, within as usize % STEPS);
+        for (process, dw) in self.dw.iter_mut().enumerate() {
+            let drawn = &self.normals[process][within];
+            let signed = |lane: usize| {
+                let normal = drawn[half * (L / 2) + lane / 2];
+                if lane % 2 == 0 { normal } else { -normal }
+            };
+            *dw = self.job.increment(Lanes::new(std::array::from_fn(signed)), self.deviation);
+        }
+    }
+
+    /// The normals of a step that was drawn, before truncation.
+    #[inline(always)]
+    pub(super) fn drawn(&self, process: usize, step: u64) -> Lanes<L> {
+        Lanes::new(self.normals[process][(step % STEPS as u64) as usize])
+    }
+
+    /// Sets the increments of the next step in the place of [`Group::draw`], from normals.
+    #[inline(always)]
+    pub(super) fn drive(&mut self, process: usize, normals: Lanes<L>) {
+        self.dw[process] = self.job.increment(normals, self.deviation);
+    }
+
+    /// Takes a step with the increments that were drawn.
+    #[inline(always)]
+    pub(super) fn advance(&mut self, step: u64) {
+        if matches!(H::PLAN.noise, NoiseClass::None) {
+            return self.without_noise(step);
+        }
+        let job = self.job;
         if self.any_failed && !self.mirror() {
             return;
         }
@@ -284,7 +349,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     }
 
     /// Moves a lane to where observables see it.
-    fn look(&mut self, lane: usize) -> &State<H::Vector> {
+    pub(super) fn look(&mut self, lane: usize) -> &State<H::Vector> {
         for (to, from) in self.state.q.components_mut().iter_mut().zip(&self.q) {
             *to = from[lane];
         }
@@ -292,6 +357,22 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             *to = from[lane];
         }
         &self.state
+    }
+
+    /// Whether a lane is a path of this run.
+    pub(super) fn is_path(&self, lane: usize) -> bool {
+        self.counts[lane]
+    }
+
+    /// The first of the paths, by number, that failed since this was asked last.
+    pub(super) fn take_first_failure(&mut self) -> Option<PathFailure> {
+        self.sort_failures();
+        self.failures.drain(..).next()
+    }
+
+    /// They came in the order of time, which depends on who ran beside whom.
+    fn sort_failures(&mut self) {
+        self.failures.sort_unstable_by_key(|failure| failure.path);
     }
 
     /// Looks for the events of a step that has been taken.
@@ -335,13 +416,19 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             if let Some(paths) = &mut statistics.paths {
                 paths.put(self.kept[lane], node, &self.values);
             }
+            if self.job.is_antithetic {
+                if lane % 2 == 0 {
+                    self.first_of_pair.copy_from_slice(&self.values);
+                } else if !self.failed[lane - 1] {
+                    moments.push_pair(&mut self.first_of_pair, &self.values, &mut self.scratch);
+                }
+            }
         }
     }
 
     /// What became of the paths, in the order of their numbers.
     fn finish(&mut self, statistics: &mut Statistics) {
-        // They came in the order of time, which depends on who ran beside whom.
-        self.failures.sort_unstable_by_key(|failure| failure.path);
+        self.sort_failures();
         let watched = statistics.passages.iter_mut().zip(&self.passed).zip(&self.job.wanted.watches);
         for ((passages, passed), watch) in watched {
             let mut failures = self.failures.iter();

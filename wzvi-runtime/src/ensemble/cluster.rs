@@ -26,8 +26,9 @@ use super::account::Account;
 use super::block::Block;
 use super::keeping::described;
 use super::statistics::Statistics;
-use super::{Ensemble, WIDTH};
+use super::Ensemble;
 use crate::error::{ConfigError, Error};
+use crate::interrupt::Interrupt;
 use crate::system::Discretized;
 
 impl<H, E> Ensemble<'_, H, E>
@@ -52,6 +53,8 @@ where
     /// }
     /// ```
     ///
+    /// A run that is stopped ([`Ensemble::stop_when`]) on one rank is stopped on all.
+    ///
     /// # Errors
     /// Those of [`Ensemble::run`], and [`Error::Cluster`]: all ranks fail together. A panic on one rank ends the
     /// processes of all.
@@ -59,19 +62,24 @@ where
         // Messages of this run are no others'.
         let world = world.duplicate();
         let guard = AbortOnPanic(&world);
+        let (control, keeping) = (std::mem::take(&mut self.control), std::mem::take(&mut self.keeping));
         let (threads, instructions) = (self.threads.unwrap_or(1), self.instructions);
-        let keeping = std::mem::take(&mut self.keeping);
-        let job = agree(&world, check_threads(threads).and_then(|()| self.job()))?;
+        let interrupt = Interrupt::watch();
+        let stop = || interrupt.requested() || control.is_stopped();
+        let job = agree(&world, check_threads(threads).and_then(|()| self.job(&stop)))?;
         same(&world, &described(&job).lines(job.paths))?;
-        let account = if world.rank() == 0 { Account::open(&job, keeping).map(Some) } else { Ok(None) };
+        let account = match world.rank() {
+            0 => Account::open(&job, &control, keeping).map(Some),
+            _ => Ok(None),
+        };
         let mut account = agree(&world, account)?;
-        let work = |number| instructions.run(Block::<H, E, WIDTH> { job: &job, number });
+        let work = |number| instructions.run(Block::<H, E, 0> { job: &job, number });
         let ended = match &mut account {
             Some(account) => {
                 let hands = threads.saturating_mul(world.size().unsigned_abs() as usize);
                 let desk = Desk::new(account.blocks(), hands);
                 let empty = || Statistics::new(&job.wanted);
-                serve::serve(&world, desk, threads, work, empty, |block| account.take(&block))
+                serve::serve(&world, desk, threads, work, empty, |block| account.take(block))
             }
             None => {
                 serve::work(&world, threads, work);

@@ -49,16 +49,20 @@ impl InstructionSet {
                 Self::Avx512 => return x86::avx512(kernel),
             }
         }
-        kernel.run()
+        kernel.run::<4>()
     }
 }
 
-/// Work that is compiled for every instruction set: `run` and all that it calls on its way are `#[inline(always)]`.
+/// Work that is compiled for every instruction set: `run` and all functions that it calls on its way are
+/// `#[inline(always)]`.
+///
+/// That cannot be said of a closure. It is inlined all the same, and so compiled for the same instructions, if it is called in
+/// one place only: that is why each instruction set has a width of its own.
 pub trait Kernel {
     /// What it computes.
     type Output;
-    /// Does the work.
-    fn run(self) -> Self::Output;
+    /// Does the work, with so many numbers beside each other as fill one or two registers.
+    fn run<const L: usize>(self) -> Self::Output;
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -73,7 +77,7 @@ mod x86 {
     pub(super) fn avx2<K: Kernel>(kernel: K) -> K::Output {
         #[target_feature(enable = "avx2")]
         fn run<K: Kernel>(kernel: K) -> K::Output {
-            kernel.run()
+            kernel.run::<8>()
         }
         debug_assert!(super::InstructionSet::Avx2.is_available());
         // SAFETY: the machine has these instructions; its caller has asked.
@@ -84,7 +88,7 @@ mod x86 {
     pub(super) fn avx512<K: Kernel>(kernel: K) -> K::Output {
         #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl")]
         fn run<K: Kernel>(kernel: K) -> K::Output {
-            kernel.run()
+            kernel.run::<16>()
         }
         debug_assert!(super::InstructionSet::Avx512.is_available());
         // SAFETY: the machine has these instructions; its caller has asked.

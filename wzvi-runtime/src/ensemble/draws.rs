@@ -8,7 +8,8 @@
 //! |---|---|
 //! | 0..8 | seed |
 //! | 8..16 | process |
-//! | 16..24 | zero |
+//! | 16..20 | level of a multilevel run; zero for its first, and for all other runs |
+//! | 20..24 | zero |
 //! | 24..28 | version of this layout (a change changes every path) |
 //!
 //! Integers are little-endian. Keys of a Wiener path (`noise::stream`) have another version.
@@ -16,34 +17,104 @@
 #![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
 
 use std::array::from_fn;
+use std::ops::Range;
 
+use super::dispatch::{InstructionSet, Kernel};
 use crate::noise::normal::pair;
 
 /// Steps whose normals one block of random words makes.
 pub(crate) const STEPS: usize = 10;
 const VERSION: u32 = 0x8000_0001;
 
-/// The key of one process of an ensemble.
-pub(crate) fn key(seed: u64, process: u64) -> [u32; 8] {
+/// The key of one process of an ensemble, on one level.
+pub(crate) fn key(seed: u64, process: u64, level: u32) -> [u32; 8] {
     let words = |x: u64| [x as u32, (x >> 32) as u32];
     let ([a, b], [c, d]) = (words(seed), words(process));
-    [a, b, c, d, 0, 0, VERSION, 0]
+    [a, b, c, d, level, 0, VERSION, 0]
 }
 
 /// The standard normal of one step, path and process of an ensemble with this seed, before truncation: for whoever wants to
-/// see what drove a path. It costs as much as the ten of a block of random words together.
+/// see what drove a path. It costs as much as a block of [`Normals`].
 pub fn normal(seed: u64, process: u64, path: u64, step: u64) -> f64 {
-    let mut block = [[0.0; 1]; STEPS];
-    normals(&key(seed, process), path, step / STEPS as u64, &mut block);
-    block[(step % STEPS as u64) as usize][0]
+    Normals::new(seed, process).of_path(path, step / STEPS as u64)[(step % STEPS as u64) as usize]
+}
+
+/// The standard normals of one process of an ensemble, before truncation, in blocks of ten steps: block `b` is for the
+/// steps from `10 b` on.
+#[derive(Clone, Copy, Debug)]
+pub struct Normals {
+    key: [u32; 8],
+}
+
+impl Normals {
+    /// Of process `process`, from 0, with this seed.
+    pub fn new(seed: u64, process: u64) -> Self {
+        Self { key: key(seed, process, 0) }
+    }
+
+    /// One block of one path.
+    #[inline(always)]
+    pub fn of_path(&self, path: u64, block: u64) -> [f64; STEPS] {
+        let mut drawn = [[0.0; 1]; STEPS];
+        normals(&self.key, path, block, &mut drawn);
+        drawn.map(|[normal]| normal)
+    }
+
+    /// Visits blocks of 16 paths beside each other, as `[step][path]`: of the first 16 `paths`, all `blocks` in order, then of
+    /// the next 16. A last group that is not full has the paths that follow.
+    pub fn visit(
+        &self,
+        paths: Range<u64>,
+        blocks: Range<u64>,
+        set: InstructionSet,
+        visit: impl FnMut(&[[f64; 16]; STEPS]),
+    ) {
+        set.run(Visit { key: &self.key, paths, blocks, visit });
+    }
+}
+
+struct Visit<'k, F> {
+    key: &'k [u32; 8],
+    paths: Range<u64>,
+    blocks: Range<u64>,
+    visit: F,
+}
+
+impl<F: FnMut(&[[f64; 16]; STEPS])> Kernel for Visit<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const L: usize>(self) {
+        let Self { key, paths, blocks, mut visit } = self;
+        let mut drawn = [[0.0; 16]; STEPS];
+        let mut path = paths.start;
+        while path < paths.end {
+            for block in blocks.clone() {
+                normals(key, path, block, &mut drawn);
+                visit(&drawn);
+            }
+            path += 16;
+        }
+    }
 }
 
 /// Normals of steps `STEPS * block ..` of paths `path ..`: `[step][path]`.
 #[inline(always)]
 pub(crate) fn normals<const L: usize>(key: &[u32; 8], path: u64, block: u64, to: &mut [[f64; L]; STEPS]) {
+    normals_at(key, |lane| (path.wrapping_add(lane), block), to);
+}
+
+/// Normals of steps `STEPS * block ..` of a path for each lane, which `address` gives: `[step][lane]`.
+#[inline(always)]
+pub(crate) fn normals_at<const L: usize>(
+    key: &[u32; 8],
+    address: impl Fn(u64) -> (u64, u64),
+    to: &mut [[f64; L]; STEPS],
+) {
     let mut words = [[0; L]; 16];
     for i in 0..L {
-        let block = chacha8(key, path.wrapping_add(i as u64), block);
+        let (path, block) = address(i as u64);
+        let block = chacha8(key, path, block);
         for w in 0..16 {
             words[w][i] = block[w];
         }
@@ -128,7 +199,7 @@ mod tests {
             (u64::MAX, u64::MAX, u64::MAX, u64::MAX >> 4),
             (1, 2, u64::from(u32::MAX), 1 << 33),
         ] {
-            let key = key(seed, process);
+            let key = key(seed, process, 0);
             let mut bytes = [0; 32];
             for (to, word) in bytes.chunks_exact_mut(4).zip(key) {
                 to.copy_from_slice(&word.to_le_bytes());
@@ -150,7 +221,7 @@ mod tests {
     /// A normal is a function of its address: no matter how many paths are drawn at once.
     #[test]
     fn widths_agree() {
-        let key = key(11, 1);
+        let key = key(11, 1, 0);
         let mut wide = [[0.0; 16]; STEPS];
         normals(&key, 96, 3, &mut wide);
         for first in 0..16 {

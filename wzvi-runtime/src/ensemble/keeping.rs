@@ -16,6 +16,9 @@ impl<H: Discretized<E>, E> Ensemble<'_, H, E> {
     /// see [`crate::checkpoint`]. A run that is stopped at any moment and started again gives the same statistics, bit for
     /// bit. The number of paths may grow from one run to the next, all else stays the same.
     ///
+    /// A run until an error is small enough ([`Ensemble::until_error`]) ends at once if that of the checkpoint is, and goes on
+    /// otherwise; a run that was stopped goes on, too.
+    ///
     /// Functions cannot be compared: observables and events are told apart by their names and their values at the start.
     pub fn checkpoint(mut self, checkpoint: Checkpoint) -> Self {
         self.keeping = Keeping::to(checkpoint);
@@ -46,6 +49,11 @@ impl BlockKeeper {
     pub(super) fn done(&mut self, blocks: u64, statistics: &mut Statistics) -> Result<(), Error> {
         Ok(self.0.done(blocks, |tape| statistics.pass(tape))?)
     }
+
+    /// So many blocks are done, and no others will be.
+    pub(super) fn close(&mut self, blocks: u64, statistics: &mut Statistics) -> Result<(), Error> {
+        Ok(self.0.close(blocks, |tape| statistics.pass(tape))?)
+    }
 }
 
 /// What makes this run another than others.
@@ -74,6 +82,7 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Described 
         ("quantiles", quantiles.to_string()),
         ("the histograms", histograms.join(", ")),
         ("paths are kept", keeps_paths.to_string()),
+        ("antithetic paths", job.is_antithetic.to_string()),
     ];
     let settings = settings.map(|(name, value)| (name.to_owned(), value)).into();
     let functions = job.observables.iter().chain(&job.events);

@@ -143,7 +143,7 @@ pub(super) fn correction<const L: usize, const N: usize>(
     if !is_safe.all() {
         let mut full = *matrix;
         full[0][1] = m01;
-        let other = if is_symmetric { symmetric(&full, b) } else { general(&full, b) };
+        let other = rarely(&full, b, is_symmetric);
         for i in 0..N {
             solution[i] = Lanes::select(is_safe, solution[i], other[i]);
         }
@@ -151,8 +151,19 @@ pub(super) fn correction<const L: usize, const N: usize>(
     solution
 }
 
-/// [`super::Factor`], by lane: the row that a lane takes for its pivot changes place with the first one by selection.
+/// Out of the way of the common one.
+#[cold]
 #[inline(never)]
+fn rarely<const L: usize, const N: usize>(
+    matrix: &Matrix<L, N>,
+    b: &[Lanes<L>; N],
+    is_symmetric: bool,
+) -> [Lanes<L>; N] {
+    if is_symmetric { symmetric(matrix, b) } else { general(matrix, b) }
+}
+
+/// [`super::Factor`], by lane: the row that a lane takes for its pivot changes place with the first one by selection.
+#[inline(always)]
 pub(super) fn general<const L: usize, const N: usize>(
     matrix: &Matrix<L, N>,
     b: &[Lanes<L>; N],
@@ -212,7 +223,7 @@ fn swapped<const L: usize>(mask: LaneMask<L>, a: Lanes<L>, b: Lanes<L>) -> (Lane
 }
 
 /// [`super::SymmetricFactor`], by lane.
-#[inline(never)]
+#[inline(always)]
 fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L>; N]) -> [Lanes<L>; N] {
     let (mut l, mut x) = (*matrix, *b);
     let mut stable = LaneMask::from_bool(true);
@@ -244,7 +255,7 @@ fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L
     }
     if !stable.all() {
         let full = std::array::from_fn(|i: usize| std::array::from_fn(|j: usize| matrix[i.max(j)][i.min(j)]));
-        let other = general(&full, b);
+        let other = rarely(&full, b, false);
         for i in 0..N {
             x[i] = Lanes::select(stable, x[i], other[i]);
         }

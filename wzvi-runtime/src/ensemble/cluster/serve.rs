@@ -18,7 +18,8 @@ use crate::error::Error;
 
 /// The first and the last number of a batch, or nothing at the end.
 const BATCH: i32 = 1;
-/// The number of its first block, the nanoseconds that it took, and the words of its results.
+/// The number of its first block, the nanoseconds that it took, how many blocks were not stopped on the way, and the words of
+/// their results.
 const RESULTS: i32 = 2;
 /// Batches that a rank has: one to work on, one to go on with.
 const HELD: usize = 2;
@@ -29,11 +30,11 @@ const NAP: Duration = Duration::from_micros(200);
 /// breaks. Results have the shape of `empty`.
 pub(super) fn serve<C: Communicator>(
     world: &C,
-    desk: Desk<Statistics>,
+    desk: Desk<Option<Statistics>>,
     threads: usize,
-    work: impl Fn(u64) -> Statistics + Sync,
+    work: impl Fn(u64) -> Option<Statistics> + Sync,
     empty: impl Fn() -> Statistics,
-    take: impl FnMut(Statistics) -> ControlFlow<()>,
+    take: impl FnMut(Option<Statistics>) -> ControlFlow<()>,
 ) -> Result<(), Error> {
     let shared = Shared { desk: Mutex::new(desk), changed: Condvar::new() };
     thread::scope(|scope| {
@@ -49,13 +50,13 @@ pub(super) fn serve<C: Communicator>(
 
 /// What the threads of rank 0 share.
 struct Shared {
-    desk: Mutex<Desk<Statistics>>,
+    desk: Mutex<Desk<Option<Statistics>>>,
     /// Something was taken, has arrived, or is stopped.
     changed: Condvar,
 }
 
 impl Shared {
-    fn desk(&self) -> MutexGuard<'_, Desk<Statistics>> {
+    fn desk(&self) -> MutexGuard<'_, Desk<Option<Statistics>>> {
         self.desk.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -69,7 +70,7 @@ impl Shared {
     fn start<'s, 'e>(
         &'s self,
         scope: &'s Scope<'s, 'e>,
-        work: &'s (impl Fn(u64) -> Statistics + Sync),
+        work: &'s (impl Fn(u64) -> Option<Statistics> + Sync),
     ) -> bool {
         let run = || {
             let end = StopOnPanic(self);
@@ -85,10 +86,10 @@ impl Shared {
     }
 
     /// Does one batch; false if there is none.
-    fn work_once(&self, pace: &mut Pace, work: &impl Fn(u64) -> Statistics) -> bool {
+    fn work_once(&self, pace: &mut Pace, work: &impl Fn(u64) -> Option<Statistics>) -> bool {
         let Some(batch) = self.desk().assign(pace) else { return false };
         let (first, began) = (batch.start, Instant::now());
-        let results: Vec<Statistics> = batch.map(work).collect();
+        let results: Vec<Option<Statistics>> = batch.map(work).collect();
         pace.saw(results.len(), began.elapsed(), 0);
         self.desk().arrive(first, results);
         self.changed.notify_all();
@@ -129,9 +130,9 @@ impl<C, Empty, Take> Server<'_, C, Empty, Take>
 where
     C: Communicator,
     Empty: Fn() -> Statistics,
-    Take: FnMut(Statistics) -> ControlFlow<()>,
+    Take: FnMut(Option<Statistics>) -> ControlFlow<()>,
 {
-    fn run(mut self, work: &impl Fn(u64) -> Statistics) -> Result<(), Error> {
+    fn run(mut self, work: &impl Fn(u64) -> Option<Statistics>) -> Result<(), Error> {
         let mut pace = Pace::new(1);
         let mut outcome = Ok(());
         loop {
@@ -189,14 +190,16 @@ where
             let rank = self.ranks.get_mut(index).filter(|rank| !rank.held.is_empty()).ok_or_else(wrong)?;
             // Messages between two ranks arrive in the order in which they were sent.
             let (first, end) = rank.held.remove(0);
-            let mut results: Vec<Statistics> = (first..end).map(|_| (self.empty)()).collect();
-            let mut nanoseconds = 0;
-            let mut said = first;
+            let (mut said, mut nanoseconds, mut done) = (first, 0, 0);
+            let mut results = Vec::new();
             let read = Tape::read(words, |tape| {
-                tape.words([&mut said, &mut nanoseconds]);
+                tape.words([&mut said, &mut nanoseconds, &mut done]);
+                results.extend((first..end).zip(0..done).map(|_| (self.empty)()));
                 results.iter_mut().for_each(|result| result.pass(tape));
             });
             read.filter(|()| said == first).ok_or_else(wrong)?;
+            let mut results: Vec<Option<Statistics>> = results.into_iter().map(Some).collect();
+            results.resize_with((end - first) as usize, || None);
             rank.pace.saw(results.len(), Duration::from_nanos(nanoseconds), bytes);
             self.shared.desk().arrive(first, results);
         }
@@ -225,19 +228,22 @@ where
 }
 
 /// Does batches for rank 0 until it says that there are no more.
-pub(super) fn work<C: Communicator>(world: &C, threads: usize, work: impl Fn(u64) -> Statistics + Sync) {
+pub(super) fn work<C: Communicator>(world: &C, threads: usize, work: impl Fn(u64) -> Option<Statistics> + Sync) {
     let server = world.process_at_rank(0);
     loop {
         let batch = received(wait_for(&server));
         let [first, end] = batch[..] else { return };
         let (mut results, began) = (Vec::new(), Instant::now());
-        in_order(first..end, threads, &work, |_, result| {
-            results.push(result);
-            ControlFlow::Continue(())
+        in_order(first..end, threads, &work, |_, result| match result {
+            Some(result) => {
+                results.push(result);
+                ControlFlow::Continue(())
+            }
+            None => ControlFlow::Break(()),
         });
         let mut nanoseconds = u64::try_from(began.elapsed().as_nanos()).unwrap_or(u64::MAX);
         let words = Tape::write(|tape| {
-            tape.words([&mut first.clone(), &mut nanoseconds]);
+            tape.words([&mut first.clone(), &mut nanoseconds, &mut (results.len() as u64)]);
             results.iter_mut().for_each(|result| result.pass(tape));
         });
         if i32::try_from(words.len()).is_err() {

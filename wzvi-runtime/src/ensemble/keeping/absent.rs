@@ -26,4 +26,8 @@ impl BlockKeeper {
     pub(super) fn done(&mut self, _blocks: u64, _statistics: &mut Statistics) -> Result<(), Error> {
         Ok(())
     }
+
+    pub(super) fn close(&mut self, _blocks: u64, _statistics: &mut Statistics) -> Result<(), Error> {
+        Ok(())
+    }
 }

@@ -1,0 +1,80 @@
+//! What an ensemble costs per path and step, beside a loop written by hand with the same normals, the normals alone, and C.
+//!
+//! `cargo bench --bench ensemble` measures everything in one run, on one core, and once on two. The C programs
+//! (`hand_sde.c`, 8 lanes and a cheaper generator) are compiled with `gcc -O3 -march=native`, and left out where there is no
+//! gcc. Times are the shortest of several repetitions, which alternate.
+
+#![allow(clippy::unwrap_used, reason = "a benchmark stops at the first error")]
+
+mod by_hand;
+mod c;
+mod scenes;
+
+use std::time::Instant;
+
+use scenes::{STEPS, Scene};
+
+const REPETITIONS: usize = 51;
+const PATHS: u64 = 1 << 11;
+
+/// Nanoseconds per path and step: the shortest of several, in turn with the others.
+fn times<const N: usize>(runs: [&dyn Fn(); N]) -> [f64; N] {
+    let mut shortest = [f64::INFINITY; N];
+    for _ in 0..REPETITIONS {
+        for (shortest, run) in shortest.iter_mut().zip(runs) {
+            let began = Instant::now();
+            run();
+            let nanoseconds = began.elapsed().as_secs_f64() * 1e9 / (PATHS * STEPS) as f64;
+            *shortest = shortest.min(nanoseconds);
+        }
+    }
+    shortest
+}
+
+fn main() {
+    // `cargo bench` adds a flag of its own.
+    let only = std::env::args().skip(1).find(|argument| !argument.starts_with("--"));
+    let c = c::measure();
+    println!(
+        "ns per path and step; {:?}; {PATHS} paths of {STEPS} steps",
+        wzvi::ensemble::InstructionSet::best()
+    );
+    println!(
+        "{:26}{:>9}{:>9}{:>9}{:>9}{:>10}{:>9}{:>9}{:>9}{:>9}",
+        "",
+        "ensemble",
+        "normals",
+        "by hand",
+        "C lanes",
+        "C scalar",
+        "/normals",
+        "by hand/",
+        "/C lanes",
+        "2 threads"
+    );
+    for Scene { name, ensemble, normals, by_hand, c: problem, mean } in scenes::ALL {
+        if only.as_ref().is_some_and(|only| !name.contains(only.as_str())) {
+            continue;
+        }
+        let [one, alone, hand, two] =
+            times([&|| drop(ensemble(PATHS, 1)), &|| normals(PATHS), &|| drop(by_hand(PATHS)), &|| {
+                drop(ensemble(PATHS, 2))
+            }]);
+        let ((ours, error), theirs) = (ensemble(PATHS, 2), by_hand(PATHS));
+        assert!(
+            (ours - theirs).abs() < 1e-9,
+            "{name}: {ours} ± {error}, by hand {theirs}: not the same paths"
+        );
+        let c = c.iter().find(|(known, ..)| *known == problem);
+        let show = |number: Option<f64>| number.map_or("-".into(), |number| format!("{number:.2}"));
+        println!(
+            "{name:26}{one:>9.2}{alone:>9.2}{hand:>9.2}{:>9}{:>10}{:>9.2}{:>9.2}{:>9}{:>9.2}    {mean} = {ours:.5} ± {error:.5}",
+            show(c.map(|c| c.1)),
+            show(c.map(|c| c.2)),
+            one / alone,
+            hand / one,
+            show(c.map(|c| one / c.1)),
+            one / two,
+        );
+    }
+}
