@@ -1,6 +1,6 @@
 //! On any number of ranks, the bits of one process.
 
-use super::ranks::{Plan, on_ranks, run, run_with_paths};
+use super::ranks::{Plan, TARGET, blocks, on_ranks, run, run_with_paths};
 use crate::systems::{bits, folder};
 
 /// Many blocks and a part of one.
@@ -35,7 +35,32 @@ fn of_a_checkpoint() {
     let kept = |paths| run(paths).checkpoint(wzvi::checkpoint::Checkpoint::to(&file));
     let expected = |paths| bits(&run(paths).run().unwrap());
     on_ranks(2, Plan::Kept, 20 * 512, &folder).well();
-    assert_eq!(super::ranks::blocks(&file), 20);
+    assert_eq!(blocks(&file), 20);
     assert_eq!(bits(&kept(40 * 512).run().unwrap()), expected(40 * 512));
     assert_eq!(on_ranks(4, Plan::Kept, 60 * 512 + 1, &folder).well(), expected(60 * 512 + 1));
+}
+
+/// Where the error is small enough does not depend on who is how far.
+#[test]
+fn until_an_error_is_small_enough() {
+    let folder = folder("cluster-target");
+    let paths = 1 << 20;
+    let expected = run(paths).until_error("q", TARGET).run().unwrap();
+    let count = expected.last().unwrap().count();
+    assert!(expected.met_targets() == Some(true) && count > 20_000 && count < paths / 2, "{count}");
+    assert!(on_ranks(3, Plan::Target, paths, &folder).well() == bits(&expected));
+}
+
+/// What is done when one rank stops is that of the first paths, and a restart goes on from there.
+#[test]
+fn of_a_run_that_was_stopped() {
+    let folder = folder("cluster-stops");
+    let paths = 2000 * 512;
+    let part = on_ranks(2, Plan::Stops, paths, &folder).well();
+    let done = blocks(&folder.join("checkpoint"));
+    assert!((10..2000).contains(&done), "{done}");
+    let partial =
+        format!("{:?}", run(512 * done).run().unwrap()).replace("is_partial: false", "is_partial: true");
+    assert!(part == partial);
+    assert!(on_ranks(2, Plan::Kept, paths, &folder).well() == bits(&run(paths).run().unwrap()));
 }

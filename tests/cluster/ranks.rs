@@ -19,6 +19,9 @@ const ORDERS: &str = "WZVI_TEST_CLUSTER";
 /// A run that takes longer than this hangs. On an idle machine it takes a second.
 const LONGEST: Duration = Duration::from_secs(180);
 
+/// A standard error, which some hundred blocks reach.
+pub(crate) const TARGET: f64 = 1e-3;
+
 /// Something to go wrong, or nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Plan {
@@ -27,6 +30,10 @@ pub(crate) enum Plan {
     Threads,
     /// With a checkpoint.
     Kept,
+    /// Until an error is small enough.
+    Target,
+    /// The last rank says that the run is to be stopped.
+    Stops,
     /// As soon as the checkpoint has some blocks, the last rank dies.
     Dies,
     /// The same run, in which nobody dies.
@@ -47,10 +54,12 @@ pub(crate) enum Plan {
     Single,
 }
 
-const PLANS: [Plan; 12] = [
+const PLANS: [Plan; 14] = [
     Plan::Plain,
     Plan::Threads,
     Plan::Kept,
+    Plan::Target,
+    Plan::Stops,
     Plan::Dies,
     Plan::Survives,
     Plan::Panics,
@@ -103,6 +112,9 @@ fn rank() {
         Plan::Plain | Plan::Single => run_with_paths(paths),
         Plan::Threads => run_with_paths(paths).threads(2),
         Plan::Kept => kept(),
+        Plan::Target => run(paths).until_error("q", TARGET),
+        // The checkpoint that it looks at is written every ten blocks.
+        Plan::Stops => kept().stop_when(|| last && blocks(&file) >= 10),
         Plan::Dies => kept().first_passage(|state| {
             if last && state.t > 0.0 {
                 at_each_block(&|| {

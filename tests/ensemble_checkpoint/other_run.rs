@@ -62,6 +62,7 @@ fn another_scheme_step_or_observable() {
     assert_eq!(fields(&file, run().observe(|state| state.q[0]).quantiles()), ["quantiles"]);
     assert_eq!(fields(&file, run().observe(|state| state.q[0]).keep_paths(1 << 30)), ["paths are kept"]);
     assert_eq!(fields(&file, run()), ["the observables"]);
+    assert_eq!(fields(&file, run().observe(|state| state.q[0]).antithetic()), ["antithetic paths"]);
     let scheme = EDGE.ensemble::<Midpoint>(0.05).start(start()).paths(600).seed(7).steps(4);
     assert!(fields(&file, scheme.observe(|state| state.q[0])).contains(&"the scheme".to_owned()));
     let step = EDGE.ensemble::<DeltaPlus>(0.051).start(start()).paths(600).seed(7).steps(4);

@@ -54,6 +54,40 @@ fn with_more_paths() {
     assert!(EDGE.kept(&file).paths(2048).run().is_ok());
 }
 
+/// A run until an error is small enough ends where one ends that was never stopped, also if that is at the checkpoint.
+#[test]
+fn until_an_error_is_small_enough() {
+    let file = folder("target").join("run");
+    let run = |target| EDGE.summed::<DeltaPlus>().paths(1 << 20).until_error("q", target);
+    let mut ends = Vec::new();
+    for target in [1e-2, 4e-3, 2e-3] {
+        let kept = || run(target).checkpoint(Checkpoint::to(&file)).run().unwrap();
+        let expected = run(target).run().unwrap();
+        assert_eq!(expected.met_targets(), Some(true));
+        assert_eq!(bits(&kept()), bits(&expected), "{target}");
+        assert_eq!(bits(&kept()), bits(&expected), "{target}, again");
+        ends.push(expected.last().unwrap().count());
+    }
+    assert!(ends[0] < ends[1] && ends[1] < ends[2], "{ends:?}");
+}
+
+/// A run that is stopped keeps all blocks that it has finished.
+#[test]
+fn a_run_that_was_stopped() {
+    let file = folder("stopped-run").join("run");
+    let calls = AtomicU64::new(0);
+    let run = || {
+        let run = EDGE.ensemble::<DeltaPlus>(0.05).start(State::new([1.0], [0.5])).seed(7).steps(24);
+        run.paths(20 * 512 + 100).antithetic().quantiles().threads(1)
+    };
+    let stopped = run().stop_when(|| calls.fetch_add(1, Ordering::Relaxed) > 40);
+    let part = stopped.checkpoint(Checkpoint::to(&file)).run().unwrap();
+    let done = part.last().unwrap().count() + part.failed();
+    assert!(part.is_partial() && done % 512 == 0 && done > 0 && done < 20 * 512, "{done}");
+    let whole = run().checkpoint(Checkpoint::to(&file)).run().unwrap();
+    assert_eq!(bits(&whole), bits(&run().run().unwrap()));
+}
+
 /// Threads, lanes and instructions are no part of what a run is.
 #[test]
 fn on_other_threads() {

@@ -16,9 +16,13 @@ mod account;
 mod block;
 #[cfg(feature = "mpi")]
 pub mod cluster;
-// The part of it that can be tested without MPI.
 #[cfg(feature = "columnar")]
 mod columnar;
+mod control;
+// The part of `cluster` that can be tested without MPI.
+#[cfg(all(test, not(feature = "mpi")))]
+#[path = "ensemble/cluster/desk.rs"]
+mod desk;
 mod dispatch;
 mod draws;
 mod histogram;
@@ -305,7 +309,6 @@ where
         let mut account = Account::open(&job, &control, keeping)?;
         job.run::<WIDTH>(account.blocks(), threads, instructions, |block| account.take(block));
         account.close()
-    }
     }
 
     fn job<'s>(self, stop: Stop<'s>) -> Result<Job<'s, H, E>, Error>

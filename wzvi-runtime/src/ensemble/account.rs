@@ -26,7 +26,11 @@ pub(super) struct Account {
 
 impl Account {
     /// With the blocks of the checkpoint, if there is one.
-    pub(super) fn open<H, E>(job: &Job<'_, H, E>, control: &Control<'_>, keeping: Keeping) -> Result<Self, Error>
+    pub(super) fn open<H, E>(
+        job: &Job<'_, H, E>,
+        control: &Control<'_>,
+        keeping: Keeping,
+    ) -> Result<Self, Error>
     where
         H: Discretized<E> + Sync,
         H::Vector: Send + Sync,

@@ -203,7 +203,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             let drawn = &self.normals[process][within];
             let signed = |lane: usize| {
                 let normal = drawn[half * (L / 2) + lane / 2];
-                if lane % 2 == 0 { normal } else { -normal }
+                if lane.is_multiple_of(2) { normal } else { -normal }
             };
             *dw = self.job.increment(Lanes::new(std::array::from_fn(signed)), self.deviation);
         }

@@ -22,11 +22,11 @@ use desk::Desk;
 pub use error::ClusterError;
 use ranks::{AbortOnPanic, agree, same};
 
+use super::Ensemble;
 use super::account::Account;
 use super::block::Block;
 use super::keeping::described;
 use super::statistics::Statistics;
-use super::Ensemble;
 use crate::error::{ConfigError, Error};
 use crate::interrupt::Interrupt;
 use crate::system::Discretized;

@@ -228,7 +228,11 @@ where
 }
 
 /// Does batches for rank 0 until it says that there are no more.
-pub(super) fn work<C: Communicator>(world: &C, threads: usize, work: impl Fn(u64) -> Option<Statistics> + Sync) {
+pub(super) fn work<C: Communicator>(
+    world: &C,
+    threads: usize,
+    work: impl Fn(u64) -> Option<Statistics> + Sync,
+) {
     let server = world.process_at_rank(0);
     loop {
         let batch = received(wait_for(&server));
