@@ -55,10 +55,10 @@ fn until_an_error_is_small_enough() {
 #[test]
 fn of_a_run_that_was_stopped() {
     let folder = folder("cluster-stops");
-    let paths = 2000 * 512;
+    let paths = 1000 * 512;
     let part = on_ranks(2, Plan::Stops, paths, &folder).well();
     let done = blocks(&folder.join("checkpoint"));
-    assert!((10..2000).contains(&done), "{done}");
+    assert!((10..1000).contains(&done), "{done}");
     let partial =
         format!("{:?}", run(512 * done).run().unwrap()).replace("is_partial: false", "is_partial: true");
     assert!(part == partial);

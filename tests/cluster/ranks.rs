@@ -88,6 +88,14 @@ pub(crate) fn blocks(checkpoint: &Path) -> u64 {
     digits.split(',').next().unwrap_or_default().parse().unwrap_or(0)
 }
 
+/// Waits, but not for ever.
+fn wait_while(condition: &dyn Fn() -> bool) {
+    let began = Instant::now();
+    while condition() && began.elapsed() < LONGEST / 3 {
+        sleep(Duration::from_millis(2));
+    }
+}
+
 #[test]
 #[ignore = "what the other tests run on every rank"]
 fn rank() {
@@ -108,13 +116,21 @@ fn rank() {
             what();
         }
     };
+    // From then on the last rank acts, and the others wait until it has: nobody finishes before.
+    let begun = || blocks(&file) >= 10;
     let ensemble = match plan {
         Plan::Plain | Plan::Single => run_with_paths(paths),
         Plan::Threads => run_with_paths(paths).threads(2),
         Plan::Kept => kept(),
         Plan::Target => run(paths).until_error("q", TARGET),
-        // The checkpoint that it looks at is written every ten blocks.
-        Plan::Stops => kept().stop_when(|| last && blocks(&file) >= 10),
+        Plan::Stops => kept().stop_when(|| {
+            let stops = last && begun();
+            if stops {
+                fs::write(folder.join("stopped"), "").unwrap();
+            }
+            wait_while(&|| begun() && !folder.join("stopped").exists());
+            stops
+        }),
         Plan::Dies => kept().first_passage(|state| {
             if last && state.t > 0.0 {
                 at_each_block(&|| {

@@ -13,7 +13,7 @@ use super::systems::{EDGE, bits, contents, folder};
 /// What the child is to run, and where.
 const ORDERS: &str = "WZVI_TEST_ENSEMBLE_CHECKPOINT";
 /// A second or so, so that there is something to kill.
-const PATHS: u64 = 100_000;
+const PATHS: u64 = 40_000;
 
 fn run(file: Option<&Path>) -> String {
     let run = EDGE.summed::<DeltaPlus>().paths(PATHS);

@@ -47,8 +47,8 @@ impl Edge {
             .named("q")
             .observe(|state| state.q[0].ln() - state.p[0])
             .named("mixed")
-            .first_passage(|state| state.p[0] + 0.7)
-            .named("turning")
+            .first_passage(|state| state.p[0] - 0.6)
+            .named("rising")
             .quantiles()
             .histogram("q", 0.0, 2.0, 20)
             .threads(2)
@@ -68,8 +68,8 @@ pub(crate) fn bits(statistics: &Statistics) -> String {
 pub(crate) fn whole() -> String {
     let statistics = EDGE.run::<DeltaPlus>().run().unwrap();
     assert!((10..500).contains(&statistics.failed()), "{}", statistics.failed());
-    let turning = statistics.passage("turning").unwrap();
-    assert!(turning.passed() > 100 && turning.censored() > 0 && turning.lost() > 0, "{turning:?}");
+    let rising = statistics.passage("rising").unwrap();
+    assert!(rising.passed() > 100 && rising.censored() > 0 && rising.lost() > 0, "{rising:?}");
     bits(&statistics)
 }
 
