@@ -50,11 +50,11 @@ fn survives() {
             .stderr(Stdio::inherit())
             .spawn()
             .unwrap();
-        // Xorshift; a moment between 0 and 256 ms, and later and later, so that any machine gets to the end.
+        // Xorshift; a moment of the first 16 ms, then of the first 32, ..., so that any machine is killed and gets to the end.
         random ^= random << 13;
         random ^= random >> 7;
         random ^= random << 17;
-        let moment = Duration::from_micros(random >> 46) + Duration::from_millis(10 * kills);
+        let moment = Duration::from_micros((random >> 50) * (kills + 1));
         while start.elapsed() < moment && child.try_wait().unwrap().is_none() {
             sleep(Duration::from_micros(200));
         }
