@@ -13,6 +13,8 @@ mod emit;
 mod input;
 mod lower;
 mod model;
+#[cfg(test)]
+mod stopwatch;
 mod symbolic;
 
 /// Turns the Hamiltonians of a system into variational integrators.

@@ -3,9 +3,10 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::expand;
+use crate::stopwatch::Stopwatch;
 
 /// Per embedding. The slowest scene here takes a fraction of it on a 2-core machine.
 const ALLOWED: Duration = Duration::from_millis(50);
@@ -89,7 +90,7 @@ fn timing_of_every_scene() {
         let mut characters = 0;
         for _ in 0..REPETITIONS {
             let (attribute, item) = (attribute.parse().unwrap(), item.parse().unwrap());
-            let start = Instant::now();
+            let start = Stopwatch::start();
             let expansion = expand(attribute, item);
             fastest = fastest.min(start.elapsed());
             let text = expansion.to_string();

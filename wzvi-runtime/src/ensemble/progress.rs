@@ -51,7 +51,7 @@ fn line(unit: &str, done: u64, all: u64, elapsed: Duration) -> String {
     let rate = done as f64 / elapsed.as_secs_f64().max(1e-9);
     let left = if rate > 0.0 { all.saturating_sub(done) as f64 / rate } else { f64::INFINITY };
     let stop = if cfg!(feature = "interrupt") { " (Ctrl-C stops and keeps what is done)" } else { "" };
-    format!("{:3.0} %, {} {unit}/s, {} left{stop}", 100.0 * part, metric(rate), duration(left))
+    format!("{:3.0} %, {}{unit}/s, {} left{stop}", 100.0 * part, metric(rate), duration(left))
 }
 
 /// Three digits and a prefix.
