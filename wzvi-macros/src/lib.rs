@@ -8,6 +8,7 @@ mod check;
 mod compile;
 mod diagnostics;
 mod discretise;
+mod elements;
 mod emit;
 mod input;
 mod lower;

@@ -285,7 +285,10 @@ where
         }
         let recorded = recorded(self.every, &self.chosen, start.t, h, steps)?;
         let times: Vec<f64> = recorded.iter().map(|&steps| start.t + steps as f64 * h).collect();
-        let observables = if self.observables.is_empty() { standard(system) } else { self.observables };
+        let observables = match self.observables.is_empty() {
+            true => standard(system, start.q.components().len()),
+            false => self.observables,
+        };
         let (names, observables) = separated(observables, "observable");
         let (event_names, events) = separated(self.events, "event");
         for names in [&names, &event_names] {
@@ -382,15 +385,15 @@ fn recorded(every: u64, chosen: &[f64], start: f64, h: f64, steps: u64) -> Resul
 }
 
 /// What is observed if nothing is asked for.
-fn standard<H: Discretized<E> + Sync, E>(system: &H) -> Vec<Named<'_, H::Vector>> {
+fn standard<H: Discretized<E> + Sync, E>(system: &H, degrees: usize) -> Vec<Named<'_, H::Vector>> {
     let component =
         |i: usize| move |vector: &H::Vector| vector.components().get(i).copied().unwrap_or(f64::NAN);
     let mut all: Vec<Named<'_, H::Vector>> = Vec::new();
-    for i in 0..system.degrees() {
+    for i in 0..degrees {
         let q = component(i);
         all.push((Some(format!("q{i}")), Box::new(move |state| q(&state.q))));
     }
-    for i in 0..system.degrees() {
+    for i in 0..degrees {
         let p = component(i);
         all.push((Some(format!("p{i}")), Box::new(move |state| p(&state.p))));
     }

@@ -8,6 +8,7 @@ pub mod checkpoint;
 #[path = "checkpoint/absent.rs"]
 mod checkpoint;
 mod checksum;
+pub mod elements;
 pub mod embedding;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;

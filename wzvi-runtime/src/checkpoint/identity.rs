@@ -73,9 +73,8 @@ pub(super) fn forces_at(place: &str) -> String {
 pub(super) fn forces<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> String {
     let mut checksum = Checksum::default();
     let mut add = |number: &f64| checksum.add(&number.to_bits().to_le_bytes());
-    let d = state.q.components().len();
-    let (mut dq, mut dp) = (vec![0.0; d], vec![0.0; d]);
     let (q, p) = (state.q.components(), state.p.components());
+    let (mut dq, mut dp) = (vec![0.0; q.len()], vec![0.0; p.len()]);
     for term in 0..=system.noises() {
         add(&system.evaluate(term, q, p, state.t));
         system.differentiate(term, q, p, state.t, &mut dq, &mut dp);

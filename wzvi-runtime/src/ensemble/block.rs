@@ -88,13 +88,16 @@ struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     values: Vec<f64>,
     scratch: Vec<f64>,
     state: State<H::Vector>,
-    /// Without noise the steps before help to solve the next one, which is then no matter of lanes: one stepper for each.
+    /// Increments of one lane.
+    alone: Vec<f64>,
+    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]): one stepper for each.
     steppers: Vec<Stepper<'a, H, E, Plain>>,
 }
 
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     fn new(job: &'j Job<'a, H, E>) -> Self {
-        let (d, processes) = (job.system.degrees(), job.system.noises());
+        // That of the system, which may not know it.
+        let (d, processes) = (job.start.q.components().len(), job.system.noises());
         let zero = Lanes::from_f64(0.0);
         Self {
             job,
@@ -114,6 +117,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             values: vec![0.0; job.observables.len()],
             scratch: vec![0.0; job.observables.len()],
             state: job.start.clone(),
+            alone: vec![0.0; processes],
             steppers: Vec::new(),
         }
     }
@@ -130,7 +134,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         }
         self.counts = std::array::from_fn(|lane| path + (lane as u64) < end);
         (self.failed, self.any_failed) = ([false; L], false);
-        if matches!(H::PLAN.noise, NoiseClass::None) {
+        if !H::IN_LANES {
             // It cannot fail: the same has been prepared for the job.
             let stepper = |_| Stepper::new(self.job.system, self.job.h).ok().map(Stepper::plain);
             self.steppers = (0..L).filter_map(stepper).collect();
@@ -156,12 +160,15 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     #[inline(always)]
     fn step(&mut self, step: u64) {
         if matches!(H::PLAN.noise, NoiseClass::None) {
-            return self.without_noise(step);
+            return self.by_steppers(step, 0);
         }
         let job = self.job;
         let within = (step % STEPS as u64) as usize;
         if within == 0 {
             self.draw(step / STEPS as u64);
+        }
+        if !H::IN_LANES {
+            return self.by_steppers(step, within);
         }
         if self.any_failed && !self.mirror(within) {
             return;
@@ -208,13 +215,17 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     }
 
     #[inline(never)]
-    fn without_noise(&mut self, step: u64) {
+    fn by_steppers(&mut self, step: u64, within: usize) {
         let t = self.time(step);
         let mut steppers = std::mem::take(&mut self.steppers);
         for (lane, stepper) in steppers.iter_mut().enumerate() {
             if !self.failed[lane] {
                 let mut state = self.state_of(lane, t);
-                match stepper.step(&mut state, &[]) {
+                let dw = self.increments.iter().skip(within * self.keys.len());
+                for (to, from) in self.alone.iter_mut().zip(dw) {
+                    *to = from[lane];
+                }
+                match stepper.step(&mut state, &self.alone) {
                     Ok(_) => self.put(lane, &state.q, &state.p),
                     Err(error) => self.fail(lane, error),
                 }
@@ -260,7 +271,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
 
     fn state_of(&self, lane: usize, t: f64) -> State<H::Vector> {
         let vector = |lanes: &[Lanes<L>]| {
-            let mut vector = H::Vector::zeros(self.job.system.degrees());
+            let mut vector = H::Vector::zeros(lanes.len());
             for (to, from) in vector.components_mut().iter_mut().zip(lanes) {
                 *to = from[lane];
             }
