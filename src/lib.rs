@@ -60,6 +60,9 @@ pub use wzvi_macros::hamiltonian;
 #[cfg(feature = "serde")]
 pub use wzvi_runtime::checkpoint;
 pub use wzvi_runtime::error::Error;
+/// The crate that [`Ensemble::run_on`](ensemble::Ensemble::run_on) takes its communicators from.
+#[cfg(feature = "mpi")]
+pub use wzvi_runtime::mpi;
 /// The vectors of a [`State`](state::State): functions generic over the scheme name them, as in
 /// `fn run<E>(kubo: &Kubo) where Kubo: Discretized<E, Vector = SVector<f64, 1>>`.
 pub use wzvi_runtime::nalgebra;

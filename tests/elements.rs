@@ -6,6 +6,7 @@ mod elements {
     mod corrected;
     mod integrals;
     mod long;
+    mod tables;
     mod wide;
 }
 

@@ -12,16 +12,31 @@
 //!
 //! A path whose step fails ends there, with its number and error in [`Statistics::failures`]; its neighbours do not notice.
 
+mod account;
 mod block;
+#[cfg(feature = "mpi")]
+pub mod cluster;
 #[cfg(feature = "columnar")]
 mod columnar;
+mod control;
+// The part of `cluster` that can be tested without MPI.
+#[cfg(all(test, not(feature = "mpi")))]
+#[path = "ensemble/cluster/desk.rs"]
+mod desk;
 mod dispatch;
 mod draws;
 mod histogram;
 mod job;
+#[cfg(feature = "serde")]
+mod keeping;
+#[cfg(not(feature = "serde"))]
+#[path = "ensemble/keeping/absent.rs"]
+mod keeping;
 mod moments;
+mod multilevel;
 mod passage;
 mod paths;
+mod progress;
 mod quantiles;
 mod schedule;
 mod statistics;
@@ -29,12 +44,14 @@ mod table;
 
 use std::marker::PhantomData;
 use std::num::NonZero;
-use std::ops::ControlFlow;
 
+use account::Account;
+use control::Control;
 pub use dispatch::{InstructionSet, Kernel};
 pub use draws::{Normals, normal};
 pub use histogram::Histogram;
-use job::{Job, Observable};
+use job::{Job, Observable, Stop};
+pub use multilevel::{Level, LevelError, LevelFailure, Multilevel, MultilevelEstimate};
 pub use passage::Passages;
 use passage::Watch;
 pub use paths::Paths;
@@ -43,8 +60,11 @@ use statistics::Wanted;
 pub use statistics::{Node, PathFailure, Statistics};
 pub use table::{Column, FileError, Table};
 
+use crate::checkpoint::Keeping;
 use crate::error::{ConfigError, Error};
+use crate::interrupt::Interrupt;
 use crate::noise::{Truncation, clip_bound};
+use crate::plan::Plan;
 use crate::simulate::{End, checked, count, steps_between};
 use crate::state::{State, Vector};
 use crate::system::Discretized;
@@ -79,6 +99,9 @@ pub struct Ensemble<'a, H: Discretized<E>, E> {
     threads: Option<usize>,
     truncation: Truncation,
     instructions: InstructionSet,
+    keeping: Keeping,
+    is_antithetic: bool,
+    control: Control<'a>,
     scheme: PhantomData<fn() -> E>,
 }
 
@@ -103,6 +126,9 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             threads: None,
             truncation: Truncation::Unset,
             instructions: InstructionSet::best(),
+            keeping: Keeping::default(),
+            is_antithetic: false,
+            control: Control::default(),
             scheme: PhantomData,
         }
     }
@@ -113,7 +139,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
         self
     }
 
-    /// How many paths.
+    /// How many paths; with [`Ensemble::until_error`], how many at most.
     pub fn paths(mut self, paths: u64) -> Self {
         self.paths = Some(paths);
         self
@@ -193,6 +219,42 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
         self
     }
 
+    /// Ends the run when the standard error of the mean of an observable at the end of the paths is `target` (units of the
+    /// observable) or less; [`Ensemble::paths`] are then a limit, and [`Statistics::met_targets`] says whether they were
+    /// enough. Asked more than once, all errors must be that small.
+    ///
+    /// That is looked at after each 512 paths, in the order of their numbers, from 1024 on: the result is the same for any
+    /// number of threads. An error that is itself estimated is now and then too small by chance, and that ends the run: of 1024
+    /// normally distributed samples it is known to 2 %.
+    pub fn until_error(mut self, observable: impl Into<String>, target: f64) -> Self {
+        self.control.targets.push((observable.into(), target));
+        self
+    }
+
+    /// Paths in pairs with negated normals: `2k` and `2k + 1`. An observable that is odd in the noise has the exact mean
+    /// then, for one that is even nothing is won. Standard errors are those of independent pairs
+    /// ([`Node::standard_error`]).
+    pub fn antithetic(mut self) -> Self {
+        self.is_antithetic = true;
+        self
+    }
+
+    /// Ends the run early when `stop` says so: a deadline, for one. The statistics are then those of the paths that are
+    /// done, and [`Statistics::is_partial`].
+    ///
+    /// It is asked from all threads, every 1024 steps or more often. With the feature `interrupt`, Ctrl-C stops a
+    /// run, too.
+    pub fn stop_when(mut self, stop: impl Fn() -> bool + Send + Sync + 'a) -> Self {
+        self.control.stop = Some(Box::new(stop));
+        self
+    }
+
+    /// No progress on the terminal. It shows after a second if standard error is one, and never if it is not.
+    pub fn quiet(mut self) -> Self {
+        self.control.is_quiet = true;
+        self
+    }
+
     /// On so many threads; all cores if this is not called.
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = Some(threads);
@@ -223,8 +285,9 @@ where
     /// Runs all paths.
     ///
     /// # Errors
-    /// [`Error::Config`] if a setting is missing or makes no sense, [`Error::Step`] if no path reaches the end: the first
-    /// failure. Fewer failures are in the [`Statistics`].
+    /// [`Error::Config`] if a setting is missing or makes no sense, [`Error::Step`] if all paths fail: the first
+    /// failure. Fewer failures are in the [`Statistics`]. `Error::Checkpoint` if there is a checkpoint that cannot be
+    /// written or gone on from.
     pub fn run(self) -> Result<Statistics, Error> {
         self.run_in::<0>()
     }
@@ -232,29 +295,26 @@ where
     /// [`Ensemble::run`] with `WIDTH` paths beside each other, with 0 as many as suit the instructions; the result is the
     /// same.
     #[doc(hidden)]
-    pub fn run_in<const WIDTH: usize>(self) -> Result<Statistics, Error> {
-        let (threads, instructions) = (self.threads, self.instructions);
-        let job = self.job()?;
-        let threads = match threads {
-            Some(0) => return Err(ConfigError::Setting("0 threads: take at least 1".into()).into()),
-            Some(threads) => threads,
-            None => std::thread::available_parallelism().map_or(1, NonZero::get),
-        };
-        let mut statistics = Statistics::new(&job.wanted);
-        if let Some(paths) = &mut statistics.paths {
-            paths.reserve(job.paths)?;
+    pub fn run_in<const WIDTH: usize>(mut self) -> Result<Statistics, Error> {
+        let (control, keeping) = (std::mem::take(&mut self.control), std::mem::take(&mut self.keeping));
+        let (threads, instructions) = (threads(self.threads)?, self.instructions);
+        let interrupt = Interrupt::watch();
+        let stop = || interrupt.requested() || control.is_stopped();
+        let job = self.job(&stop)?;
+        if job.is_antithetic && WIDTH % 2 == 1 {
+            return Err(
+                ConfigError::Setting(format!("antithetic pairs in {WIDTH} lanes: take 2 or more")).into()
+            );
         }
-        job.run::<WIDTH>(job.blocks(), threads, instructions, |block| {
-            statistics.merge(&block);
-            ControlFlow::Continue(())
-        });
-        match (statistics.last().map_or(0, Node::count), statistics.failures().first()) {
-            (0, Some(failure)) => Err(failure.error.into()),
-            _ => Ok(statistics),
-        }
+        let mut account = Account::open(&job, &control, keeping)?;
+        job.run::<WIDTH>(account.blocks(), threads, instructions, |block| account.take(block));
+        account.close()
     }
 
-    fn job(self) -> Result<Job<'a, H, E>, Error> {
+    fn job<'s>(self, stop: Stop<'s>) -> Result<Job<'s, H, E>, Error>
+    where
+        'a: 's,
+    {
         let Self { system, h, .. } = self;
         if !h.is_finite() || h == 0.0 {
             return Err(ConfigError::StepSize(h).into());
@@ -265,29 +325,26 @@ where
         if paths == 0 {
             return Err(ConfigError::Setting("0 paths: take at least 1".into()).into());
         }
+        if self.is_antithetic && paths % 2 == 1 {
+            let wrong = format!("{paths} antithetic paths: they come in pairs");
+            return Err(ConfigError::Setting(wrong).into());
+        }
         let seed = match self.seed {
             Some(seed) => seed,
             None if system.noises() == 0 => 0,
             None => return Err(ConfigError::Missing("a seed for its noise: add `.seed(number)`").into()),
         };
-        let clip = match self.truncation {
-            Truncation::Off => f64::INFINITY,
-            Truncation::On(k) if k.is_finite() && k >= 1.0 => clip_bound(h, k),
-            Truncation::On(k) => {
-                return Err(ConfigError::Setting(format!("truncation with k = {k}: take at least 1")).into());
-            }
-            Truncation::Unset if H::PLAN.truncates_increments() => clip_bound(h, Truncation::DEFAULT),
-            Truncation::Unset => f64::INFINITY,
-        };
+        let clip = clip(self.truncation, &H::PLAN, h)?;
         let end = start.t + steps as f64 * h;
         if !end.is_finite() {
             return Err(ConfigError::End { start: start.t, end, h }.into());
         }
         let recorded = recorded(self.every, &self.chosen, start.t, h, steps)?;
         let times: Vec<f64> = recorded.iter().map(|&steps| start.t + steps as f64 * h).collect();
-        let observables = match self.observables.is_empty() {
-            true => standard(system, start.q.components().len()),
-            false => self.observables,
+        let observables = if self.observables.is_empty() {
+            standard(system, start.q.components().len())
+        } else {
+            self.observables
         };
         let (names, observables) = separated(observables, "observable");
         let (event_names, events) = separated(self.events, "event");
@@ -333,7 +390,16 @@ where
             }
         }
         let (quantiles, keeps_paths) = (self.quantiles, self.most_bytes.is_some());
-        let wanted = Wanted { names, times, quantiles, histograms, watches, keeps_paths };
+        let is_antithetic = self.is_antithetic;
+        if is_antithetic && !events.is_empty() {
+            return Err(ConfigError::Setting(
+                "first passages of antithetic paths: their errors would be those of independent ones; leave out one of the two"
+                    .into(),
+            )
+            .into());
+        }
+        let has_pairs = is_antithetic;
+        let wanted = Wanted { names, times, quantiles, histograms, watches, keeps_paths, has_pairs };
         let prepared = system.prepare(h)?;
         Ok(Job {
             system,
@@ -348,11 +414,34 @@ where
             observables,
             events,
             wanted,
+            level: 0,
+            is_antithetic,
+            stop,
         })
     }
 }
 
 type Named<'a, V> = (Option<String>, Observable<'a, V>);
+
+/// The largest normal, in absolute value, for steps of size `h`.
+fn clip(truncation: Truncation, plan: &Plan, h: f64) -> Result<f64, ConfigError> {
+    match truncation {
+        Truncation::Off => Ok(f64::INFINITY),
+        Truncation::On(k) if k.is_finite() && k >= 1.0 => Ok(clip_bound(h, k)),
+        Truncation::On(k) => Err(ConfigError::Setting(format!("truncation with k = {k}: take at least 1"))),
+        Truncation::Unset if plan.truncates_increments() => Ok(clip_bound(h, Truncation::DEFAULT)),
+        Truncation::Unset => Ok(f64::INFINITY),
+    }
+}
+
+/// All cores if none are asked for.
+fn threads(asked: Option<usize>) -> Result<usize, ConfigError> {
+    match asked {
+        Some(0) => Err(ConfigError::Setting("0 threads: take at least 1".into())),
+        Some(threads) => Ok(threads),
+        None => Ok(std::thread::available_parallelism().map_or(1, NonZero::get)),
+    }
+}
 
 /// Names, with an index where the user gave none, and functions.
 fn separated<'a, V>(all: Vec<Named<'a, V>>, kind: &str) -> (Vec<String>, Vec<Observable<'a, V>>) {

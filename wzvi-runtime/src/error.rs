@@ -1,5 +1,8 @@
 //! Errors. Each says where, why and what to do; none leaves a state changed.
 
+#[cfg(feature = "serde")]
+mod words;
+
 use std::fmt;
 
 pub use crate::calculus::DomainError;
@@ -246,9 +249,15 @@ pub enum Error {
     Path(PathError),
     /// A discrete function was evaluated off its time scale, or combined with one on another.
     Domain(DomainError),
+    /// A path of a multilevel run has no value.
+    #[cfg(feature = "ensemble")]
+    Level(crate::ensemble::LevelError),
     /// A checkpoint could not be written, or is not one of this run.
     #[cfg(feature = "serde")]
     Checkpoint(crate::checkpoint::CheckpointError),
+    /// A run on several ranks ended on all of them.
+    #[cfg(feature = "mpi")]
+    Cluster(crate::ensemble::cluster::ClusterError),
     /// A measurement could not be made or written.
     #[cfg(feature = "report")]
     Report(crate::report::ReportError),
@@ -262,8 +271,12 @@ impl fmt::Display for Error {
             Self::Noise(error) => error.fmt(f),
             Self::Path(error) => error.fmt(f),
             Self::Domain(error) => error.fmt(f),
+            #[cfg(feature = "ensemble")]
+            Self::Level(error) => error.fmt(f),
             #[cfg(feature = "serde")]
             Self::Checkpoint(error) => error.fmt(f),
+            #[cfg(feature = "mpi")]
+            Self::Cluster(error) => error.fmt(f),
             #[cfg(feature = "report")]
             Self::Report(error) => error.fmt(f),
         }
@@ -278,8 +291,12 @@ impl std::error::Error for Error {
             Self::Noise(error) => Some(error),
             Self::Path(error) => Some(error),
             Self::Domain(error) => Some(error),
+            #[cfg(feature = "ensemble")]
+            Self::Level(error) => Some(error),
             #[cfg(feature = "serde")]
             Self::Checkpoint(error) => Some(error),
+            #[cfg(feature = "mpi")]
+            Self::Cluster(error) => Some(error),
             #[cfg(feature = "report")]
             Self::Report(error) => Some(error),
         }
@@ -289,6 +306,13 @@ impl std::error::Error for Error {
 impl From<ConfigError> for Error {
     fn from(error: ConfigError) -> Self {
         Self::Config(error)
+    }
+}
+
+#[cfg(feature = "ensemble")]
+impl From<crate::ensemble::LevelError> for Error {
+    fn from(error: crate::ensemble::LevelError) -> Self {
+        Self::Level(error)
     }
 }
 

@@ -15,6 +15,11 @@ pub mod ensemble;
 pub mod error;
 pub mod increments;
 pub mod integrate;
+#[cfg(all(feature = "interrupt", any(feature = "ensemble", feature = "report")))]
+mod interrupt;
+#[cfg(all(feature = "ensemble", not(feature = "interrupt")))]
+#[path = "interrupt/absent.rs"]
+mod interrupt;
 #[cfg(feature = "ensemble")]
 pub mod lanes;
 #[cfg(feature = "noise")]
@@ -34,4 +39,6 @@ mod sum;
 pub mod system;
 pub mod trajectory;
 
+#[cfg(feature = "mpi")]
+pub use mpi;
 pub use nalgebra;

@@ -13,7 +13,7 @@ use crate::system::Discretized;
 use crate::trajectory::{Recorder, Trajectory};
 
 /// Step numbers are exact as `f64` up to here; time is `t_0 + n h`.
-const MOST_STEPS: u64 = 1 << 53;
+pub(crate) const MOST_STEPS: u64 = 1 << 53;
 
 /// What an observer is told of a node besides the state.
 #[derive(Clone, Copy, Debug, PartialEq)]

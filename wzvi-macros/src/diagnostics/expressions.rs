@@ -213,10 +213,6 @@ pub(crate) fn long_for_loop(found: impl ToTokens) -> Error {
     at(found, "a `for` loop whose length is known at run time can only add to its variables: `total += ...`")
 }
 
-pub(crate) fn inner_length(found: impl ToTokens) -> Error {
-    at(found, "lists inside of lists need a literal length, as in `Vec<[usize; 2]>`")
-}
-
 pub(crate) fn index_beyond(found: impl ToTokens, index: &str, length: &str, excess: i128) -> Error {
     let reached = if excess == 0 { length.to_owned() } else { format!("{length} + {excess}") };
     at(found, format!("index {index} is out of range: it reaches {reached}, and there are {length} elements"))

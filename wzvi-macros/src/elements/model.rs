@@ -15,6 +15,8 @@ pub(crate) struct Table {
     pub(crate) name: String,
     /// As it is read in a method of the struct.
     pub(crate) tokens: TokenStream,
+    /// What follows the indices: the part of a tuple, or the length of a list inside.
+    pub(crate) suffix: TokenStream,
     /// Whether its entries are known not to be negative.
     pub(crate) is_unsigned: bool,
 }

@@ -217,7 +217,7 @@ impl<'a> Interpreter<'a, '_> {
             }
         }
         let placeholders: Vec<Symbol> =
-            totals.iter().map(|(name, _)| self.graph.new_symbol(&name.to_string())).collect();
+            totals.iter().map(|(name, _)| self.graph.new_symbol(name.to_string())).collect();
         let mut added = Vec::new();
         // One pass for each total, so that each has sums of its own.
         for (wanted, &placeholder) in placeholders.iter().enumerate() {

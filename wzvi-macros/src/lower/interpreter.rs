@@ -235,7 +235,9 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     pub(super) fn place(&mut self, place: Place, at: &dyn ToTokens) -> Value {
         match &place.kind {
             Kind::Real => Value::Real(self.parameter(&place.name, place.value())),
-            Kind::Other(ty) => self.report(expressions::field_type(at.to_token_stream(), &place.name, ty)),
+            Kind::Other(ty) | Kind::Tuple(_, ty) => {
+                self.report(expressions::field_type(at.to_token_stream(), &place.name, ty))
+            }
             _ => Value::Place(place.into()),
         }
     }

@@ -72,7 +72,19 @@ impl Loops {
     fn table(&mut self, name: &str, tokens: &TokenStream, is_unsigned: bool) -> u32 {
         let tables = &mut self.tables;
         *self.known_tables.entry(tokens.to_string()).or_insert_with(|| {
-            tables.push(Table { name: name.to_owned(), tokens: tokens.clone(), is_unsigned });
+            let (name, suffix) = (name.to_owned(), TokenStream::new());
+            tables.push(Table { name, tokens: tokens.clone(), suffix, is_unsigned });
+            (tables.len() - 1) as u32
+        })
+    }
+
+    /// What `suffix` says of the entries of a list.
+    fn table_of(&mut self, id: u32, suffix: TokenStream, is_unsigned: bool) -> u32 {
+        let tables = &mut self.tables;
+        let Some(Table { name, tokens, .. }) = tables.get(id as usize).cloned() else { return id };
+        let name = format!("{name}{suffix}").replace(' ', "");
+        *self.known_tables.entry(format!("{tokens} [..] {suffix}")).or_insert_with(|| {
+            tables.push(Table { name, tokens, suffix, is_unsigned });
             (tables.len() - 1) as u32
         })
     }
@@ -232,9 +244,27 @@ impl<'a> Interpreter<'a, '_> {
                 }
                 .into(),
             )),
-            Kind::List(_, None) => {
-                self.report(expressions::inner_length(at.to_token_stream()));
-                None
+            Kind::List(inner, None) => {
+                let length = self.loops().table_of(id, quote!(.len()), true);
+                Some(Value::Array(
+                    Array {
+                        source: Source::Table(id, inner.clone()),
+                        length: Index::atom(Atom::Given(length, indices.clone())),
+                        indices,
+                        start: Index::default(),
+                        inner: Vec::new(),
+                    }
+                    .into(),
+                ))
+            }
+            Kind::Tuple(kinds, _) => {
+                let mut parts = Vec::new();
+                for (k, kind) in kinds.iter().enumerate() {
+                    let k = proc_macro2::Literal::usize_unsuffixed(k);
+                    let id = self.loops().table_of(id, quote!(.#k), false);
+                    parts.push(self.entry(id, kind, indices.clone(), at)?);
+                }
+                Some(Value::tuple(parts))
             }
             Kind::Other(ty) => {
                 let name = self.loops().tables.get(id as usize).map_or_else(String::new, |t| t.name.clone());

@@ -1,7 +1,7 @@
 //! A block of paths, the unit of work: its statistics depend on nothing but its number.
 
 use super::dispatch::Kernel;
-use super::draws::{STEPS, key, normals};
+use super::draws::{STEPS, key, normals, normals_at};
 use super::job::Job;
 use super::passage::{Passage, crossing};
 use super::statistics::{PathFailure, Statistics};
@@ -17,6 +17,8 @@ use crate::system::Discretized;
 
 /// Paths in a block.
 pub(super) const PATHS: u64 = 512;
+/// Steps after which a block asks whether the run was stopped: far below a second, whatever the system.
+pub(super) const LOOK: u64 = 1024;
 
 /// One block, as many paths at a time as the instructions ask for, or `WIDTH` if that is not 0.
 pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const WIDTH: usize> {
@@ -25,17 +27,18 @@ pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const WIDTH: usize> {
 }
 
 impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Block<'_, '_, H, E, WIDTH> {
-    type Output = Statistics;
+    /// `None` if the run was stopped on the way.
+    type Output = Option<Statistics>;
 
     #[inline(always)]
-    fn run<const L: usize>(self) -> Statistics {
+    fn run<const L: usize>(self) -> Option<Statistics> {
         if WIDTH == 0 { self.of_width::<L>() } else { self.of_width::<WIDTH>() }
     }
 }
 
 impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
     #[inline(always)]
-    fn of_width<const L: usize>(self) -> Statistics {
+    fn of_width<const L: usize>(self) -> Option<Statistics> {
         let job = self.job;
         let mut statistics = Statistics::new(&job.wanted);
         let first = self.number * PATHS;
@@ -43,11 +46,16 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
         let mut group = Group::<H, E, L>::new(job);
         let mut path = first;
         while path < end {
-            group.begin(path, end, &mut statistics);
+            group.begin(path, end);
+            group.watch_from(&mut statistics);
             group.record(0, &mut statistics);
             let mut node = 1;
             for step in 0..job.steps {
-                group.step(step);
+                if step % LOOK == 0 && job.is_stopped() {
+                    return None;
+                }
+                group.draw(step);
+                group.advance(step);
                 if !job.events.is_empty() {
                     group.watch(step);
                 }
@@ -59,17 +67,25 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
             group.finish(&mut statistics);
             path += L as u64;
         }
-        statistics
+        Some(statistics)
     }
 }
 
+/// The place of a step among those that are drawn together.
+#[inline(always)]
+fn slot(step: u64) -> usize {
+    (step % STEPS as u64) as usize
+}
+
 /// `L` paths that run beside each other.
-struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
+pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     job: &'j Job<'a, H, E>,
     path: u64,
     q: Vec<Lanes<L>>,
     p: Vec<Lanes<L>>,
     keys: Vec<[u32; 8]>,
+    /// Normals by process and step, where more is made of them than increments.
+    normals: Vec<[[f64; L]; STEPS]>,
     /// Increments of `STEPS` steps: those of the first, then those of the second, ...
     increments: Vec<Lanes<L>>,
     deviation: f64,
@@ -86,6 +102,8 @@ struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     /// Number of each lane among the paths that are kept.
     kept: [usize; L],
     values: Vec<f64>,
+    /// The values of the other path of an antithetic pair.
+    first_of_pair: Vec<f64>,
     scratch: Vec<f64>,
     state: State<H::Vector>,
     /// Increments of one lane.
@@ -95,7 +113,7 @@ struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
 }
 
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
-    fn new(job: &'j Job<'a, H, E>) -> Self {
+    pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
         // That of the system, which may not know it.
         let (d, processes) = (job.start.q.components().len(), job.system.noises());
         let zero = Lanes::from_f64(0.0);
@@ -104,7 +122,8 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             path: 0,
             q: vec![zero; d],
             p: vec![zero; d],
-            keys: (0..processes).map(|process| key(job.seed, process as u64)).collect(),
+            keys: (0..processes).map(|process| key(job.seed, process as u64, job.level)).collect(),
+            normals: vec![[[0.0; L]; STEPS]; processes],
             increments: vec![zero; STEPS * processes],
             deviation: job.h.abs().sqrt(),
             counts: [false; L],
@@ -115,6 +134,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             passed: vec![[0.0; L]; job.events.len()],
             kept: [0; L],
             values: vec![0.0; job.observables.len()],
+            first_of_pair: vec![0.0; job.observables.len()],
             scratch: vec![0.0; job.observables.len()],
             state: job.start.clone(),
             alone: vec![0.0; processes],
@@ -123,7 +143,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     }
 
     /// Starts paths `path ..`, as many as there are before `end`.
-    fn begin(&mut self, path: u64, end: u64, statistics: &mut Statistics) {
+    pub(super) fn begin(&mut self, path: u64, end: u64) {
         self.path = path;
         let start = &self.job.start;
         for (to, from) in self.q.iter_mut().zip(start.q.components()) {
@@ -139,6 +159,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             let stepper = |_| Stepper::new(self.job.system, self.job.h).ok().map(Stepper::plain);
             self.steppers = (0..L).filter_map(stepper).collect();
         }
+    }
+
+    /// What is known of events and kept paths at the start.
+    fn watch_from(&mut self, statistics: &mut Statistics) {
+        let start = &self.job.start;
         if let Some(paths) = &mut statistics.paths {
             for lane in 0..L {
                 if self.counts[lane] {
@@ -157,17 +182,74 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         self.job.start.t + step as f64 * self.job.h
     }
 
+    /// The increments of a step; steps are drawn in order.
     #[inline(always)]
-    fn step(&mut self, step: u64) {
-        if matches!(H::PLAN.noise, NoiseClass::None) {
-            return self.by_steppers(step, 0);
+    pub(super) fn draw(&mut self, step: u64) {
+        if self.job.is_antithetic {
+            return self.draw_pairs(step);
         }
-        let job = self.job;
-        let within = (step % STEPS as u64) as usize;
+        if slot(step) > 0 {
+            return;
+        }
+        let processes = self.keys.len();
+        let mut drawn = [[0.0; L]; STEPS];
+        for (process, key) in self.keys.iter().enumerate() {
+            normals(key, self.path, step / STEPS as u64, &mut drawn);
+            for (step, drawn) in drawn.iter().enumerate() {
+                if let Some(to) = self.increments.get_mut(step * processes + process) {
+                    *to = self.job.increment(Lanes::new(*drawn), self.deviation);
+                }
+            }
+        }
+    }
+
+    /// [`Group::draw`] for paths `2k` and `2k + 1` with the normals of path `k`, as they are and negated: of the lanes that
+    /// are drawn at once, half are for the steps after the next [`STEPS`].
+    #[inline(always)]
+    fn draw_pairs(&mut self, step: u64) {
+        let within = step % (2 * STEPS as u64);
         if within == 0 {
-            self.draw(step / STEPS as u64);
+            let (first, block, half) = (self.path / 2, step / STEPS as u64, L as u64 / 2);
+            for (key, to) in self.keys.iter().zip(&mut self.normals) {
+                normals_at(key, |lane| (first.wrapping_add(lane % half), block + lane / half), to);
+            }
         }
-        if !H::IN_LANES {
+        let (half, within) = (within as usize / STEPS, within as usize % STEPS);
+        for process in 0..self.keys.len() {
+            let drawn = &self.normals[process][within];
+            let signed = |lane: usize| {
+                let normal = drawn[half * (L / 2) + lane / 2];
+                if lane.is_multiple_of(2) { normal } else { -normal }
+            };
+            self.drive(process, step, Lanes::new(std::array::from_fn(signed)));
+        }
+    }
+
+    /// The normals of a step, before truncation, in the place of [`Group::draw`]; steps are drawn in order.
+    #[inline(always)]
+    pub(super) fn drawn(&mut self, process: usize, step: u64) -> Lanes<L> {
+        if slot(step) == 0
+            && let (Some(key), Some(to)) = (self.keys.get(process), self.normals.get_mut(process))
+        {
+            normals(key, self.path, step / STEPS as u64, to);
+        }
+        Lanes::new(self.normals[process][slot(step)])
+    }
+
+    /// Sets the increments of a step from normals.
+    #[inline(always)]
+    pub(super) fn drive(&mut self, process: usize, step: u64, normals: Lanes<L>) {
+        let place = slot(step) * self.keys.len() + process;
+        if let Some(to) = self.increments.get_mut(place) {
+            *to = self.job.increment(normals, self.deviation);
+        }
+    }
+
+    /// Takes a step with the increments that were drawn.
+    #[inline(always)]
+    pub(super) fn advance(&mut self, step: u64) {
+        let (job, within) = (self.job, slot(step));
+        if matches!(H::PLAN.noise, NoiseClass::None) || !H::IN_LANES {
             return self.by_steppers(step, within);
         }
         if self.any_failed && !self.mirror(within) {
@@ -192,37 +274,15 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         }
     }
 
-    /// The increments of the next steps.
-    #[inline(always)]
-    fn draw(&mut self, block: u64) {
-        let (clip, deviation, processes) = (self.job.clip, self.deviation, self.keys.len());
-        let mut drawn = [[0.0; L]; STEPS];
-        for (process, key) in self.keys.iter().enumerate() {
-            normals(key, self.path, block, &mut drawn);
-            for (step, drawn) in drawn.iter().enumerate() {
-                let mut dw = [0.0; L];
-                for i in 0..L {
-                    // As `clamp`, which takes more instructions because of NaN.
-                    let z = if drawn[i] < clip { drawn[i] } else { clip };
-                    let z = if z > -clip { z } else { -clip };
-                    dw[i] = z * deviation;
-                }
-                if let Some(to) = self.increments.get_mut(step * processes + process) {
-                    *to = Lanes::new(dw);
-                }
-            }
-        }
-    }
-
     #[inline(never)]
     fn by_steppers(&mut self, step: u64, within: usize) {
         let t = self.time(step);
+        let first = within * self.keys.len();
         let mut steppers = std::mem::take(&mut self.steppers);
         for (lane, stepper) in steppers.iter_mut().enumerate() {
             if !self.failed[lane] {
                 let mut state = self.state_of(lane, t);
-                let dw = self.increments.iter().skip(within * self.keys.len());
-                for (to, from) in self.alone.iter_mut().zip(dw) {
+                for (to, from) in self.alone.iter_mut().zip(self.increments.iter().skip(first)) {
                     *to = from[lane];
                 }
                 match stepper.step(&mut state, &self.alone) {
@@ -323,7 +383,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     }
 
     /// Moves a lane to where observables see it.
-    fn look(&mut self, lane: usize) -> &State<H::Vector> {
+    pub(super) fn look(&mut self, lane: usize) -> &State<H::Vector> {
         for (to, from) in self.state.q.components_mut().iter_mut().zip(&self.q) {
             *to = from[lane];
         }
@@ -331,6 +391,22 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             *to = from[lane];
         }
         &self.state
+    }
+
+    /// Whether a lane is a path of this run.
+    pub(super) fn is_path(&self, lane: usize) -> bool {
+        self.counts[lane]
+    }
+
+    /// The first of the paths, by number, that failed since this was asked last.
+    pub(super) fn take_first_failure(&mut self) -> Option<PathFailure> {
+        self.sort_failures();
+        self.failures.drain(..).next()
+    }
+
+    /// They came in the order of time, which depends on who ran beside whom.
+    fn sort_failures(&mut self) {
+        self.failures.sort_unstable_by_key(|failure| failure.path);
     }
 
     /// Looks for the events of a step that has been taken.
@@ -374,13 +450,19 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             if let Some(paths) = &mut statistics.paths {
                 paths.put(self.kept[lane], node, &self.values);
             }
+            if self.job.is_antithetic {
+                if lane % 2 == 0 {
+                    self.first_of_pair.copy_from_slice(&self.values);
+                } else if !self.failed[lane - 1] {
+                    moments.push_pair(&mut self.first_of_pair, &self.values, &mut self.scratch);
+                }
+            }
         }
     }
 
     /// What became of the paths, in the order of their numbers.
     fn finish(&mut self, statistics: &mut Statistics) {
-        // They came in the order of time, which depends on who ran beside whom.
-        self.failures.sort_unstable_by_key(|failure| failure.path);
+        self.sort_failures();
         let watched = statistics.passages.iter_mut().zip(&self.passed).zip(&self.job.wanted.watches);
         for ((passages, passed), watch) in watched {
             let mut failures = self.failures.iter();

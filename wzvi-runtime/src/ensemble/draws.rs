@@ -8,7 +8,8 @@
 //! |---|---|
 //! | 0..8 | seed |
 //! | 8..16 | process |
-//! | 16..24 | zero |
+//! | 16..20 | level of a multilevel run; zero for its first, and for all other runs |
+//! | 20..24 | zero |
 //! | 24..28 | version of this layout (a change changes every path) |
 //!
 //! Integers are little-endian. Keys of a Wiener path (`noise::stream`) have another version.
@@ -25,11 +26,11 @@ use crate::noise::normal::pair;
 pub(crate) const STEPS: usize = 10;
 const VERSION: u32 = 0x8000_0001;
 
-/// The key of one process of an ensemble.
-pub(crate) fn key(seed: u64, process: u64) -> [u32; 8] {
+/// The key of one process of an ensemble, on one level.
+pub(crate) fn key(seed: u64, process: u64, level: u32) -> [u32; 8] {
     let words = |x: u64| [x as u32, (x >> 32) as u32];
     let ([a, b], [c, d]) = (words(seed), words(process));
-    [a, b, c, d, 0, 0, VERSION, 0]
+    [a, b, c, d, level, 0, VERSION, 0]
 }
 
 /// The standard normal of one step, path and process of an ensemble with this seed, before truncation: for whoever wants to
@@ -48,7 +49,7 @@ pub struct Normals {
 impl Normals {
     /// Of process `process`, from 0, with this seed.
     pub fn new(seed: u64, process: u64) -> Self {
-        Self { key: key(seed, process) }
+        Self { key: key(seed, process, 0) }
     }
 
     /// One block of one path.
@@ -100,28 +101,42 @@ impl<F: FnMut(&[[f64; 16]; STEPS])> Kernel for Visit<'_, F> {
 /// Normals of steps `STEPS * block ..` of paths `path ..`: `[step][path]`.
 #[inline(always)]
 pub(crate) fn normals<const L: usize>(key: &[u32; 8], path: u64, block: u64, to: &mut [[f64; L]; STEPS]) {
+    normals_at(key, |lane| (path.wrapping_add(lane), block), to);
+}
+
+/// Normals of steps `STEPS * block ..` of a path for each lane, which `address` gives: `[step][lane]`.
+#[inline(always)]
+pub(crate) fn normals_at<const L: usize>(
+    key: &[u32; 8],
+    address: impl Fn(u64) -> (u64, u64),
+    to: &mut [[f64; L]; STEPS],
+) {
+    if L != 32 {
+        return side_by_side(key, address, to);
+    }
     // Twice 16 words do not fit into the registers of AVX-512.
-    if L == 32 {
-        let mut part = [[0.0; 16]; STEPS];
-        for half in 0..2 {
-            side_by_side(key, path.wrapping_add(16 * half as u64), block, &mut part);
-            for (to, part) in to.iter_mut().zip(&part) {
-                for i in 0..16 {
-                    to[16 * half + i] = part[i];
-                }
+    let mut part = [[0.0; 16]; STEPS];
+    for half in 0..2 {
+        side_by_side(key, |lane| address(16 * half as u64 + lane), &mut part);
+        for (to, part) in to.iter_mut().zip(&part) {
+            for i in 0..16 {
+                to[16 * half + i] = part[i];
             }
         }
-    } else {
-        side_by_side(key, path, block, to);
     }
 }
 
-/// [`normals`], all at once.
+/// [`normals_at`], all at once.
 #[inline(always)]
-fn side_by_side<const L: usize>(key: &[u32; 8], path: u64, block: u64, to: &mut [[f64; L]; STEPS]) {
+fn side_by_side<const L: usize>(
+    key: &[u32; 8],
+    address: impl Fn(u64) -> (u64, u64),
+    to: &mut [[f64; L]; STEPS],
+) {
     let mut words = [[0; L]; 16];
     for i in 0..L {
-        let block = chacha8(key, path.wrapping_add(i as u64), block);
+        let (path, block) = address(i as u64);
+        let block = chacha8(key, path, block);
         for w in 0..16 {
             words[w][i] = block[w];
         }
@@ -206,7 +221,7 @@ mod tests {
             (u64::MAX, u64::MAX, u64::MAX, u64::MAX >> 4),
             (1, 2, u64::from(u32::MAX), 1 << 33),
         ] {
-            let key = key(seed, process);
+            let key = key(seed, process, 0);
             let mut bytes = [0; 32];
             for (to, word) in bytes.chunks_exact_mut(4).zip(key) {
                 to.copy_from_slice(&word.to_le_bytes());
@@ -228,7 +243,7 @@ mod tests {
     /// A normal is a function of its address: no matter how many paths are drawn at once.
     #[test]
     fn widths_agree() {
-        let key = key(11, 1);
+        let key = key(11, 1, 0);
         let mut wide = [[0.0; 32]; STEPS];
         normals(&key, 96, 3, &mut wide);
         for first in 0..32 {

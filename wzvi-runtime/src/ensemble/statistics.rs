@@ -5,13 +5,17 @@ use super::moments::Moments;
 use super::passage::{Passages, Watch};
 use super::paths::Paths;
 use super::quantiles::Quantiles;
+#[cfg(feature = "serde")]
+use crate::checkpoint::Tape;
 use crate::error::StepError;
+#[cfg(feature = "serde")]
+use crate::error::StepFailure;
 
 /// Failed paths that are kept with their errors; further ones are only counted.
 const MOST_FAILURES: usize = 1000;
 
 /// What a run is to find out.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Wanted {
     /// The observables.
     pub(super) names: Vec<String>,
@@ -22,6 +26,8 @@ pub(super) struct Wanted {
     pub(super) histograms: Vec<(usize, Histogram)>,
     pub(super) watches: Vec<Watch>,
     pub(super) keeps_paths: bool,
+    /// Whether paths `2k` and `2k + 1` are antithetic.
+    pub(super) has_pairs: bool,
 }
 
 /// All paths at one time.
@@ -29,6 +35,8 @@ pub(super) struct Wanted {
 pub struct Node {
     time: f64,
     moments: Moments,
+    /// Of the means of antithetic pairs.
+    pairs: Option<Moments>,
     quantiles: Vec<Quantiles>,
     histograms: Vec<Histogram>,
 }
@@ -39,6 +47,7 @@ impl Node {
         Self {
             time,
             moments: Moments::new(observables),
+            pairs: wanted.has_pairs.then(|| Moments::new(observables)),
             quantiles: vec![Quantiles::default(); if wanted.quantiles { observables } else { 0 }],
             histograms: wanted.histograms.iter().map(|(_, empty)| empty.clone()).collect(),
         }
@@ -55,14 +64,34 @@ impl Node {
         }
     }
 
+    /// The observables of both paths of an antithetic pair, which have been pushed, too; `first` becomes their mean.
+    pub(super) fn push_pair(&mut self, first: &mut [f64], second: &[f64], scratch: &mut [f64]) {
+        let Some(pairs) = &mut self.pairs else { return };
+        for (first, second) in first.iter_mut().zip(second) {
+            *first = 0.5 * *first + 0.5 * second;
+        }
+        pairs.push(first, scratch);
+    }
+
     fn merge(&mut self, other: &Self) {
         self.moments.merge(&other.moments);
+        if let (Some(ours), Some(theirs)) = (&mut self.pairs, &other.pairs) {
+            ours.merge(theirs);
+        }
         for (ours, theirs) in self.quantiles.iter_mut().zip(&other.quantiles) {
             ours.merge(theirs);
         }
         for (ours, theirs) in self.histograms.iter_mut().zip(&other.histograms) {
             ours.merge(theirs);
         }
+    }
+
+    #[cfg(feature = "serde")]
+    fn pass(&mut self, tape: &mut Tape) {
+        self.moments.pass(tape);
+        self.pairs.iter_mut().for_each(|pairs| pairs.pass(tape));
+        self.quantiles.iter_mut().for_each(|quantiles| quantiles.pass(tape));
+        self.histograms.iter_mut().for_each(|histogram| histogram.pass(tape));
     }
 
     /// The time, in the units of the Hamiltonian.
@@ -90,9 +119,11 @@ impl Node {
         self.covariance(observable, observable)
     }
 
-    /// The standard error of the mean, `√(variance / count)`.
+    /// The standard error of the mean: `√(variance / count)`, and for antithetic paths, which depend on each other, that of
+    /// the means of their pairs, `√(variance of pairs / number of pairs)`.
     pub fn standard_error(&self, observable: usize) -> f64 {
-        (self.variance(observable) / self.count() as f64).sqrt()
+        let samples = self.pairs.as_ref().unwrap_or(&self.moments);
+        (samples.covariance(observable, observable) / samples.count() as f64).sqrt()
     }
 
     /// The quantiles of an observable, if the run was asked for them.
@@ -115,6 +146,19 @@ pub struct PathFailure {
     pub error: StepError,
 }
 
+#[cfg(feature = "serde")]
+impl PathFailure {
+    /// To be replaced by what a tape says.
+    const NONE: Self =
+        Self { path: 0, error: StepError { step: 0, t: 0.0, h: 0.0, cause: StepFailure::NonFinite } };
+
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.words([&mut self.path, &mut self.error.step]);
+        tape.numbers([&mut self.error.t, &mut self.error.h]);
+        self.error.cause.pass(tape);
+    }
+}
+
 /// What an ensemble found out.
 ///
 /// A path that fails counts until the last node that it reached, and is missing after that: [`Statistics::failed`] says of
@@ -129,6 +173,8 @@ pub struct Statistics {
     pub(super) paths: Option<Paths>,
     failed: u64,
     failures: Vec<PathFailure>,
+    pub(super) is_partial: bool,
+    pub(super) met_targets: Option<bool>,
 }
 
 impl Statistics {
@@ -141,6 +187,8 @@ impl Statistics {
             paths: wanted.keeps_paths.then(|| Paths::new(wanted.times.len(), wanted.names.len())),
             failed: 0,
             failures: Vec::new(),
+            is_partial: false,
+            met_targets: None,
         }
     }
 
@@ -165,6 +213,27 @@ impl Statistics {
         self.failed += other.failed;
         let room = MOST_FAILURES - self.failures.len();
         self.failures.extend(other.failures.iter().take(room));
+    }
+
+    /// Number of paths, failed ones included.
+    pub(super) fn begun(&self) -> u64 {
+        self.nodes.first().map_or(0, Node::count)
+    }
+
+    /// Everything that the paths change.
+    #[cfg(feature = "serde")]
+    pub(super) fn pass(&mut self, tape: &mut Tape) {
+        self.nodes.iter_mut().for_each(|node| node.pass(tape));
+        self.passages.iter_mut().for_each(|passages| passages.pass(tape));
+        self.paths.iter_mut().for_each(|paths| paths.pass(tape));
+        tape.word(&mut self.failed);
+        let length = tape.length(self.failures.len());
+        if length > MOST_FAILURES {
+            tape.refuse();
+            return;
+        }
+        self.failures.resize(length, PathFailure::NONE);
+        self.failures.iter_mut().for_each(|failure| failure.pass(tape));
     }
 
     /// The names of the observables, in the order of the indices.
@@ -242,6 +311,18 @@ impl Statistics {
     /// The paths themselves, if they were kept.
     pub fn paths(&self) -> Option<&Paths> {
         self.paths.as_ref()
+    }
+
+    /// Whether the run was stopped, by Ctrl-C or [`Ensemble::stop_when`](super::Ensemble::stop_when), before it was done: these
+    /// are the paths with the numbers that it had finished from 0 on, none left out. Without any, all means are NaN.
+    pub fn is_partial(&self) -> bool {
+        self.is_partial
+    }
+
+    /// Whether all standard errors are below what [`Ensemble::until_error`](super::Ensemble::until_error) asked for; `None` if it
+    /// was not called.
+    pub fn met_targets(&self) -> Option<bool> {
+        self.met_targets
     }
 
     /// Number of paths that ended early.

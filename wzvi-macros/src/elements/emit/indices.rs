@@ -56,12 +56,22 @@ impl Indices<'_> {
 
     /// The list `table` at `indices`, as it is read.
     pub(super) fn entry(&self, table: u32, indices: &[Index]) -> TokenStream {
-        let mut tokens = self.tables.get(table as usize).map_or_else(TokenStream::new, |t| t.tokens.clone());
+        let known = self.tables.get(table as usize);
+        let mut tokens = known.map_or_else(TokenStream::new, |table| table.tokens.clone());
         for index in indices {
             let position = self.position(index);
             tokens = if self.checked { quote!(#tokens.get(#position)?) } else { quote!(#tokens[#position]) };
         }
+        if let Some(table) = known.filter(|table| !table.suffix.is_empty()) {
+            let suffix = &table.suffix;
+            return quote!(#tokens #suffix);
+        }
         if self.checked && !indices.is_empty() { quote!((*#tokens)) } else { tokens }
+    }
+
+    /// Whether the entries of a table are the elements of a list.
+    pub(super) fn is_plain(&self, table: u32) -> bool {
+        self.tables.get(table as usize).is_some_and(|table| table.suffix.is_empty())
     }
 
     fn atom(&self, atom: &Atom) -> TokenStream {

@@ -299,8 +299,8 @@ impl Chunk<'_> {
         }
         let is_run = match &local.slot {
             Slot::Coordinate(index) | Slot::Momentum(index) => runs(index, inner.variable),
-            Slot::Entry(_, indices) => match indices.as_slice() {
-                [index] => runs(index, inner.variable),
+            Slot::Entry(table, indices) => match indices.as_slice() {
+                [index] => runs(index, inner.variable) && self.indices.is_plain(*table),
                 _ => false,
             },
             Slot::Number(_) => false,
