@@ -111,6 +111,28 @@ pub(crate) fn normals_at<const L: usize>(
     address: impl Fn(u64) -> (u64, u64),
     to: &mut [[f64; L]; STEPS],
 ) {
+    if L != 32 {
+        return side_by_side(key, address, to);
+    }
+    // Twice 16 words do not fit into the registers of AVX-512.
+    let mut part = [[0.0; 16]; STEPS];
+    for half in 0..2 {
+        side_by_side(key, |lane| address(16 * half as u64 + lane), &mut part);
+        for (to, part) in to.iter_mut().zip(&part) {
+            for i in 0..16 {
+                to[16 * half + i] = part[i];
+            }
+        }
+    }
+}
+
+/// [`normals_at`], all at once.
+#[inline(always)]
+fn side_by_side<const L: usize>(
+    key: &[u32; 8],
+    address: impl Fn(u64) -> (u64, u64),
+    to: &mut [[f64; L]; STEPS],
+) {
     let mut words = [[0; L]; 16];
     for i in 0..L {
         let (path, block) = address(i as u64);
@@ -222,9 +244,9 @@ mod tests {
     #[test]
     fn widths_agree() {
         let key = key(11, 1, 0);
-        let mut wide = [[0.0; 16]; STEPS];
+        let mut wide = [[0.0; 32]; STEPS];
         normals(&key, 96, 3, &mut wide);
-        for first in 0..16 {
+        for first in 0..32 {
             let mut one = [[0.0; 1]; STEPS];
             normals(&key, 96 + first as u64, 3, &mut one);
             for k in 0..STEPS {
