@@ -14,13 +14,13 @@ pub(crate) fn measure() -> Vec<(&'static str, f64, f64)> {
         return Vec::new();
     }
     let all = [
-        ("p1", "20480", "midpoint_8lanes", "midpoint_scalar"),
-        ("p2", "2048", "midpoint_8lanes", "midpoint_scalar"),
-        ("p7", "10240", "midpoint_newton1_8lanes", "midpoint_newton1_scalar"),
+        ("p1", "1024", "midpoint_8lanes", "midpoint_scalar"),
+        ("p2", "1024", "midpoint_8lanes", "midpoint_scalar"),
+        ("p7", "1024", "midpoint_newton1_8lanes", "midpoint_newton1_scalar"),
     ];
     let measured = all.map(|(problem, paths, lanes, scalar)| {
         let output =
-            Command::new(&program).arg(problem).env("PATHS", paths).env("REPS", "5").output().unwrap();
+            Command::new(&program).arg(problem).env("PATHS", paths).env("REPS", "15").output().unwrap();
         let text = String::from_utf8(output.stdout).unwrap();
         (problem, shortest(&text, lanes), shortest(&text, scalar))
     });

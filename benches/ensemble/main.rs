@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench ensemble` measures everything in one run, on one core, and once on two. The C programs
 //! (`hand_sde.c`, 8 lanes and a cheaper generator) are compiled with `gcc -O3 -march=native`, and left out where there is no
-//! gcc. Times are the shortest of several repetitions, which alternate.
+//! gcc. Times are the shortest of many short repetitions, which alternate: what else the machine does, shows least in them.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark stops at the first error")]
 
@@ -14,17 +14,21 @@ use std::time::Instant;
 
 use scenes::{STEPS, Scene};
 
-const REPETITIONS: usize = 51;
-const PATHS: u64 = 1 << 11;
+/// One block: no more than a few milliseconds.
+const PATHS: u64 = 512;
+const REPETITIONS: usize = 301;
+/// For two threads, which take time to begin.
+const MANY_PATHS: u64 = 1 << 14;
+const FEW_REPETITIONS: usize = 9;
 
 /// Nanoseconds per path and step: the shortest of several, in turn with the others.
-fn times<const N: usize>(runs: [&dyn Fn(); N]) -> [f64; N] {
+fn times<const N: usize>(paths: u64, repetitions: usize, runs: [&dyn Fn(); N]) -> [f64; N] {
     let mut shortest = [f64::INFINITY; N];
-    for _ in 0..REPETITIONS {
+    for _ in 0..repetitions {
         for (shortest, run) in shortest.iter_mut().zip(runs) {
             let began = Instant::now();
             run();
-            let nanoseconds = began.elapsed().as_secs_f64() * 1e9 / (PATHS * STEPS) as f64;
+            let nanoseconds = began.elapsed().as_secs_f64() * 1e9 / (paths * STEPS) as f64;
             *shortest = shortest.min(nanoseconds);
         }
     }
@@ -56,10 +60,16 @@ fn main() {
         if only.as_ref().is_some_and(|only| !name.contains(only.as_str())) {
             continue;
         }
-        let [one, alone, hand, two] =
-            times([&|| drop(ensemble(PATHS, 1)), &|| normals(PATHS), &|| drop(by_hand(PATHS)), &|| {
-                drop(ensemble(PATHS, 2))
-            }]);
+        let [one, alone, hand] = times(
+            PATHS,
+            REPETITIONS,
+            [&|| drop(ensemble(PATHS, 1)), &|| normals(PATHS), &|| drop(by_hand(PATHS))],
+        );
+        let [single, double] = times(
+            MANY_PATHS,
+            FEW_REPETITIONS,
+            [&|| drop(ensemble(MANY_PATHS, 1)), &|| drop(ensemble(MANY_PATHS, 2))],
+        );
         let ((ours, error), theirs) = (ensemble(PATHS, 2), by_hand(PATHS));
         assert!(
             (ours - theirs).abs() < 1e-9,
@@ -74,7 +84,7 @@ fn main() {
             one / alone,
             hand / one,
             show(c.map(|c| one / c.1)),
-            one / two,
+            single / double,
         );
     }
 }

@@ -106,7 +106,11 @@ impl<const L: usize> LaneMask<L> {
     /// Whether any lane is true.
     #[inline(always)]
     pub fn any(self) -> bool {
-        self.0.iter().fold(0, |any, &bits| any | bits) != 0
+        let mut any = false;
+        for &bits in &self.0 {
+            any |= bits != 0;
+        }
+        any
     }
 }
 
@@ -117,7 +121,11 @@ impl<const L: usize> Mask for LaneMask<L> {
     }
     #[inline(always)]
     fn all(self) -> bool {
-        self.0.iter().fold(u64::MAX, |all, &bits| all & bits) != 0
+        let mut all = true;
+        for &bits in &self.0 {
+            all &= bits != 0;
+        }
+        all
     }
 }
 

@@ -54,8 +54,7 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
                 if step % LOOK == 0 && job.is_stopped() {
                     return None;
                 }
-                group.draw(step);
-                group.advance(step);
+                group.step(step);
                 if !job.events.is_empty() {
                     group.watch(step);
                 }
@@ -77,9 +76,11 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     path: u64,
     q: Vec<Lanes<L>>,
     p: Vec<Lanes<L>>,
-    dw: Vec<Lanes<L>>,
     keys: Vec<[u32; 8]>,
-    normals: Vec<[[f64; L]; STEPS]>,
+    /// Increments of `STEPS` steps: those of the first, then those of the second, ...
+    increments: Vec<Lanes<L>>,
+    /// Of antithetic paths, those of the `STEPS` steps after these.
+    later: Vec<Lanes<L>>,
     deviation: f64,
     /// Lanes that are paths of this run; others only keep the vector full.
     counts: [bool; L],
@@ -111,9 +112,9 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             path: 0,
             q: vec![zero; d],
             p: vec![zero; d],
-            dw: vec![zero; processes],
-            keys: (0..processes).map(|process| key(job.seed, process as u64, job.level)).collect(),
-            normals: vec![[[0.0; L]; STEPS]; processes],
+            keys: (0..processes).map(|process| key(job.seed, process as u64, 0)).collect(),
+            increments: vec![zero; STEPS * processes],
+            later: vec![zero; if job.is_antithetic { STEPS * processes } else { 0 }],
             deviation: job.h.abs().sqrt(),
             counts: [false; L],
             failed: [false; L],
@@ -170,81 +171,95 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         self.job.start.t + step as f64 * self.job.h
     }
 
-    /// The increments of a step; steps are drawn in order.
     #[inline(always)]
-    pub(super) fn draw(&mut self, step: u64) {
-        if self.job.is_antithetic {
-            return self.draw_pairs(step);
-        }
-        let within = (step % STEPS as u64) as usize;
-        if within == 0 {
-            for (key, to) in self.keys.iter().zip(&mut self.normals) {
-                normals(key, self.path, step / STEPS as u64, to);
+    fn step(&mut self, step: u64) {
+        if step % STEPS as u64 == 0 {
+            if self.job.is_antithetic {
+                self.draw_pairs(step / STEPS as u64);
+            } else {
+                self.draw(step / STEPS as u64);
             }
         }
-        for (process, dw) in self.dw.iter_mut().enumerate() {
-            *dw = self.job.increment(Lanes::new(self.normals[process][within]), self.deviation);
-        }
+        self.advance(step);
     }
 
-    /// [`Group::draw`] for paths `2k` and `2k + 1` with the normals of path `k`, as they are and negated: of the lanes that
-    /// are drawn at once, half are for the steps after the next [`STEPS`].
-    #[inline(always)]
-    fn draw_pairs(&mut self, step: u64) {
-        let within = step % (2 * STEPS as u64);
-        if within == 0 {
-            let (first, block, half) = (self.path / 2, step / STEPS as u64, L as u64 / 2);
-            for (key, to) in self.keys.iter().zip(&mut self.normals) {
-                normals_at(key, |lane| (first.wrapping_add(lane % half), block + lane / half), to);
-            }
-        }
-        let (half, within) = (within as usize / STEPS, within as usize % STEPS);
-        for (process, dw) in self.dw.iter_mut().enumerate() {
-            let drawn = &self.normals[process][within];
-            let signed = |lane: usize| {
-                let normal = drawn[half * (L / 2) + lane / 2];
-                if lane.is_multiple_of(2) { normal } else { -normal }
-            };
-            *dw = self.job.increment(Lanes::new(std::array::from_fn(signed)), self.deviation);
-        }
-    }
-
-    /// The normals of a step that was drawn, before truncation.
-    #[inline(always)]
-    pub(super) fn drawn(&self, process: usize, step: u64) -> Lanes<L> {
-        Lanes::new(self.normals[process][(step % STEPS as u64) as usize])
-    }
-
-    /// Sets the increments of the next step in the place of [`Group::draw`], from normals.
-    #[inline(always)]
-    pub(super) fn drive(&mut self, process: usize, normals: Lanes<L>) {
-        self.dw[process] = self.job.increment(normals, self.deviation);
-    }
-
-    /// Takes a step with the increments that were drawn.
+    /// Takes a step with the increments that have been drawn or given ([`Group::drive`]).
     #[inline(always)]
     pub(super) fn advance(&mut self, step: u64) {
         if matches!(H::PLAN.noise, NoiseClass::None) {
             return self.without_noise(step);
         }
         let job = self.job;
-        if self.any_failed && !self.mirror() {
+        let within = (step % STEPS as u64) as usize;
+        if self.any_failed && !self.mirror(within) {
             return;
         }
         let t = self.time(step);
         let (q, p, memory) = (&mut self.q, &mut self.p, &mut Default::default());
+        let processes = self.keys.len();
+        let Some(dw) = self.increments.get(within * processes..(within + 1) * processes) else { return };
         let outcome = job.system.advance_carrying::<Lanes<L>, Plain, false>(
             &job.prepared,
             t,
             job.h,
             q,
             p,
-            &self.dw,
+            dw,
             memory,
             &mut Plain,
         );
         if outcome.is_err() {
-            self.one_by_one(step, t);
+            self.one_by_one(step, t, within);
+        }
+    }
+
+    /// The increments of the next steps.
+    #[inline(always)]
+    fn draw(&mut self, block: u64) {
+        let (clip, deviation, processes) = (self.job.clip, self.deviation, self.keys.len());
+        let mut drawn = [[0.0; L]; STEPS];
+        for (process, key) in self.keys.iter().enumerate() {
+            normals(key, self.path, block, &mut drawn);
+            for (step, drawn) in drawn.iter().enumerate() {
+                if let Some(to) = self.increments.get_mut(step * processes + process) {
+                    *to = increments(drawn, clip, deviation);
+                }
+            }
+        }
+    }
+
+    /// [`Group::draw`] for paths `2k` and `2k + 1` with the normals of path `k`, as they are and negated: of the lanes that
+    /// are drawn at once, half are for the next block of steps.
+    #[inline(always)]
+    fn draw_pairs(&mut self, block: u64) {
+        if block % 2 == 1 {
+            return std::mem::swap(&mut self.increments, &mut self.later);
+        }
+        let (clip, deviation, processes) = (self.job.clip, self.deviation, self.keys.len());
+        let (first, half) = (self.path / 2, L as u64 / 2);
+        let mut drawn = [[0.0; L]; STEPS];
+        for (process, key) in self.keys.iter().enumerate() {
+            normals_at(key, |lane| (first.wrapping_add(lane % half), block + lane / half), &mut drawn);
+            for (step, drawn) in drawn.iter().enumerate() {
+                for (part, to) in [&mut self.increments, &mut self.later].into_iter().enumerate() {
+                    let signed = std::array::from_fn(|lane| {
+                        let normal = drawn[part * (L / 2) + lane / 2];
+                        if lane % 2 == 0 { normal } else { -normal }
+                    });
+                    if let Some(to) = to.get_mut(step * processes + process) {
+                        *to = increments(&signed, clip, deviation);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Gives an increment of a step, as standard normals, in the place of one that is drawn.
+    #[inline(always)]
+    pub(super) fn drive(&mut self, step: u64, process: usize, normals: &[f64; L]) {
+        let within = (step % STEPS as u64) as usize;
+        if let Some(to) = self.increments.get_mut(within * self.keys.len() + process) {
+            *to = increments(normals, self.job.clip, self.deviation);
         }
     }
 
@@ -267,9 +282,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     /// Lanes without a path follow the first that has one; `false` if none has.
     #[cold]
     #[inline(never)]
-    fn mirror(&mut self) -> bool {
+    fn mirror(&mut self, within: usize) -> bool {
         let Some(living) = (0..L).find(|&lane| !self.failed[lane]) else { return false };
-        for x in self.q.iter_mut().chain(&mut self.p).chain(&mut self.dw) {
+        let processes = self.keys.len();
+        let dw = self.increments.iter_mut().skip(within * processes).take(processes);
+        for x in self.q.iter_mut().chain(&mut self.p).chain(dw) {
             let old = x.to_array();
             *x = Lanes::new(std::array::from_fn(|lane| old[if self.failed[lane] { living } else { lane }]));
         }
@@ -279,12 +296,12 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     /// The step that not all lanes can take the short way.
     #[cold]
     #[inline(never)]
-    fn one_by_one(&mut self, step: u64, t: f64) {
+    fn one_by_one(&mut self, step: u64, t: f64, within: usize) {
         for lane in 0..L {
             if self.failed[lane] {
                 continue;
             }
-            if let Err(cause) = self.single(lane, t) {
+            if let Err(cause) = self.single(lane, t, within) {
                 self.fail(lane, StepError { step, t, h: self.job.h, cause });
             }
         }
@@ -316,10 +333,12 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     }
 
     /// One lane, as it goes alone: the short way, then the careful one of a [`Stepper`].
-    fn single(&mut self, lane: usize, t: f64) -> Result<(), StepFailure> {
+    fn single(&mut self, lane: usize, t: f64, within: usize) -> Result<(), StepFailure> {
         let job = self.job;
         let alone = |lanes: &[Lanes<L>]| -> Vec<_> { lanes.iter().map(|x| Lanes::new([x[lane]])).collect() };
-        let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(&self.dw));
+        let processes = self.keys.len();
+        let dw = self.increments.get(within * processes..(within + 1) * processes).unwrap_or_default();
+        let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(dw));
         let outcome = job.system.advance_carrying::<Lanes<1>, Plain, false>(
             &job.prepared,
             t,
@@ -446,4 +465,17 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             statistics.fail(failure);
         }
     }
+}
+
+/// Increments from standard normals: truncated, times `√|h|`.
+#[inline(always)]
+fn increments<const L: usize>(normals: &[f64; L], clip: f64, deviation: f64) -> Lanes<L> {
+    let mut dw = [0.0; L];
+    for i in 0..L {
+        // As `clamp`, which takes more instructions because of NaN.
+        let z = if normals[i] < clip { normals[i] } else { clip };
+        let z = if z > -clip { z } else { -clip };
+        dw[i] = z * deviation;
+    }
+    Lanes::new(dw)
 }

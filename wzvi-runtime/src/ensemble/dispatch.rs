@@ -61,7 +61,7 @@ impl InstructionSet {
 pub trait Kernel {
     /// What it computes.
     type Output;
-    /// Does the work, with so many numbers beside each other as fill one or two registers.
+    /// Does the work, with so many numbers beside each other that the processor has something else to do while it waits for one.
     fn run<const L: usize>(self) -> Self::Output;
 }
 
@@ -88,7 +88,7 @@ mod x86 {
     pub(super) fn avx512<K: Kernel>(kernel: K) -> K::Output {
         #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl")]
         fn run<K: Kernel>(kernel: K) -> K::Output {
-            kernel.run::<16>()
+            kernel.run::<32>()
         }
         debug_assert!(super::InstructionSet::Avx512.is_available());
         // SAFETY: the machine has these instructions; its caller has asked.

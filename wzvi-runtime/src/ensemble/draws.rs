@@ -101,10 +101,29 @@ impl<F: FnMut(&[[f64; 16]; STEPS])> Kernel for Visit<'_, F> {
 /// Normals of steps `STEPS * block ..` of paths `path ..`: `[step][path]`.
 #[inline(always)]
 pub(crate) fn normals<const L: usize>(key: &[u32; 8], path: u64, block: u64, to: &mut [[f64; L]; STEPS]) {
+    // Twice 16 words do not fit into the registers of AVX-512.
+    if L == 32 {
+        let mut part = [[0.0; 16]; STEPS];
+        for half in 0..2 {
+            side_by_side(key, path.wrapping_add(16 * half as u64), block, &mut part);
+            for (to, part) in to.iter_mut().zip(&part) {
+                for i in 0..16 {
+                    to[16 * half + i] = part[i];
+                }
+            }
+        }
+    } else {
+        side_by_side(key, path, block, to);
+    }
+}
+
+/// [`normals`], all at once.
+#[inline(always)]
+fn side_by_side<const L: usize>(key: &[u32; 8], path: u64, block: u64, to: &mut [[f64; L]; STEPS]) {
     normals_at(key, |lane| (path.wrapping_add(lane), block), to);
 }
 
-/// Normals of steps `STEPS * block ..` of a path for each lane, which `address` gives: `[step][lane]`.
+/// Normals of steps `STEPS * block ..` of a path for each lane, where `address` gives path and block: `[step][lane]`.
 #[inline(always)]
 pub(crate) fn normals_at<const L: usize>(
     key: &[u32; 8],
@@ -222,9 +241,9 @@ mod tests {
     #[test]
     fn widths_agree() {
         let key = key(11, 1, 0);
-        let mut wide = [[0.0; 16]; STEPS];
+        let mut wide = [[0.0; 32]; STEPS];
         normals(&key, 96, 3, &mut wide);
-        for first in 0..16 {
+        for first in 0..32 {
             let mut one = [[0.0; 1]; STEPS];
             normals(&key, 96 + first as u64, 3, &mut one);
             for k in 0..STEPS {

@@ -56,12 +56,15 @@ impl<const L: usize> Progress<L> {
         let converged = (square * relative).less_equal(self.enough);
         let contracts = relative.less(self.last * 0.5);
         let mut good = self.done | converged | contracts;
-        let mut stagnates = LaneMask::from_bool(false);
-        if !good.all() && self.iterations > 1 {
-            stagnates = !is_nan(relative) & !(converged | contracts) & at_rounding();
+        self.done = self.done | converged;
+        if !good.all() {
+            let mut stagnates = LaneMask::from_bool(false);
+            if self.iterations > 1 {
+                stagnates = !is_nan(relative) & !good & at_rounding();
+            }
             good = good | stagnates;
+            self.done = self.done | stagnates | !good;
         }
-        self.done = self.done | converged | stagnates | !good;
         self.last = relative;
         let predicted = relative * (0.25 * ROUNDING) * relative;
         let floor = Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING);
@@ -97,7 +100,8 @@ pub(super) fn iterate<const L: usize, const N: usize>(
         for i in 0..N {
             moved[i] = x[i] - correction[i];
             let size = ratio(correction[i], moved[i].abs());
-            largest = Lanes::select(size.less_equal(largest) | is_nan(largest), largest, size);
+            let keeps = size.less_equal(largest) | is_nan(largest);
+            largest = if i == 0 { size } else { Lanes::select(keeps, largest, size) };
         }
         let astray = progress.judge(largest, || {
             let mut all = LaneMask::from_bool(true);
