@@ -53,6 +53,14 @@
 //! checkpoint, with the sums of the increments from the start. A node between the last checkpoint and the moment of
 //! the stop is seen twice, once before and once after it.
 //!
+//! # Ensembles
+//!
+//! The checkpoint of an [`Ensemble`](crate::ensemble::Ensemble) has what is known of its first blocks of paths, and a run that
+//! goes on merges the others in the same order: the same table, the same promise, in a file of its own kind
+//! (`wzvi-ensemble`) and without a second one. The number of paths may grow; a last block that is not whole is run
+//! again. Observables and events are compared by their names and their values at the start. The file grows with
+//! the number of recorded times, observables and bins, not with that of the paths unless they are kept.
+//!
 //! # Sources of noise
 //!
 //! [`Wiener`](crate::noise::Wiener), [`WongZakai`](crate::noise::WongZakai) and given increments need no state: what they

@@ -4,7 +4,7 @@
 //! other; blocks are merged in the order of their numbers. So the result is the same, bit for bit, for any number of
 //! threads, any width of the lanes and any [`InstructionSet`]. Increments are `√|h| ξ` with one [`normal`] `ξ` for
 //! each (seed, process, path, step), truncated where that is asked for. They are no Wiener tree: another step size is another
-//! sample.
+//! sample, except beside each other on the levels of [`Multilevel`].
 //!
 //! A path is that of [`Stepper::plain`](crate::step::Stepper::plain) with the same increments: to the last bit if `H` has
 //! arithmetic and roots only; elementary functions of lanes ([`crate::lanes`]) are not those of `std`. A step that the
@@ -414,7 +414,6 @@ where
             observables,
             events,
             wanted,
-            level: 0,
             is_antithetic,
             stop,
         })
