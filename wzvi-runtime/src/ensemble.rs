@@ -414,6 +414,7 @@ where
             observables,
             events,
             wanted,
+            level: 0,
             is_antithetic,
             stop,
         })
