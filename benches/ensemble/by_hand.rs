@@ -13,9 +13,7 @@ fn drive<const K: usize>(path: u64, mut step: impl FnMut([f64; K])) {
     let processes: [Normals; K] = std::array::from_fn(|k| Normals::new(SEED, k as u64));
     for block in 0..STEPS / 10 {
         let drawn = processes.each_ref().map(|process| process.of_path(path, block));
-        for i in 0..10 {
-            step(std::array::from_fn(|k| drawn[k][i]));
-        }
+        (0..10).for_each(|i| step(std::array::from_fn(|k| drawn[k][i])));
     }
 }
 

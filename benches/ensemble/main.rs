@@ -10,6 +10,7 @@ mod by_hand;
 mod c;
 mod scenes;
 
+use std::hint::black_box;
 use std::time::Instant;
 
 use scenes::{STEPS, Scene};
@@ -63,12 +64,12 @@ fn main() {
         let [one, alone, hand] = times(
             PATHS,
             REPETITIONS,
-            [&|| drop(ensemble(PATHS, 1)), &|| normals(PATHS), &|| drop(by_hand(PATHS))],
+            [&|| _ = black_box(ensemble(PATHS, 1)), &|| normals(PATHS), &|| _ = black_box(by_hand(PATHS))],
         );
         let [single, double] = times(
             MANY_PATHS,
             FEW_REPETITIONS,
-            [&|| drop(ensemble(MANY_PATHS, 1)), &|| drop(ensemble(MANY_PATHS, 2))],
+            [&|| _ = black_box(ensemble(MANY_PATHS, 1)), &|| _ = black_box(ensemble(MANY_PATHS, 2))],
         );
         let ((ours, error), theirs) = (ensemble(PATHS, 2), by_hand(PATHS));
         assert!(

@@ -51,7 +51,7 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
             group.record(0, &mut statistics);
             let mut node = 1;
             for step in 0..job.steps {
-                if step % LOOK == 0 && job.is_stopped() {
+                if step.is_multiple_of(LOOK) && job.is_stopped() {
                     return None;
                 }
                 group.draw(step);
@@ -451,7 +451,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
                 paths.put(self.kept[lane], node, &self.values);
             }
             if self.job.is_antithetic {
-                if lane % 2 == 0 {
+                if lane.is_multiple_of(2) {
                     self.first_of_pair.copy_from_slice(&self.values);
                 } else if !self.failed[lane - 1] {
                     moments.push_pair(&mut self.first_of_pair, &self.values, &mut self.scratch);
