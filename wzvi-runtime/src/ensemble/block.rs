@@ -173,7 +173,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
 
     #[inline(always)]
     fn step(&mut self, step: u64) {
-        if step % STEPS as u64 == 0 {
+        if step.is_multiple_of(STEPS as u64) {
             if self.job.is_antithetic {
                 self.draw_pairs(step / STEPS as u64);
             } else {
