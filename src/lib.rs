@@ -60,6 +60,9 @@ pub use wzvi_macros::hamiltonian;
 #[cfg(feature = "serde")]
 pub use wzvi_runtime::checkpoint;
 pub use wzvi_runtime::error::Error;
+/// The crate that [`Ensemble::run_on`](ensemble::Ensemble::run_on) takes its communicators from.
+#[cfg(feature = "mpi")]
+pub use wzvi_runtime::mpi;
 /// The vectors of a [`State`](state::State): functions generic over the scheme name them, as in
 /// `fn run<E>(kubo: &Kubo) where Kubo: Discretized<E, Vector = SVector<f64, 1>>`.
 pub use wzvi_runtime::nalgebra;
@@ -68,8 +71,8 @@ pub use wzvi_runtime::noise;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
-    calculus, embedding, error, increments, integrate, numbers, plan, retry, scalar, simulate, state, step,
-    system, trajectory,
+    calculus, elements, embedding, error, increments, integrate, numbers, plan, retry, scalar, simulate,
+    state, step, system, trajectory,
 };
 #[cfg(feature = "ensemble")]
 pub use wzvi_runtime::{ensemble, lanes};
@@ -79,6 +82,7 @@ pub mod prelude {
     pub use wzvi_macros::hamiltonian;
     #[cfg(feature = "serde")]
     pub use wzvi_runtime::checkpoint::Checkpoint;
+    pub use wzvi_runtime::elements::Iteration;
     pub use wzvi_runtime::embedding::{
         Corrected, DeltaMinus, DeltaPlus, Lambda, Midpoint, Mixed, Uncorrected,
     };
@@ -102,9 +106,10 @@ pub mod __private {
     pub use core;
 
     pub use wzvi_runtime::carry::{Carry, Compensation, Plain};
+    pub use wzvi_runtime::elements;
     pub use wzvi_runtime::embedding;
     pub use wzvi_runtime::error::{ConfigError, StepFailure};
-    pub use wzvi_runtime::nalgebra::SVector;
+    pub use wzvi_runtime::nalgebra::{DVector, SVector};
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scalar::{Mask, Scalar};
     pub use wzvi_runtime::solve::*;

@@ -16,7 +16,7 @@ use scenes::{STEPS, Scene};
 
 /// One block: no more than a few milliseconds.
 const PATHS: u64 = 512;
-const REPETITIONS: usize = 301;
+const REPETITIONS: usize = 101;
 /// For two threads, which take time to begin.
 const MANY_PATHS: u64 = 1 << 14;
 const FEW_REPETITIONS: usize = 9;

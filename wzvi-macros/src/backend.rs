@@ -8,6 +8,7 @@ use crate::discretise::describe::describe;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::{Scheme, discretise};
+use crate::elements;
 use crate::emit::emit;
 use crate::model::Model;
 
@@ -23,4 +24,22 @@ pub(crate) fn back_end(mut model: Model, diagnostics: &mut Diagnostics) -> Token
     let schemes: Vec<Scheme> = embeddings.iter().map(|e| discretise(&mut model, &facts, e)).collect();
     let equations: Vec<String> = schemes.iter().map(|scheme| describe(&mut model, &facts, scheme)).collect();
     emit(&mut model, &facts, &schemes, &equations)
+}
+
+/// [`back_end`] for a system whose sums stay loops.
+pub(crate) fn elements_back_end(
+    mut model: elements::model::Model,
+    diagnostics: &mut Diagnostics,
+) -> TokenStream {
+    let facts = elements::facts::Facts::new(&mut model);
+    elements::facts::check(&mut model, &facts, diagnostics);
+    if diagnostics.has_errors() {
+        return TokenStream::new();
+    }
+    let equations: Vec<String> = model
+        .embeddings
+        .iter()
+        .map(|embedding| elements::describe::describe(&model, &facts, &embedding.value))
+        .collect();
+    elements::emit::emit(&mut model, &facts, &equations)
 }

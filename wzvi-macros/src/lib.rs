@@ -8,6 +8,7 @@ mod check;
 mod compile;
 mod diagnostics;
 mod discretise;
+mod elements;
 mod emit;
 mod input;
 mod lower;
@@ -28,7 +29,9 @@ mod symbolic;
 /// ```
 ///
 /// The parameters of a closure are the coordinates, the momenta and, if it is named, time: `|q, p|` is one degree of
-/// freedom, `|[x, y], [px, py]|` names several, `|q: [f64; 3], p: [f64; 3]|` indexes them. The fields of the struct
+/// freedom, `|[x, y], [px, py]|` names several, `|q: [f64; 3], p: [f64; 3]|` indexes them. The size may be a constant or a
+/// const generic, `|q: &[f64], p: &[f64]|` has that of the state, and `[[f64; 3]; N]` are points: sums then stay loops, and
+/// `noise = [|q, p, k| sigma * q[k]; N]` is one noise for each `k`. The fields of the struct
 /// are in scope by name. Bodies are Rust expressions and are type-checked as such.
 #[proc_macro_attribute]
 pub fn hamiltonian(

@@ -59,11 +59,14 @@
 //! are is in the file, and they are asked for step `n` as in a run that was never stopped. A source of your own says
 //! what it is by [`Noise::identity`](crate::increments::Noise::identity), or takes no checkpoints.
 
+#[cfg(feature = "ensemble")]
+mod blocks;
 mod error;
 mod format;
 mod identity;
 mod keeper;
 mod nodes;
+mod own;
 mod replace;
 mod schedule;
 mod tape;
@@ -74,15 +77,18 @@ use std::time::Duration;
 use crate::error::ConfigError;
 use crate::simulate::Simulation;
 use crate::system::Discretized;
+#[cfg(feature = "ensemble")]
+pub(crate) use blocks::{BlockKeeper, Described, Extent};
 pub use error::{CheckpointError, Damage, Difference};
 pub(crate) use tape::Tape;
 
 /// Where a run writes itself down, and how often.
 #[derive(Clone, Debug, PartialEq, Eq)]
-#[must_use = "give it to `Simulation::checkpoint`"]
+#[must_use = "give it to the `checkpoint` of a `Simulation` or an `Ensemble`"]
 pub struct Checkpoint {
     path: PathBuf,
     steps: Option<u64>,
+    paths: Option<u64>,
     interval: Option<Duration>,
 }
 
@@ -92,35 +98,69 @@ const MINUTE: Duration = Duration::from_secs(60);
 impl Checkpoint {
     /// To this file, once a minute unless told otherwise.
     pub fn to(path: impl Into<PathBuf>) -> Self {
-        Self { path: path.into(), steps: None, interval: None }
+        Self { path: path.into(), steps: None, paths: None, interval: None }
     }
 
-    /// At each node whose number is a multiple of `steps`, at least 1.
+    /// At each node whose number is a multiple of `steps`, at least 1. For a [`Simulation`].
     pub fn every_steps(mut self, steps: u64) -> Self {
         self.steps = Some(steps);
         self
     }
 
+    /// Whenever so many paths more are done, at least 1; in whole blocks of paths. For an ensemble.
+    pub fn every_paths(mut self, paths: u64) -> Self {
+        self.paths = Some(paths);
+        self
+    }
+
     /// As soon as this time has gone by since the last checkpoint, more than zero. Together with
-    /// [`Checkpoint::every_steps`], whichever comes first.
+    /// [`Checkpoint::every_steps`] or [`Checkpoint::every_paths`], whichever comes first.
     pub fn every(mut self, interval: Duration) -> Self {
         self.interval = Some(interval);
         self
     }
 
-    fn check(&self) -> Result<(), ConfigError> {
-        let mistake = match (self.steps, self.interval) {
-            (Some(0), _) => "a checkpoint every 0 steps; give at least 1",
-            (_, Some(Duration::ZERO)) => "a checkpoint after no time at all; give more than zero",
+    fn check(&self, counts: Counts) -> Result<(), ConfigError> {
+        let mistake = match (self.steps, self.paths, self.interval) {
+            (Some(0), _, _) => "a checkpoint every 0 steps; give at least 1",
+            (_, Some(0), _) => "a checkpoint every 0 paths; give at least 1",
+            (_, _, Some(Duration::ZERO)) => "a checkpoint after no time at all; give more than zero",
+            (Some(_), _, _) if counts != Counts::Steps => {
+                "a checkpoint of an ensemble every so many steps; use `every_paths` or `every`"
+            }
+            (_, Some(_), _) if counts == Counts::Steps => {
+                "a checkpoint of a single path every so many paths; use `every_steps` or `every`"
+            }
             _ => return Ok(()),
         };
         Err(ConfigError::Setting(mistake.to_owned()))
     }
 }
 
+/// What a run goes on in.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Counts {
+    Steps,
+    #[cfg(feature = "ensemble")]
+    Paths,
+}
+
 /// What a run was told to keep.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Keeping(Option<Checkpoint>);
+
+#[cfg(feature = "ensemble")]
+impl Keeping {
+    pub(crate) fn to(checkpoint: Checkpoint) -> Self {
+        Self(Some(checkpoint))
+    }
+}
+
+/// The checksum of several words.
+#[cfg(feature = "ensemble")]
+pub(crate) fn checksum(words: &[u64]) -> String {
+    identity::checksum(words.iter().copied())
+}
 
 impl<H: Discretized<E>, E, N, O> Simulation<'_, H, E, N, O> {
     /// Goes on from the checkpoint if its file is there and of this run, and writes one now and then and at the end:

@@ -12,14 +12,26 @@
 //!
 //! A path whose step fails ends there, with its number and error in [`Statistics::failures`]; its neighbours do not notice.
 
+mod account;
 mod block;
+#[cfg(feature = "mpi")]
+pub mod cluster;
 #[cfg(feature = "columnar")]
 mod columnar;
 mod control;
+// The part of `cluster` that can be tested without MPI.
+#[cfg(all(test, not(feature = "mpi")))]
+#[path = "ensemble/cluster/desk.rs"]
+mod desk;
 mod dispatch;
 mod draws;
 mod histogram;
 mod job;
+#[cfg(feature = "serde")]
+mod keeping;
+#[cfg(not(feature = "serde"))]
+#[path = "ensemble/keeping/absent.rs"]
+mod keeping;
 mod moments;
 mod multilevel;
 mod passage;
@@ -32,8 +44,8 @@ mod table;
 
 use std::marker::PhantomData;
 use std::num::NonZero;
-use std::ops::ControlFlow;
 
+use account::Account;
 use control::Control;
 pub use dispatch::{InstructionSet, Kernel};
 pub use draws::{Normals, normal};
@@ -43,12 +55,12 @@ pub use multilevel::{Level, LevelError, LevelFailure, Multilevel, MultilevelEsti
 pub use passage::Passages;
 use passage::Watch;
 pub use paths::Paths;
-use progress::Progress;
 pub use quantiles::Quantiles;
 use statistics::Wanted;
 pub use statistics::{Node, PathFailure, Statistics};
 pub use table::{Column, FileError, Table};
 
+use crate::checkpoint::Keeping;
 use crate::error::{ConfigError, Error};
 use crate::interrupt::Interrupt;
 use crate::noise::{Truncation, clip_bound};
@@ -87,6 +99,7 @@ pub struct Ensemble<'a, H: Discretized<E>, E> {
     threads: Option<usize>,
     truncation: Truncation,
     instructions: InstructionSet,
+    keeping: Keeping,
     is_antithetic: bool,
     control: Control<'a>,
     scheme: PhantomData<fn() -> E>,
@@ -113,6 +126,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             threads: None,
             truncation: Truncation::Unset,
             instructions: InstructionSet::best(),
+            keeping: Keeping::default(),
             is_antithetic: false,
             control: Control::default(),
             scheme: PhantomData,
@@ -272,7 +286,8 @@ where
     ///
     /// # Errors
     /// [`Error::Config`] if a setting is missing or makes no sense, [`Error::Step`] if all paths fail: the first
-    /// failure. Fewer failures are in the [`Statistics`].
+    /// failure. Fewer failures are in the [`Statistics`]. `Error::Checkpoint` if there is a checkpoint that cannot be
+    /// written or gone on from.
     pub fn run(self) -> Result<Statistics, Error> {
         self.run_in::<0>()
     }
@@ -281,7 +296,7 @@ where
     /// same.
     #[doc(hidden)]
     pub fn run_in<const WIDTH: usize>(mut self) -> Result<Statistics, Error> {
-        let control = std::mem::take(&mut self.control);
+        let (control, keeping) = (std::mem::take(&mut self.control), std::mem::take(&mut self.keeping));
         let (threads, instructions) = (threads(self.threads)?, self.instructions);
         let interrupt = Interrupt::watch();
         let stop = || interrupt.requested() || control.is_stopped();
@@ -291,27 +306,9 @@ where
                 ConfigError::Setting(format!("antithetic pairs in {WIDTH} lanes: take 2 or more")).into()
             );
         }
-        let targets = control.targets(&job.wanted.names)?;
-        let mut statistics = Statistics::new(&job.wanted);
-        if let Some(paths) = &mut statistics.paths {
-            paths.reserve(job.paths)?;
-        }
-        let mut progress = Progress::new("paths", control.is_quiet);
-        job.run::<WIDTH>(job.blocks(), threads, instructions, |block| {
-            let Some(block) = block else {
-                statistics.is_partial = true;
-                return ControlFlow::Break(());
-            };
-            statistics.merge(&block);
-            let (is_done, expected) = targets.look(&statistics, job.paths);
-            progress.show(statistics.begun(), expected);
-            if is_done { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        });
-        statistics.met_targets = targets.met(&statistics);
-        match (statistics.last().map_or(0, Node::count), statistics.failures().first()) {
-            (0, Some(failure)) => Err(failure.error.into()),
-            _ => Ok(statistics),
-        }
+        let mut account = Account::open(&job, &control, keeping)?;
+        job.run::<WIDTH>(account.blocks(), threads, instructions, |block| account.take(block));
+        account.close()
     }
 
     fn job<'s>(self, stop: Stop<'s>) -> Result<Job<'s, H, E>, Error>
@@ -344,7 +341,11 @@ where
         }
         let recorded = recorded(self.every, &self.chosen, start.t, h, steps)?;
         let times: Vec<f64> = recorded.iter().map(|&steps| start.t + steps as f64 * h).collect();
-        let observables = if self.observables.is_empty() { standard(system) } else { self.observables };
+        let observables = if self.observables.is_empty() {
+            standard(system, start.q.components().len())
+        } else {
+            self.observables
+        };
         let (names, observables) = separated(observables, "observable");
         let (event_names, events) = separated(self.events, "event");
         for names in [&names, &event_names] {
@@ -413,6 +414,7 @@ where
             observables,
             events,
             wanted,
+            level: 0,
             is_antithetic,
             stop,
         })
@@ -472,15 +474,15 @@ fn recorded(every: u64, chosen: &[f64], start: f64, h: f64, steps: u64) -> Resul
 }
 
 /// What is observed if nothing is asked for.
-fn standard<H: Discretized<E> + Sync, E>(system: &H) -> Vec<Named<'_, H::Vector>> {
+fn standard<H: Discretized<E> + Sync, E>(system: &H, degrees: usize) -> Vec<Named<'_, H::Vector>> {
     let component =
         |i: usize| move |vector: &H::Vector| vector.components().get(i).copied().unwrap_or(f64::NAN);
     let mut all: Vec<Named<'_, H::Vector>> = Vec::new();
-    for i in 0..system.degrees() {
+    for i in 0..degrees {
         let q = component(i);
         all.push((Some(format!("q{i}")), Box::new(move |state| q(&state.q))));
     }
-    for i in 0..system.degrees() {
+    for i in 0..degrees {
         let p = component(i);
         all.push((Some(format!("p{i}")), Box::new(move |state| p(&state.p))));
     }

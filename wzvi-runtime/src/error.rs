@@ -1,5 +1,8 @@
 //! Errors. Each says where, why and what to do; none leaves a state changed.
 
+#[cfg(feature = "serde")]
+mod words;
+
 use std::fmt;
 
 pub use crate::calculus::DomainError;
@@ -252,6 +255,9 @@ pub enum Error {
     /// A checkpoint could not be written, or is not one of this run.
     #[cfg(feature = "serde")]
     Checkpoint(crate::checkpoint::CheckpointError),
+    /// A run on several ranks ended on all of them.
+    #[cfg(feature = "mpi")]
+    Cluster(crate::ensemble::cluster::ClusterError),
     /// A measurement could not be made or written.
     #[cfg(feature = "report")]
     Report(crate::report::ReportError),
@@ -269,6 +275,8 @@ impl fmt::Display for Error {
             Self::Level(error) => error.fmt(f),
             #[cfg(feature = "serde")]
             Self::Checkpoint(error) => error.fmt(f),
+            #[cfg(feature = "mpi")]
+            Self::Cluster(error) => error.fmt(f),
             #[cfg(feature = "report")]
             Self::Report(error) => error.fmt(f),
         }
@@ -287,6 +295,8 @@ impl std::error::Error for Error {
             Self::Level(error) => Some(error),
             #[cfg(feature = "serde")]
             Self::Checkpoint(error) => Some(error),
+            #[cfg(feature = "mpi")]
+            Self::Cluster(error) => Some(error),
             #[cfg(feature = "report")]
             Self::Report(error) => Some(error),
         }

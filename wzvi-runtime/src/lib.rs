@@ -8,6 +8,7 @@ pub mod checkpoint;
 #[path = "checkpoint/absent.rs"]
 mod checkpoint;
 mod checksum;
+pub mod elements;
 pub mod embedding;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
@@ -38,4 +39,6 @@ mod sum;
 pub mod system;
 pub mod trajectory;
 
+#[cfg(feature = "mpi")]
+pub use mpi;
 pub use nalgebra;

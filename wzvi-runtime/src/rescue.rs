@@ -159,7 +159,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                 &mut many
             }
         };
-        let d = self.system.degrees();
+        let d = self.q.components().len();
         let longest = [H::Vector::zeros(d), H::Vector::zeros(d)];
         let mut moves = Moves { from: [self.q.clone(), self.p.clone()], longest };
         let mut memory = H::Memory::default();

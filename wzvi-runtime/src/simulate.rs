@@ -301,9 +301,11 @@ pub(crate) fn checked<H: Discretized<E>, E>(
     start: Option<State<H::Vector>>,
 ) -> Result<State<H::Vector>, ConfigError> {
     let state = start.ok_or(ConfigError::Missing(START))?;
-    let (q, p, expected) = (state.q.components(), state.p.components(), system.degrees());
+    let (q, p) = (state.q.components(), state.p.components());
+    // Where only the state knows the size, the momenta have to match the coordinates.
+    let expected = if system.fits(q.len()) { q.len() } else { system.degrees() };
     for got in [q.len(), p.len()] {
-        if got != expected {
+        if !system.fits(got) || got != q.len() {
             return Err(ConfigError::Start(StepFailure::Dimension { expected, got }));
         }
     }

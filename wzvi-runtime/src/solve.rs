@@ -3,16 +3,21 @@
 //! Generated code calls the functions here. What they do with one number, and with several that share a verdict (dual
 //! numbers), is in `newton` and `dense`; lanes of trajectories are decided one by one, in `lanes`.
 
+mod banded;
 mod damped;
 mod dense;
+mod krylov;
 #[cfg(feature = "ensemble")]
 mod lanes;
 mod newton;
 
+pub use banded::{Banded, reverse_cuthill_mckee};
 pub use dense::{Factor, SymmetricFactor, prepared, reciprocal_above_one};
+pub use krylov::Krylov;
 #[cfg(feature = "ensemble")]
 pub use lanes::LaneByLane;
 pub use newton::{Effort, Extrapolation};
+pub(crate) use newton::{Progress, STAGNATION, Verdict, astray};
 
 use crate::error::StepFailure;
 use crate::scalar::Scalar;

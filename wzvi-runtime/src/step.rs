@@ -7,8 +7,9 @@ mod strain;
 use std::marker::PhantomData;
 
 use crate::carry::{Carry, Plain};
+use crate::elements::{Iteration, Method};
 use crate::error::{ConfigError, StepError, StepFailure};
-use crate::plan::{NoiseClass, Solver};
+use crate::plan::Solver;
 use crate::rescue::{Hard, rescue};
 use crate::solve::Effort;
 use crate::state::{State, Vector};
@@ -91,7 +92,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             system,
             h,
             prepared: system.prepare(h)?,
-            memory: Default::default(),
+            memory: system.memory(),
             carry: Default::default(),
             before: 0,
             clock: Clock::started(f64::NAN),
@@ -145,6 +146,19 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// The step size.
     pub fn step_size(&self) -> f64 {
         self.h
+    }
+
+    /// Pins how implicit steps are iterated, where there is a choice: in systems of elements. Costs or saves time, and no
+    /// digit that counts.
+    #[must_use]
+    pub fn iteration(mut self, iteration: Iteration) -> Self {
+        H::pin(&mut self.memory, iteration);
+        self
+    }
+
+    /// How the linear equations of a step are solved where that depends on its size: in systems of elements.
+    pub fn method(&self) -> Option<Method> {
+        H::method(&self.memory)
     }
 
     /// The system that it steps.
@@ -204,8 +218,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self.clock = at;
         state.t = at.now;
         if Self::REMEMBERS {
-            self.reached[0].clone_from(&state.q);
-            self.reached[1].clone_from(&state.p);
+            copy(&mut self.reached[0], &state.q);
+            copy(&mut self.reached[1], &state.p);
         }
     }
 
@@ -236,7 +250,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         let to = State { q: rescued.q, p: rescued.p, t: state.t };
         self.strain = self.strain.after::<H, E>(self.system, &from, &to, self.h, self.steps())?;
         (state.q, state.p) = (to.q, to.p);
-        (self.memory, self.carry) = (rescued.memory, rescued.carry);
+        H::adopt(&mut self.memory, rescued.memory);
+        self.carry = rescued.carry;
         Ok(rescued.effort)
     }
 
@@ -246,7 +261,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     fn restart(&mut self, t: f64) -> bool {
         let is_safe = (t.abs() + MOST_TICKS * self.h.abs()).is_finite();
         if is_safe {
-            (self.memory, self.carry) = (Default::default(), C::default());
+            H::forget(&mut self.memory);
+            self.carry = C::default();
             self.before += self.clock.ticks;
             self.clock = Clock::started(t);
             self.strain = self.strain.restarted();
@@ -255,8 +271,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     }
 
     /// Whether steps use what the ones before left; otherwise nothing of them is kept.
-    const REMEMBERS: bool =
-        matches!(H::PLAN.noise, NoiseClass::None) && size_of::<H::Memory<f64>>() != 0 || C::CARRIES;
+    const REMEMBERS: bool = H::REMEMBERS || C::CARRIES;
 
     /// Whether the caller moved the state since the last step: then what that step left is no guide.
     #[inline]
@@ -277,6 +292,17 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             _ => StepFailure::NonFiniteInput,
         };
         StepError { step: self.steps(), t: state.t, h: self.h, cause }
+    }
+}
+
+/// Copies without allocating, unless the length changes.
+#[inline(always)]
+fn copy<V: Vector>(into: &mut V, from: &V) {
+    let (old, new) = (into.components_mut(), from.components());
+    if old.len() == new.len() {
+        old.copy_from_slice(new);
+    } else {
+        into.clone_from(from);
     }
 }
 

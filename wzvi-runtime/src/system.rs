@@ -3,9 +3,10 @@
 use std::fmt::Debug;
 
 use crate::carry::{Carry, Plain};
+use crate::elements::{Iteration, Method};
 use crate::error::{ConfigError, StepFailure};
 use crate::numbers::Numbers;
-use crate::plan::Plan;
+use crate::plan::{NoiseClass, Plan};
 use crate::scalar::{Mask, Scalar};
 use crate::solve::Effort;
 use crate::state::{State, Vector};
@@ -24,8 +25,13 @@ pub trait Hamiltonian {
     /// The type of `q` and of `p`.
     type Vector: Vector;
 
-    /// Number of degrees of freedom.
+    /// Number of degrees of freedom; 0 where only the state knows it (`q: &[f64]`).
     fn degrees(&self) -> usize;
+
+    /// Whether a state with this many degrees of freedom belongs to the system.
+    fn fits(&self, degrees: usize) -> bool {
+        matches!(self.degrees(), 0 if degrees > 0) || degrees == self.degrees()
+    }
 
     /// Number of noise Hamiltonians.
     fn noises(&self) -> usize;
@@ -81,7 +87,7 @@ fn term_gradient<H: Hamiltonian + ?Sized>(
     term: usize,
     state: &State<H::Vector>,
 ) -> Gradient<H::Vector> {
-    let d = system.degrees();
+    let d = state.q.components().len();
     let mut gradient = Gradient { q: H::Vector::zeros(d), p: H::Vector::zeros(d) };
     system.differentiate(
         term,
@@ -225,6 +231,39 @@ pub trait Discretized<E>: Hamiltonian {
     /// How increments are added unless the user chooses: compensated where that is less than about 5 % of the step,
     /// else [`Plain`].
     type Carry<S: Scalar>: Carry<S>;
+
+    /// Whether steps use what the ones before left in memory for this state alone: then a state that the caller moved
+    /// makes them forget it.
+    const REMEMBERS: bool =
+        matches!(Self::PLAN.noise, NoiseClass::None) && size_of::<Self::Memory<f64>>() != 0;
+
+    /// Whether paths run in lanes beside each other. Without noise the steps before help to solve the next one; systems of
+    /// elements are their own vectors.
+    const IN_LANES: bool = !matches!(Self::PLAN.noise, NoiseClass::None);
+
+    /// The memory of a new stepper: all that its steps will need, where the system knows its size.
+    fn memory(&self) -> Self::Memory<f64> {
+        Default::default()
+    }
+
+    /// Forgets the steps before, and keeps what was allocated.
+    fn forget(memory: &mut Self::Memory<f64>) {
+        *memory = Default::default();
+    }
+
+    /// Takes what a step left that was solved with another memory.
+    #[inline(always)]
+    fn adopt(memory: &mut Self::Memory<f64>, left: Self::Memory<f64>) {
+        *memory = left;
+    }
+
+    /// Pins how implicit steps are iterated; only systems of elements have a choice.
+    fn pin(_memory: &mut Self::Memory<f64>, _iteration: Iteration) {}
+
+    /// How linear equations are solved, in systems of elements.
+    fn method(_memory: &Self::Memory<f64>) -> Option<Method> {
+        None
+    }
 
     /// Computes what does not change from step to step; fails if a matrix that is factored here is singular.
     fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError>;

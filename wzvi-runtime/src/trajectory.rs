@@ -256,7 +256,11 @@ impl<V: Vector, E> Trajectory<V, E> {
         }
         let path = (self.last().q.components().len(), self.processes());
         let asked = (system.degrees(), system.noises());
-        if path == asked { Ok(()) } else { Err(PathError::System { path, system: asked }) }
+        if system.fits(path.0) && path.1 == asked.1 {
+            Ok(())
+        } else {
+            Err(PathError::System { path, system: asked })
+        }
     }
 
     /// The steps with their increments.

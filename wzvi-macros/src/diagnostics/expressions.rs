@@ -193,3 +193,46 @@ pub(crate) fn endless_range(found: impl ToTokens) -> Error {
 pub(crate) fn too_many_variables(found: impl ToTokens, limit: usize) -> Error {
     at(found, format!("more than {limit} variables are in scope"))
 }
+
+pub(crate) fn stream_not_indexable(found: TokenStream) -> Error {
+    at(
+        found,
+        "the length of this iterator is known at run time only: it can be mapped, zipped, filtered and summed, and its \
+         items cannot be taken one by one here",
+    )
+}
+
+pub(crate) fn no_sum(found: impl ToTokens) -> Error {
+    at(
+        found,
+        "over a length that is known at run time, this can only add to a total: `|total, x| total + ...`",
+    )
+}
+
+pub(crate) fn long_for_loop(found: impl ToTokens) -> Error {
+    at(found, "a `for` loop whose length is known at run time can only add to its variables: `total += ...`")
+}
+
+pub(crate) fn index_beyond(found: impl ToTokens, index: &str, length: &str, excess: i128) -> Error {
+    let reached = if excess == 0 { length.to_owned() } else { format!("{length} + {excess}") };
+    at(found, format!("index {index} is out of range: it reaches {reached}, and there are {length} elements"))
+}
+
+pub(crate) fn index_negative(found: impl ToTokens, index: &str) -> Error {
+    at(found, format!("index {index} is out of range: it becomes negative"))
+}
+
+pub(crate) fn nonlinear_sum(found: impl ToTokens) -> Error {
+    at(
+        found,
+        "this Hamiltonian is a nonlinear function of a sum whose length is not unrolled: sums may be added, and multiplied by \
+         what they do not contain",
+    )
+}
+
+pub(crate) fn family_count(found: impl ToTokens) -> Error {
+    at(
+        found,
+        "the number of noises of a family is an integer, a constant or a field, as in `[|q, p, k| q[k]; N]`",
+    )
+}

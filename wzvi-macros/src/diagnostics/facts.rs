@@ -61,3 +61,58 @@ fn at_witness(witness: &Witness, graph: &Graph) -> String {
         false => format!(", which is {value} at {}", point.join(", ")),
     }
 }
+
+/// A first integral of a system whose sums stay loops that is no sum over all sites.
+pub(crate) fn invariant_not_local(extent: Extent) -> Error {
+    Error::new_spanned(
+        extent,
+        "where sums stay loops a first integral is proven if it is a sum over all sites of functions of one site, such as \
+         `p.iter().sum::<f64>()`; leave this one out, and evaluate it with an observer",
+    )
+}
+
+/// The same of one that reads the time.
+pub(crate) fn invariant_reads_time(extent: Extent) -> Error {
+    Error::new_spanned(
+        extent,
+        "where sums stay loops first integrals that read the time are not proven; leave it out, and evaluate it with an \
+         observer",
+    )
+}
+
+/// The same of one whose rate does not vanish element by element.
+pub(crate) fn invariant_of_elements(
+    extent: Extent,
+    term: usize,
+    rate: &str,
+    knowledge: &Knowledge,
+    graph: &Graph,
+) -> Error {
+    let along = match term {
+        0 => "H0".to_owned(),
+        k => format!("H{k}"),
+    };
+    let finding = match knowledge {
+        Knowledge::Refuted(witness) => format!("is {rate}{}", at_witness(witness, graph)),
+        _ => format!("is {rate}, which could not be shown to vanish"),
+    };
+    Error::new_spanned(
+        extent,
+        format!(
+            "this could not be proven to be a first integral: the part of {{{along}, F}} that one placement of a sum gives \
+             {finding}; if it is one because such parts cancel, leave it out, and evaluate it with an observer"
+        ),
+    )
+}
+
+/// A counter-term that would couple the elements of different noises.
+pub(crate) fn counter_term_of_elements(embedding: &Located<Embedding>) -> Error {
+    let scheme = &embedding.value;
+    Error::new_spanned(
+        embedding.extent,
+        format!(
+            "`{scheme}` needs noises that read the state at one site each where sums stay loops: this counter-term is no \
+             sum over sites; use `Midpoint`, which is consistent with every noise"
+        ),
+    )
+}

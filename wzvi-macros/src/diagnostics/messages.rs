@@ -111,12 +111,19 @@ pub(crate) fn async_closure(token: TokenStream) -> Error {
     at(token, "a Hamiltonian is a function of the state: it cannot be `async`")
 }
 
-pub(crate) fn noise_family(tokens: TokenStream) -> Error {
+pub(crate) fn family_in_list(tokens: TokenStream) -> Error {
     at(
         tokens,
-        "families of noises `[|q, p, k| ...; N]` are not supported yet; list the closures: \
-         `[|q, p| ..., |q, p| ...]`",
+        "a family of noises `[|q, p, k| ...; N]` is the whole list: it cannot stand beside other closures",
     )
+}
+
+pub(crate) fn family_of_invariants(count: impl ToTokens) -> Error {
+    at(count, "first integrals are listed one by one: `invariant = [|q, p| ..., |q, p| ...]`")
+}
+
+pub(crate) fn family_count(count: impl ToTokens) -> Error {
+    at(count, "the number of noises of a family on a phase space of fixed size is an integer literal")
 }
 
 pub(crate) fn not_a_scheme(found: impl ToTokens) -> Error {
@@ -197,15 +204,14 @@ pub(crate) fn unsupported_phase_pattern(pattern: impl ToTokens) -> Error {
 }
 
 pub(crate) fn unsupported_phase_type(ty: impl ToTokens) -> Error {
-    at(ty, format!("coordinates and momenta are `f64` or arrays of them; {PATTERNS}"))
+    at(ty, format!("coordinates and momenta are `f64`, arrays of them or `&[f64]`; {PATTERNS}"))
 }
 
 pub(crate) fn size_not_literal(size: impl ToTokens) -> Error {
-    at(size, "sizes other than integer literals are not supported yet; write the number, as in `q: [f64; 3]`")
-}
-
-pub(crate) fn size_at_run_time(ty: impl ToTokens) -> Error {
-    at(ty, "sizes known at run time are not supported yet; write an array, as in `q: [f64; 3]`")
+    at(
+        size,
+        "only the outermost size may be a constant, a const generic or known at run time; write a number here",
+    )
 }
 
 pub(crate) fn time_is_real(pattern: impl ToTokens) -> Error {

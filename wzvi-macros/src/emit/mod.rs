@@ -15,6 +15,10 @@ use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::model::Model;
 
+pub(crate) use print::{Printer, f64_type};
+pub(crate) use program::{Level, Lowering, Op};
+pub(crate) use system::parameter;
+
 /// Everything that `#[hamiltonian]` stands for. `equations` has the text of each scheme, in their order.
 pub(crate) fn emit(
     model: &mut Model,
@@ -27,6 +31,17 @@ pub(crate) fn emit(
         generated.extend(step::emit(model, facts, scheme, text));
     }
     let Model { item, crate_path, type_checks, .. } = model;
+    wrapped(item, crate_path, &generated, type_checks, equations)
+}
+
+/// The struct as it was written, documented, and `generated` in a scope of its own.
+pub(crate) fn wrapped(
+    item: &syn::ItemStruct,
+    crate_path: &syn::Path,
+    generated: &TokenStream,
+    type_checks: &TokenStream,
+    equations: &[String],
+) -> TokenStream {
     let doc = documentation(equations);
     quote! {
         #doc

@@ -15,13 +15,14 @@ pub(crate) struct Stubs {
     /// The generic parameters and the scheme of each implementation.
     schemes: Vec<(TokenStream, TokenStream)>,
     crate_path: Option<Path>,
-    degrees: usize,
+    /// Known unless the state has as many as it likes.
+    degrees: Option<usize>,
 }
 
 impl Stubs {
     /// Nothing but the tokens of the item.
     pub(crate) fn unrecognised(item: TokenStream) -> Self {
-        Self { item, system: None, schemes: Vec::new(), crate_path: None, degrees: 1 }
+        Self { item, system: None, schemes: Vec::new(), crate_path: None, degrees: Some(1) }
     }
 
     /// The attribute was read.
@@ -45,7 +46,7 @@ impl Stubs {
     }
 
     /// The phase space was read.
-    pub(crate) fn set_degrees(&mut self, degrees: usize) {
+    pub(crate) fn set_degrees(&mut self, degrees: Option<usize>) {
         self.degrees = degrees;
     }
 
@@ -75,9 +76,12 @@ impl Stubs {
     }
 
     fn hamiltonian(&self, wzvi: &Path) -> TokenStream {
-        let degrees = self.degrees;
+        let vector = match self.degrees {
+            Some(degrees) => quote!(#wzvi::__private::SVector<::core::primitive::f64, #degrees>),
+            None => quote!(#wzvi::__private::DVector<::core::primitive::f64>),
+        };
         quote! {
-            type Vector = #wzvi::__private::SVector<::core::primitive::f64, #degrees>;
+            type Vector = #vector;
             fn degrees(&self) -> ::core::primitive::usize { ::core::unimplemented!() }
             fn noises(&self) -> ::core::primitive::usize { ::core::unimplemented!() }
             fn invariants(&self) -> ::core::primitive::usize { ::core::unimplemented!() }

@@ -117,7 +117,7 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts) -> TokenStream {
             (__wzvi::Vector::components(&__state.q), __wzvi::Vector::components(&__state.p), __state.t);
     };
 
-    let parameter = parameter(model);
+    let parameter = parameter(&model.graph, &model.parameters);
 
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
@@ -187,13 +187,13 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts) -> TokenStream {
 }
 
 /// Names and values of the parameters; the default of the trait if there are none.
-fn parameter(model: &Model) -> Option<TokenStream> {
+pub(crate) fn parameter(graph: &Graph, parameters: &[Parameter]) -> Option<TokenStream> {
     let (f64, option) = (f64_type(), quote!(__wzvi::core::option::Option));
-    let arms = model.parameters.iter().enumerate().map(|(i, Parameter { symbol, tokens })| {
-        let name = model.graph.symbol_name(*symbol);
+    let arms = parameters.iter().enumerate().map(|(i, Parameter { symbol, tokens })| {
+        let name = graph.symbol_name(*symbol);
         quote!(#i => #option::Some((#name, #tokens)),)
     });
-    (!model.parameters.is_empty()).then(|| {
+    (!parameters.is_empty()).then(|| {
         quote! {
             fn parameter(
                 &self,

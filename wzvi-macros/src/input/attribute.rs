@@ -39,6 +39,8 @@ pub(crate) struct Hamiltonian {
     pub(crate) closure: ExprClosure,
     /// The closure's tokens as they were written.
     pub(crate) tokens: TokenStream,
+    /// `[|q, p, k| ...; count]`: one noise per `k`, the closure's last parameter.
+    pub(crate) family: Option<syn::Expr>,
 }
 
 /// One `key = value`.
@@ -95,7 +97,16 @@ fn read_entry(declaration: &mut Declaration, key: &str, entry: &Entry, diagnosti
     match key {
         "drift" => declaration.drift = diagnostics.accept(entry.parse(hamiltonian)),
         "noise" => declaration.noise = entry.hamiltonians(diagnostics),
-        "invariant" => declaration.invariants = entry.hamiltonians(diagnostics),
+        "invariant" => {
+            declaration.invariants = entry.hamiltonians(diagnostics);
+            declaration.invariants.retain(|invariant| match &invariant.family {
+                Some(count) => {
+                    diagnostics.report(messages::family_of_invariants(count));
+                    false
+                }
+                None => true,
+            });
+        }
         "embedding" => {
             let before = diagnostics.count();
             (declaration.embeddings, declaration.embedding_types) =
@@ -175,7 +186,7 @@ fn hamiltonian(input: ParseStream<'_>) -> syn::Result<Hamiltonian> {
     if closure.asyncness.is_some() {
         return Err(messages::async_closure(closure.asyncness.to_token_stream()));
     }
-    Ok(Hamiltonian { closure, tokens })
+    Ok(Hamiltonian { closure, tokens, family: None })
 }
 
 fn hamiltonian_list(input: ParseStream<'_>) -> syn::Result<Vec<Hamiltonian>> {
@@ -186,10 +197,18 @@ fn hamiltonian_list(input: ParseStream<'_>) -> syn::Result<Vec<Hamiltonian>> {
     syn::bracketed!(content in input);
     let mut list = Vec::new();
     while !content.is_empty() {
-        list.push(hamiltonian(&content)?);
+        let mut next = hamiltonian(&content)?;
         if content.peek(Token![;]) {
-            return Err(messages::noise_family(rest(&content)?));
+            if !list.is_empty() {
+                return Err(messages::family_in_list(rest(&content)?));
+            }
+            content.parse::<Token![;]>()?;
+            next.family = Some(content.parse()?);
+            if !content.is_empty() {
+                return Err(messages::family_in_list(rest(&content)?));
+            }
         }
+        list.push(next);
         if !content.is_empty() {
             content.parse::<Token![,]>()?;
         }

@@ -8,40 +8,80 @@ use syn::ext::IdentExt;
 use syn::{Pat, Type};
 
 use super::attribute::{Declaration, Hamiltonian};
-use super::system::literal;
+use super::system::{literal, source};
 use crate::diagnostics::{Diagnostics, messages};
 
-/// Largest number of degrees of freedom: each is a variable of its own in the symbolic graph.
+/// Largest number of degrees of freedom that are variables of their own in the symbolic graph.
 const MAX_DEGREES: usize = 1024;
+
+/// Arrays of literal length up to this one are taken apart; sums over longer ones stay loops where that is possible.
+const LONGEST_UNROLLED: usize = 16;
 
 /// How coordinates (and momenta) are arranged.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Shape {
     Real,
-    Array(Box<Shape>, usize),
+    Array(Box<Shape>, Length),
+}
+
+/// How many elements an array has.
+#[derive(Clone, Debug)]
+pub(crate) enum Length {
+    Literal(usize),
+    /// A constant or a const generic of the struct, as it was written.
+    Named(Box<syn::Expr>),
+    /// That of the state: `&[f64]`.
+    RunTime,
+}
+
+impl PartialEq for Length {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Literal(a), Self::Literal(b)) => a == b,
+            (Self::Named(a), Self::Named(b)) => source(a) == source(b),
+            (Self::RunTime, Self::RunTime) => true,
+            _ => false,
+        }
+    }
+}
+
+impl Eq for Length {}
+
+/// How the compiler treats the degrees of freedom.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Treatment {
+    /// Each is a variable: sums are unrolled.
+    Unrolled,
+    /// Sums stay loops if the Hamiltonians allow it, else they are unrolled.
+    Either,
+    /// Sums stay loops: the size is not known to the compiler, or too large.
+    Sized,
 }
 
 /// The arrangement and the names of coordinates, momenta and time.
 pub(crate) struct PhaseSpace {
     pub(crate) shape: Shape,
-    /// Names in the order of the state vector (row-major).
+    pub(crate) treatment: Treatment,
+    /// Names in the order of the state vector (row-major); of a sized system only that of the array.
     pub(crate) q: Vec<String>,
     pub(crate) p: Vec<String>,
     pub(crate) t: String,
 }
 
 impl PhaseSpace {
-    pub(crate) fn degrees(&self) -> usize {
-        self.shape.size().unwrap_or(MAX_DEGREES)
+    /// Their number, if the compiler knows it.
+    pub(crate) fn degrees(&self) -> Option<usize> {
+        self.shape.size()
     }
 }
 
 impl Shape {
-    /// Number of reals; `None` if it overflows.
+    /// Number of reals; `None` if it overflows or is no literal.
     fn size(&self) -> Option<usize> {
         match self {
             Self::Real => Some(1),
-            Self::Array(element, len) => element.size()?.checked_mul(*len),
+            Self::Array(element, Length::Literal(len)) => element.size()?.checked_mul(*len),
+            Self::Array(..) => None,
         }
     }
 
@@ -51,8 +91,22 @@ impl Shape {
             Self::Real => quote! { ::core::primitive::f64 },
             Self::Array(element, len) => {
                 let element = element.tokens();
-                quote! { [#element; #len] }
+                match len {
+                    Length::Literal(len) => quote! { [#element; #len] },
+                    Length::Named(len) => quote! { [#element; #len] },
+                    Length::RunTime => quote! { &[#element] },
+                }
             }
+        }
+    }
+
+    /// How arrays of this shape are treated.
+    fn treatment(&self) -> Treatment {
+        match (self, self.size()) {
+            (_, None) => Treatment::Sized,
+            (_, Some(size)) if size > MAX_DEGREES => Treatment::Sized,
+            (Self::Array(_, Length::Literal(len)), _) if *len > LONGEST_UNROLLED => Treatment::Either,
+            _ => Treatment::Unrolled,
         }
     }
 }
@@ -61,7 +115,9 @@ impl fmt::Display for Shape {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Real => f.write_str("f64"),
-            Self::Array(element, len) => write!(f, "[{element}; {len}]"),
+            Self::Array(element, Length::Literal(len)) => write!(f, "[{element}; {len}]"),
+            Self::Array(element, Length::Named(len)) => write!(f, "[{element}; {}]", source(len)),
+            Self::Array(element, Length::RunTime) => write!(f, "&[{element}]"),
         }
     }
 }
@@ -79,7 +135,7 @@ pub(crate) fn read_phase_space(
         declaration.drift = None;
     }
     let mut agrees = |other: &Hamiltonian| match &phase_space {
-        Some(known) if of_drift => diagnostics.accept(repeats(other, &known.shape)).is_some(),
+        Some(known) if of_drift => diagnostics.accept(repeats(other, known)).is_some(),
         Some(known) => diagnostics.accept(declared(other)).is_some_and(|found| found.shape == known.shape),
         None => {
             phase_space = diagnostics.accept(declared(other));
@@ -102,22 +158,57 @@ fn declared(drift: &Hamiltonian) -> syn::Result<PhaseSpace> {
         (Some(shape), _) | (None, Some(shape)) => shape,
         (None, None) => Shape::Real,
     };
-    if shape.size().is_none_or(|size| size > MAX_DEGREES) {
-        return Err(messages::too_many_degrees(q, MAX_DEGREES));
+    let mut treatment = shape.treatment();
+    if !(is_named_array(q) && is_named_array(p)) {
+        if treatment == Treatment::Sized {
+            return Err(messages::too_many_degrees(q, MAX_DEGREES));
+        }
+        // Patterns take the array apart.
+        treatment = Treatment::Unrolled;
     }
-    let mut names = PhaseSpace { shape, q: Vec::new(), p: Vec::new(), t: "t".to_owned() };
-    name(q, &names.shape, "q", &mut names.q);
-    name(p, &names.shape, "p", &mut names.p);
+    let mut names = PhaseSpace { shape, treatment, q: Vec::new(), p: Vec::new(), t: "t".to_owned() };
+    if treatment == Treatment::Sized {
+        (names.q, names.p) = (vec![array_name(q, "q")], vec![array_name(p, "p")]);
+    } else {
+        name(q, &names.shape, "q", &mut names.q);
+        name(p, &names.shape, "p", &mut names.p);
+    }
     if let Some(t) = t {
         names.t = time(t)?;
     }
     Ok(names)
 }
 
+/// Whether `pattern` names an array as a whole.
+fn is_named_array(pattern: &Pat) -> bool {
+    match pattern {
+        Pat::Paren(inner) => is_named_array(&inner.pat),
+        Pat::Type(typed) => is_named_array(&typed.pat),
+        Pat::Ident(_) | Pat::Wild(_) => true,
+        _ => false,
+    }
+}
+
+/// The name that an array goes by.
+pub(super) fn array_name(pattern: &Pat, fallback: &str) -> String {
+    match pattern {
+        Pat::Paren(inner) => array_name(&inner.pat, fallback),
+        Pat::Type(typed) => array_name(&typed.pat, fallback),
+        Pat::Ident(ident) => ident.ident.unraw().to_string(),
+        _ => fallback.to_owned(),
+    }
+}
+
 /// Whether the patterns of another closure describe `expected`.
-fn repeats(closure: &Hamiltonian, expected: &Shape) -> syn::Result<()> {
+fn repeats(closure: &Hamiltonian, known: &PhaseSpace) -> syn::Result<()> {
     let (q, p, t) = parameters(closure)?;
+    let expected = &known.shape;
+    // The members of a family, and closures over arrays that are not taken apart, name them without a type.
+    let may_omit_type = closure.family.is_some() || known.treatment != Treatment::Unrolled;
     for pattern in [q, p] {
+        if may_omit_type && is_bare_name(pattern) {
+            continue;
+        }
         match shape(pattern)? {
             Some(found) if found != *expected => {
                 return Err(messages::shapes_disagree(pattern, &found, expected));
@@ -128,9 +219,21 @@ fn repeats(closure: &Hamiltonian, expected: &Shape) -> syn::Result<()> {
     t.map_or(Ok(()), |t| time(t).map(|_| ()))
 }
 
-/// The patterns of coordinates, momenta and time.
+/// A name without a type.
+fn is_bare_name(pattern: &Pat) -> bool {
+    match pattern {
+        Pat::Paren(inner) => is_bare_name(&inner.pat),
+        Pat::Ident(ident) => ident.by_ref.is_none() && ident.mutability.is_none() && ident.subpat.is_none(),
+        _ => false,
+    }
+}
+
+/// The patterns of coordinates, momenta and time; the index of a family comes after them.
 fn parameters(closure: &Hamiltonian) -> syn::Result<(&Pat, &Pat, Option<&Pat>)> {
-    let inputs: Vec<&Pat> = closure.closure.inputs.iter().collect();
+    let mut inputs: Vec<&Pat> = closure.closure.inputs.iter().collect();
+    if closure.family.is_some() {
+        inputs.pop();
+    }
     match *inputs.as_slice() {
         [q, p] => Ok((q, p, None)),
         [q, p, t] => Ok((q, p, Some(t))),
@@ -170,7 +273,13 @@ fn shape(pattern: &Pat) -> syn::Result<Option<Shape>> {
             }
             match slice.elems.len() {
                 0 => Err(messages::no_degrees(slice)),
-                len => Ok(Some(Shape::Array(Box::new(element.unwrap_or(Shape::Real)), len))),
+                len => {
+                    let element = element.unwrap_or(Shape::Real);
+                    if element.size().is_none() {
+                        return Err(messages::size_not_literal(slice));
+                    }
+                    Ok(Some(Shape::Array(Box::new(element), Length::Literal(len))))
+                }
             }
         }
         _ => Err(messages::unsupported_phase_pattern(pattern)),
@@ -180,7 +289,7 @@ fn shape(pattern: &Pat) -> syn::Result<Option<Shape>> {
 /// Whether `pattern` can bind a value of shape `declared`.
 fn fits(pattern: &Pat, declared: &Shape) -> syn::Result<()> {
     match (pattern, declared) {
-        (Pat::Slice(slice), Shape::Array(element, len)) if slice.elems.len() == *len => {
+        (Pat::Slice(slice), Shape::Array(element, Length::Literal(len))) if slice.elems.len() == *len => {
             slice.elems.iter().try_for_each(|inner| fits(inner, element))
         }
         (Pat::Paren(inner), _) => fits(&inner.pat, declared),
@@ -207,11 +316,26 @@ fn type_shape(ty: &Type) -> syn::Result<Shape> {
         }
         Type::Array(array) => match literal(&array.len) {
             Some(0) => Err(messages::no_degrees(ty)),
-            Some(len) => Ok(Shape::Array(Box::new(type_shape(&array.elem)?), len)),
-            None => Err(messages::size_not_literal(&array.len)),
+            Some(len) => Ok(Shape::Array(Box::new(element_shape(&array.elem)?), Length::Literal(len))),
+            None => Ok(Shape::Array(
+                Box::new(element_shape(&array.elem)?),
+                Length::Named(Box::new(array.len.clone())),
+            )),
         },
-        Type::Reference(_) | Type::Slice(_) => Err(messages::size_at_run_time(ty)),
+        Type::Reference(reference) => match &*reference.elem {
+            Type::Slice(slice) => Ok(Shape::Array(Box::new(element_shape(&slice.elem)?), Length::RunTime)),
+            _ => Err(messages::unsupported_phase_type(ty)),
+        },
         _ => Err(messages::unsupported_phase_type(ty)),
+    }
+}
+
+/// The shape of an array's elements: of a size that the compiler knows.
+fn element_shape(ty: &Type) -> syn::Result<Shape> {
+    let shape = type_shape(ty)?;
+    match shape.size() {
+        Some(_) => Ok(shape),
+        None => Err(messages::size_not_literal(ty)),
     }
 }
 
@@ -252,7 +376,8 @@ fn indexed(name: &str, shape: &Shape, names: &mut Vec<String>) {
     match shape {
         Shape::Real => names.push(name.to_owned()),
         Shape::Array(element, len) => {
-            for i in 0..*len {
+            let len = if let Length::Literal(len) = len { *len } else { 0 };
+            for i in 0..len {
                 indexed(&format!("{name}[{i}]"), element, names);
             }
         }

@@ -31,6 +31,8 @@ pub(crate) enum Kind {
     Integer,
     /// An array, slice or `Vec`; its length where it is a literal.
     List(Rc<Kind>, Option<usize>),
+    /// Numbers side by side, and the type as written: as an element of a list.
+    Tuple(Rc<[Kind]>, String),
     /// A path to a constant, whose type only `rustc` knows.
     Constant,
     /// A type that no Hamiltonian can use, as written.
@@ -75,6 +77,13 @@ fn kind(ty: &Type) -> Kind {
         Type::Group(inner) => kind(&inner.elem),
         Type::Array(array) => Kind::List(Rc::new(kind(&array.elem)), literal(&array.len)),
         Type::Slice(slice) => Kind::List(Rc::new(kind(&slice.elem)), None),
+        Type::Tuple(tuple) => {
+            let kinds: Vec<Kind> = tuple.elems.iter().map(kind).collect();
+            match kinds.iter().all(|kind| matches!(kind, Kind::Real | Kind::Integer)) {
+                true => Kind::Tuple(kinds.into(), source(ty)),
+                false => other(ty),
+            }
+        }
         Type::Reference(reference) => list_or_other(kind(&reference.elem), ty),
         Type::Path(path) if path.qself.is_none() => match path.path.segments.last() {
             Some(segment) => named_kind(segment, ty),

@@ -1,13 +1,14 @@
 //! Blocks, variables, branches and loops.
 
 use syn::visit::Visit;
-use syn::{BinOp, Block, Expr as Syntax, ExprBinary, ExprForLoop, ExprIf, ExprRepeat, Item, Stmt};
+use syn::{BinOp, Block, Expr as Syntax, ExprBinary, ExprForLoop, ExprIf, ExprRepeat, Ident, Item, Stmt};
 
 use super::interpreter::{Interpreter, last_expression};
 use super::patterns::Names;
+use super::streams::Stream;
 use super::value::{Sequence, Value};
 use crate::diagnostics::expressions;
-use crate::symbolic::Expr;
+use crate::symbolic::{Expr, Symbol};
 
 impl<'a> Interpreter<'a, '_> {
     pub(super) fn block(&mut self, block: &'a Block) -> Value {
@@ -187,6 +188,9 @@ impl<'a> Interpreter<'a, '_> {
 
     pub(super) fn for_loop(&mut self, syntax: &'a ExprForLoop) -> Value {
         let value = self.evaluate(&syntax.expr);
+        if let Some(stream) = self.as_stream(&value) {
+            return self.summing_loop(&stream, syntax).unwrap_or(Value::Poison);
+        }
         let Some(items) = self.items(&value, None, &syntax.expr) else { return Value::Poison };
         for item in items {
             if !self.spend(1, &syntax.for_token) {
@@ -198,6 +202,52 @@ impl<'a> Interpreter<'a, '_> {
             self.scope.leave(outer);
         }
         Value::unit()
+    }
+
+    /// A loop whose length only the running program knows: what it adds to each variable is a sum.
+    fn summing_loop(&mut self, stream: &Stream, syntax: &'a ExprForLoop) -> Option<Value> {
+        let mut targets = Assigned::default();
+        targets.visit_block(&syntax.body);
+        let mut totals: Vec<(Ident, Expr)> = Vec::new();
+        for name in targets.0 {
+            let Some(binding) = self.scope.find_from_anywhere(&name) else { continue };
+            let value = binding.value.borrow().clone();
+            if !totals.iter().any(|(known, _)| *known == name) {
+                totals.push((name.clone(), self.real(value, &name)?));
+            }
+        }
+        let placeholders: Vec<Symbol> =
+            totals.iter().map(|(name, _)| self.graph.new_symbol(name.to_string())).collect();
+        let mut added = Vec::new();
+        // One pass for each total, so that each has sums of its own.
+        for (wanted, &placeholder) in placeholders.iter().enumerate() {
+            let at = &syntax.for_token;
+            added.push(self.accumulate(stream, at, &mut |this, item| {
+                for ((name, _), &placeholder) in totals.iter().zip(&placeholders) {
+                    let total = Value::Real(this.graph.symbol(placeholder));
+                    this.scope.find_from_anywhere(name)?.value.replace(total);
+                }
+                let outer = this.scope.len();
+                this.bind(&syntax.pat, item);
+                this.block(&syntax.body);
+                this.scope.leave(outer);
+                let name = &totals[wanted].0;
+                let value = this.scope.find_from_anywhere(name)?.value.borrow().clone();
+                let next = this.real(value, name)?;
+                let total = this.graph.symbol(placeholder);
+                let added = this.graph.subtract(next, total);
+                if this.graph.depends_on(added, &placeholders) {
+                    this.report(expressions::long_for_loop(at));
+                    return None;
+                }
+                Some(added)
+            })?);
+        }
+        for ((name, before), added) in totals.iter().zip(added) {
+            let total = self.graph.add(*before, added);
+            self.scope.find_from_anywhere(name)?.value.replace(Value::Real(total));
+        }
+        Some(Value::unit())
     }
 
     /// `[value; n]`
@@ -212,5 +262,41 @@ impl<'a> Interpreter<'a, '_> {
             return Value::Poison;
         }
         self.bounded(Value::list(vec![value; len]), syntax)
+    }
+}
+
+/// The variables that a block assigns to.
+#[derive(Default)]
+struct Assigned(Vec<Ident>);
+
+impl Assigned {
+    fn take(&mut self, target: &Syntax) {
+        match target {
+            Syntax::Path(path) => self.0.extend(path.path.get_ident().cloned()),
+            Syntax::Paren(inner) => self.take(&inner.expr),
+            Syntax::Unary(inner) => self.take(&inner.expr),
+            _ => {}
+        }
+    }
+}
+
+impl<'s> Visit<'s> for Assigned {
+    fn visit_expr_assign(&mut self, syntax: &'s syn::ExprAssign) {
+        self.take(&syntax.left);
+        syn::visit::visit_expr_assign(self, syntax);
+    }
+    fn visit_expr_binary(&mut self, syntax: &'s ExprBinary) {
+        let is_assignment = matches!(
+            syntax.op,
+            BinOp::AddAssign(_)
+                | BinOp::SubAssign(_)
+                | BinOp::MulAssign(_)
+                | BinOp::DivAssign(_)
+                | BinOp::RemAssign(_)
+        );
+        if is_assignment {
+            self.take(&syntax.left);
+        }
+        syn::visit::visit_expr_binary(self, syntax);
     }
 }

@@ -120,6 +120,7 @@ impl Interpreter<'_, '_> {
     fn number_as_real(&mut self, value: &Value, at: &dyn ToTokens) -> Value {
         match value {
             Value::Integer(value) => self.integer_as_real(*value),
+            Value::Index(index) => Value::Real(self.index_as_real(&index.clone())),
             Value::Place(place) if place.kind == Kind::Integer => {
                 Value::Real(self.parameter(&place.name, place.as_real()))
             }

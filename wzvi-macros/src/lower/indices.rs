@@ -4,8 +4,10 @@ use quote::{ToTokens, quote};
 use syn::{ExprIndex, RangeLimits};
 
 use super::interpreter::Interpreter;
+use super::streams::{Stream, is_short};
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
+use crate::elements::index::Index;
 use crate::input::Kind;
 
 impl<'a> Interpreter<'a, '_> {
@@ -15,6 +17,13 @@ impl<'a> Interpreter<'a, '_> {
         let at = &*syntax.index;
         match (base, index) {
             (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
+            (base @ (Value::Array(_) | Value::Stream(_)), index) => self.index_sized(&base, index, at),
+            (Value::Place(place), index) if self.sized.is_some() && matches!(place.kind, Kind::List(..)) => {
+                match self.table(&place) {
+                    Some(array) => self.index_sized(&Value::Array(array.into()), index, at),
+                    None => Value::Poison,
+                }
+            }
             (Value::List(list), Value::Range(start, end)) => {
                 let len = list.items.len();
                 let end = end.unwrap_or(len as i128);
@@ -35,6 +44,33 @@ impl<'a> Interpreter<'a, '_> {
             (Value::Place(place), index) => self.index_place(&place, index, syntax),
             (base, _) => self.report(expressions::expected(&syntax.expr, "a list", base.describe())),
         }
+    }
+
+    /// An element, or a range of them, of what is not taken apart.
+    fn index_sized(&mut self, base: &Value, index: Value, at: &syn::Expr) -> Value {
+        let found = match (base, &index) {
+            (Value::Array(array), Value::Range(start, end)) => {
+                let (start, end) = (Index::integer(*start), end.map(Index::integer));
+                self.subarray(array, &start, end.as_ref(), at)
+            }
+            (Value::Array(array), Value::Stream(stream)) => match &**stream {
+                Stream::Range(start, end) => self.subarray(array, start, end.as_ref(), at),
+                _ => {
+                    let found = index.describe();
+                    return self.report(expressions::expected(at, "an integer or a range", found));
+                }
+            },
+            (Value::Array(array), index) => match self.as_index(index, at) {
+                Some(k) => self.array_element(array, &k, at),
+                None => None,
+            },
+            (Value::Stream(stream), index) => match self.as_index(index, at) {
+                Some(k) => self.item(&stream.clone(), &k, at),
+                None => None,
+            },
+            _ => None,
+        };
+        found.unwrap_or(Value::Poison)
     }
 
     fn index_place(&mut self, place: &Place, index: Value, syntax: &ExprIndex) -> Value {
@@ -73,6 +109,9 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     pub(super) fn range(&mut self, syntax: &'a syn::ExprRange) -> Value {
+        if self.sized.is_some() {
+            return self.sized_range(syntax).unwrap_or(Value::Poison);
+        }
         let start = match &syntax.start {
             Some(start) => {
                 let value = self.evaluate(start);
@@ -92,5 +131,31 @@ impl<'a> Interpreter<'a, '_> {
             (Some(start), Some(end)) => Value::Range(start, end),
             _ => Value::Poison,
         }
+    }
+
+    /// A range that may be long, or as long as only the running program knows: it is not taken apart.
+    fn sized_range(&mut self, syntax: &'a syn::ExprRange) -> Option<Value> {
+        let start = match &syntax.start {
+            Some(start) => {
+                let value = self.evaluate(start);
+                self.as_index(&value, start)
+            }
+            None => Some(Index::default()),
+        };
+        let end = match &syntax.end {
+            Some(end) => {
+                let value = self.evaluate(end);
+                let inclusive = i128::from(matches!(syntax.limits, RangeLimits::Closed(_)));
+                Some(self.as_index(&value, end)?.shifted(inclusive)?)
+            }
+            None => None,
+        };
+        let start = start?;
+        let known = start.as_integer().zip(end.as_ref().map_or(Some(None), |end| end.as_integer().map(Some)));
+        let length = end.as_ref().and_then(|end| end.subtract(&start));
+        Some(match known {
+            Some((start, end)) if length.is_none_or(|length| is_short(&length)) => Value::Range(start, end),
+            _ => Value::Stream(Stream::Range(start, end).into()),
+        })
     }
 }

@@ -6,6 +6,7 @@ use syn::{Block, Expr as Syntax, Stmt};
 
 use super::names::Parameters;
 use super::scope::Scope;
+use super::sized::Loops;
 use super::value::{Place, Value};
 use crate::diagnostics::{Diagnostics, expressions};
 use crate::input::{Kind, System};
@@ -33,6 +34,10 @@ pub(super) struct Interpreter<'a, 'd> {
     pub(super) closures: Vec<Closure<'a>>,
     /// Number of undecided branches around the current expression.
     pub(super) branch: u32,
+    /// In a system of elements: its loops, tables and local variables.
+    pub(super) sized: Option<Loops>,
+    /// Names of coordinates and momenta, for display.
+    pub(super) names: [String; 2],
     diagnostics: &'d mut Diagnostics,
     steps: usize,
     depth: usize,
@@ -48,6 +53,8 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             scope: Scope::default(),
             closures: Vec::new(),
             branch: 0,
+            sized: None,
+            names: ["q".to_owned(), "p".to_owned()],
             diagnostics,
             steps: 0,
             depth: 0,
@@ -187,6 +194,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         let error = match value {
             Value::Real(expr) => return Some(expr),
             Value::Poison => return None,
+            Value::Index(_) => expressions::integer_not_real(at.to_token_stream()),
             Value::Place(place) if matches!(place.kind, Kind::Constant | Kind::Real) => {
                 return Some(self.parameter(&place.name, place.value()));
             }
@@ -202,7 +210,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         let error = match value {
             Value::Integer(value) => return Some(value),
             Value::Poison => return None,
-            Value::Place(_) => expressions::index_not_known(at.to_token_stream()),
+            Value::Place(_) | Value::Index(_) => expressions::index_not_known(at.to_token_stream()),
             value => expressions::expected(at.to_token_stream(), "an integer", value.describe()),
         };
         self.report(error);
@@ -227,7 +235,9 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     pub(super) fn place(&mut self, place: Place, at: &dyn ToTokens) -> Value {
         match &place.kind {
             Kind::Real => Value::Real(self.parameter(&place.name, place.value())),
-            Kind::Other(ty) => self.report(expressions::field_type(at.to_token_stream(), &place.name, ty)),
+            Kind::Other(ty) | Kind::Tuple(_, ty) => {
+                self.report(expressions::field_type(at.to_token_stream(), &place.name, ty))
+            }
             _ => Value::Place(place.into()),
         }
     }

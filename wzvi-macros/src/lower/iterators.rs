@@ -4,8 +4,10 @@ use quote::ToTokens;
 use syn::{ExprMethodCall, GenericArgument, Type};
 
 use super::interpreter::Interpreter;
+use super::streams::is_short;
 use super::value::Value;
 use crate::diagnostics::expressions;
+use crate::elements::index::Index;
 use crate::input::{Kind, is_integer_type};
 
 const METHODS: [&str; 26] = [
@@ -45,6 +47,9 @@ impl<'a> Interpreter<'a, '_> {
         arguments: Vec<Value>,
         syntax: &'a ExprMethodCall,
     ) -> Value {
+        if let Some(value) = self.stream_method(&receiver, &arguments, syntax) {
+            return value;
+        }
         let name = syntax.method.to_string();
         if !METHODS.contains(&name.as_str()) {
             return self.report(expressions::unknown_method(&syntax.method, "lists and iterators", &METHODS));
@@ -112,6 +117,22 @@ impl<'a> Interpreter<'a, '_> {
                 };
                 let step = |i: usize| Value::Integer(start.saturating_add(i as i128));
                 self.spend(count, at).then(|| (0..count).map(step).collect())
+            }
+            Value::Array(array) => match array.length.as_integer() {
+                Some(length) if is_short(&array.length) => {
+                    let count = usize::try_from(length).unwrap_or(0).min(limit);
+                    let elements =
+                        (0..count).map(|i| self.array_element(array, &Index::integer(i as i128), at));
+                    elements.collect()
+                }
+                _ => {
+                    self.report(expressions::stream_not_indexable(at.to_token_stream()));
+                    None
+                }
+            },
+            Value::Stream(_) => {
+                self.report(expressions::stream_not_indexable(at.to_token_stream()));
+                None
             }
             Value::Place(place) => match place.kind {
                 Kind::List(_, Some(len)) => {

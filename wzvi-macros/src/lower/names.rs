@@ -121,7 +121,7 @@ impl<'a> Interpreter<'a, '_> {
         let system = self.system;
         let mut fields = system.fields.iter().filter(|field| wanted(&field.member));
         let first = fields.next()?;
-        let is_usable = |field: &&Field| !matches!(field.kind, Kind::Other(_));
+        let is_usable = |field: &&Field| !matches!(field.kind, Kind::Other(_) | Kind::Tuple(..));
         Some(if is_usable(&first) { first } else { fields.find(is_usable).unwrap_or(first) })
     }
 

@@ -57,7 +57,11 @@ impl<'a> Interpreter<'a, '_> {
                 None => self.report(expressions::integer_arithmetic(syntax)),
             },
             (UnOp::Neg(_), value) if value.is_integer() => {
-                self.report(expressions::parameter_integer(syntax))
+                let minus = BinOp::Sub(Default::default());
+                match self.index_operation(&Value::Integer(0), &minus, &value, syntax) {
+                    Some(negated) => negated,
+                    None => self.report(expressions::parameter_integer(syntax)),
+                }
             }
             (UnOp::Neg(_), value) => match self.real(value, &syntax.expr) {
                 Some(value) => Value::Real(self.graph.negate(value)),
@@ -104,7 +108,7 @@ impl<'a> Interpreter<'a, '_> {
                 Chain::Value(Value::Poison)
             }
             (_, Value::Poison) => Chain::Value(Value::Poison),
-            (Chain::Value(left), right) if left.is_integer() && right.is_integer() => {
+            (Chain::Value(left), right) if self.are_integers(&left, &right) => {
                 Chain::Value(self.integer_operation(&left, link.op, &right, link))
             }
             (chain, right) => self.extend_real(chain, link, right).unwrap_or(Chain::Value(Value::Poison)),
@@ -169,7 +173,10 @@ impl<'a> Interpreter<'a, '_> {
 
     fn integer_operation(&mut self, left: &Value, operator: BinOp, right: &Value, at: &ExprBinary) -> Value {
         let (&Value::Integer(a), &Value::Integer(b)) = (left, right) else {
-            return self.report(expressions::parameter_integer(at));
+            return match self.index_operation(left, &operator, right, at) {
+                Some(value) => value,
+                None => self.report(expressions::parameter_integer(at)),
+            };
         };
         match integer_arithmetic(a, &operator, b) {
             Some(value) => Value::Integer(value),
@@ -200,6 +207,11 @@ impl<'a> Interpreter<'a, '_> {
                 .map(Value::Integer)
                 .unwrap_or_else(|| self.report(expressions::integer_arithmetic(at)));
         }
+        if self.are_integers(&left, &right)
+            && let Some(value) = self.index_operation(&left, &operator, &right, at)
+        {
+            return value;
+        }
         let (left, right) = (self.real(left, &at.left), self.real(right, &at.right));
         let (Some(left), Some(right)) = (left, right) else { return Value::Poison };
         // Accumulating n terms one by one copies n² of them.
@@ -219,6 +231,16 @@ impl<'a> Interpreter<'a, '_> {
         })
     }
 
+    /// Whether both are integers: where sizes may be constants, a constant beside an integer is one.
+    fn are_integers(&self, left: &Value, right: &Value) -> bool {
+        let may_be = |value: &Value| {
+            value.is_integer()
+                || self.sized.is_some()
+                    && matches!(value, Value::Place(place) if place.kind == Kind::Constant)
+        };
+        may_be(left) && may_be(right) && (left.is_integer() || right.is_integer())
+    }
+
     fn comparison(&mut self, syntax: &'a ExprBinary) -> Value {
         let left = self.evaluate(&syntax.left);
         let right = self.evaluate(&syntax.right);
@@ -226,7 +248,17 @@ impl<'a> Interpreter<'a, '_> {
             (Value::Poison, _) | (_, Value::Poison) => return Value::Poison,
             (Value::Integer(a), Value::Integer(b)) => Some(a.cmp(b)),
             (Value::Known(a), Value::Known(b)) => Some(a.cmp(b)),
-            _ if left.is_integer() && right.is_integer() => {
+            _ if self.are_integers(&left, &right) => {
+                if self.sized.is_some() {
+                    let (left, right) =
+                        (self.as_index(&left, &syntax.left), self.as_index(&right, &syntax.right));
+                    return match (left, right) {
+                        (Some(left), Some(right)) => self
+                            .compare_indices(&syntax.op, &left, &right)
+                            .unwrap_or_else(|| self.unsupported_operator(syntax)),
+                        _ => Value::Poison,
+                    };
+                }
                 return self.report(expressions::parameter_integer(syntax));
             }
             _ => None,
@@ -319,6 +351,7 @@ impl<'a> Interpreter<'a, '_> {
             _ if !is_integer_type(&name) => self.report(expressions::unknown_cast(&syntax.ty)),
             Value::Integer(value) if fits(value, &name) => Value::Integer(value),
             Value::Integer(_) => self.report(expressions::integer_arithmetic(syntax)),
+            Value::Index(index) => Value::Index(index),
             Value::Place(place) if place.kind == Kind::Integer => Value::Place(place),
             Value::Place(place) if place.kind == Kind::Constant => {
                 let (name, tokens, ty) = (place.name.clone(), &place.tokens, &syntax.ty);
@@ -333,6 +366,7 @@ impl<'a> Interpreter<'a, '_> {
     pub(super) fn cast_to_real(&mut self, value: Value, at: &Syntax) -> Value {
         match value {
             Value::Integer(value) => self.integer_as_real(value),
+            Value::Index(index) => Value::Real(self.index_as_real(&index)),
             Value::Place(place) if matches!(place.kind, Kind::Integer | Kind::Constant) => {
                 Value::Real(self.parameter(&place.name, place.as_real()))
             }

@@ -93,7 +93,7 @@ impl<'a> Interpreter<'a, '_> {
             Value::Poison => return None,
             Value::Tuple(Sequence { items, .. }) if !is_list => items.to_vec(),
             Value::List(Sequence { items, .. }) if is_list => items.to_vec(),
-            Value::Place(_) if is_list => self.items(&value, None, &at)?,
+            Value::Place(_) | Value::Array(_) if is_list => self.items(&value, None, &at)?,
             _ => {
                 self.report(expressions::pattern_mismatch(at, value.describe()));
                 return None;

@@ -23,6 +23,13 @@ pub(super) fn type_checks(system: &System, declaration: &Declaration, shape: &Sh
         quote! { __wzvi_scheme(::core::marker::PhantomData::<#meant>, ::core::marker::PhantomData::<#written>); }
     });
     let vector = shape.tokens();
+    // Functions inside of a method do not see the generics around it.
+    let sizes: Vec<&syn::ConstParam> = system.item.generics.const_params().collect();
+    let declared = sizes.iter().map(|size| {
+        let (name, ty) = (&size.ident, &size.ty);
+        quote! { const #name: #ty, }
+    });
+    let declared = quote! { #( #declared )* };
     let real = quote! { ::core::primitive::f64 };
     // Lints would fire at the user's tokens a second time; `rustc` and clippy see the closures nowhere else, but what
     // they would say about style in generated code helps nobody.
@@ -41,8 +48,18 @@ pub(super) fn type_checks(system: &System, declaration: &Declaration, shape: &Sh
             #allow
             impl #parameters __WzviTypeChecks for #name #arguments #condition {
                 fn __wzvi_type_checks(&self) {
-                    fn __wzvi_hamiltonian<F: ::core::ops::Fn(#vector, #vector) -> #real>(_: F) {}
-                    fn __wzvi_hamiltonian_of_time<F: ::core::ops::Fn(#vector, #vector, #real) -> #real>(_: F) {}
+                    fn __wzvi_hamiltonian<#declared F: ::core::ops::Fn(#vector, #vector) -> #real>(_: F) {}
+                    fn __wzvi_hamiltonian_of_time<
+                        #declared F: ::core::ops::Fn(#vector, #vector, #real) -> #real
+                    >(_: F) {}
+                    fn __wzvi_family<
+                        #declared F: ::core::ops::Fn(#vector, #vector, ::core::primitive::usize) -> #real
+                    >(_: F) {}
+                    fn __wzvi_family_of_time<
+                        #declared F: ::core::ops::Fn(
+                            #vector, #vector, #real, ::core::primitive::usize,
+                        ) -> #real
+                    >(_: F) {}
                     fn __wzvi_scheme<E>(_: ::core::marker::PhantomData<E>, _: ::core::marker::PhantomData<E>) {}
                     #( #schemes )*
                     #( #checks )*
@@ -58,11 +75,19 @@ fn check(system: &System, hamiltonian: &Hamiltonian) -> TokenStream {
     identifiers(hamiltonian.tokens.clone(), &mut used);
     let fields = system.fields.iter().flat_map(|field| bindings(field, &used));
     let closure = with_our_self(with_plain_scalars(system, hamiltonian));
-    let function = match hamiltonian.closure.inputs.len() {
-        2 => quote! { __wzvi_hamiltonian },
-        _ => quote! { __wzvi_hamiltonian_of_time },
+    let function = match (hamiltonian.closure.inputs.len(), &hamiltonian.family) {
+        (2, None) => quote! { __wzvi_hamiltonian },
+        (_, None) => quote! { __wzvi_hamiltonian_of_time },
+        (3, Some(_)) => quote! { __wzvi_family },
+        _ => quote! { __wzvi_family_of_time },
     };
-    quote! { { #( #fields )* #function(#closure); } }
+    let sizes = system.item.generics.const_params().map(|size| &size.ident);
+    let generics = if system.item.generics.const_params().next().is_some() {
+        quote! { ::<#( #sizes, )* _> }
+    } else {
+        quote! {}
+    };
+    quote! { { #( #fields )* #function #generics (#closure); } }
 }
 
 /// `let a = self.a;`, with the span of a use: if the closure comes out of a macro, its names are from there. Names

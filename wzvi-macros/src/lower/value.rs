@@ -5,6 +5,8 @@ use std::rc::Rc;
 use proc_macro2::TokenStream;
 use quote::quote;
 
+use super::streams::{Array, Stream};
+use crate::elements::index::Index;
 use crate::input::Kind;
 use crate::symbolic::Expr;
 
@@ -28,6 +30,12 @@ pub(super) enum Value {
     Iterator(Sequence),
     /// `start..end`; without an end it only bounds others.
     Range(i128, Option<i128>),
+    /// An integer of loop variables and sizes: only in systems of elements, like the next two.
+    Index(Rc<Index>),
+    /// Part of the phase space, or of a list of the struct, whose elements are known to the running program only.
+    Array(Rc<Array>),
+    /// What is left of an iterator whose length is known to the running program only.
+    Stream(Rc<Stream>),
     /// Position in the interpreter's list of closures.
     Closure(usize),
     /// `f64::sin` and the like, as a value.
@@ -113,7 +121,7 @@ impl Value {
 
     pub(super) fn is_integer(&self) -> bool {
         match self {
-            Self::Integer(_) => true,
+            Self::Integer(_) | Self::Index(_) => true,
             Self::Place(place) => place.kind == Kind::Integer,
             _ => false,
         }
@@ -142,6 +150,9 @@ impl Value {
             Self::Tuple(_) => "a tuple",
             Self::Iterator(_) => "an iterator",
             Self::Range(..) => "a range",
+            Self::Index(_) => "an integer that is known at run time",
+            Self::Array(_) => "a list",
+            Self::Stream(_) => "an iterator whose length is known at run time",
             Self::Closure(_) | Self::Function(_) => "a function",
             Self::Poison => "an error",
         }

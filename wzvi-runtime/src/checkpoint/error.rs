@@ -24,6 +24,13 @@ pub enum CheckpointError {
         /// Which one.
         path: PathBuf,
     },
+    /// The file is a checkpoint of something else.
+    Kind {
+        /// Which one.
+        path: PathBuf,
+        /// What it is a checkpoint of.
+        kind: &'static str,
+    },
     /// The file has another version of the format.
     Version {
         /// Which one.
@@ -55,6 +62,15 @@ pub enum CheckpointError {
         step: u64,
         /// Steps asked for.
         steps: u64,
+    },
+    /// The file is of this ensemble, but has more paths than are asked for.
+    MorePaths {
+        /// Which one.
+        path: PathBuf,
+        /// Paths in the checkpoint.
+        done: u64,
+        /// Paths asked for.
+        paths: u64,
     },
     /// There are recorded nodes, but no checkpoint that they belong to.
     Orphan {
@@ -132,6 +148,11 @@ impl fmt::Display for CheckpointError {
             Self::Foreign { path } => {
                 write!(f, "{} is not a file of wzvi; it was not changed: name another file", path.display())
             }
+            Self::Kind { path, kind } => write!(
+                f,
+                "{} is a checkpoint of {kind}; it was not changed: name another file",
+                path.display()
+            ),
             Self::Version { path, found, expected } => write!(
                 f,
                 "{} has version {found} of the format, this program reads version {expected}; finish the run with \
@@ -154,6 +175,12 @@ impl fmt::Display for CheckpointError {
                 f,
                 "{} is at step {step}, beyond the {steps} steps of this run; ask for at least {step}, or name \
                  another file to start anew",
+                path.display()
+            ),
+            Self::MorePaths { path, done, paths } => write!(
+                f,
+                "{} has {done} paths, more than the {paths} of this run; ask for at least {done}, or name another \
+                 file to start anew",
                 path.display()
             ),
             Self::Orphan { nodes, path } => write!(

@@ -1,16 +1,28 @@
-//! The file: one line with version, length and checksum, then JSON.
+//! The file: one line with its kind, version, length and checksum, then JSON.
 
 use std::fmt;
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use serde::de::{self, DeserializeOwned};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::error::Damage;
 use crate::checksum::Checksum;
 
-/// What the first line starts with, in every version.
-pub(super) const MAGIC: &str = "wzvi-checkpoint ";
 /// The version that is read and written.
 pub(super) const VERSION: u32 = 1;
+
+/// What a file keeps.
+pub(super) trait Content: Serialize + DeserializeOwned {
+    /// What the first line starts with, in every version: one of [`KINDS`].
+    const MAGIC: &'static str;
+}
+
+impl Content for Saved {
+    const MAGIC: &'static str = "wzvi-checkpoint ";
+}
+
+/// What there are checkpoints of.
+const KINDS: [(&str, &str); 2] = [("wzvi-checkpoint ", "a single path"), ("wzvi-ensemble ", "an ensemble")];
 
 /// A run at one of its nodes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -77,31 +89,37 @@ impl<'de> Deserialize<'de> for Word {
 #[derive(Debug, PartialEq)]
 pub(super) enum Unreadable {
     Foreign,
+    Kind(&'static str),
     Version(String),
     Damaged(Damage),
 }
 
-fn header(content: &[u8]) -> String {
+fn header<C: Content>(content: &[u8]) -> String {
     let mut checksum = Checksum::default();
     checksum.add(content);
-    format!("{MAGIC}{VERSION} {} {checksum:?}\n", content.len())
+    format!("{}{VERSION} {} {checksum:?}\n", C::MAGIC, content.len())
 }
 
 /// The bytes of a file.
-pub(super) fn encode(saved: &Saved) -> Result<Vec<u8>, Damage> {
+pub(super) fn encode<C: Content>(saved: &C) -> Result<Vec<u8>, Damage> {
     let mut content = serde_json::to_vec(saved).map_err(|error| Damage::Content(error.to_string()))?;
     content.push(b'\n');
-    let mut bytes = header(&content).into_bytes();
+    let mut bytes = header::<C>(&content).into_bytes();
     bytes.append(&mut content);
     Ok(bytes)
 }
 
 /// What a file says.
-pub(super) fn decode(bytes: &[u8]) -> Result<Saved, Unreadable> {
-    let Some(rest) = bytes.strip_prefix(MAGIC.as_bytes()) else {
+pub(super) fn decode<C: Content>(bytes: &[u8]) -> Result<C, Unreadable> {
+    let Some(rest) = bytes.strip_prefix(C::MAGIC.as_bytes()) else {
         // An empty file, or the start of a first line, is what is left of a checkpoint.
-        let is_cut = MAGIC.as_bytes().starts_with(bytes);
-        return Err(if is_cut { Unreadable::Damaged(Damage::Header) } else { Unreadable::Foreign });
+        let is_cut = C::MAGIC.as_bytes().starts_with(bytes);
+        let other = KINDS.iter().find(|(magic, _)| bytes.starts_with(magic.as_bytes()));
+        return Err(match other {
+            Some((_, kind)) => Unreadable::Kind(kind),
+            None if is_cut => Unreadable::Damaged(Damage::Header),
+            None => Unreadable::Foreign,
+        });
     };
     let damaged = |damage| Err(Unreadable::Damaged(damage));
     let Some(end) = rest.iter().position(|&byte| byte == b'\n') else { return damaged(Damage::Header) };
@@ -132,7 +150,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Saved, Unreadable> {
         return damaged(Damage::Checksum { expected, found: checksum.value() });
     }
     // There is one way to write a line: `+12`, `012` and capital digits are not what was written.
-    if !bytes.starts_with(header(content).as_bytes()) {
+    if !bytes.starts_with(header::<C>(content).as_bytes()) {
         return damaged(Damage::Header);
     }
     serde_json::from_slice(content).map_err(|error| Unreadable::Damaged(Damage::Content(error.to_string())))

@@ -3,6 +3,7 @@
 use std::any::type_name;
 use std::fmt::{self, Write};
 
+use super::Tape;
 use super::error::Difference;
 use super::format::Word;
 use crate::carry::Carry;
@@ -24,22 +25,33 @@ pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
     noise: Fields,
 ) -> Fields {
     let system = stepper.system();
-    let mut fields = Fields::new();
+    let mut fields = scheme::<H, E>(system, degrees, stepper.step_size());
     let mut set = |name: &str, value: String| fields.push((name.to_owned(), value));
-    set("the version of wzvi", env!("CARGO_PKG_VERSION").to_owned());
-    set("the system", short_name(type_name::<H>()));
-    set("the scheme", short_name(type_name::<E>()));
-    set("the number of degrees of freedom", degrees.to_string());
-    set("the number of noises", system.noises().to_string());
-    set("the step size", format!("{:?}", stepper.step_size()));
     set("record_every", every.to_string());
     set("the halvings allowed", retry.most().to_string());
     set("compensated summation", stepper.is_compensated().to_string());
-    for (name, value) in (0..MOST_PARAMETERS).map_while(|index| system.parameter(index)) {
-        set(&format!("the parameter {name}"), format!("{value:?}"));
-    }
+    fields.extend(parameters(system));
     fields.extend(noise);
     fields
+}
+
+/// What a step is of.
+pub(super) fn scheme<H: Hamiltonian, E>(system: &H, degrees: usize, h: f64) -> Fields {
+    let fields = [
+        ("the version of wzvi", env!("CARGO_PKG_VERSION").to_owned()),
+        ("the system", short_name(type_name::<H>())),
+        ("the scheme", short_name(type_name::<E>())),
+        ("the number of degrees of freedom", degrees.to_string()),
+        ("the number of noises", system.noises().to_string()),
+        ("the step size", format!("{h:?}")),
+    ];
+    fields.map(|(name, value)| (name.to_owned(), value)).into()
+}
+
+/// The parameters that the system names.
+pub(super) fn parameters<H: Hamiltonian>(system: &H) -> Fields {
+    let known = (0..MOST_PARAMETERS).map_while(|index| system.parameter(index));
+    known.map(|(name, value)| (format!("the parameter {name}"), format!("{value:?}"))).collect()
 }
 
 /// Parameters that a file names; the others show in the checksums.
@@ -47,19 +59,20 @@ const MOST_PARAMETERS: usize = 64;
 
 /// Checksums of everything that the user need not know: what the compiler derived, what is computed once from
 /// parameters and step size, and the Hamiltonians at the start.
-pub(super) fn derived<H: Discretized<E>, E, C: Carry<f64>>(
-    stepper: &Stepper<'_, H, E, C>,
+pub(super) fn derived<H: Discretized<E>, E>(
+    system: &H,
+    prepared: &H::Prepared,
     start: &State<H::Vector>,
 ) -> Fields {
     let mut constants = Checksum::default();
     // Numbers are written exactly, and taking them in cannot fail.
-    let _ = write!(Text(&mut constants), "{:?}", stepper.prepared());
+    let _ = write!(Text(&mut constants), "{prepared:?}");
     let mut equations = Checksum::default();
     equations.add(H::EQUATIONS.as_bytes());
     vec![
         ("the derivation (checksum)".to_owned(), format!("{equations:?}")),
         (CONSTANTS.to_owned(), format!("{constants:?}")),
-        (forces_at("start"), forces(stepper.system(), start)),
+        (forces_at("start"), forces(system, start)),
     ]
 }
 
@@ -73,15 +86,29 @@ pub(super) fn forces_at(place: &str) -> String {
 pub(super) fn forces<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> String {
     let mut checksum = Checksum::default();
     let mut add = |number: &f64| checksum.add(&number.to_bits().to_le_bytes());
-    let d = state.q.components().len();
-    let (mut dq, mut dp) = (vec![0.0; d], vec![0.0; d]);
     let (q, p) = (state.q.components(), state.p.components());
+    let (mut dq, mut dp) = (vec![0.0; q.len()], vec![0.0; p.len()]);
     for term in 0..=system.noises() {
         add(&system.evaluate(term, q, p, state.t));
         system.differentiate(term, q, p, state.t, &mut dq, &mut dp);
         dq.iter().chain(&dp).for_each(&mut add);
     }
     format!("{checksum:?}")
+}
+
+/// The checksum of several words.
+#[cfg(feature = "ensemble")]
+pub(super) fn checksum(words: impl IntoIterator<Item = u64>) -> String {
+    let mut checksum = Checksum::default();
+    words.into_iter().for_each(|word| checksum.add(&word.to_le_bytes()));
+    format!("{checksum:?}")
+}
+
+/// The words of a state.
+pub(super) fn pass_state<V: Vector>(state: &mut State<V>, tape: &mut Tape) {
+    tape.number(&mut state.t);
+    tape.numbers(state.q.components_mut());
+    tape.numbers(state.p.components_mut());
 }
 
 /// Text into a checksum, without holding it.

@@ -1,16 +1,12 @@
 //! Opens the checkpoint of a run, and saves the run to it.
 
-use std::fs::{self, File};
-use std::io::{self, Read};
-use std::path::PathBuf;
-
 use super::error::{CheckpointError, Damage, Difference};
-use super::format::{self, MAGIC, Saved, Unreadable, VERSION, Word, Words};
+use super::format::{self, Saved, Word, Words};
 use super::identity::{self, Fields};
 use super::nodes::Nodes;
-use super::replace::{remove_parts, replace};
+use super::own::Own;
 use super::schedule::Schedule;
-use super::{Keeping, Tape};
+use super::{Counts, Keeping, Tape};
 use crate::carry::Carry;
 use crate::error::Error;
 use crate::increments::{Identity, Noise};
@@ -32,14 +28,12 @@ pub(crate) struct Keeper {
 /// The files of a run.
 #[derive(Debug)]
 struct Keep {
-    path: PathBuf,
+    own: Own,
     schedule: Schedule,
     settings: Fields,
     derived: Fields,
     start: Words,
     nodes: Nodes,
-    /// The first line of the checkpoint as this run left it; `None` before there is one.
-    line: Option<Vec<u8>>,
 }
 
 impl Keeping {
@@ -55,21 +49,20 @@ impl Keeping {
         (steps, retry): (u64, Retry),
     ) -> Result<Keeper, Error> {
         let Self(Some(checkpoint)) = self else { return Ok(Keeper { first: 0, file: None }) };
-        checkpoint.check()?;
+        checkpoint.check(Counts::Steps)?;
         let noise = noise.map_or_else(|| Some(Identity::of("none")), N::identity);
         let noise = noise.ok_or(CheckpointError::Noise)?.into_settings();
         // That of the system, which may not know it before its first step.
         let degrees = state.q.components().len();
         let mut keep = Keep {
-            schedule: Schedule::new(&checkpoint, 0, steps),
+            schedule: Schedule::new(checkpoint.steps, checkpoint.interval, 0, steps),
             settings: identity::settings(stepper, degrees, recorder.every(), retry, noise),
-            derived: identity::derived(stepper, state),
-            start: format::words(Tape::write(|tape| pass_state(state, tape))),
+            derived: identity::derived(stepper.system(), stepper.prepared(), state),
+            start: format::words(Tape::write(|tape| identity::pass_state(state, tape))),
             nodes: Nodes::new(&checkpoint.path, degrees, stepper.system().noises()),
-            line: None,
-            path: checkpoint.path.clone(),
+            own: Own::new(&checkpoint.path),
         };
-        let first = match keep.read()? {
+        let first = match keep.own.read()? {
             Some(saved) => keep.restore(saved, steps, stepper, state, recorder, path)?,
             None => {
                 keep.check_alone(recorder.every())?;
@@ -77,8 +70,8 @@ impl Keeping {
                 0
             }
         };
-        remove_parts(&keep.path, MAGIC.as_bytes());
-        keep.schedule = Schedule::new(&checkpoint, first, steps);
+        keep.own.remove_parts::<Saved>();
+        keep.schedule = Schedule::new(checkpoint.steps, checkpoint.interval, first, steps);
         Ok(Keeper { first, file: Some(Box::new(keep)) })
     }
 }
@@ -121,27 +114,14 @@ impl Keeper {
 }
 
 impl Keep {
-    /// What the file says; `None` if there is none.
-    fn read(&mut self) -> Result<Option<Saved>, CheckpointError> {
-        let bytes = match fs::read(&self.path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            bytes => bytes.map_err(CheckpointError::file(&self.path, "read"))?,
-        };
-        self.line = Some(format::first_line(&bytes).to_owned());
-        let path = self.path.clone();
-        format::decode(&bytes).map(Some).map_err(|why| match why {
-            Unreadable::Foreign => CheckpointError::Foreign { path },
-            Unreadable::Version(found) => CheckpointError::Version { path, found, expected: VERSION },
-            Unreadable::Damaged(damage) => CheckpointError::Damaged { path, damage },
-        })
-    }
-
     /// Nodes without a checkpoint are someone's: this run writes its first checkpoint before its first node.
     fn check_alone(&self, every: u64) -> Result<(), CheckpointError> {
         let nodes = self.nodes.path();
         let is_there = every > 0 && nodes.try_exists().map_err(CheckpointError::file(nodes, "read"))?;
         match is_there {
-            true => Err(CheckpointError::Orphan { nodes: nodes.to_owned(), path: self.path.clone() }),
+            true => {
+                Err(CheckpointError::Orphan { nodes: nodes.to_owned(), path: self.own.path().to_owned() })
+            }
             false => Ok(()),
         }
     }
@@ -159,24 +139,24 @@ impl Keep {
         self.compare(&saved, state.q.components().len())?;
         let step = saved.step;
         if step > steps {
-            return Err(CheckpointError::Beyond { path: self.path.clone(), step, steps });
+            return Err(CheckpointError::Beyond { path: self.own.path().to_owned(), step, steps });
         }
         let expected = step.checked_div(recorder.every()).unwrap_or(0);
         let parts = (saved.nodes == expected)
             .then_some(())
-            .and_then(|()| Tape::read(format::bits(&saved.state), |tape| pass_state(state, tape)))
+            .and_then(|()| Tape::read(format::bits(&saved.state), |tape| identity::pass_state(state, tape)))
             .and_then(|()| Tape::read(format::bits(&saved.stepper), |tape| stepper.pass(tape)))
             .and_then(|()| Tape::read(format::bits(&saved.recorder), |tape| recorder.pass(tape)))
             .and_then(|()| Tape::read(format::bits(&saved.wiener), |tape| path.pass(tape)));
         if parts.is_none() {
             let damage = Damage::Content("a part of it has the wrong length".to_owned());
-            return Err(CheckpointError::damaged(&self.path, damage));
+            return Err(CheckpointError::damaged(self.own.path(), damage));
         }
         let forces = identity::forces(stepper.system(), state);
         if forces != saved.forces {
             let field = identity::forces_at("checkpoint");
             let difference = Difference { field, checkpoint: Some(saved.forces), run: Some(forces) };
-            return Err(self.other_run(vec![difference]));
+            return Err(self.own.other_run(vec![difference]));
         }
         self.nodes.read(saved.nodes, saved.nodes_checksum.0, recorder)?;
         Ok(step)
@@ -189,11 +169,7 @@ impl Keep {
         if differences.is_empty() {
             differences = identity::differences(&saved.derived, &self.derived);
         }
-        if differences.is_empty() { Ok(()) } else { Err(self.other_run(differences)) }
-    }
-
-    fn other_run(&self, differences: Vec<Difference>) -> CheckpointError {
-        CheckpointError::OtherRun { path: self.path.clone(), differences }
+        if differences.is_empty() { Ok(()) } else { Err(self.own.other_run(differences)) }
     }
 
     /// Nodes first: a checkpoint is never ahead of them.
@@ -205,7 +181,7 @@ impl Keep {
         path: &mut Sums,
         step: u64,
     ) -> Result<(), CheckpointError> {
-        self.check_ours()?;
+        self.own.check_ours()?;
         self.nodes.append(recorder)?;
         let (nodes, checksum) = self.nodes.written();
         let saved = Saved {
@@ -214,41 +190,13 @@ impl Keep {
             start: self.start.clone(),
             step,
             forces: identity::forces(stepper.system(), state),
-            state: format::words(Tape::write(|tape| pass_state(state, tape))),
+            state: format::words(Tape::write(|tape| identity::pass_state(state, tape))),
             stepper: format::words(Tape::write(|tape| stepper.pass(tape))),
             recorder: format::words(Tape::write(|tape| recorder.pass(tape))),
             wiener: format::words(Tape::write(|tape| path.pass(tape))),
             nodes,
             nodes_checksum: Word(checksum),
         };
-        let bytes = format::encode(&saved).map_err(|damage| CheckpointError::damaged(&self.path, damage))?;
-        replace(&self.path, &bytes).map_err(CheckpointError::file(&self.path, "write"))?;
-        self.line = Some(format::first_line(&bytes).to_owned());
-        Ok(())
+        self.own.write(&saved)
     }
-
-    /// Whether the file is as this run left it: nothing of another run is replaced.
-    fn check_ours(&self) -> Result<(), CheckpointError> {
-        let file = match File::open(&self.path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-            file => Some(file.map_err(CheckpointError::file(&self.path, "read"))?),
-        };
-        let is_ours = match (&self.line, file) {
-            (None, None) => true,
-            (Some(line), Some(file)) => {
-                let mut start = Vec::with_capacity(line.len());
-                let read = file.take(line.len() as u64).read_to_end(&mut start);
-                read.map_err(CheckpointError::file(&self.path, "read"))?;
-                start == *line
-            }
-            _ => false,
-        };
-        if is_ours { Ok(()) } else { Err(CheckpointError::Taken { path: self.path.clone() }) }
-    }
-}
-
-fn pass_state<V: Vector>(state: &mut State<V>, tape: &mut Tape) {
-    tape.number(&mut state.t);
-    tape.numbers(state.q.components_mut());
-    tape.numbers(state.p.components_mut());
 }

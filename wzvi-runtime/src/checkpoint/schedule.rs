@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::{Checkpoint, MINUTE};
+use super::MINUTE;
 
 /// Decides at which nodes to save. A node that it need not think about costs one comparison.
 #[derive(Debug)]
@@ -26,9 +26,9 @@ struct Clock {
 }
 
 impl Schedule {
-    /// For the steps from node `first` to node `end`.
-    pub(super) fn new(checkpoint: &Checkpoint, first: u64, end: u64) -> Self {
-        let interval = match (checkpoint.steps, checkpoint.interval) {
+    /// For the steps from node `first` to node `end`: at multiples of `every`, and whenever `interval` has gone by.
+    pub(super) fn new(every: Option<u64>, interval: Option<Duration>, first: u64, end: u64) -> Self {
+        let interval = match (every, interval) {
             (None, None) => Some(MINUTE),
             (_, interval) => interval,
         };
@@ -36,7 +36,7 @@ impl Schedule {
             let now = Instant::now();
             Clock { interval, saved: now, looked: now, stride: 1 }
         });
-        let mut schedule = Self { next: first, end, every: checkpoint.steps, clock };
+        let mut schedule = Self { next: first, end, every, clock };
         schedule.plan(first);
         schedule
     }
@@ -89,30 +89,28 @@ impl Clock {
 mod tests {
     use super::*;
 
-    fn due(checkpoint: &Checkpoint, first: u64, end: u64) -> Vec<u64> {
-        let mut schedule = Schedule::new(checkpoint, first, end);
+    fn due(every: Option<u64>, first: u64, end: u64) -> Vec<u64> {
+        let mut schedule = Schedule::new(every, None, first, end);
         (first + 1..=end).filter(|&node| schedule.is_due(node)).collect()
     }
 
     #[test]
     fn multiples_and_the_end() {
-        let checkpoint = Checkpoint::to("x").every_steps(4);
-        assert_eq!(due(&checkpoint, 0, 10), [4, 8, 10]);
-        assert_eq!(due(&checkpoint, 7, 12), [8, 12]);
-        assert_eq!(due(&checkpoint, 8, 9), [9]);
-        assert_eq!(due(&checkpoint.clone().every_steps(u64::MAX), 0, 3), [3]);
-        assert_eq!(due(&checkpoint.every_steps(1), 0, 3), [1, 2, 3]);
+        assert_eq!(due(Some(4), 0, 10), [4, 8, 10]);
+        assert_eq!(due(Some(4), 7, 12), [8, 12]);
+        assert_eq!(due(Some(4), 8, 9), [9]);
+        assert_eq!(due(Some(u64::MAX), 0, 3), [3]);
+        assert_eq!(due(Some(1), 0, 3), [1, 2, 3]);
     }
 
     #[test]
     fn a_minute_is_not_over_at_once() {
-        assert_eq!(due(&Checkpoint::to("x"), 0, 1000), [1000]);
+        assert_eq!(due(None, 0, 1000), [1000]);
     }
 
     #[test]
     fn time_is_kept_with_few_looks() {
-        let checkpoint = Checkpoint::to("x").every(Duration::from_millis(20));
-        let mut schedule = Schedule::new(&checkpoint, 0, u64::MAX);
+        let mut schedule = Schedule::new(None, Some(Duration::from_millis(20)), 0, u64::MAX);
         let start = Instant::now();
         let (mut node, mut saves) = (0_u64, 0_u32);
         while start.elapsed() < Duration::from_millis(300) {

@@ -9,7 +9,7 @@ pub(crate) enum Tape {
     Reading {
         /// What was taken down.
         words: std::vec::IntoIter<u64>,
-        /// Whether it was shown more than was taken down.
+        /// Whether it was shown more than was taken down, or what was makes no sense.
         short: bool,
     },
 }
@@ -60,6 +60,23 @@ impl Tape {
         }
     }
 
+    /// Whether it replaces what it is shown.
+    pub(crate) fn is_reading(&self) -> bool {
+        matches!(self, Self::Reading { .. })
+    }
+
+    /// What was read makes no sense: [`Tape::read`] gives nothing.
+    pub(crate) fn refuse(&mut self) {
+        if let Self::Reading { short, .. } = self {
+            *short = true;
+        }
+    }
+
+    /// Takes down or replaces several words.
+    pub(crate) fn words<'x>(&mut self, words: impl IntoIterator<Item = &'x mut u64>) {
+        words.into_iter().for_each(|word| self.word(word));
+    }
+
     /// Takes down or replaces a number.
     pub(crate) fn number(&mut self, number: &mut f64) {
         let mut word = number.to_bits();
@@ -93,5 +110,6 @@ mod tests {
         assert_eq!(words, [3]);
         assert_eq!(Tape::read(words, |tape| assert_eq!(tape.length(1), 0)), None);
         assert_eq!(Tape::read(vec![0], |tape| assert_eq!(tape.length(1), 0)), Some(()));
+        assert_eq!(Tape::read(vec![], Tape::refuse), None);
     }
 }

@@ -54,7 +54,8 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
                 if step % LOOK == 0 && job.is_stopped() {
                     return None;
                 }
-                group.step(step);
+                group.draw(step);
+                group.advance(step);
                 if !job.events.is_empty() {
                     group.watch(step);
                 }
@@ -70,6 +71,12 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
     }
 }
 
+/// The place of a step among those that are drawn together.
+#[inline(always)]
+fn slot(step: u64) -> usize {
+    (step % STEPS as u64) as usize
+}
+
 /// `L` paths that run beside each other.
 pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     job: &'j Job<'a, H, E>,
@@ -77,10 +84,10 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     q: Vec<Lanes<L>>,
     p: Vec<Lanes<L>>,
     keys: Vec<[u32; 8]>,
+    /// Normals by process and step, where more is made of them than increments.
+    normals: Vec<[[f64; L]; STEPS]>,
     /// Increments of `STEPS` steps: those of the first, then those of the second, ...
     increments: Vec<Lanes<L>>,
-    /// Of antithetic paths, those of the `STEPS` steps after these.
-    later: Vec<Lanes<L>>,
     deviation: f64,
     /// Lanes that are paths of this run; others only keep the vector full.
     counts: [bool; L],
@@ -99,22 +106,25 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     first_of_pair: Vec<f64>,
     scratch: Vec<f64>,
     state: State<H::Vector>,
-    /// Without noise the steps before help to solve the next one, which is then no matter of lanes: one stepper for each.
+    /// Increments of one lane.
+    alone: Vec<f64>,
+    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]): one stepper for each.
     steppers: Vec<Stepper<'a, H, E, Plain>>,
 }
 
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
-        let (d, processes) = (job.system.degrees(), job.system.noises());
+        // That of the system, which may not know it.
+        let (d, processes) = (job.start.q.components().len(), job.system.noises());
         let zero = Lanes::from_f64(0.0);
         Self {
             job,
             path: 0,
             q: vec![zero; d],
             p: vec![zero; d],
-            keys: (0..processes).map(|process| key(job.seed, process as u64, 0)).collect(),
+            keys: (0..processes).map(|process| key(job.seed, process as u64, job.level)).collect(),
+            normals: vec![[[0.0; L]; STEPS]; processes],
             increments: vec![zero; STEPS * processes],
-            later: vec![zero; if job.is_antithetic { STEPS * processes } else { 0 }],
             deviation: job.h.abs().sqrt(),
             counts: [false; L],
             failed: [false; L],
@@ -127,6 +137,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             first_of_pair: vec![0.0; job.observables.len()],
             scratch: vec![0.0; job.observables.len()],
             state: job.start.clone(),
+            alone: vec![0.0; processes],
             steppers: Vec::new(),
         }
     }
@@ -143,7 +154,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         }
         self.counts = std::array::from_fn(|lane| path + (lane as u64) < end);
         (self.failed, self.any_failed) = ([false; L], false);
-        if matches!(H::PLAN.noise, NoiseClass::None) {
+        if !H::IN_LANES {
             // It cannot fail: the same has been prepared for the job.
             let stepper = |_| Stepper::new(self.job.system, self.job.h).ok().map(Stepper::plain);
             self.steppers = (0..L).filter_map(stepper).collect();
@@ -171,26 +182,76 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         self.job.start.t + step as f64 * self.job.h
     }
 
+    /// The increments of a step; steps are drawn in order.
     #[inline(always)]
-    fn step(&mut self, step: u64) {
-        if step.is_multiple_of(STEPS as u64) {
-            if self.job.is_antithetic {
-                self.draw_pairs(step / STEPS as u64);
-            } else {
-                self.draw(step / STEPS as u64);
+    pub(super) fn draw(&mut self, step: u64) {
+        if self.job.is_antithetic {
+            return self.draw_pairs(step);
+        }
+        if slot(step) > 0 {
+            return;
+        }
+        let processes = self.keys.len();
+        let mut drawn = [[0.0; L]; STEPS];
+        for (process, key) in self.keys.iter().enumerate() {
+            normals(key, self.path, step / STEPS as u64, &mut drawn);
+            for (step, drawn) in drawn.iter().enumerate() {
+                if let Some(to) = self.increments.get_mut(step * processes + process) {
+                    *to = self.job.increment(Lanes::new(*drawn), self.deviation);
+                }
             }
         }
-        self.advance(step);
     }
 
-    /// Takes a step with the increments that have been drawn or given ([`Group::drive`]).
+    /// [`Group::draw`] for paths `2k` and `2k + 1` with the normals of path `k`, as they are and negated: of the lanes that
+    /// are drawn at once, half are for the steps after the next [`STEPS`].
+    #[inline(always)]
+    fn draw_pairs(&mut self, step: u64) {
+        let within = step % (2 * STEPS as u64);
+        if within == 0 {
+            let (first, block, half) = (self.path / 2, step / STEPS as u64, L as u64 / 2);
+            for (key, to) in self.keys.iter().zip(&mut self.normals) {
+                normals_at(key, |lane| (first.wrapping_add(lane % half), block + lane / half), to);
+            }
+        }
+        let (half, within) = (within as usize / STEPS, within as usize % STEPS);
+        for process in 0..self.keys.len() {
+            let drawn = &self.normals[process][within];
+            let signed = |lane: usize| {
+                let normal = drawn[half * (L / 2) + lane / 2];
+                if lane.is_multiple_of(2) { normal } else { -normal }
+            };
+            self.drive(process, step, Lanes::new(std::array::from_fn(signed)));
+        }
+    }
+
+    /// The normals of a step, before truncation, in the place of [`Group::draw`]; steps are drawn in order.
+    #[inline(always)]
+    pub(super) fn drawn(&mut self, process: usize, step: u64) -> Lanes<L> {
+        if slot(step) == 0
+            && let (Some(key), Some(to)) = (self.keys.get(process), self.normals.get_mut(process))
+        {
+            normals(key, self.path, step / STEPS as u64, to);
+        }
+        Lanes::new(self.normals[process][slot(step)])
+    }
+
+    /// Sets the increments of a step from normals.
+    #[inline(always)]
+    pub(super) fn drive(&mut self, process: usize, step: u64, normals: Lanes<L>) {
+        let place = slot(step) * self.keys.len() + process;
+        if let Some(to) = self.increments.get_mut(place) {
+            *to = self.job.increment(normals, self.deviation);
+        }
+    }
+
+    /// Takes a step with the increments that were drawn.
     #[inline(always)]
     pub(super) fn advance(&mut self, step: u64) {
-        if matches!(H::PLAN.noise, NoiseClass::None) {
-            return self.without_noise(step);
+        let (job, within) = (self.job, slot(step));
+        if matches!(H::PLAN.noise, NoiseClass::None) || !H::IN_LANES {
+            return self.by_steppers(step, within);
         }
-        let job = self.job;
-        let within = (step % STEPS as u64) as usize;
         if self.any_failed && !self.mirror(within) {
             return;
         }
@@ -213,64 +274,18 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         }
     }
 
-    /// The increments of the next steps.
-    #[inline(always)]
-    fn draw(&mut self, block: u64) {
-        let (clip, deviation, processes) = (self.job.clip, self.deviation, self.keys.len());
-        let mut drawn = [[0.0; L]; STEPS];
-        for (process, key) in self.keys.iter().enumerate() {
-            normals(key, self.path, block, &mut drawn);
-            for (step, drawn) in drawn.iter().enumerate() {
-                if let Some(to) = self.increments.get_mut(step * processes + process) {
-                    *to = increments(drawn, clip, deviation);
-                }
-            }
-        }
-    }
-
-    /// [`Group::draw`] for paths `2k` and `2k + 1` with the normals of path `k`, as they are and negated: of the lanes that
-    /// are drawn at once, half are for the next block of steps.
-    #[inline(always)]
-    fn draw_pairs(&mut self, block: u64) {
-        if block % 2 == 1 {
-            return std::mem::swap(&mut self.increments, &mut self.later);
-        }
-        let (clip, deviation, processes) = (self.job.clip, self.deviation, self.keys.len());
-        let (first, half) = (self.path / 2, L as u64 / 2);
-        let mut drawn = [[0.0; L]; STEPS];
-        for (process, key) in self.keys.iter().enumerate() {
-            normals_at(key, |lane| (first.wrapping_add(lane % half), block + lane / half), &mut drawn);
-            for (step, drawn) in drawn.iter().enumerate() {
-                for (part, to) in [&mut self.increments, &mut self.later].into_iter().enumerate() {
-                    let signed = std::array::from_fn(|lane| {
-                        let normal = drawn[part * (L / 2) + lane / 2];
-                        if lane % 2 == 0 { normal } else { -normal }
-                    });
-                    if let Some(to) = to.get_mut(step * processes + process) {
-                        *to = increments(&signed, clip, deviation);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Gives an increment of a step, as standard normals, in the place of one that is drawn.
-    #[inline(always)]
-    pub(super) fn drive(&mut self, step: u64, process: usize, normals: &[f64; L]) {
-        let within = (step % STEPS as u64) as usize;
-        if let Some(to) = self.increments.get_mut(within * self.keys.len() + process) {
-            *to = increments(normals, self.job.clip, self.deviation);
-        }
-    }
-
     #[inline(never)]
-    fn without_noise(&mut self, step: u64) {
+    fn by_steppers(&mut self, step: u64, within: usize) {
         let t = self.time(step);
+        let first = within * self.keys.len();
         let mut steppers = std::mem::take(&mut self.steppers);
         for (lane, stepper) in steppers.iter_mut().enumerate() {
             if !self.failed[lane] {
                 let mut state = self.state_of(lane, t);
-                match stepper.step(&mut state, &[]) {
+                for (to, from) in self.alone.iter_mut().zip(self.increments.iter().skip(first)) {
+                    *to = from[lane];
+                }
+                match stepper.step(&mut state, &self.alone) {
                     Ok(_) => self.put(lane, &state.q, &state.p),
                     Err(error) => self.fail(lane, error),
                 }
@@ -316,7 +331,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
 
     fn state_of(&self, lane: usize, t: f64) -> State<H::Vector> {
         let vector = |lanes: &[Lanes<L>]| {
-            let mut vector = H::Vector::zeros(self.job.system.degrees());
+            let mut vector = H::Vector::zeros(lanes.len());
             for (to, from) in vector.components_mut().iter_mut().zip(lanes) {
                 *to = from[lane];
             }
@@ -465,17 +480,4 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             statistics.fail(failure);
         }
     }
-}
-
-/// Increments from standard normals: truncated, times `√|h|`.
-#[inline(always)]
-fn increments<const L: usize>(normals: &[f64; L], clip: f64, deviation: f64) -> Lanes<L> {
-    let mut dw = [0.0; L];
-    for i in 0..L {
-        // As `clamp`, which takes more instructions because of NaN.
-        let z = if normals[i] < clip { normals[i] } else { clip };
-        let z = if z > -clip { z } else { -clip };
-        dw[i] = z * deviation;
-    }
-    Lanes::new(dw)
 }

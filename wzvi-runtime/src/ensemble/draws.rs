@@ -101,31 +101,34 @@ impl<F: FnMut(&[[f64; 16]; STEPS])> Kernel for Visit<'_, F> {
 /// Normals of steps `STEPS * block ..` of paths `path ..`: `[step][path]`.
 #[inline(always)]
 pub(crate) fn normals<const L: usize>(key: &[u32; 8], path: u64, block: u64, to: &mut [[f64; L]; STEPS]) {
-    // Twice 16 words do not fit into the registers of AVX-512.
-    if L == 32 {
-        let mut part = [[0.0; 16]; STEPS];
-        for half in 0..2 {
-            side_by_side(key, path.wrapping_add(16 * half as u64), block, &mut part);
-            for (to, part) in to.iter_mut().zip(&part) {
-                for i in 0..16 {
-                    to[16 * half + i] = part[i];
-                }
-            }
-        }
-    } else {
-        side_by_side(key, path, block, to);
-    }
-}
-
-/// [`normals`], all at once.
-#[inline(always)]
-fn side_by_side<const L: usize>(key: &[u32; 8], path: u64, block: u64, to: &mut [[f64; L]; STEPS]) {
     normals_at(key, |lane| (path.wrapping_add(lane), block), to);
 }
 
-/// Normals of steps `STEPS * block ..` of a path for each lane, where `address` gives path and block: `[step][lane]`.
+/// Normals of steps `STEPS * block ..` of a path for each lane, which `address` gives: `[step][lane]`.
 #[inline(always)]
 pub(crate) fn normals_at<const L: usize>(
+    key: &[u32; 8],
+    address: impl Fn(u64) -> (u64, u64),
+    to: &mut [[f64; L]; STEPS],
+) {
+    if L != 32 {
+        return side_by_side(key, address, to);
+    }
+    // Twice 16 words do not fit into the registers of AVX-512.
+    let mut part = [[0.0; 16]; STEPS];
+    for half in 0..2 {
+        side_by_side(key, |lane| address(16 * half as u64 + lane), &mut part);
+        for (to, part) in to.iter_mut().zip(&part) {
+            for i in 0..16 {
+                to[16 * half + i] = part[i];
+            }
+        }
+    }
+}
+
+/// [`normals_at`], all at once.
+#[inline(always)]
+fn side_by_side<const L: usize>(
     key: &[u32; 8],
     address: impl Fn(u64) -> (u64, u64),
     to: &mut [[f64; L]; STEPS],

@@ -1,5 +1,7 @@
 //! Counts in fixed bins.
 
+#[cfg(feature = "serde")]
+use crate::checkpoint::Tape;
 use crate::error::ConfigError;
 
 /// How many samples fell into each of several bins of equal width, `[lower, upper)` in all.
@@ -53,6 +55,13 @@ impl Histogram {
         self.below += other.below;
         self.above += other.above;
         self.undefined += other.undefined;
+    }
+
+    /// The counts; the bins are known.
+    #[cfg(feature = "serde")]
+    pub(super) fn pass(&mut self, tape: &mut Tape) {
+        tape.words(&mut self.counts);
+        tape.words([&mut self.below, &mut self.above, &mut self.undefined]);
     }
 
     /// The counts, bin by bin.

@@ -6,6 +6,7 @@ use super::block::{Block, PATHS};
 use super::dispatch::InstructionSet;
 use super::schedule::in_order;
 use super::statistics::{Statistics, Wanted};
+use crate::lanes::Lanes;
 use crate::state::State;
 use crate::system::Discretized;
 
@@ -28,6 +29,8 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) observables: Vec<Observable<'a, H::Vector>>,
     pub(super) events: Vec<Observable<'a, H::Vector>>,
     pub(super) wanted: Wanted,
+    /// Level of a multilevel run: its paths have their own normals. 0 if there are no others.
+    pub(super) level: u32,
     /// Whether path `2k + 1` has the normals of path `2k`, negated.
     pub(super) is_antithetic: bool,
     pub(super) stop: Stop<'a>,
@@ -39,6 +42,19 @@ pub(super) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 impl<H: Discretized<E>, E> Job<'_, H, E> {
     pub(super) fn is_stopped(&self) -> bool {
         (self.stop)()
+    }
+
+    /// Increments from standard normals: truncated, times `√|h|`.
+    #[inline(always)]
+    pub(super) fn increment<const L: usize>(&self, normals: Lanes<L>, deviation: f64) -> Lanes<L> {
+        let mut dw = normals.to_array();
+        for dw in &mut dw {
+            // As `clamp`, which takes more instructions because of NaN.
+            let z = if *dw < self.clip { *dw } else { self.clip };
+            let z = if z > -self.clip { z } else { -self.clip };
+            *dw = z * deviation;
+        }
+        Lanes::new(dw)
     }
 }
 

@@ -3,6 +3,9 @@
 //! B. P. Welford, Technometrics 4 (1962) 419; merged as in T. F. Chan, G. H. Golub, R. J. LeVeque, "Updating formulae and a
 //! pairwise algorithm for computing sample variances", 1979.
 
+#[cfg(feature = "serde")]
+use crate::checkpoint::Tape;
+
 /// Mean and variance of one quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Welford {
@@ -30,6 +33,12 @@ impl Welford {
         self.squares += other.squares + difference * difference * (a * b / (a + b));
         self.mean += difference * (b / (a + b));
         self.count += other.count;
+    }
+
+    #[cfg(feature = "serde")]
+    pub(super) fn pass(&mut self, tape: &mut Tape) {
+        tape.word(&mut self.count);
+        tape.numbers([&mut self.mean, &mut self.squares]);
     }
 
     pub(super) fn count(&self) -> u64 {
@@ -104,6 +113,12 @@ impl Moments {
             *mean += difference * (b / total);
         }
         self.count += other.count;
+    }
+
+    #[cfg(feature = "serde")]
+    pub(super) fn pass(&mut self, tape: &mut Tape) {
+        tape.word(&mut self.count);
+        tape.numbers(self.mean.iter_mut().chain(&mut self.comoment));
     }
 
     pub(super) fn count(&self) -> u64 {

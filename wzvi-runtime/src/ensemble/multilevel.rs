@@ -243,6 +243,7 @@ where
             observables: Vec::new(),
             events: Vec::new(),
             wanted: Default::default(),
+            level,
             is_antithetic: false,
             stop: base.stop,
         };
@@ -262,9 +263,9 @@ where
             let Some(stage) = finer.first_mut() else { break };
             let coarse = coarser.last().map(|stage| &stage.job);
             let Stage { job: fine, blocks, samples } = stage;
-            let range = *blocks..wanted.min(self.most_paths).div_ceil(block_size(level as u32)).max(*blocks);
+            let range = *blocks..wanted.min(self.most_paths).div_ceil(block_size(fine.level)).max(*blocks);
             let work = |number| {
-                let pairs = Pairs::<H, E, WIDTH> { fine, coarse, observable, level: level as u32, number };
+                let pairs = Pairs::<H, E, WIDTH> { fine, coarse, observable, number };
                 self.instructions.run(pairs)
             };
             let mut end = Ok(ControlFlow::Continue(()));

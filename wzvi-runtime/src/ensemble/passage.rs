@@ -3,6 +3,8 @@
 use super::histogram::Histogram;
 use super::moments::Welford;
 use super::quantiles::Quantiles;
+#[cfg(feature = "serde")]
+use crate::checkpoint::Tape;
 
 /// When paths first crossed a zero of a function of the state.
 ///
@@ -87,6 +89,15 @@ impl Passages {
         self.censored += other.censored;
         self.lost += other.lost;
         self.exposure += other.exposure;
+    }
+
+    #[cfg(feature = "serde")]
+    pub(super) fn pass(&mut self, tape: &mut Tape) {
+        self.times.pass(tape);
+        self.quantiles.pass(tape);
+        self.histogram.pass(tape);
+        tape.words([&mut self.censored, &mut self.lost]);
+        tape.number(&mut self.exposure);
     }
 
     /// The name of the event.

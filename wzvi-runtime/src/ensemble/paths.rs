@@ -1,5 +1,7 @@
 //! Whole paths, kept for those who want to see them.
 
+#[cfg(feature = "serde")]
+use crate::checkpoint::Tape;
 use crate::error::ConfigError;
 
 /// The observables of every path at every recorded node.
@@ -46,6 +48,16 @@ impl Paths {
 
     pub(super) fn merge(&mut self, other: &Self) {
         self.values.extend_from_slice(&other.values);
+    }
+
+    #[cfg(feature = "serde")]
+    pub(super) fn pass(&mut self, tape: &mut Tape) {
+        let length = tape.length(self.values.len());
+        self.values.resize(length, f64::NAN);
+        tape.numbers(&mut self.values);
+        if !length.is_multiple_of((self.nodes * self.observables).max(1)) {
+            tape.refuse();
+        }
     }
 
     /// How many paths there are.

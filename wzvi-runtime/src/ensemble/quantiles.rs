@@ -7,6 +7,9 @@
 
 use std::collections::BTreeMap;
 
+#[cfg(feature = "serde")]
+use crate::checkpoint::Tape;
+
 /// Bits of the mantissa that a bin ignores.
 const IGNORED: u32 = 52 - 9;
 
@@ -47,6 +50,29 @@ impl Quantiles {
         self.undefined += other.undefined;
         if let Some(extremes) = other.extremes {
             self.extend(extremes);
+        }
+    }
+
+    #[cfg(feature = "serde")]
+    pub(super) fn pass(&mut self, tape: &mut Tape) {
+        tape.words([&mut self.count, &mut self.undefined]);
+        let mut is_any = u64::from(self.extremes.is_some());
+        tape.word(&mut is_any);
+        let mut extremes = self.extremes.unwrap_or_default();
+        tape.numbers(&mut extremes);
+        self.extremes = (is_any != 0).then_some(extremes);
+        let length = tape.length(self.bins.len());
+        if tape.is_reading() {
+            self.bins.clear();
+            for _ in 0..length {
+                let (mut bin, mut count) = (0, 0);
+                tape.words([&mut bin, &mut count]);
+                self.bins.insert(bin.cast_signed(), count);
+            }
+        } else {
+            for (bin, count) in &mut self.bins {
+                tape.words([&mut bin.cast_unsigned(), count]);
+            }
         }
     }
 

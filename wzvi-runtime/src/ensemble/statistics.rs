@@ -5,7 +5,11 @@ use super::moments::Moments;
 use super::passage::{Passages, Watch};
 use super::paths::Paths;
 use super::quantiles::Quantiles;
+#[cfg(feature = "serde")]
+use crate::checkpoint::Tape;
 use crate::error::StepError;
+#[cfg(feature = "serde")]
+use crate::error::StepFailure;
 
 /// Failed paths that are kept with their errors; further ones are only counted.
 const MOST_FAILURES: usize = 1000;
@@ -82,6 +86,14 @@ impl Node {
         }
     }
 
+    #[cfg(feature = "serde")]
+    fn pass(&mut self, tape: &mut Tape) {
+        self.moments.pass(tape);
+        self.pairs.iter_mut().for_each(|pairs| pairs.pass(tape));
+        self.quantiles.iter_mut().for_each(|quantiles| quantiles.pass(tape));
+        self.histograms.iter_mut().for_each(|histogram| histogram.pass(tape));
+    }
+
     /// The time, in the units of the Hamiltonian.
     pub fn time(&self) -> f64 {
         self.time
@@ -132,6 +144,19 @@ pub struct PathFailure {
     pub path: u64,
     /// Where and why.
     pub error: StepError,
+}
+
+#[cfg(feature = "serde")]
+impl PathFailure {
+    /// To be replaced by what a tape says.
+    const NONE: Self =
+        Self { path: 0, error: StepError { step: 0, t: 0.0, h: 0.0, cause: StepFailure::NonFinite } };
+
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.words([&mut self.path, &mut self.error.step]);
+        tape.numbers([&mut self.error.t, &mut self.error.h]);
+        self.error.cause.pass(tape);
+    }
 }
 
 /// What an ensemble found out.
@@ -193,6 +218,22 @@ impl Statistics {
     /// Number of paths, failed ones included.
     pub(super) fn begun(&self) -> u64 {
         self.nodes.first().map_or(0, Node::count)
+    }
+
+    /// Everything that the paths change.
+    #[cfg(feature = "serde")]
+    pub(super) fn pass(&mut self, tape: &mut Tape) {
+        self.nodes.iter_mut().for_each(|node| node.pass(tape));
+        self.passages.iter_mut().for_each(|passages| passages.pass(tape));
+        self.paths.iter_mut().for_each(|paths| paths.pass(tape));
+        tape.word(&mut self.failed);
+        let length = tape.length(self.failures.len());
+        if length > MOST_FAILURES {
+            tape.refuse();
+            return;
+        }
+        self.failures.resize(length, PathFailure::NONE);
+        self.failures.iter_mut().for_each(|failure| failure.pass(tape));
     }
 
     /// The names of the observables, in the order of the indices.

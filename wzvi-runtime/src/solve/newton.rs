@@ -20,7 +20,7 @@ use crate::scalar::Scalar;
 /// Corrections below this fraction of an unknown change nothing.
 pub(super) const ROUNDING: f64 = f64::EPSILON;
 /// Stagnation counts as convergence below this fraction of the unknown or of the state component that it changes.
-pub(super) const STAGNATION: f64 = 1e-9;
+pub(crate) const STAGNATION: f64 = 1e-9;
 /// A determinant above this fraction of its two products has lost three digits at most, which Newton's method makes up.
 pub(super) const SAFE_DETERMINANT: f64 = 1e-3;
 
@@ -117,15 +117,15 @@ impl<S: Scalar, const N: usize> Numbers<S> for Extrapolation<S, N> {
 }
 
 /// Decides when to stop.
-pub(super) struct Progress {
+pub(crate) struct Progress {
     last: f64,
     /// The cube of the relative correction that is good enough: `ROUNDING³` or `last² ROUNDING / 4`.
     enough: f64,
-    pub(super) iterations: u32,
+    pub(crate) iterations: u32,
 }
 
 /// What a correction says.
-pub(super) enum Verdict {
+pub(crate) enum Verdict {
     /// It was the last.
     Converged,
     /// It is at most half of the one before.
@@ -138,7 +138,7 @@ impl Progress {
     /// A start other than zero claims to be near the solution: its first correction has to be smaller than the
     /// solution itself.
     #[inline(always)]
-    pub(super) fn new(is_guess: bool) -> Self {
+    pub(crate) fn new(is_guess: bool) -> Self {
         let last = if is_guess { 2.0 } else { f64::INFINITY };
         Self { last, enough: ROUNDING * ROUNDING * ROUNDING, iterations: 0 }
     }
@@ -146,7 +146,7 @@ impl Progress {
     /// `relative`: largest correction relative to its unknown. `at_rounding`: whether every correction is small
     /// against the state.
     #[inline(always)]
-    pub(super) fn judge(&mut self, relative: f64, at_rounding: impl FnOnce() -> bool) -> Verdict {
+    pub(crate) fn judge(&mut self, relative: f64, at_rounding: impl FnOnce() -> bool) -> Verdict {
         self.iterations += 1;
         let square = relative * relative;
         // `relative <= ROUNDING || relative (relative / last)² <= ROUNDING / 4` without dividing.
@@ -173,14 +173,14 @@ impl Progress {
     }
 
     /// A correction that does not count as one of a sequence: the next is judged by itself.
-    pub(super) fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         (self.last, self.enough) = (f64::INFINITY, ROUNDING * ROUNDING * ROUNDING);
     }
 }
 
 /// Why an iteration is given up.
 #[cold]
-pub(super) fn astray(iterations: u32, correction: f64) -> StepFailure {
+pub(crate) fn astray(iterations: u32, correction: f64) -> StepFailure {
     if correction.is_nan() {
         StepFailure::NonFinite
     } else {

@@ -4,9 +4,10 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use super::super::block::{Group, LOOK};
 use super::super::dispatch::Kernel;
-use super::super::draws::{STEPS, key, normals};
 use super::super::job::{Job, Observable};
 use super::estimate::{LevelError, LevelFailure, Samples};
+use crate::lanes::Lanes;
+use crate::scalar::Scalar;
 use crate::system::Discretized;
 
 /// Brownian paths in a block of a level: few on the finest, which need few; on the coarsest as many as make the steps of a block
@@ -21,7 +22,6 @@ pub(super) struct Pairs<'j, 'a, H: Discretized<E>, E, const WIDTH: usize> {
     pub(super) fine: &'j Job<'a, H, E>,
     pub(super) coarse: Option<&'j Job<'a, H, E>>,
     pub(super) observable: &'j Observable<'a, H::Vector>,
-    pub(super) level: u32,
     pub(super) number: u64,
 }
 
@@ -41,11 +41,8 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
         let mut samples = Samples::default();
         let mut fine = Group::<H, E, L>::new(self.fine);
         let mut coarse = self.coarse.map(Group::<H, E, L>::new);
-        let seed = self.fine.seed;
-        let keys: Vec<_> =
-            (0..self.fine.system.noises()).map(|process| key(seed, process as u64, self.level)).collect();
-        let mut drawn = vec![[[0.0; L]; STEPS]; keys.len()];
-        let size = block_size(self.level);
+        let mut sums = vec![Lanes::from_f64(0.0); self.fine.system.noises()];
+        let size = block_size(self.fine.level);
         let (mut path, end) = (self.number * size, (self.number + 1) * size);
         while path < end {
             fine.begin(path, end);
@@ -56,22 +53,19 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
                 if step % LOOK == 0 && self.fine.is_stopped() {
                     return Ok(None);
                 }
-                let within = (step % STEPS as u64) as usize;
-                if within == 0 {
-                    for (key, to) in keys.iter().zip(&mut drawn) {
-                        normals(key, path, step / STEPS as u64, to);
+                for (process, sum) in sums.iter_mut().enumerate() {
+                    let drawn = fine.drawn(process, step);
+                    fine.drive(process, step, drawn);
+                    match &mut coarse {
+                        Some(coarse) if step % 2 == 1 => {
+                            coarse.drive(process, step / 2, (*sum + drawn) * FRAC_1_SQRT_2);
+                        }
+                        _ => *sum = drawn,
                     }
                 }
-                for (process, drawn) in drawn.iter().enumerate() {
-                    fine.drive(step, process, &drawn[within]);
-                }
-                if let Some(coarse) = coarse.as_mut().filter(|_| step % 2 == 1) {
-                    for (process, drawn) in drawn.iter().enumerate() {
-                        // A block of normals has an even number of steps: the first half of a coarse step is in it, too.
-                        let [first, second] = [drawn[within - 1], drawn[within]];
-                        let sum = std::array::from_fn(|lane| (first[lane] + second[lane]) * FRAC_1_SQRT_2);
-                        coarse.drive(step / 2, process, &sum);
-                    }
+                if let Some(coarse) = &mut coarse
+                    && step % 2 == 1
+                {
                     coarse.advance(step / 2);
                 }
                 fine.advance(step);
@@ -91,7 +85,7 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
         mut coarse: Option<&mut Group<'_, '_, H, E, L>>,
         samples: &mut Samples,
     ) -> Result<(), LevelError> {
-        let level = self.level;
+        let level = self.fine.level;
         let failures =
             [fine.take_first_failure(), coarse.as_mut().and_then(|group| group.take_first_failure())];
         // Of a pair the coarse path, which is the reason in most cases: the last of those that are equal.

@@ -1,0 +1,59 @@
+//! Systems whose sums stay loops, beside steps written by hand: nanoseconds, instructions, and growth with the size.
+//!
+//! `cargo bench --bench elements` steps every problem in this process for the time of a step, and again under
+//! `valgrind --tool=callgrind` for the number of its instructions: two runs of different length, so that everything
+//! outside of the steps cancels. Without valgrind, or without a C compiler, what needs them is left out with a word.
+//! A name after `--` picks problems: `cargo bench --bench elements -- lattice`.
+//!
+//! * `chain`: FPUT-beta, ends fixed, first mode of amplitude 1, β = 1/4, h = 0.05; also in C (`hand_ode.c`).
+//! * `bodies`: gravity between all pairs, softened, h = 0.01.
+//! * `lattice`: the field φ⁴ on a torus of N = n² sites, h = 0.05.
+
+#![allow(clippy::unwrap_used, reason = "a benchmark stops at the first error")]
+
+mod bodies;
+mod c_program;
+mod chain;
+mod lattice;
+mod measure;
+
+use measure::{Case, growth};
+
+/// Everything that is measured: each case generated, then by hand.
+fn cases() -> Vec<Case> {
+    let mut cases = chain::cases();
+    cases.extend(bodies::cases());
+    cases.extend(lattice::cases());
+    cases
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let cases = cases();
+    if let [flag, case, who, steps] = arguments.as_slice()
+        && flag == "--run"
+    {
+        let case = cases.iter().find(|known| known.name() == *case).unwrap();
+        let make = if who == "generated" { case.generated } else { case.by_hand };
+        make(case.n).run(steps.parse().unwrap());
+        return;
+    }
+    let only = arguments.iter().find(|argument| !argument.starts_with("--"));
+    let wanted = |name: &str| only.is_none_or(|only| name.contains(only.as_str()));
+    println!("ns and instructions per site and step; iterations per step in parentheses\n");
+    println!(
+        "{:10}{:>10}{:>10}{:>18}{:>16}{:>7}{:>10}{:>10}{:>7}",
+        "", "scheme", "N", "generated ns", "by hand ns", "ratio", "instr", "by hand", "ratio"
+    );
+    let mut times = Vec::new();
+    for case in cases.iter().filter(|case| wanted(case.problem)) {
+        let row = case.measure();
+        println!("{row}");
+        times.push((case, row));
+    }
+    println!();
+    growth(&times);
+    if wanted("chain") {
+        c_program::report();
+    }
+}

@@ -1,0 +1,15 @@
+//! Ensembles on several ranks: the bits of one process, and an end of all where one fails. Needs `mpirun` of Open MPI:
+//! `cargo test --features mpi --test cluster`.
+
+#![cfg(feature = "mpi")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first error")]
+
+#[path = "ensemble_checkpoint/systems.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod systems;
+
+mod cluster {
+    mod bits;
+    mod failures;
+    mod ranks;
+}

@@ -1,0 +1,66 @@
+//! On any number of ranks, the bits of one process.
+
+use super::ranks::{Plan, TARGET, blocks, on_ranks, run, run_with_paths};
+use crate::systems::{bits, folder};
+
+/// Many blocks and a part of one.
+const PATHS: u64 = 300 * 512 + 17;
+
+#[test]
+fn of_one_process() {
+    let folder = folder("cluster-bits");
+    let expected = bits(&run_with_paths(PATHS).run().unwrap());
+    for (ranks, plan) in [(1, Plan::Plain), (2, Plan::Plain), (4, Plan::Plain), (2, Plan::Threads)] {
+        assert!(on_ranks(ranks, plan, PATHS, &folder).well() == expected, "{plan:?} on {ranks} ranks");
+    }
+}
+
+/// More ranks than blocks: most have nothing to do.
+#[test]
+fn of_a_single_block() {
+    let folder = folder("cluster-few");
+    for paths in [1, 513] {
+        let outcome = run_with_paths(paths).run();
+        let expected =
+            outcome.map_or_else(|error| format!("{error:?}: {error}"), |statistics| bits(&statistics));
+        assert_eq!(on_ranks(4, Plan::Plain, paths, &folder).well(), expected);
+    }
+}
+
+/// A checkpoint that ranks wrote is that of one process, and the other way round.
+#[test]
+fn of_a_checkpoint() {
+    let folder = folder("cluster-checkpoint");
+    let file = folder.join("checkpoint");
+    let kept = |paths| run(paths).checkpoint(wzvi::checkpoint::Checkpoint::to(&file));
+    let expected = |paths| bits(&run(paths).run().unwrap());
+    on_ranks(2, Plan::Kept, 20 * 512, &folder).well();
+    assert_eq!(blocks(&file), 20);
+    assert_eq!(bits(&kept(40 * 512).run().unwrap()), expected(40 * 512));
+    assert_eq!(on_ranks(4, Plan::Kept, 60 * 512 + 1, &folder).well(), expected(60 * 512 + 1));
+}
+
+/// Where the error is small enough does not depend on who is how far.
+#[test]
+fn until_an_error_is_small_enough() {
+    let folder = folder("cluster-target");
+    let paths = 1 << 20;
+    let expected = run(paths).until_error("q", TARGET).run().unwrap();
+    let count = expected.last().unwrap().count();
+    assert!(expected.met_targets() == Some(true) && count > 20_000 && count < paths / 2, "{count}");
+    assert!(on_ranks(3, Plan::Target, paths, &folder).well() == bits(&expected));
+}
+
+/// What is done when one rank stops is that of the first paths, and a restart goes on from there.
+#[test]
+fn of_a_run_that_was_stopped() {
+    let folder = folder("cluster-stops");
+    let paths = 1000 * 512;
+    let part = on_ranks(2, Plan::Stops, paths, &folder).well();
+    let done = blocks(&folder.join("checkpoint"));
+    assert!((10..1000).contains(&done), "{done}");
+    let partial =
+        format!("{:?}", run(512 * done).run().unwrap()).replace("is_partial: false", "is_partial: true");
+    assert!(part == partial);
+    assert!(on_ranks(2, Plan::Kept, paths, &folder).well() == bits(&run(paths).run().unwrap()));
+}

@@ -1,0 +1,151 @@
+//! The derivation as text: sums and indices instead of components.
+
+use std::fmt::Write;
+
+use super::facts::{Facts, is_consistent};
+use super::index::{Atom, Index};
+use super::model::{Element, Model, Noises, Table};
+use super::plan::{Unknowns, unknowns};
+use crate::discretise::embedding::Embedding;
+use crate::discretise::facts::Knowledge;
+use crate::symbolic::Rational;
+
+const LETTERS: [&str; 6] = ["i", "j", "k", "l", "m", "n"];
+
+/// An index for a reader.
+pub(crate) fn index<'a>(
+    index: &Index,
+    table: &dyn Fn(u32) -> &'a str,
+    letter: &dyn Fn(u32) -> &'a str,
+) -> String {
+    let mut text = String::new();
+    for (atom, coefficient) in &index.terms {
+        let two = |both: &(Index, Index), sign: &str| {
+            let inner = |part: &Index| self::index(part, table, letter);
+            format!("({}){sign}({})", inner(&both.0), inner(&both.1))
+        };
+        let two_of = |both: &(Index, Index), name: &str| {
+            let inner = |part: &Index| self::index(part, table, letter);
+            format!("{name}({}, {})", inner(&both.0), inner(&both.1))
+        };
+        let atom = match atom {
+            Atom::Loop(variable) => letter(*variable).to_owned(),
+            Atom::Size => "n".to_owned(),
+            Atom::Given(id, indices) => {
+                let indices: Vec<String> =
+                    indices.iter().map(|i| format!("[{}]", self::index(i, table, letter))).collect();
+                format!("{}{}", table(*id), indices.concat())
+            }
+            Atom::Product(both) => two(both, " "),
+            Atom::Quotient(both) => two(both, "/"),
+            Atom::Remainder(both) => {
+                let inner = |part: &Index| self::index(part, table, letter);
+                format!("({} mod {})", inner(&both.0), inner(&both.1))
+            }
+            Atom::Minimum(both) => two_of(both, "min"),
+            Atom::Maximum(both) => two_of(both, "max"),
+        };
+        let sign = match (text.is_empty(), *coefficient < 0) {
+            (true, false) => "",
+            (true, true) => "-",
+            (false, false) => " + ",
+            (false, true) => " - ",
+        };
+        let size = coefficient.unsigned_abs();
+        let _ = if size == 1 { write!(text, "{sign}{atom}") } else { write!(text, "{sign}{size} {atom}") };
+    }
+    let constant = index.constant;
+    let _ = match (text.is_empty(), constant) {
+        (true, constant) => write!(text, "{constant}"),
+        (false, 0) => Ok(()),
+        (false, constant) if constant < 0 => write!(text, " - {}", constant.unsigned_abs()),
+        (false, constant) => write!(text, " + {constant}"),
+    };
+    text
+}
+
+/// `Σ_{i=0}^{n-1} (...)`
+fn element(model: &Model, element: &Element) -> String {
+    let tables: &[Table] = &model.tables;
+    let table = |id: u32| tables.get(id as usize).map_or("?", |table| table.name.as_str());
+    let letter = |variable: u32| {
+        let depth = element.loops.iter().position(|known| known.variable == variable);
+        depth.map_or("k", |depth| LETTERS[depth.min(LETTERS.len() - 1)])
+    };
+    let mut text = String::new();
+    for known in &element.loops {
+        let last = known.end.shifted(-1).unwrap_or_default();
+        let (start, last) = (index(&known.start, &table, &letter), index(&last, &table, &letter));
+        let _ = write!(text, "Σ_({}={start}..{last}) ", letter(known.variable));
+    }
+    let _ = write!(text, "[{}]", model.graph.display(element.value));
+    text
+}
+
+fn term(model: &Model, elements: &[Element]) -> String {
+    let parts: Vec<String> = elements.iter().map(|part| element(model, part)).collect();
+    if parts.is_empty() { "0".to_owned() } else { parts.join(" + ") }
+}
+
+/// The text of one scheme.
+pub(crate) fn describe(model: &Model, facts: &Facts, embedding: &Embedding) -> String {
+    let [q, p] = &model.names;
+    let mut text = format!("{embedding}\n\nHamiltonians, as sums of elements\n");
+    let _ = writeln!(text, "  H0 = {}", term(model, &model.drift.elements));
+    match &model.noises {
+        Noises::List(terms) => {
+            for (k, noise) in terms.iter().enumerate() {
+                let _ = writeln!(text, "  H{} = {}", k + 1, term(model, &noise.elements));
+            }
+        }
+        Noises::Family { term: noise, .. } => {
+            let _ = writeln!(text, "  H_k = {}", term(model, &noise.elements));
+        }
+    }
+    let (drift_l, noise_l) = embedding.quadrature();
+    let point = |l: Rational| if l.is_zero() { format!("{q}_i") } else { format!("{q}_{{i+{l}}}") };
+    let noise = match (&model.noises, model.noises.is_empty()) {
+        (_, true) => String::new(),
+        (Noises::List(_), _) => format!(" - Σ_k ΔW_k H_k(P, {})", point(noise_l)),
+        (Noises::Family { .. }, _) => format!(" - Σ_k ΔW_k H_k(P, {})", point(noise_l)),
+    };
+    let _ = writeln!(text, "\nDiscrete Lagrangian of the step from t_i to t_i + h");
+    let _ = writeln!(text, "  L_d = P · Δ{q} - h H0(P, {}){noise}", point(drift_l));
+    if !facts.counter_of(embedding).is_empty() {
+        let _ = writeln!(
+            text,
+            "        - (1/2 - {noise_l}) (Σ_j ΔW_j ∂H_j/∂{q}) · (Σ_k ΔW_k ∂H_k/∂{p}) at (P, {})",
+            point(noise_l)
+        );
+    }
+    let _ = writeln!(text, "  {q}_{{i+l}} = {q}_i + l Δ{q}");
+    let _ = writeln!(text, "\nDiscrete Euler-Lagrange equations");
+    let _ = writeln!(text, "  ∂L_d/∂P = 0:  Δ{q} = Σ_m c_m ∂H_m/∂{p}");
+    let _ = writeln!(text, "  {p}_i = -D1 L_d:  P = {p}_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂{q}");
+    let _ = writeln!(text, "  {p}_{{i+1}} = D2 L_d:  {p}_{{i+1}} - {p}_i = v - Σ_m l_m c_m ∂H_m/∂{q}");
+    let _ = writeln!(text, "\nStep");
+    let iteration = "fixed-point iteration while it contracts, else Newton with a banded Jacobian";
+    let _ = match unknowns(model, facts, embedding) {
+        Unknowns::None => writeln!(text, "  assign v, Δ{q}"),
+        Unknowns::Momenta => writeln!(text, "  solve for v (then Δ{q}): {iteration}"),
+        Unknowns::Both => writeln!(text, "  solve for Δ{q}, v: {iteration}"),
+    };
+    let _ = writeln!(text, "\nFacts");
+    if !model.noises.is_empty() {
+        let verdict = if is_consistent(facts, embedding) {
+            "converges to the Stratonovich system"
+        } else {
+            "not known to converge to the Stratonovich system"
+        };
+        let _ = writeln!(text, "  {verdict}");
+    }
+    for invariant in &model.invariants {
+        let _ = writeln!(text, "  first integral {}", term(model, &invariant.term.elements));
+    }
+    let energy = match facts.conserves_energy {
+        Knowledge::Proven => "is a first integral",
+        _ => "is not known to be a first integral",
+    };
+    let _ = writeln!(text, "  H0 {energy}");
+    text
+}

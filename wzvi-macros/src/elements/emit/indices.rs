@@ -1,0 +1,118 @@
+//! Integer expressions as Rust: `isize` arithmetic, checked where nothing has been checked yet.
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::{format_ident, quote};
+
+use crate::elements::index::{Atom, Index};
+use crate::elements::model::Table;
+
+/// The variable of a loop.
+pub(super) fn variable(id: u32) -> Ident {
+    format_ident!("__i{id}")
+}
+
+/// Prints indices. `checked` ones stand in a function that returns an `Option`.
+pub(super) struct Indices<'a> {
+    pub(super) tables: &'a [Table],
+    pub(super) checked: bool,
+}
+
+impl Indices<'_> {
+    /// The index as an `isize`.
+    pub(super) fn value(&self, index: &Index) -> TokenStream {
+        let mut sum: Option<TokenStream> = None;
+        for (atom, coefficient) in &index.terms {
+            let atom = self.atom(atom);
+            let size = Literal::i128_unsuffixed(coefficient.unsigned_abs().cast_signed());
+            let product = if coefficient.unsigned_abs() == 1 { atom } else { quote!(#size * #atom) };
+            sum = Some(match (sum, *coefficient < 0) {
+                (None, false) => product,
+                (None, true) => quote!(-(#product)),
+                (Some(sum), false) => quote!(#sum + #product),
+                (Some(sum), true) => quote!(#sum - #product),
+            });
+        }
+        let size = Literal::i128_unsuffixed(index.constant.unsigned_abs().cast_signed());
+        match (sum, index.constant) {
+            (None, constant) if constant < 0 => quote!((-#size)),
+            (None, _) => quote!(#size),
+            (Some(sum), 0) => quote!((#sum)),
+            (Some(sum), constant) if constant < 0 => quote!((#sum - #size)),
+            (Some(sum), _) => quote!((#sum + #size)),
+        }
+    }
+
+    /// The index as a `usize`.
+    pub(super) fn position(&self, index: &Index) -> TokenStream {
+        let value = self.value(index);
+        if self.checked {
+            quote!(__wzvi::core::convert::TryInto::<__wzvi::core::primitive::usize>::try_into(
+                #value as __wzvi::core::primitive::isize,
+            ).ok()?)
+        } else {
+            quote!((#value as __wzvi::core::primitive::isize as __wzvi::core::primitive::usize))
+        }
+    }
+
+    /// The list `table` at `indices`, as it is read.
+    pub(super) fn entry(&self, table: u32, indices: &[Index]) -> TokenStream {
+        let known = self.tables.get(table as usize);
+        let mut tokens = known.map_or_else(TokenStream::new, |table| table.tokens.clone());
+        for index in indices {
+            let position = self.position(index);
+            tokens = if self.checked { quote!(#tokens.get(#position)?) } else { quote!(#tokens[#position]) };
+        }
+        if let Some(table) = known.filter(|table| !table.suffix.is_empty()) {
+            let suffix = &table.suffix;
+            return quote!(#tokens #suffix);
+        }
+        if self.checked && !indices.is_empty() { quote!((*#tokens)) } else { tokens }
+    }
+
+    /// Whether the entries of a table are the elements of a list.
+    pub(super) fn is_plain(&self, table: u32) -> bool {
+        self.tables.get(table as usize).is_some_and(|table| table.suffix.is_empty())
+    }
+
+    fn atom(&self, atom: &Atom) -> TokenStream {
+        let isize = quote!(__wzvi::core::primitive::isize);
+        let both = |both: &(Index, Index)| (self.value(&both.0), self.value(&both.1));
+        match atom {
+            Atom::Loop(id) => {
+                let variable = variable(*id);
+                quote!(#variable)
+            }
+            Atom::Size => quote!(__size),
+            Atom::Given(table, indices) => {
+                let entry = self.entry(*table, indices);
+                quote!((#entry as #isize))
+            }
+            Atom::Product(operands) => {
+                let (a, b) = both(operands);
+                quote!((#a * #b))
+            }
+            Atom::Quotient(operands) => {
+                let (a, b) = both(operands);
+                match self.checked {
+                    true => quote!(#isize::checked_div(#a, #b)?),
+                    false => quote!((#a / #b)),
+                }
+            }
+            Atom::Remainder(operands) => {
+                let (a, b) = both(operands);
+                match self.checked {
+                    true => quote!(#isize::checked_rem(#a, #b)?),
+                    false => quote!((#a % #b)),
+                }
+            }
+            Atom::Minimum(operands) => {
+                let (a, b) = both(operands);
+                quote!(__wzvi::core::cmp::Ord::min(#a, #b))
+            }
+            Atom::Maximum(operands) => {
+                let (a, b) = both(operands);
+                quote!(__wzvi::core::cmp::Ord::max(#a, #b))
+            }
+        }
+    }
+}

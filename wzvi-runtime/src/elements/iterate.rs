@@ -1,0 +1,526 @@
+//! One step: `x = φ(x)` solved to rounding.
+
+use super::jacobian::Linear;
+use super::memory::Work;
+use super::{CONTRACTS, Elements, Iteration, Memory, Point, Terms};
+use crate::carry::Carry;
+use crate::error::StepFailure;
+use crate::scalar::{Mask, Scalar};
+use crate::solve::{Effort, STAGNATION, astray};
+
+/// Corrections below this fraction of the largest unknown change nothing.
+const ROUNDING: f64 = f64::EPSILON;
+/// Residual of linear equations that are solved by iteration: each Newton iteration gains three digits.
+const FORCING: f64 = 1e-3;
+/// Corrections that move the coordinates by less than this fraction are rounding of the forces.
+const MOVES_NOTHING: f64 = 64.0 * f64::EPSILON;
+/// More iterations than any step needs that converges at all.
+const MOST_ITERATIONS: u32 = 100;
+
+/// Which unknowns are iterated on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unknowns {
+    /// None: `v` and then `u` are assigned.
+    None,
+    /// `v`, from which `u` follows.
+    Momenta,
+    /// `u` and `v`.
+    Both,
+}
+
+/// What the compiler decided about a scheme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scheme {
+    /// Quadrature point of the drift.
+    pub drift_l: f64,
+    /// Quadrature point of the noises.
+    pub noise_l: f64,
+    /// The factor `1/2 - l` of the counter-term; 0 if there is none.
+    pub counter: f64,
+    /// What is iterated on.
+    pub unknowns: Unknowns,
+    /// Whether past steps start the iteration: not where increments decide.
+    pub remembers: bool,
+    /// Whether there are noises.
+    pub has_noise: bool,
+}
+
+/// The groups of terms that share a quadrature point.
+pub(super) fn stages(scheme: &Scheme) -> impl Iterator<Item = (usize, f64, Terms)> {
+    let terms = |drift, noise| {
+        let counter = if noise { scheme.counter } else { 0.0 };
+        Terms { drift, noise, counter, by_q: true, by_p: true }
+    };
+    let together = !scheme.has_noise || scheme.drift_l == scheme.noise_l;
+    let first = (0, scheme.drift_l, terms(true, together));
+    let second = (1, scheme.noise_l, terms(false, true));
+    [Some(first), (!together).then_some(second)].into_iter().flatten()
+}
+
+/// The givens of one step.
+pub(super) struct Step<'a, H, S> {
+    pub(super) system: &'a H,
+    pub(super) scheme: &'a Scheme,
+    t: f64,
+    h: f64,
+    pub(super) q: &'a [S],
+    p: &'a [S],
+    dw: &'a [S],
+}
+
+/// One step from `(q, p)` at `t` in place; on `Err` nothing but scratch is changed.
+///
+/// # Errors
+/// [`StepFailure`]: sizes that do not fit, no convergence, a singular Jacobian, a state that is not finite.
+#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+pub fn advance<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    system: &H,
+    scheme: &Scheme,
+    t: f64,
+    h: f64,
+    q: &mut [S],
+    p: &mut [S],
+    dw: &[S],
+    memory: &mut Memory<S>,
+    carry: &mut C,
+) -> Result<Effort, StepFailure> {
+    if memory.degrees != q.len() || q.is_empty() {
+        memory.fit(system, scheme, q.len())?;
+    }
+    if p.len() != q.len() {
+        return Err(StepFailure::Dimension { expected: q.len(), got: p.len() });
+    }
+    if dw.len() != system.noises() {
+        return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
+    }
+    let step = Step { system, scheme, t, h, q, p, dw };
+    let (effort, prefers_newton) = if CAREFUL {
+        (step.careful(memory)?, scheme.unknowns != Unknowns::None)
+    } else {
+        let solved = step.solve(memory)?;
+        (Effort::fast(solved.iterations), solved.prefers_newton)
+    };
+    step.finish(&mut memory.work);
+    // Sums are made before anything is stored; what they lose takes the place of slopes and stages.
+    let Work { u, by_p: dp, by_q, stage, .. } = &mut memory.work;
+    let (lost_q, lost_p) = (&mut by_q[0], &mut stage[0]);
+    for (i, (u, (&q, lost))) in u.iter_mut().zip(q.iter().zip(&mut *lost_q)).enumerate() {
+        let (sum, taken) = C::add(q, *u, carry.of_coordinate(i));
+        *u = sum;
+        if C::CARRIES {
+            *lost = taken;
+        }
+    }
+    for (i, (dp, (&p, lost))) in dp.iter_mut().zip(p.iter().zip(&mut *lost_p)).enumerate() {
+        let (sum, taken) = C::add(p, *dp, carry.of_momentum(i));
+        *dp = sum;
+        if C::CARRIES {
+            *lost = taken;
+        }
+    }
+    if !(are_finite(u) && are_finite(dp)) {
+        return Err(StepFailure::NonFinite);
+    }
+    q.copy_from_slice(u);
+    p.copy_from_slice(dp);
+    if C::CARRIES {
+        carry.keep(lost_q, lost_p);
+    }
+    memory.record();
+    memory.prefers_newton = prefers_newton;
+    Ok(effort)
+}
+
+impl<S: Scalar> Memory<S> {
+    /// `3x_n - 3x_{n-1} + x_{n-2}` of the past, as far as `known`, or zero.
+    pub(super) fn guess(&mut self, known: u8) {
+        let x = &mut self.work.x;
+        let [a, b, c] = &self.past;
+        match known {
+            0 => x.fill(S::from_f64(0.0)),
+            1 => x.copy_from_slice(a),
+            2 => {
+                for (x, (&a, &b)) in x.iter_mut().zip(a.iter().zip(b)) {
+                    *x = a * 2.0 - b;
+                }
+            }
+            _ => {
+                for (x, ((&a, &b), &c)) in x.iter_mut().zip(a.iter().zip(b).zip(c)) {
+                    *x = (a - b) * 3.0 + c;
+                }
+            }
+        }
+    }
+
+    /// Takes the unknowns of a step that succeeded.
+    fn record(&mut self) {
+        if !self.past[0].is_empty() {
+            self.past.rotate_right(1);
+            self.past[0].copy_from_slice(&self.work.x);
+            self.known = (self.known + 1).min(3);
+        }
+    }
+}
+
+/// What the short way took.
+struct Solved {
+    iterations: u32,
+    /// Whether the next step should not start with the fixed point.
+    prefers_newton: bool,
+}
+
+/// The largest correction, and the same against the largest unknown; NaN if any part is.
+pub(super) struct Size {
+    pub(super) relative: f64,
+    pub(super) largest: f64,
+}
+
+impl<H: Elements, S: Scalar> Step<'_, H, S> {
+    /// `φ` at `x`, for the scheme's unknowns, as the correction `x - φ(x)`; leaves `u`, `P`, the stages and slopes.
+    pub(super) fn residual(&self, work: &mut Work<S>) {
+        self.refresh(work);
+        let Work { x, correction, u, momentum, stage, by_q, by_p, .. } = work;
+        let zero = S::from_f64(0.0);
+        let is_both = self.scheme.unknowns == Unknowns::Both;
+        if is_both {
+            by_p.fill(zero);
+        }
+        for (s, l, terms) in stages(self.scheme) {
+            self.place(&mut stage[s], &mut by_q[s], u, l);
+            let at = self.at(&stage[s], momentum, l);
+            self.system.slopes(Terms { by_p: is_both, ..terms }, &at, &mut by_q[s], by_p);
+        }
+        if is_both {
+            for (c, (x, &by_p)) in
+                correction.as_chunks_mut().0.iter_mut().zip(x.as_chunks().0.iter().zip(&*by_p))
+            {
+                let ([c_u, c_v], [x_u, x_v]) = (c, x);
+                (*c_u, *c_v) = (*x_u - by_p, *x_v);
+            }
+        } else {
+            correction.copy_from_slice(x);
+        }
+        for (s, l, _) in stages(self.scheme) {
+            let weight = 1.0 - l;
+            if is_both {
+                for ([_, c], &force) in correction.as_chunks_mut().0.iter_mut().zip(&by_q[s]) {
+                    *c = *c + force * weight;
+                }
+            } else {
+                for (c, &force) in correction.iter_mut().zip(&by_q[s]) {
+                    *c = *c + force * weight;
+                }
+            }
+        }
+    }
+
+    /// `Q_l = q_i + l u`, and room for the slopes there.
+    fn place(&self, stage: &mut [S], by_q: &mut [S], u: &[S], l: f64) {
+        for ((point, slope), (&q, &u)) in stage.iter_mut().zip(by_q).zip(self.q.iter().zip(u)) {
+            *point = q + u * l;
+            *slope = S::from_f64(0.0);
+        }
+    }
+
+    /// Adds to `u` what follows from `P`, where that does not read `u` itself.
+    fn velocities(&self, momentum: &[S], by_p: &mut [S], u: &mut [S]) {
+        for (_, l, terms) in stages(self.scheme) {
+            // Elements that read both are at the node `q_i` here, by the choice of unknowns.
+            let at = self.at(self.q, momentum, l);
+            self.system.slopes(Terms { by_q: false, ..terms }, &at, by_p, u);
+        }
+    }
+
+    pub(super) fn at<'b>(&'b self, q: &'b [S], p: &'b [S], l: f64) -> Point<'b, S> {
+        Point { q, p, t: self.t + l * self.h, h: self.h, dw: self.dw }
+    }
+
+    /// Solves for the unknowns by the short way.
+    fn solve(&self, memory: &mut Memory<S>) -> Result<Solved, StepFailure> {
+        if self.scheme.unknowns == Unknowns::None {
+            self.explicit(&mut memory.work);
+            return Ok(Solved { iterations: 0, prefers_newton: false });
+        }
+        let (pinned, known) = (memory.iteration, memory.known);
+        let first = self.iterate(memory, known, pinned);
+        let solved = match first {
+            // A start that misleads is given up for zero, and what was tried for Newton's method from there.
+            Err(_) if known > 0 || pinned == Iteration::Automatic => {
+                let last_resort = if pinned == Iteration::Automatic { Iteration::Newton } else { pinned };
+                self.iterate(memory, 0, last_resort)?
+            }
+            first => first?,
+        };
+        self.refresh(&mut memory.work);
+        Ok(solved)
+    }
+
+    /// `v` from the terms at `q_i`, then `u`.
+    pub(super) fn explicit(&self, work: &mut Work<S>) {
+        let Work { u, momentum, by_q, by_p, .. } = work;
+        let zero = S::from_f64(0.0);
+        by_q[0].fill(zero);
+        u.fill(zero);
+        for (_, l, terms) in stages(self.scheme).filter(|(_, l, _)| *l == 0.0) {
+            let at = self.at(self.q, self.p, l);
+            self.system.slopes(Terms { by_p: false, ..terms }, &at, &mut by_q[0], by_p);
+        }
+        for (momentum, (&p, &force)) in momentum.iter_mut().zip(self.p.iter().zip(&by_q[0])) {
+            *momentum = p - force;
+        }
+        self.velocities(momentum, by_p, u);
+    }
+
+    /// From the guess in `memory`.
+    fn iterate(
+        &self,
+        memory: &mut Memory<S>,
+        known: u8,
+        iteration: Iteration,
+    ) -> Result<Solved, StepFailure> {
+        memory.guess(known);
+        let is_guess = known > 0;
+        let mut newton = match iteration {
+            Iteration::Newton => true,
+            Iteration::Automatic => memory.prefers_newton,
+            Iteration::FixedPoint => false,
+        };
+        // Fresh factors in every iteration, or only where old ones contract too slowly.
+        let mut is_stale = true;
+        let mut prefers_newton = true;
+        let mut last = f64::INFINITY;
+        for iterations in 1..=MOST_ITERATIONS {
+            let Memory { work, linear, .. } = memory;
+            self.residual(work);
+            let was_refreshed = newton && is_stale;
+            let mut stretch = 1.0;
+            if newton {
+                let Some(linear) = linear else { return Err(astray(iterations, last)) };
+                if is_stale {
+                    self.linearise(work, linear)?;
+                }
+                is_stale = iteration == Iteration::Newton || matches!(linear, Linear::Krylov(_));
+                let before = largest(&work.correction);
+                self.correct(work, linear, FORCING)?;
+                stretch = before / largest(&work.correction);
+            }
+            let Size { relative, largest } = subtract(&mut work.x, &work.correction);
+            if relative.is_nan() {
+                return Err(StepFailure::NonFinite);
+            }
+            let ratio = relative / last;
+            let predicts = last < f64::INFINITY && ratio < 0.5;
+            let is_enough = relative <= ROUNDING || (predicts && relative * ratio <= 0.25 * ROUNDING);
+            if is_enough && self.resolves(work, if predicts { ratio } else { 1.0 }) {
+                return Ok(Solved { iterations, prefers_newton: newton && prefers_newton });
+            }
+            // A guess claims to be near the solution.
+            let is_misled = newton && is_guess && iterations == 1 && relative >= 1.0;
+            let is_slow = last < f64::INFINITY && ratio > CONTRACTS;
+            let is_small = is_slow && self.is_rounding(work, largest);
+            if is_small && ratio > 0.5 {
+                return Ok(Solved { iterations, prefers_newton: newton && prefers_newton });
+            }
+            // Fresh factors that do not halve the correction: the solution is not near.
+            if is_misled || (was_refreshed && is_slow && ratio > 0.5) {
+                return Err(astray(iterations, relative));
+            }
+            if newton && iterations == 1 && iteration == Iteration::Automatic {
+                // Where `J` is about the identity the fixed point contracts as well.
+                prefers_newton = (stretch - 1.0).abs() > 0.5 * CONTRACTS;
+            }
+            last = relative;
+            if is_slow && !is_small && iteration == Iteration::Automatic {
+                // Old factors, or none, do not contract. Near rounding nothing does.
+                if !newton && ratio > 0.5 {
+                    memory.guess(known);
+                    last = f64::INFINITY;
+                }
+                (newton, is_stale) = (true, true);
+            }
+        }
+        Err(StepFailure::NotConverged { iterations: MOST_ITERATIONS, correction: last })
+    }
+
+    /// `u` and `P` at the solution.
+    pub(super) fn refresh(&self, work: &mut Work<S>) {
+        let Work { x, u, momentum, by_p, .. } = work;
+        if self.scheme.unknowns == Unknowns::Both {
+            let unknowns = x.as_chunks().0;
+            let known = momentum.iter_mut().zip(u).zip(self.p.iter().zip(unknowns));
+            for ((momentum, u), (&p, &[x_u, x_v])) in known {
+                (*u, *momentum) = (x_u, p + x_v);
+            }
+        } else {
+            for ((momentum, u), (&p, &x)) in momentum.iter_mut().zip(&mut *u).zip(self.p.iter().zip(&*x)) {
+                (*u, *momentum) = (S::from_f64(0.0), p + x);
+            }
+            self.velocities(momentum, by_p, u);
+        }
+    }
+
+    /// Whether what is left of each correction after another factor `ratio` is below the rounding of the state that it
+    /// changes: momenta of light particles count as much as those of heavy ones.
+    fn resolves(&self, work: &Work<S>, ratio: f64) -> bool {
+        let is_small = |correction: S, x: S, state: S| {
+            ratio * correction.magnitude() <= ROUNDING * (x.magnitude() + state.magnitude())
+        };
+        let Work { x, correction, .. } = work;
+        if self.scheme.unknowns == Unknowns::Both {
+            let unknowns = correction.as_chunks().0.iter().zip(x.as_chunks().0);
+            unknowns
+                .zip(self.q.iter().zip(self.p))
+                .all(|((&[c_u, c_v], &[u, v]), (&q, &p))| is_small(c_u, u, q) && is_small(c_v, v, p))
+        } else {
+            correction.iter().zip(x).zip(self.p).all(|((&c, &x), &p)| is_small(c, x, p))
+        }
+    }
+
+    /// Whether every correction is small against the unknown and the state that it changes, or moves the coordinates by
+    /// rounding: forces of long waves are small differences of large coordinates.
+    #[cold]
+    pub(super) fn is_rounding(&self, work: &Work<S>, correction: f64) -> bool {
+        let norm = |x: &[S]| x.iter().fold(0.0_f64, |largest, x| largest.max(x.magnitude()));
+        // `∂u/∂P`, for a kinetic energy that is about quadratic.
+        let moved = correction * norm(&work.u);
+        if size_of::<S>() == size_of::<f64>() && moved <= MOVES_NOTHING * norm(self.q) * norm(&work.momentum)
+        {
+            return true;
+        }
+        let is_both = self.scheme.unknowns == Unknowns::Both;
+        let largest = work.x.iter().fold(0.0_f64, |largest, x| largest.max(x.magnitude()));
+        work.correction.iter().enumerate().all(|(k, &correction)| {
+            let state = match (is_both, k % 2) {
+                (true, 0) => self.q[k / 2],
+                (true, _) => self.p[k / 2],
+                (false, _) => self.p[k],
+            };
+            correction.relative_to(work.x[k], Some(state)) <= STAGNATION
+                || correction.magnitude() <= STAGNATION * largest
+        })
+    }
+
+    /// `p_{i+1} - p_i` into `by_p`.
+    fn finish(&self, work: &mut Work<S>) {
+        let Work { x, u, momentum, stage, by_q, by_p, correction, .. } = work;
+        let l = self.scheme.drift_l;
+        let is_both = self.scheme.unknowns == Unknowns::Both;
+        let is_explicit = self.scheme.unknowns == Unknowns::None;
+        if is_explicit && stages(self.scheme).all(|(_, l, _)| l == 0.0) {
+            by_p.iter_mut().zip(&by_q[0]).for_each(|(dp, &force)| *dp = -force);
+            return;
+        }
+        if is_explicit {
+            for (dp, (&momentum, &p)) in by_p.iter_mut().zip(momentum.iter().zip(self.p)) {
+                *dp = momentum - p;
+            }
+        } else if is_both {
+            by_p.iter_mut().zip(x.as_chunks().0).for_each(|(dp, &[_, v])| *dp = v);
+        } else {
+            by_p.copy_from_slice(x);
+        }
+        if !is_explicit && l != 1.0 && self.has_one_point() {
+            // With one quadrature point `l < 1` the forces at the solution follow from `v`.
+            let factor = 1.0 / (1.0 - l);
+            by_p.iter_mut().for_each(|dp| *dp = *dp * factor);
+            return;
+        }
+        // Slopes with respect to momenta go where nobody looks.
+        for (s, l, terms) in stages(self.scheme).filter(|(_, l, _)| *l != 0.0) {
+            self.place(&mut stage[s], &mut by_q[s], u, l);
+            let at = self.at(&stage[s], momentum, l);
+            self.system.slopes(Terms { by_p: false, ..terms }, &at, &mut by_q[s], correction);
+            by_p.iter_mut().zip(&by_q[s]).for_each(|(dp, &force)| *dp = *dp - force * l);
+        }
+    }
+
+    fn has_one_point(&self) -> bool {
+        !self.scheme.has_noise || self.scheme.drift_l == self.scheme.noise_l
+    }
+}
+
+/// `x -= correction`, and how large that was.
+fn subtract<S: Scalar>(x: &mut [S], correction: &[S]) -> Size {
+    let (mut size, mut change) = (Largest::default(), Largest::default());
+    let (chunks, rest) = x.as_chunks_mut::<LANES>();
+    let (corrections, other) = correction.as_chunks::<LANES>();
+    for (x, c) in chunks.iter_mut().zip(corrections) {
+        *x = std::array::from_fn(|lane| x[lane] - c[lane]);
+        size.take(x);
+        change.take(c);
+    }
+    for (x, &c) in rest.iter_mut().zip(other) {
+        *x = *x - c;
+        size.take(&[*x]);
+        change.take(&[c]);
+    }
+    relate(x, correction, size.get(), change.get())
+}
+
+/// How large a correction is that leads to `x`.
+pub(super) fn size_of_correction<S: Scalar>(x: &[S], correction: &[S]) -> Size {
+    relate(x, correction, largest(x), largest(correction))
+}
+
+fn relate<S: Scalar>(x: &[S], correction: &[S], size: f64, change: f64) -> Size {
+    if !change.is_finite() {
+        return Size { relative: f64::NAN, largest: f64::NAN };
+    }
+    let mut relative = if change == 0.0 { 0.0 } else { change / (size + f64::MIN_POSITIVE) };
+    if size_of::<S>() != size_of::<f64>() {
+        // Numbers that carry derivatives or lanes converge in every part.
+        for (&x, &c) in x.iter().zip(correction) {
+            if c.magnitude() != 0.0 || !(c.relative_to(x, None) == 0.0) {
+                let part = c.relative_to(x, Some(S::from_f64(size)));
+                relative = if part > relative || part.is_nan() { part } else { relative };
+            }
+        }
+    }
+    Size { relative, largest: change }
+}
+
+/// Numbers that are looked at side by side.
+const LANES: usize = 8;
+
+/// The largest magnitude, in lanes, so that the search does not wait for itself.
+#[derive(Default)]
+struct Largest {
+    most: [f64; LANES],
+    /// Zero unless a number was not finite, which a maximum may swallow.
+    poison: [f64; LANES],
+}
+
+impl Largest {
+    #[inline(always)]
+    fn take<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
+        for ((most, poison), number) in self.most.iter_mut().zip(&mut self.poison).zip(numbers) {
+            let size = number.magnitude();
+            *most = if size > *most { size } else { *most };
+            *poison += size * 0.0;
+        }
+    }
+
+    /// NaN if any was NaN or infinite.
+    fn get(self) -> f64 {
+        self.most.into_iter().fold(0.0, f64::max) + self.poison.into_iter().sum::<f64>()
+    }
+}
+
+/// The largest magnitude; NaN if any is not finite.
+pub(super) fn largest<S: Scalar>(x: &[S]) -> f64 {
+    let mut largest = Largest::default();
+    let (chunks, rest) = x.as_chunks::<LANES>();
+    chunks.iter().for_each(|chunk| largest.take(chunk));
+    rest.iter().for_each(|&x| largest.take(&[x]));
+    largest.get()
+}
+
+/// Whether every part of every number is finite.
+fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
+    let mut poison = [S::from_f64(0.0); LANES];
+    let (chunks, rest) = numbers.as_chunks::<LANES>();
+    for chunk in chunks {
+        poison = std::array::from_fn(|lane| poison[lane] + chunk[lane] * 0.0);
+    }
+    poison.iter().chain(rest).all(|number| number.is_finite().all())
+}

@@ -1,0 +1,223 @@
+//! The Jacobian `I - φ'` of a step, entry by entry: into a band, into products with it, or as the pattern alone.
+
+use super::iterate::{Step, Unknowns, stages};
+use super::memory::Work;
+use super::{Curvature, Elements, Point, Scheme, Terms};
+use crate::error::StepFailure;
+use crate::scalar::Scalar;
+use crate::solve::{Banded, Krylov};
+
+/// How the linear equations of Newton's method are solved.
+#[derive(Clone, Debug)]
+pub(super) enum Linear<S> {
+    Band(Banded<S>),
+    /// From products with the matrix, which is never stored.
+    Krylov(Krylov<S>),
+}
+
+/// Takes the entries of a matrix; several for one place add up.
+pub(super) trait Entries<S> {
+    fn add(&mut self, row: usize, column: usize, value: S);
+}
+
+impl<S: Scalar> Entries<S> for Banded<S> {
+    #[inline(always)]
+    fn add(&mut self, row: usize, column: usize, value: S) {
+        Banded::add(self, row, column, value);
+    }
+}
+
+/// `y += A x`
+struct Product<'a, S> {
+    x: &'a [S],
+    y: &'a mut [S],
+}
+
+impl<S: Scalar> Entries<S> for Product<'_, S> {
+    #[inline(always)]
+    fn add(&mut self, row: usize, column: usize, value: S) {
+        self.y[row] = self.y[row] + value * self.x[column];
+    }
+}
+
+/// The entries on the diagonal.
+struct OnDiagonal<'a, S>(&'a mut [S]);
+
+impl<S: Scalar> Entries<S> for OnDiagonal<'_, S> {
+    #[inline(always)]
+    fn add(&mut self, row: usize, column: usize, value: S) {
+        if row == column {
+            self.0[row] = self.0[row] + value;
+        }
+    }
+}
+
+impl<H: Elements, S: Scalar> Step<'_, H, S> {
+    /// The Jacobian at the current stages, factored if it is a band.
+    pub(super) fn linearise(&self, work: &mut Work<S>, linear: &mut Linear<S>) -> Result<(), StepFailure> {
+        if self.scheme.unknowns == Unknowns::Momenta {
+            work.diagonal.fill(S::from_f64(0.0));
+            for (_, l, terms) in stages(self.scheme) {
+                let at = self.at(self.q, &work.momentum, l);
+                self.system.curvature(
+                    Terms { by_q: false, ..terms },
+                    &at,
+                    &mut Velocities(&mut work.diagonal),
+                );
+            }
+        }
+        match linear {
+            Linear::Band(band) => {
+                band.reset();
+                self.entries(work, band);
+                band.factor()
+            }
+            Linear::Krylov(krylov) => {
+                krylov.diagonal.fill(S::from_f64(1.0));
+                self.entries(work, &mut OnDiagonal(&mut krylov.diagonal));
+                Ok(())
+            }
+        }
+    }
+
+    /// `work.correction` becomes `J⁻¹` of itself, up to `tolerance` where that takes an iteration.
+    pub(super) fn correct(
+        &self,
+        work: &mut Work<S>,
+        linear: &mut Linear<S>,
+        tolerance: f64,
+    ) -> Result<(), StepFailure> {
+        match linear {
+            Linear::Band(band) => {
+                band.solve(&mut work.correction);
+                Ok(())
+            }
+            Linear::Krylov(krylov) => {
+                let mut correction = std::mem::take(&mut work.correction);
+                let solved = krylov.solve(&mut correction, tolerance, |x, y| {
+                    y.copy_from_slice(x);
+                    self.entries(work, &mut Product { x, y });
+                });
+                work.correction = correction;
+                solved
+            }
+        }
+    }
+
+    /// `-φ'` at the current stages.
+    fn entries(&self, work: &Work<S>, into: &mut impl Entries<S>) {
+        let Work { stage, momentum, diagonal, .. } = work;
+        for (s, l, terms) in stages(self.scheme) {
+            add_entries(self.system, self.scheme, &self.at(&stage[s], momentum, l), l, terms, diagonal, into);
+        }
+    }
+}
+
+fn add_entries<H: Elements, S: Scalar>(
+    system: &H,
+    scheme: &Scheme,
+    at: &Point<'_, S>,
+    l: f64,
+    terms: Terms,
+    diagonal: &[S],
+    into: &mut impl Entries<S>,
+) {
+    match scheme.unknowns {
+        Unknowns::Both => system.curvature(terms, at, &mut Coupled { matrix: into, l }),
+        _ => {
+            let terms = Terms { by_p: false, ..terms };
+            system.curvature(terms, at, &mut Reduced { matrix: into, diagonal, l });
+        }
+    }
+}
+
+/// Calls `visit` with every place off the diagonal that the Jacobian may fill, some more than once.
+pub(super) fn pattern<H: Elements>(
+    system: &H,
+    scheme: &Scheme,
+    degrees: usize,
+    visit: impl FnMut(usize, usize),
+) {
+    struct Places<F>(F);
+    impl<F: FnMut(usize, usize)> Entries<f64> for Places<F> {
+        #[inline(always)]
+        fn add(&mut self, row: usize, column: usize, _: f64) {
+            if row != column {
+                (self.0)(row, column);
+            }
+        }
+    }
+    let (zeros, dw) = (vec![0.0; degrees], vec![0.0; system.noises()]);
+    let at = Point { q: &zeros, p: &zeros, t: 0.0, h: 1.0, dw: &dw };
+    let terms = Terms { drift: true, noise: true, counter: scheme.counter, by_q: true, by_p: true };
+    add_entries(system, scheme, &at, 0.5, terms, &zeros, &mut Places(visit));
+}
+
+/// `∂u/∂v`, which the choice of unknowns has shown to be diagonal where it is needed.
+struct Velocities<'a, S>(&'a mut [S]);
+
+impl<S: Scalar> Curvature<S> for Velocities<'_, S> {
+    #[inline(always)]
+    fn add_qq(&mut self, _: usize, _: usize, _: bool, _: S) {}
+    #[inline(always)]
+    fn add_qp(&mut self, _: usize, _: usize, _: bool, _: S) {}
+    #[inline(always)]
+    fn add_pp(&mut self, i: usize, _: usize, is_diagonal: bool, value: S) {
+        if is_diagonal {
+            self.0[i] = self.0[i] + value;
+        }
+    }
+}
+
+/// `∂(v - φ_v)/∂v` with `∂u/∂v = D`: `I + Σ (1 - l) (l F_qq D + F_qp)`.
+struct Reduced<'a, S, M> {
+    matrix: &'a mut M,
+    diagonal: &'a [S],
+    l: f64,
+}
+
+impl<S: Scalar, M: Entries<S>> Curvature<S> for Reduced<'_, S, M> {
+    #[inline(always)]
+    fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
+        let weighted = value * (self.l * (1.0 - self.l));
+        self.matrix.add(i, j, weighted * self.diagonal[j]);
+        if !is_diagonal {
+            self.matrix.add(j, i, weighted * self.diagonal[i]);
+        }
+    }
+    #[inline(always)]
+    fn add_qp(&mut self, i: usize, j: usize, _: bool, value: S) {
+        self.matrix.add(i, j, value * (1.0 - self.l));
+    }
+    #[inline(always)]
+    fn add_pp(&mut self, _: usize, _: usize, _: bool, _: S) {}
+}
+
+/// The Jacobian of `(u - φ_u, v - φ_v)`, unknowns `u_0, v_0, u_1, v_1, ...`
+struct Coupled<'a, M> {
+    matrix: &'a mut M,
+    l: f64,
+}
+
+impl<S: Scalar, M: Entries<S>> Curvature<S> for Coupled<'_, M> {
+    #[inline(always)]
+    fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
+        let weighted = value * (self.l * (1.0 - self.l));
+        self.matrix.add(2 * i + 1, 2 * j, weighted);
+        if !is_diagonal {
+            self.matrix.add(2 * j + 1, 2 * i, weighted);
+        }
+    }
+    #[inline(always)]
+    fn add_qp(&mut self, i: usize, j: usize, _: bool, value: S) {
+        self.matrix.add(2 * i + 1, 2 * j + 1, value * (1.0 - self.l));
+        self.matrix.add(2 * j, 2 * i, -(value * self.l));
+    }
+    #[inline(always)]
+    fn add_pp(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
+        self.matrix.add(2 * i, 2 * j + 1, -value);
+        if !is_diagonal {
+            self.matrix.add(2 * j, 2 * i + 1, -value);
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! What a stepper of a system of elements allocates, once.
+
+use super::iterate::{Scheme, Unknowns};
+use super::jacobian::{Linear, pattern};
+use super::{Elements, Iteration, Method};
+use crate::carry::{Carry, Compensation};
+use crate::error::StepFailure;
+use crate::numbers::Numbers;
+use crate::scalar::Scalar;
+use crate::solve::{Banded, Krylov, reverse_cuthill_mckee};
+
+/// Numbers that a factorisation may hold: 2 GiB of `f64`.
+const MOST_NUMBERS: usize = 1 << 28;
+
+/// A band is taken if it is this narrow, or if it is factored by [`FEW_OPERATIONS`].
+const NARROW: usize = 16;
+/// Half a bandwidth up to which the order of the unknowns is kept.
+const NARROW_AS_IT_IS: usize = 4;
+/// Multiplications that are about as many as some iterations on products with the matrix need.
+const FEW_OPERATIONS: usize = 1 << 22;
+/// Entries per unknown of a pattern that is worth a renumbering.
+const SPARSE: usize = 64;
+
+/// Vectors of one step, unknowns of the steps before, and the matrix.
+#[derive(Debug)]
+pub struct Memory<S> {
+    pub(super) degrees: usize,
+    pub(super) iteration: Iteration,
+    pub(super) work: Work<S>,
+    /// Unknowns of past steps, the latest first.
+    pub(super) past: [Vec<S>; 3],
+    pub(super) known: u8,
+    /// Whether the fixed point contracted too slowly in the last step.
+    pub(super) prefers_newton: bool,
+    pub(super) linear: Option<Linear<S>>,
+}
+
+/// Scratch of one step.
+#[derive(Debug)]
+pub(super) struct Work<S> {
+    pub(super) x: Vec<S>,
+    pub(super) correction: Vec<S>,
+    pub(super) u: Vec<S>,
+    pub(super) momentum: Vec<S>,
+    pub(super) stage: [Vec<S>; 2],
+    pub(super) by_q: [Vec<S>; 2],
+    pub(super) by_p: Vec<S>,
+    /// `∂u/∂v` where that is diagonal.
+    pub(super) diagonal: Vec<S>,
+}
+
+impl<S> Default for Work<S> {
+    fn default() -> Self {
+        Self {
+            x: Vec::new(),
+            correction: Vec::new(),
+            u: Vec::new(),
+            momentum: Vec::new(),
+            stage: [Vec::new(), Vec::new()],
+            by_q: [Vec::new(), Vec::new()],
+            by_p: Vec::new(),
+            diagonal: Vec::new(),
+        }
+    }
+}
+
+impl<S> Default for Memory<S> {
+    fn default() -> Self {
+        Self {
+            degrees: 0,
+            iteration: Iteration::default(),
+            work: Work::default(),
+            past: [Vec::new(), Vec::new(), Vec::new()],
+            known: 0,
+            prefers_newton: false,
+            linear: None,
+        }
+    }
+}
+
+/// What the steps before left; scratch is allocated anew where the copy is used.
+impl<S: Scalar> Clone for Memory<S> {
+    fn clone(&self) -> Self {
+        let past = if self.known == 0 { Default::default() } else { self.past.clone() };
+        let (iteration, known, prefers_newton) = (self.iteration, self.known, self.prefers_newton);
+        Self { iteration, past, known, prefers_newton, ..Self::default() }
+    }
+}
+
+impl<S: Scalar> Numbers<S> for Memory<S> {
+    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
+        let zero = S::from_f64(0.0);
+        // Exact: small integers.
+        let mut whole = |number: usize| {
+            let mut number = S::from_f64(number as f64);
+            visit(&mut number);
+            number.magnitude() as usize
+        };
+        let unknowns = whole(if self.known == 0 { 0 } else { self.past[0].len() });
+        let known = whole(self.known.into());
+        self.known = u8::try_from(known).unwrap_or(0);
+        self.prefers_newton = whole(self.prefers_newton.into()) == 1;
+        if unknowns != 0 {
+            for past in &mut self.past {
+                past.resize(unknowns, zero);
+                past.iter_mut().for_each(&mut *visit);
+            }
+        }
+    }
+}
+
+impl<S: Scalar> Memory<S> {
+    /// The memory of a stepper: allocated at once if the system knows its size, else by the first step.
+    pub fn new<H: Elements>(system: &H, scheme: &Scheme) -> Self {
+        let mut memory = Self::default();
+        let degrees = system.degrees();
+        if degrees != 0 && super::check(system, degrees).is_ok() {
+            memory.allocate(system, scheme, degrees);
+        }
+        memory
+    }
+
+    /// Pins how implicit steps are iterated.
+    pub fn pin(&mut self, iteration: Iteration) {
+        self.iteration = iteration;
+    }
+
+    /// Forgets past steps: they are no guide from another state.
+    pub fn forget(&mut self) {
+        self.known = 0;
+        self.prefers_newton = false;
+    }
+
+    /// Takes what a step left that was solved in another memory.
+    pub fn adopt(&mut self, left: Self) {
+        (self.past, self.known, self.prefers_newton) = (left.past, left.known, left.prefers_newton);
+        if self.work.x.is_empty() {
+            (self.degrees, self.work, self.linear) = (left.degrees, left.work, left.linear);
+        }
+        let unknowns = self.work.x.len();
+        if self.known == 0 && self.past[0].len() != unknowns {
+            self.past.iter_mut().for_each(|past| past.resize(unknowns, S::from_f64(0.0)));
+        }
+    }
+
+    /// How the linear equations of Newton's method are solved; known once the size is.
+    pub fn method(&self) -> Method {
+        match &self.linear {
+            _ if self.degrees == 0 => Method::Undecided,
+            None => Method::Explicit,
+            Some(Linear::Band(band)) => Method::Band { half_width: band.half_width() },
+            Some(Linear::Krylov(_)) => Method::Krylov,
+        }
+    }
+
+    /// `P` of the last step.
+    pub(super) fn momentum(&self) -> Option<&[S]> {
+        (self.degrees != 0).then_some(&self.work.momentum)
+    }
+
+    /// Makes room for `degrees`, after checking that the indices of the system fit.
+    pub(super) fn fit<H: Elements>(
+        &mut self,
+        system: &H,
+        scheme: &Scheme,
+        degrees: usize,
+    ) -> Result<(), StepFailure> {
+        super::check(system, degrees)?;
+        self.allocate(system, scheme, degrees);
+        Ok(())
+    }
+
+    fn allocate<H: Elements>(&mut self, system: &H, scheme: &Scheme, degrees: usize) {
+        let zeros = |wanted: bool| vec![S::from_f64(0.0); if wanted { degrees } else { 0 }];
+        let is_implicit = scheme.unknowns != Unknowns::None;
+        let unknowns = match scheme.unknowns {
+            Unknowns::None => 0,
+            Unknowns::Momenta => degrees,
+            Unknowns::Both => 2 * degrees,
+        };
+        let two_stages = scheme.drift_l != scheme.noise_l;
+        self.work = Work {
+            x: vec![S::from_f64(0.0); unknowns],
+            correction: vec![S::from_f64(0.0); unknowns],
+            u: zeros(true),
+            momentum: zeros(true),
+            stage: [zeros(true), zeros(two_stages)],
+            by_q: [zeros(true), zeros(two_stages)],
+            by_p: zeros(true),
+            diagonal: zeros(scheme.unknowns == Unknowns::Momenta),
+        };
+        let remembered = if scheme.remembers { unknowns } else { 0 };
+        // A copy comes with its past.
+        if self.past[0].len() != remembered {
+            let past = || vec![S::from_f64(0.0); remembered];
+            self.past = [past(), past(), past()];
+            self.known = 0;
+        }
+        self.degrees = degrees;
+        self.linear = is_implicit.then(|| linear(system, scheme, degrees, unknowns));
+    }
+}
+
+/// A band if it is narrow or small, after a renumbering where that pays; else a basis for products with the matrix.
+fn linear<H: Elements, S: Scalar>(system: &H, scheme: &Scheme, degrees: usize, unknowns: usize) -> Linear<S> {
+    let krylov = || Linear::Krylov(Krylov::new(unknowns));
+    // Derivatives that a number carries are not orthogonal to anything.
+    let is_plain = size_of::<S>() == size_of::<f64>();
+    let is_cheap = |half: usize| {
+        half <= NARROW || unknowns.saturating_mul(half).saturating_mul(half) <= FEW_OPERATIONS || !is_plain
+    };
+    let (mut natural, mut entries) = (0_usize, 0_usize);
+    pattern(system, scheme, degrees, |row, column| {
+        natural = natural.max(row.abs_diff(column));
+        entries += 1;
+    });
+    let band = |half: usize, position: Vec<usize>| {
+        let band = is_cheap(half).then(|| Banded::new(unknowns, half, position, MOST_NUMBERS)).flatten();
+        band.map_or_else(krylov, Linear::Band)
+    };
+    if natural <= NARROW_AS_IT_IS || entries > SPARSE.saturating_mul(unknowns) {
+        return band(natural, Vec::new());
+    }
+    let mut pairs = Vec::with_capacity(entries / 2);
+    pattern(system, scheme, degrees, |row, column| {
+        if row < column {
+            pairs.push((row, column));
+        }
+    });
+    pairs.sort_unstable();
+    pairs.dedup();
+    let position = reverse_cuthill_mckee(unknowns, &pairs);
+    let half = pairs.iter().map(|&(a, b)| position[a].abs_diff(position[b])).max().unwrap_or(0);
+    if half < natural { band(half, position) } else { band(natural, Vec::new()) }
+}
+
+/// [`Compensation`] of a size that is known at run time; empty until the first step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CompensationVec<S> {
+    coordinates: Vec<S>,
+    momenta: Vec<S>,
+}
+
+impl<S> Default for CompensationVec<S> {
+    fn default() -> Self {
+        Self { coordinates: Vec::new(), momenta: Vec::new() }
+    }
+}
+
+impl<S: Scalar> Carry<S> for CompensationVec<S> {
+    const CARRIES: bool = true;
+
+    #[inline(always)]
+    fn of_coordinate(&self, i: usize) -> S {
+        self.coordinates.get(i).copied().unwrap_or(S::from_f64(0.0))
+    }
+    #[inline(always)]
+    fn of_momentum(&self, i: usize) -> S {
+        self.momenta.get(i).copied().unwrap_or(S::from_f64(0.0))
+    }
+    #[inline(always)]
+    fn add(base: S, increment: S, carried: S) -> (S, S) {
+        Compensation::<S, 1>::add(base, increment, carried)
+    }
+    fn keep(&mut self, coordinates: &[S], momenta: &[S]) {
+        let zero = S::from_f64(0.0);
+        self.coordinates.resize(coordinates.len(), zero);
+        self.momenta.resize(momenta.len(), zero);
+        self.coordinates.copy_from_slice(coordinates);
+        self.momenta.copy_from_slice(momenta);
+    }
+}
+
+impl<S: Scalar> Numbers<S> for CompensationVec<S> {
+    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
+        for list in [&mut self.coordinates, &mut self.momenta] {
+            let mut length = S::from_f64(list.len() as f64);
+            visit(&mut length);
+            list.resize(length.magnitude() as usize, S::from_f64(0.0));
+            list.iter_mut().for_each(&mut *visit);
+        }
+    }
+}

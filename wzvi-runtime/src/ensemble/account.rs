@@ -1,0 +1,85 @@
+//! What is known of the blocks that are done, its checkpoint, and when it is enough.
+
+use std::ops::{ControlFlow, Range};
+
+use super::control::{Control, Targets};
+use super::job::Job;
+use super::keeping::BlockKeeper;
+use super::progress::Progress;
+use super::statistics::{Node, Statistics};
+use crate::checkpoint::Keeping;
+use crate::error::Error;
+use crate::system::Discretized;
+
+/// Takes the blocks of a run in the order of their numbers.
+pub(super) struct Account {
+    statistics: Statistics,
+    keeper: BlockKeeper,
+    targets: Targets,
+    progress: Progress,
+    /// Paths of the run, at most.
+    limit: u64,
+    /// Blocks that are still to be done.
+    blocks: Range<u64>,
+    error: Option<Error>,
+}
+
+impl Account {
+    /// With the blocks of the checkpoint, if there is one.
+    pub(super) fn open<H, E>(
+        job: &Job<'_, H, E>,
+        control: &Control<'_>,
+        keeping: Keeping,
+    ) -> Result<Self, Error>
+    where
+        H: Discretized<E> + Sync,
+        H::Vector: Send + Sync,
+        H::Prepared: Send + Sync,
+    {
+        let targets = control.targets(&job.wanted.names)?;
+        let mut statistics = Statistics::new(&job.wanted);
+        if let Some(paths) = &mut statistics.paths {
+            paths.reserve(job.paths)?;
+        }
+        let keeper = BlockKeeper::open(keeping, job, &mut statistics)?;
+        let mut blocks = keeper.first()..job.blocks().end;
+        if targets.look(&statistics, job.paths).0 {
+            blocks.end = blocks.start;
+        }
+        let progress = Progress::new("paths", control.is_quiet);
+        Ok(Self { statistics, keeper, targets, progress, limit: job.paths, blocks, error: None })
+    }
+
+    /// The numbers of the blocks that are still to be done.
+    pub(super) fn blocks(&self) -> Range<u64> {
+        self.blocks.clone()
+    }
+
+    /// The next block, or that it was stopped on the way; breaks if that was the last one.
+    pub(super) fn take(&mut self, block: Option<Statistics>) -> ControlFlow<()> {
+        let Some(block) = block else {
+            self.statistics.is_partial = true;
+            return ControlFlow::Break(());
+        };
+        self.statistics.merge(&block);
+        self.blocks.start += 1;
+        let (is_done, expected) = self.targets.look(&self.statistics, self.limit);
+        self.progress.show(self.statistics.begun(), expected);
+        self.error = self.keeper.done(self.blocks.start, &mut self.statistics).err();
+        if is_done || self.error.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    /// What is known at the end.
+    pub(super) fn close(mut self) -> Result<Statistics, Error> {
+        if let Some(error) = self.error {
+            return Err(error);
+        }
+        self.keeper.close(self.blocks.start, &mut self.statistics)?;
+        let mut statistics = self.statistics;
+        statistics.met_targets = self.targets.met(&statistics);
+        match (statistics.last().map_or(0, Node::count), statistics.failures().first()) {
+            (0, Some(failure)) => Err(failure.error.into()),
+            _ => Ok(statistics),
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Ensembles on many machines: blocks of paths on the ranks of an MPI communicator (feature `mpi`).
+//!
+//! Rank 0 hands out blocks and merges their statistics in the order of their numbers, as one process does, so that the
+//! result is the same, bit for bit, on any number of ranks. Statistics travel as their 64-bit words. Rank 0 works as
+//! well: its main thread serves the others and sleeps in between.
+//!
+//! A rank gets batches of blocks that take about 20 ms, or one block if that takes longer, and has the next one already
+//! when it finishes one. At most four batches for each thread of all ranks are begun before the oldest one is merged, and a batch
+//! has at most 1 MiB of results or is a single block: this bounds the memory of rank 0.
+//!
+//! The guide with a Slurm script is `docs/cluster.md`.
+
+mod desk;
+mod error;
+mod ranks;
+mod serve;
+
+use mpi::environment::{Threading, threading_support};
+use mpi::traits::Communicator;
+
+use desk::Desk;
+pub use error::ClusterError;
+use ranks::{AbortOnPanic, agree, same};
+
+use super::Ensemble;
+use super::account::Account;
+use super::block::Block;
+use super::keeping::described;
+use super::statistics::Statistics;
+use crate::error::{ConfigError, Error};
+use crate::interrupt::Interrupt;
+use crate::system::Discretized;
+
+impl<H, E> Ensemble<'_, H, E>
+where
+    H: Discretized<E> + Sync,
+    H::Vector: Send + Sync,
+    H::Prepared: Send + Sync,
+{
+    /// Runs all paths on all ranks of `world`, each of which calls this with the same settings; [`Ensemble::run`] gives
+    /// the same statistics, bit for bit. Rank 0 has them, the others get `None`: whoever prints or writes files does so
+    /// once. A checkpoint is read and written by rank 0 alone.
+    ///
+    /// A rank is one thread, unless [`Ensemble::threads`] says otherwise. MPI has to be initialised for threads, and this
+    /// called on the thread that did it:
+    ///
+    /// ```ignore
+    /// let (universe, _) = mpi::initialize_with_threading(Threading::Funneled).ok_or("no MPI")?;
+    /// if let Some(statistics) = kubo.ensemble::<Midpoint>(0.02).start(start).paths(1_000_000).seed(7).steps(100)
+    ///     .run_on(&universe.world())?
+    /// {
+    ///     println!("{}", statistics.mean("q0"));
+    /// }
+    /// ```
+    ///
+    /// A run that is stopped ([`Ensemble::stop_when`]) on one rank is stopped on all.
+    ///
+    /// # Errors
+    /// Those of [`Ensemble::run`], and [`Error::Cluster`]: all ranks fail together. A panic on one rank ends the
+    /// processes of all.
+    pub fn run_on<C: Communicator + ?Sized>(mut self, world: &C) -> Result<Option<Statistics>, Error> {
+        // Messages of this run are no others'.
+        let world = world.duplicate();
+        let guard = AbortOnPanic(&world);
+        let (control, keeping) = (std::mem::take(&mut self.control), std::mem::take(&mut self.keeping));
+        let (threads, instructions) = (self.threads.unwrap_or(1), self.instructions);
+        let interrupt = Interrupt::watch();
+        let stop = || interrupt.requested() || control.is_stopped();
+        let job = agree(&world, check_threads(threads).and_then(|()| self.job(&stop)))?;
+        same(&world, &described(&job).lines(job.paths))?;
+        let account = match world.rank() {
+            0 => Account::open(&job, &control, keeping).map(Some),
+            _ => Ok(None),
+        };
+        let mut account = agree(&world, account)?;
+        let work = |number| instructions.run(Block::<H, E, 0> { job: &job, number });
+        let ended = match &mut account {
+            Some(account) => {
+                let hands = threads.saturating_mul(world.size().unsigned_abs() as usize);
+                let desk = Desk::new(account.blocks(), hands);
+                let empty = || Statistics::new(&job.wanted);
+                serve::serve(&world, desk, threads, work, empty, |block| account.take(block))
+            }
+            None => {
+                serve::work(&world, threads, work);
+                Ok(())
+            }
+        };
+        let statistics = ended.and_then(|()| account.map(Account::close).transpose());
+        let statistics = agree(&world, statistics);
+        drop(guard);
+        statistics
+    }
+}
+
+/// Whether ranks may have threads, and so many.
+fn check_threads(threads: usize) -> Result<(), Error> {
+    if threads == 0 {
+        return Err(ConfigError::Setting("0 threads: take at least 1".into()).into());
+    }
+    if threading_support() < Threading::Funneled {
+        return Err(ClusterError::Threading.into());
+    }
+    Ok(())
+}

@@ -1,0 +1,91 @@
+//! What an ensemble is, for its checkpoint.
+
+use super::Ensemble;
+use super::block::PATHS;
+use super::job::Job;
+use super::statistics::{Statistics, Wanted};
+use crate::checkpoint::{self, Checkpoint, Described, Extent, Keeping};
+use crate::error::Error;
+use crate::system::Discretized;
+
+/// Recorded nodes that a file lists; of more it has the checksum.
+const MOST_LISTED: usize = 32;
+
+impl<H: Discretized<E>, E> Ensemble<'_, H, E> {
+    /// Goes on from the checkpoint if its file is there and of this run, and writes one now and then and at the end:
+    /// see [`crate::checkpoint`]. A run that is stopped at any moment and started again gives the same statistics, bit for
+    /// bit. The number of paths may grow from one run to the next, all else stays the same.
+    ///
+    /// A run until an error is small enough ([`Ensemble::until_error`]) ends at once if that of the checkpoint is, and goes on
+    /// otherwise; a run that was stopped goes on, too.
+    ///
+    /// Functions cannot be compared: observables and events are told apart by their names and their values at the start.
+    pub fn checkpoint(mut self, checkpoint: Checkpoint) -> Self {
+        self.keeping = Keeping::to(checkpoint);
+        self
+    }
+}
+
+/// Saves an ensemble, or does nothing.
+pub(super) struct BlockKeeper(checkpoint::BlockKeeper);
+
+impl BlockKeeper {
+    /// Brings empty statistics to where the checkpoint is, if there is one.
+    pub(super) fn open<H: Discretized<E>, E>(
+        keeping: Keeping,
+        job: &Job<'_, H, E>,
+        statistics: &mut Statistics,
+    ) -> Result<Self, Error> {
+        let extent = Extent { paths: job.paths, block: PATHS };
+        keeping.open_blocks(|| described(job), extent, |tape| statistics.pass(tape)).map(Self)
+    }
+
+    /// The number of the block to start with.
+    pub(super) fn first(&self) -> u64 {
+        self.0.first()
+    }
+
+    /// So many blocks are done.
+    pub(super) fn done(&mut self, blocks: u64, statistics: &mut Statistics) -> Result<(), Error> {
+        Ok(self.0.done(blocks, |tape| statistics.pass(tape))?)
+    }
+
+    /// So many blocks are done, and no others will be.
+    pub(super) fn close(&mut self, blocks: u64, statistics: &mut Statistics) -> Result<(), Error> {
+        Ok(self.0.close(blocks, |tape| statistics.pass(tape))?)
+    }
+}
+
+/// What makes this run another than others.
+pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Described {
+    let Wanted { names, quantiles, histograms, watches, keeps_paths, .. } = &job.wanted;
+    let listed = match job.recorded.len() {
+        0..=MOST_LISTED => format!("{:?}", job.recorded),
+        nodes => format!("{nodes} (checksum {})", checkpoint::checksum(&job.recorded)),
+    };
+    let events: Vec<&str> = watches.iter().map(|watch| watch.name.as_str()).collect();
+    let histograms: Vec<String> = histograms
+        .iter()
+        .map(|(observable, bins)| {
+            let (name, count) = (&names[*observable], bins.counts().len());
+            format!("{name}: {count} from {:?} to {:?}", bins.edge(0), bins.edge(count))
+        })
+        .collect();
+    let settings = [
+        ("the number of steps", job.steps.to_string()),
+        ("the steps before the recorded nodes", listed),
+        ("the seed", job.seed.to_string()),
+        ("the largest normal increment", format!("{:?}", job.clip)),
+        ("the number of paths in a block", PATHS.to_string()),
+        ("the observables", names.join(", ")),
+        ("the events", events.join(", ")),
+        ("quantiles", quantiles.to_string()),
+        ("the histograms", histograms.join(", ")),
+        ("paths are kept", keeps_paths.to_string()),
+        ("antithetic paths", job.is_antithetic.to_string()),
+    ];
+    let settings = settings.map(|(name, value)| (name.to_owned(), value)).into();
+    let functions = job.observables.iter().chain(&job.events);
+    let observed: Vec<f64> = functions.map(|function| function(&job.start)).collect();
+    Described::new(job.system, &job.prepared, job.h, &job.start, settings, &observed)
+}

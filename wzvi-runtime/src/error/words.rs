@@ -1,0 +1,78 @@
+//! Why a step failed, as words: for checkpoints and messages.
+
+use super::StepFailure;
+use crate::checkpoint::Tape;
+
+impl StepFailure {
+    pub(crate) fn pass(&mut self, tape: &mut Tape) {
+        let mut words = self.words();
+        tape.words(&mut words);
+        match Self::from_words(words) {
+            Some(failure) => *self = failure,
+            None => tape.refuse(),
+        }
+    }
+
+    /// Which one, and its two values.
+    fn words(self) -> [u64; 3] {
+        match self {
+            Self::NotConverged { iterations, correction } => [0, u64::from(iterations), correction.to_bits()],
+            Self::Singular { pivot, scale } => [1, pivot.to_bits(), scale.to_bits()],
+            Self::NoSolution { reached } => [2, reached.to_bits(), 0],
+            Self::Unresolved { energy_error, scale } => [3, energy_error.to_bits(), scale.to_bits()],
+            Self::NonFinite => [4, 0, 0],
+            Self::Increments { expected, got } => [5, expected as u64, got as u64],
+            Self::Dimension { expected, got } => [6, expected as u64, got as u64],
+            Self::NonFiniteInput => [7, 0, 0],
+        }
+    }
+
+    fn from_words([which, a, b]: [u64; 3]) -> Option<Self> {
+        let (x, y) = (f64::from_bits(a), f64::from_bits(b));
+        Some(match which {
+            0 => Self::NotConverged { iterations: u32::try_from(a).ok()?, correction: y },
+            1 => Self::Singular { pivot: x, scale: y },
+            2 => Self::NoSolution { reached: x },
+            3 => Self::Unresolved { energy_error: x, scale: y },
+            4 => Self::NonFinite,
+            5 => Self::Increments { expected: usize::try_from(a).ok()?, got: usize::try_from(b).ok()? },
+            6 => Self::Dimension { expected: usize::try_from(a).ok()?, got: usize::try_from(b).ok()? },
+            7 => Self::NonFiniteInput,
+            _ => return None,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_failure_comes_back() {
+        let all = [
+            StepFailure::NotConverged { iterations: u32::MAX, correction: 0.1 },
+            StepFailure::Singular { pivot: -0.0, scale: f64::INFINITY },
+            StepFailure::NoSolution { reached: 0.3 },
+            StepFailure::Unresolved { energy_error: 1e-300, scale: 7.0 },
+            StepFailure::NonFinite,
+            StepFailure::Increments { expected: 3, got: usize::MAX },
+            StepFailure::Dimension { expected: 0, got: 2 },
+            StepFailure::NonFiniteInput,
+        ];
+        for failure in all {
+            assert_eq!(StepFailure::from_words(failure.words()), Some(failure));
+            for other in all {
+                let words = Tape::write(|tape| { failure }.pass(tape));
+                let mut read = other;
+                assert_eq!(Tape::read(words, |tape| read.pass(tape)), Some(()));
+                assert_eq!(read.words(), failure.words());
+            }
+        }
+        for nonsense in [[8, 0, 0], [u64::MAX, 0, 0], [0, 1 << 32, 0]] {
+            assert_eq!(StepFailure::from_words(nonsense), None);
+            let mut untouched = all[0];
+            assert_eq!(Tape::read(nonsense.to_vec(), |tape| untouched.pass(tape)), None);
+            assert_eq!(untouched, all[0]);
+        }
+    }
+}
