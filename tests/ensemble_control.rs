@@ -231,8 +231,13 @@ fn child() {
     println!("partial {} paths {} mean {}", run.is_partial(), run.last().unwrap().count(), run.mean("q"));
 }
 
+/// GNU's `env` alone knows it.
+const DEFAULT_SIGNAL: &[&str] = if cfg!(target_os = "linux") { &["--default-signal=INT"] } else { &[] };
+
+/// Under `env`, because who starts the tests may ignore Ctrl-C, and children inherit that.
 fn command(order: &str) -> Command {
-    let mut command = Command::new(std::env::current_exe().unwrap());
+    let mut command = Command::new("env");
+    command.args(DEFAULT_SIGNAL).arg(std::env::current_exe().unwrap());
     command.args(["child", "--exact", "--ignored", "--nocapture"]).env(CHILD, order);
     command
 }
@@ -267,7 +272,7 @@ fn a_terminal_shows_progress() {
         let exe = std::env::current_exe().unwrap();
         // Its shell becomes the test, so that the signal of `timeout` gets there.
         let inner = format!(
-            "exec timeout --foreground -s INT 3 '{}' child --exact --ignored --nocapture",
+            "exec env --default-signal=INT timeout --foreground -s INT 3 '{}' child --exact --ignored --nocapture",
             exe.display()
         );
         let mut terminal = Command::new("script")

@@ -212,7 +212,11 @@ fn ctrl_c_ends_the_measurement_not_the_program() {
     use std::io::{BufRead as _, BufReader};
     use std::process::{Command, Stdio};
 
-    let mut child = Command::new(std::env::current_exe().unwrap())
+    // Who starts the tests may ignore Ctrl-C, and children inherit that; GNU's `env` alone undoes it.
+    let default_signal: &[&str] = if cfg!(target_os = "linux") { &["--default-signal=INT"] } else { &[] };
+    let mut child = Command::new("env")
+        .args(default_signal)
+        .arg(std::env::current_exe().unwrap())
         .args(["--exact", "report::estimators::long_measurement", "--ignored", "--nocapture"])
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
