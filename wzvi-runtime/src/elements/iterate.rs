@@ -329,7 +329,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             let Size { relative, largest } = subtract(&mut work.x, &work.correction);
             if relative.is_nan() {
                 // A fixed point that diverges overflows in the end.
-                let diverges = iteration == Iteration::FixedPoint && last >= 1.0 && last < f64::INFINITY;
+                let diverges = iteration == Iteration::FixedPoint && (1.0..f64::INFINITY).contains(&last);
                 let not_converged = StepFailure::NotConverged { iterations, correction: last };
                 return Err(if diverges { not_converged } else { StepFailure::NonFinite });
             }
