@@ -220,6 +220,29 @@ fn the_way_to_the_solution_does_not_matter() {
 }
 
 #[test]
+fn a_pinned_fixed_point_is_not_replaced() {
+    // The spectral radius of φ' is h²/4 · 4 sin²(π N/(2 (N + 1))) (1 + 3 β d²): above 8 for h = 3, below 1/100 for h = 0.1.
+    let fput = Fput::<32> { beta: 0.25 };
+    let step = |h: f64, iteration: Iteration| {
+        let mut state = first_mode::<32>();
+        // All modes take part.
+        state.q[7] += 0.3;
+        let before = state.clone();
+        let taken = fput.stepper::<Midpoint>(h).unwrap().iteration(iteration).step(&mut state, &[]);
+        assert!(taken.is_ok() || state == before);
+        taken.map_err(|error| error.cause)
+    };
+    let stiff = step(3.0, Iteration::FixedPoint);
+    assert!(matches!(stiff, Err(wzvi::error::StepFailure::NotConverged { .. })), "{stiff:?}");
+    for (h, iteration) in
+        [(3.0, Iteration::Automatic), (3.0, Iteration::Newton), (0.1, Iteration::FixedPoint)]
+    {
+        let taken = step(h, iteration);
+        assert!(taken.is_ok(), "h = {h}, {iteration:?}: {taken:?}");
+    }
+}
+
+#[test]
 fn steps_are_symplectic() {
     const N: usize = 5;
     let fput = Fput::<N> { beta: 0.25 };

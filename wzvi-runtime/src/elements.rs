@@ -39,7 +39,7 @@ pub enum Iteration {
     /// By what contracts.
     #[default]
     Automatic,
-    /// `x ← φ(x)` only.
+    /// `x ← φ(x)` only; an error where that does not contract.
     FixedPoint,
     /// Newton's method with a new Jacobian in every iteration.
     Newton,

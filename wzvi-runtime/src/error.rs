@@ -11,7 +11,7 @@ pub use crate::increments::NoiseError;
 /// Why the equations of one step have no (usable) solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepFailure {
-    /// Newton's method neither converged nor stagnated at rounding level.
+    /// Newton's method, or a pinned fixed point, neither converged nor stagnated at rounding level.
     NotConverged {
         /// Iterations spent.
         iterations: u32,
@@ -63,7 +63,7 @@ impl fmt::Display for StepFailure {
         match self {
             Self::NotConverged { iterations, correction } => write!(
                 f,
-                "Newton's method did not converge in {iterations} iterations (last correction {correction:.1e}); \
+                "the iteration did not converge in {iterations} steps (last correction {correction:.1e}); \
                  take a smaller step"
             ),
             Self::Singular { pivot, scale } => write!(

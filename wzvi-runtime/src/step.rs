@@ -149,7 +149,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     }
 
     /// Pins how implicit steps are iterated, where there is a choice: in systems of elements. Costs or saves time, and no
-    /// digit that counts.
+    /// digit that counts. A step whose fixed point does not contract is then an error
+    /// ([`StepFailure::NotConverged`]): nothing else is tried.
     #[must_use]
     pub fn iteration(mut self, iteration: Iteration) -> Self {
         H::pin(&mut self.memory, iteration);
@@ -232,7 +233,9 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         dw: &[f64],
         cause: StepFailure,
     ) -> Result<Effort, StepFailure> {
-        if !matches!(H::PLAN.solver, Solver::Newton) {
+        // Care takes Newton's method, which a pinned fixed point excludes.
+        let is_excluded = H::pinned(&self.memory) == Iteration::FixedPoint;
+        if is_excluded || !matches!(H::PLAN.solver, Solver::Newton) {
             return Err(cause);
         }
         let hard = Hard {

@@ -260,6 +260,12 @@ pub trait Discretized<E>: Hamiltonian {
     /// Pins how implicit steps are iterated; only systems of elements have a choice.
     fn pin(_memory: &mut Self::Memory<f64>, _iteration: Iteration) {}
 
+    /// What was pinned.
+    #[inline(always)]
+    fn pinned(_memory: &Self::Memory<f64>) -> Iteration {
+        Iteration::Automatic
+    }
+
     /// How linear equations are solved, in systems of elements.
     fn method(_memory: &Self::Memory<f64>) -> Option<Method> {
         None

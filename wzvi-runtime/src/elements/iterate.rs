@@ -100,25 +100,45 @@ pub fn advance<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         let solved = step.solve(memory)?;
         (Effort::fast(solved.iterations), solved.prefers_newton)
     };
-    step.finish(&mut memory.work);
-    // Sums are made before anything is stored; what they lose takes the place of slopes and stages.
-    let Work { u, by_p: dp, by_q, stage, .. } = &mut memory.work;
+    if !C::CARRIES && step.is_at_start() {
+        // `P` is the new momentum.
+        let Work { u, momentum, .. } = &mut memory.work;
+        if !(add(u, q) && are_finite(momentum)) {
+            return Err(StepFailure::NonFinite);
+        }
+        q.copy_from_slice(u);
+        p.copy_from_slice(momentum);
+    } else {
+        step.finish(&mut memory.work);
+        store(&mut memory.work, q, p, carry)?;
+    }
+    memory.record();
+    memory.prefers_newton = prefers_newton;
+    Ok(effort)
+}
+
+/// Adds the increments of a step to the state. Sums are made before anything is stored.
+fn store<S: Scalar, C: Carry<S>>(
+    work: &mut Work<S>,
+    q: &mut [S],
+    p: &mut [S],
+    carry: &mut C,
+) -> Result<(), StepFailure> {
+    // What the sums lose takes the place of slopes and stages.
+    let Work { u, by_p: dp, by_q, stage, .. } = work;
     let (lost_q, lost_p) = (&mut by_q[0], &mut stage[0]);
-    for (i, (u, (&q, lost))) in u.iter_mut().zip(q.iter().zip(&mut *lost_q)).enumerate() {
-        let (sum, taken) = C::add(q, *u, carry.of_coordinate(i));
-        *u = sum;
-        if C::CARRIES {
-            *lost = taken;
+    let is_finite = if C::CARRIES {
+        for (i, (u, (&q, lost))) in u.iter_mut().zip(q.iter().zip(&mut *lost_q)).enumerate() {
+            (*u, *lost) = C::add(q, *u, carry.of_coordinate(i));
         }
-    }
-    for (i, (dp, (&p, lost))) in dp.iter_mut().zip(p.iter().zip(&mut *lost_p)).enumerate() {
-        let (sum, taken) = C::add(p, *dp, carry.of_momentum(i));
-        *dp = sum;
-        if C::CARRIES {
-            *lost = taken;
+        for (i, (dp, (&p, lost))) in dp.iter_mut().zip(p.iter().zip(&mut *lost_p)).enumerate() {
+            (*dp, *lost) = C::add(p, *dp, carry.of_momentum(i));
         }
-    }
-    if !(are_finite(u) && are_finite(dp)) {
+        are_finite(u) && are_finite(dp)
+    } else {
+        add(u, q) && add(dp, p)
+    };
+    if !is_finite {
         return Err(StepFailure::NonFinite);
     }
     q.copy_from_slice(u);
@@ -126,9 +146,7 @@ pub fn advance<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     if C::CARRIES {
         carry.keep(lost_q, lost_p);
     }
-    memory.record();
-    memory.prefers_newton = prefers_newton;
-    Ok(effort)
+    Ok(())
 }
 
 impl<S: Scalar> Memory<S> {
@@ -190,25 +208,29 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             let at = self.at(&stage[s], momentum, l);
             self.system.slopes(Terms { by_p: is_both, ..terms }, &at, &mut by_q[s], by_p);
         }
-        if is_both {
-            for (c, (x, &by_p)) in
-                correction.as_chunks_mut().0.iter_mut().zip(x.as_chunks().0.iter().zip(&*by_p))
-            {
-                let ([c_u, c_v], [x_u, x_v]) = (c, x);
-                (*c_u, *c_v) = (*x_u - by_p, *x_v);
-            }
-        } else {
-            correction.copy_from_slice(x);
-        }
         for (s, l, _) in stages(self.scheme) {
-            let weight = 1.0 - l;
-            if is_both {
-                for ([_, c], &force) in correction.as_chunks_mut().0.iter_mut().zip(&by_q[s]) {
-                    *c = *c + force * weight;
+            let (weight, force) = (1.0 - l, &by_q[s]);
+            match (is_both, s) {
+                (true, 0) => {
+                    let unknowns = correction.as_chunks_mut().0.iter_mut().zip(x.as_chunks().0);
+                    for (([c_u, c_v], &[u, v]), (&by_p, &force)) in unknowns.zip(by_p.iter().zip(force)) {
+                        (*c_u, *c_v) = (u - by_p, v + force * weight);
+                    }
                 }
-            } else {
-                for (c, &force) in correction.iter_mut().zip(&by_q[s]) {
-                    *c = *c + force * weight;
+                (true, _) => {
+                    for ([_, c], &force) in correction.as_chunks_mut().0.iter_mut().zip(force) {
+                        *c = *c + force * weight;
+                    }
+                }
+                (false, 0) => {
+                    for (c, (&x, &force)) in correction.iter_mut().zip(x.iter().zip(force)) {
+                        *c = x + force * weight;
+                    }
+                }
+                (false, _) => {
+                    for (c, &force) in correction.iter_mut().zip(force) {
+                        *c = *c + force * weight;
+                    }
                 }
             }
         }
@@ -306,7 +328,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             }
             let Size { relative, largest } = subtract(&mut work.x, &work.correction);
             if relative.is_nan() {
-                return Err(StepFailure::NonFinite);
+                // A fixed point that diverges overflows in the end.
+                let diverges = iteration == Iteration::FixedPoint && (1.0..f64::INFINITY).contains(&last);
+                let not_converged = StepFailure::NotConverged { iterations, correction: last };
+                return Err(if diverges { not_converged } else { StepFailure::NonFinite });
             }
             let ratio = relative / last;
             let predicts = last < f64::INFINITY && ratio < 0.5;
@@ -380,11 +405,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// rounding: forces of long waves are small differences of large coordinates.
     #[cold]
     pub(super) fn is_rounding(&self, work: &Work<S>, correction: f64) -> bool {
-        let norm = |x: &[S]| x.iter().fold(0.0_f64, |largest, x| largest.max(x.magnitude()));
         // `∂u/∂P`, for a kinetic energy that is about quadratic.
-        let moved = correction * norm(&work.u);
-        if size_of::<S>() == size_of::<f64>() && moved <= MOVES_NOTHING * norm(self.q) * norm(&work.momentum)
-        {
+        let moved = correction * largest(&work.u);
+        let bound = MOVES_NOTHING * largest(self.q) * largest(&work.momentum);
+        if size_of::<S>() == size_of::<f64>() && moved <= bound {
             return true;
         }
         let is_both = self.scheme.unknowns == Unknowns::Both;
@@ -406,7 +430,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let l = self.scheme.drift_l;
         let is_both = self.scheme.unknowns == Unknowns::Both;
         let is_explicit = self.scheme.unknowns == Unknowns::None;
-        if is_explicit && stages(self.scheme).all(|(_, l, _)| l == 0.0) {
+        if self.is_at_start() {
             by_p.iter_mut().zip(&by_q[0]).for_each(|(dp, &force)| *dp = -force);
             return;
         }
@@ -434,6 +458,11 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
+    /// Whether the step is explicit with all its quadrature points at its start.
+    fn is_at_start(&self) -> bool {
+        self.scheme.unknowns == Unknowns::None && stages(self.scheme).all(|(_, l, _)| l == 0.0)
+    }
+
     fn has_one_point(&self) -> bool {
         !self.scheme.has_noise || self.scheme.drift_l == self.scheme.noise_l
     }
@@ -446,12 +475,13 @@ fn subtract<S: Scalar>(x: &mut [S], correction: &[S]) -> Size {
     let (corrections, other) = correction.as_chunks::<LANES>();
     for (x, c) in chunks.iter_mut().zip(corrections) {
         *x = std::array::from_fn(|lane| x[lane] - c[lane]);
-        size.take(x);
+        // What is not finite here comes from the correction, or shows in the new state.
+        size.take_finite(x);
         change.take(c);
     }
     for (x, &c) in rest.iter_mut().zip(other) {
         *x = *x - c;
-        size.take(&[*x]);
+        size.take_finite(&[*x]);
         change.take(&[c]);
     }
     relate(x, correction, size.get(), change.get())
@@ -479,8 +509,8 @@ fn relate<S: Scalar>(x: &[S], correction: &[S], size: f64, change: f64) -> Size 
     Size { relative, largest: change }
 }
 
-/// Numbers that are looked at side by side.
-const LANES: usize = 8;
+/// Numbers that are looked at side by side: few enough for the registers of x86-64.
+const LANES: usize = 4;
 
 /// The largest magnitude, in lanes, so that the search does not wait for itself.
 #[derive(Default)]
@@ -500,6 +530,15 @@ impl Largest {
         }
     }
 
+    /// The same of numbers that need no check.
+    #[inline(always)]
+    fn take_finite<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
+        for (most, number) in self.most.iter_mut().zip(numbers) {
+            let size = number.magnitude();
+            *most = if size > *most { size } else { *most };
+        }
+    }
+
     /// NaN if any was NaN or infinite.
     fn get(self) -> f64 {
         self.most.into_iter().fold(0.0, f64::max) + self.poison.into_iter().sum::<f64>()
@@ -513,6 +552,21 @@ pub(super) fn largest<S: Scalar>(x: &[S]) -> f64 {
     chunks.iter().for_each(|chunk| largest.take(chunk));
     rest.iter().for_each(|&x| largest.take(&[x]));
     largest.get()
+}
+
+/// `sums += base`, and whether every part of every sum is finite.
+fn add<S: Scalar>(sums: &mut [S], base: &[S]) -> bool {
+    let mut poison = [S::from_f64(0.0); LANES];
+    let (chunks, rest) = sums.as_chunks_mut::<LANES>();
+    let (bases, other) = base.as_chunks::<LANES>();
+    for (sum, base) in chunks.iter_mut().zip(bases) {
+        *sum = std::array::from_fn(|lane| base[lane] + sum[lane]);
+        poison = std::array::from_fn(|lane| poison[lane] + sum[lane] * 0.0);
+    }
+    for (sum, &base) in rest.iter_mut().zip(other) {
+        *sum = base + *sum;
+    }
+    poison.iter().chain(&*rest).all(|number| number.is_finite().all())
 }
 
 /// Whether every part of every number is finite.

@@ -125,6 +125,11 @@ impl<S: Scalar> Memory<S> {
         self.iteration = iteration;
     }
 
+    /// How implicit steps are to be iterated.
+    pub fn pinned(&self) -> Iteration {
+        self.iteration
+    }
+
     /// Forgets past steps: they are no guide from another state.
     pub fn forget(&mut self) {
         self.known = 0;

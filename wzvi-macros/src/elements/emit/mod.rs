@@ -1,11 +1,14 @@
 //! From elements to Rust: `Hamiltonian`, `Elements` and one `Discretized<E>` per scheme.
 
+mod chunk;
+mod combine;
 mod indices;
 mod kernel;
 
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
+use self::combine::Combined;
 use self::indices::{Indices, variable};
 use self::kernel::{Context, Target};
 use super::counter::{Counter, Weight};
@@ -17,7 +20,7 @@ use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::{Knowledge, NoiseClass};
 use crate::emit::{embedding_type, f64_type, parameter, wrapped};
 use crate::input::{Length, Shape};
-use crate::symbolic::{Expr, Symbol};
+use crate::symbolic::{Expr, Graph, Symbol};
 
 /// Everything that `#[hamiltonian]` stands for. `equations` has the text of each scheme, in their order.
 pub(crate) fn emit(model: &mut Model, facts: &Facts, equations: &[String]) -> TokenStream {
@@ -119,38 +122,47 @@ fn element_code(
     let graph = &mut model.graph;
     let c = graph.symbol(weight_symbol);
     let value = graph.multiply(c, element.value);
-    let q: Vec<(Symbol, Index)> = element.coordinates().map(|(s, index)| (s, index.clone())).collect();
-    let p: Vec<(Symbol, Index)> = element.momenta().map(|(s, index)| (s, index.clone())).collect();
+    let all: Vec<(Symbol, Index, bool)> = element
+        .coordinates()
+        .map(|(s, index)| (s, index.clone(), false))
+        .chain(element.momenta().map(|(s, index)| (s, index.clone(), true)))
+        .collect();
+    let symbols: Vec<Symbol> = all.iter().map(|(symbol, ..)| *symbol).collect();
+    let mut combined = match wanted {
+        Wanted::Value => None,
+        Wanted::Slopes | Wanted::Curvature => Combined::new(graph, value, &symbols),
+    };
     let mut outputs: Vec<(Expr, Target)> = Vec::new();
     match wanted {
         Wanted::Value => outputs.push((value, Target::Total)),
         Wanted::Slopes => {
-            for (variables, vector) in [(&q, "__by_q"), (&p, "__by_p")] {
-                for (symbol, index) in variables {
-                    let slope = graph.derivative(value, *symbol);
-                    let vector = Ident::new(vector, proc_macro2::Span::call_site());
-                    outputs.push((slope, Target::Slope { vector, index: index.clone() }));
-                }
+            let slopes = match &mut combined {
+                Some(combined) => combined.slopes(graph, &symbols),
+                None => symbols.iter().map(|symbol| graph.derivative(value, *symbol)).collect(),
+            };
+            for (slope, (_, index, is_p)) in slopes.into_iter().zip(&all) {
+                let vector = if *is_p { format_ident!("__by_p") } else { format_ident!("__by_q") };
+                outputs.push((slope, Target::Slope { vector, index: index.clone() }));
             }
         }
         Wanted::Curvature => {
-            let all: Vec<(Symbol, Index, bool)> = q
-                .iter()
-                .map(|(s, index)| (*s, index.clone(), false))
-                .chain(p.iter().map(|(s, index)| (*s, index.clone(), true)))
-                .collect();
-            for (a, (first, row, first_is_p)) in all.iter().enumerate() {
-                let slope = graph.derivative(value, *first);
-                for (b, (second, column, second_is_p)) in all.iter().enumerate().skip(a) {
-                    let method = match (first_is_p, second_is_p) {
-                        (false, false) => format_ident!("add_qq"),
-                        (true, true) => format_ident!("add_pp"),
-                        _ => format_ident!("add_qp"),
-                    };
-                    let curvature = graph.derivative(slope, *second);
-                    let (row, column) = (row.clone(), column.clone());
-                    outputs.push((curvature, Target::Curvature { method, row, column, is_diagonal: a == b }));
-                }
+            let curvatures = match combined.as_mut().and_then(|c| c.curvatures(graph, &symbols)) {
+                Some(curvatures) => curvatures,
+                None => curvatures(graph, value, &symbols),
+            };
+            let pairs =
+                all.iter().enumerate().flat_map(|(a, first)| all[a..].iter().map(move |b| (first, b)));
+            for (curvature, ((first, row, first_is_p), (second, column, second_is_p))) in
+                curvatures.into_iter().zip(pairs)
+            {
+                let method = match (first_is_p, second_is_p) {
+                    (false, false) => format_ident!("add_qq"),
+                    (true, true) => format_ident!("add_pp"),
+                    _ => format_ident!("add_qp"),
+                };
+                let (row, column) = (row.clone(), column.clone());
+                let is_diagonal = first == second;
+                outputs.push((curvature, Target::Curvature { method, row, column, is_diagonal }));
             }
         }
     }
@@ -161,8 +173,20 @@ fn element_code(
         tables: &model.tables,
         t: model.t,
         weight: weight_symbol,
+        components: model.components,
+        definitions: combined.map(|combined| combined.definitions).unwrap_or_default(),
     };
     kernel::emit(&mut context, element, weight, &outputs)
+}
+
+/// The second derivatives by each pair of `symbols` with the first not after the second, row by row.
+fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
+    let mut all = Vec::new();
+    for (a, &first) in symbols.iter().enumerate() {
+        let slope = graph.derivative(value, first);
+        all.extend(symbols[a..].iter().map(|&second| graph.derivative(slope, second)));
+    }
+    all
 }
 
 /// The elements of every noise with the increment that weighs it.
@@ -562,6 +586,10 @@ fn discretized(model: &Model, facts: &Facts, embedding: &Embedding, text: &str) 
 
                 fn pin(__memory: &mut #elements::Memory<#f64>, __iteration: #elements::Iteration) {
                     __memory.pin(__iteration);
+                }
+
+                fn pinned(__memory: &#elements::Memory<#f64>) -> #elements::Iteration {
+                    __memory.pinned()
                 }
 
                 fn adopt(__memory: &mut #elements::Memory<#f64>, __left: #elements::Memory<#f64>) {

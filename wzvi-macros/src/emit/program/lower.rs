@@ -1,7 +1,7 @@
 //! From the symbolic graph to a [`Program`]: definitions are followed, common factors taken out, sums and products
 //! split by level.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::{Level, Op, Operation, Program};
 use crate::symbolic::{Expr, Function, Graph, Node, Rational, Symbol};
@@ -34,6 +34,8 @@ struct Signed {
 impl<'a> Lowering<'a> {
     /// `definitions` replace symbols; they must not be circular.
     pub(crate) fn new(graph: &'a mut Graph, definitions: HashMap<Symbol, Expr>) -> Self {
+        // In one order, whatever that of the table: the generated code is the same every time.
+        let definitions: BTreeMap<Symbol, Expr> = definitions.into_iter().collect();
         let (symbols, expressions): (Vec<Symbol>, Vec<Expr>) = definitions.into_iter().unzip();
         let definitions = symbols.into_iter().zip(graph.stabilise(&expressions)).collect();
         let (lowered, factored, kept) = (HashMap::new(), HashMap::new(), HashSet::new());

@@ -1,0 +1,460 @@
+//! The innermost loop of an element, in chunks: what it reads is sliced or gathered, the arithmetic goes over slices of
+//! one length without conditions, so that it can be vectorised. What it computes is added where it belongs at once, to a
+//! slice of each vector; what belongs to a second slice of the same vector, which may overlap the first, waits in a
+//! buffer. A bond of neighbours needs none: what it adds to the right end is carried to the next bond, whose left end
+//! that is.
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::{format_ident, quote};
+
+use super::indices::{Indices, variable};
+use super::kernel::Target;
+use crate::elements::index::{Atom, Index, Loop};
+use crate::elements::model::{Element, Local, Slot};
+use crate::symbolic::Expr;
+
+/// Placements in one chunk, if there are buffers.
+const CHUNK: usize = 64;
+
+/// The innermost loop.
+pub(super) struct Chunk<'a> {
+    pub(super) indices: &'a Indices<'a>,
+    pub(super) element: &'a Element,
+    pub(super) inner: Option<&'a Loop>,
+    pub(super) outputs: &'a [(Expr, Target)],
+    /// Components of a point.
+    pub(super) components: i128,
+}
+
+/// How an index moves with the innermost loop.
+enum Motion {
+    Fixed,
+    /// By one, perhaps wrapping around.
+    Run,
+    /// By a point: to the component `part` of points from the index `base` on.
+    Points {
+        base: Index,
+        part: usize,
+    },
+    Free,
+}
+
+/// The loop as it is put together.
+#[derive(Default)]
+struct Code {
+    /// Before all chunks.
+    before: TokenStream,
+    /// Ends the chunk early, by `__len`.
+    limits: TokenStream,
+    /// Indices that have their limit.
+    limited: Vec<Index>,
+    /// Slices of this chunk.
+    opening: TokenStream,
+    reads: TokenStream,
+    stores: TokenStream,
+    /// After the arithmetic of a chunk.
+    closing: TokenStream,
+    after: TokenStream,
+    /// Slices of points: list, base, name.
+    points: Vec<(String, Index, Ident)>,
+    /// Vectors of which a slice is written to while the arithmetic runs.
+    direct: Vec<Ident>,
+    has_buffers: bool,
+}
+
+impl Chunk<'_> {
+    pub(super) fn emit(&self, inside: &TokenStream, values: &[TokenStream]) -> TokenStream {
+        let Some(inner) = self.inner else { return self.single(inside, values) };
+        let name = variable(inner.variable);
+        let (start, end) = (self.indices.value(&inner.start), self.indices.value(&inner.end));
+        let (isize, usize) = (quote!(__wzvi::core::primitive::isize), quote!(__wzvi::core::primitive::usize));
+        let mut code = Code::default();
+        for (k, local) in self.element.locals.iter().enumerate() {
+            self.open(&mut code, inner.variable, k, local);
+        }
+        self.store(&mut code, inner.variable, values);
+        let most = match code.has_buffers {
+            true => quote!(__wzvi::core::cmp::Ord::min((__end - __low) as #usize, #CHUNK)),
+            false => quote!((__end - __low) as #usize),
+        };
+        let Code { before, limits, opening, reads, stores, closing, after, .. } = code;
+        let mutable = if limits.is_empty() { quote!() } else { quote!(mut) };
+        quote! {
+            #before
+            let mut #name: #isize = #start;
+            let __end: #isize = #end;
+            while #name < __end {
+                let __low = #name;
+                let #mutable __len = #most;
+                #limits
+                #opening
+                for __k in 0..__len {
+                    let #name = __low + __k as #isize;
+                    #reads
+                    #inside
+                    #stores
+                }
+                #closing
+                #name += __len as #isize;
+            }
+            #after
+        }
+    }
+
+    /// An element without loops.
+    fn single(&self, inside: &TokenStream, values: &[TokenStream]) -> TokenStream {
+        let mut statements = TokenStream::new();
+        for (k, local) in self.element.locals.iter().enumerate() {
+            let (own, value) = (format_ident!("__l{k}"), self.read(&local.slot));
+            statements.extend(quote!(let #own = #value;));
+        }
+        statements.extend(inside.clone());
+        for ((_, target), value) in self.outputs.iter().zip(values) {
+            statements.extend(self.add(target, value));
+        }
+        quote!({ #statements })
+    }
+
+    /// The read of a local variable.
+    fn open(&self, code: &mut Code, inner: u32, k: usize, local: &Local) {
+        let own = format_ident!("__l{k}");
+        let list = self.list(&local.slot);
+        match self.motion(&local.slot, inner) {
+            Motion::Fixed => {
+                let value = self.read(&local.slot);
+                code.before.extend(quote!(let #own = #value;));
+            }
+            Motion::Run => {
+                let (slice, index) = (format_ident!("__s{k}"), slot_index(&local.slot));
+                let base = self.indices.position(&index);
+                self.limit(code, &index, inner);
+                code.opening.extend(quote! {
+                    let #slice = #base;
+                    let #slice = &#list[#slice..#slice + __len];
+                });
+                let is_state = matches!(local.slot, Slot::Coordinate(_) | Slot::Momentum(_));
+                code.reads.extend(match is_state {
+                    true => quote!(let #own = #slice[__k];),
+                    false => quote!(let #own = <__S as __wzvi::Scalar>::from_f64(#slice[__k]);),
+                });
+            }
+            Motion::Points { base, part } => {
+                let points = self.points(code, &list, &base, false);
+                code.reads.extend(quote!(let #own = #points[__k][#part];));
+            }
+            Motion::Free => {
+                let value = self.read(&local.slot);
+                code.reads.extend(quote!(let #own = #value;));
+            }
+        }
+    }
+
+    /// The name of the points of `list` from `base` on.
+    fn points(&self, code: &mut Code, list: &TokenStream, base: &Index, is_written: bool) -> Ident {
+        let key = list.to_string();
+        if let Some((.., name)) = code.points.iter().find(|(known, at, _)| *known == key && at == base) {
+            return name.clone();
+        }
+        let name = format_ident!("__points{}", code.points.len());
+        let (at, components) = (self.indices.position(base), Literal::i128_unsuffixed(self.components));
+        code.opening.extend(match is_written {
+            false => quote! {
+                let #name = #at;
+                let #name = &#list[#name..#name + #components * __len].as_chunks::<#components>().0[..__len];
+            },
+            true => quote! {
+                let #name = #at;
+                let #name =
+                    &mut #list[#name..#name + #components * __len].as_chunks_mut::<#components>().0[..__len];
+            },
+        });
+        code.points.push((key, base.clone(), name.clone()));
+        name
+    }
+
+    /// Where the computed values go. Slices first: what is left knows then which vectors are taken.
+    fn store(&self, code: &mut Code, inner: u32, values: &[TokenStream]) {
+        let mut left: Vec<usize> = Vec::new();
+        // Pairs of neighbours before others, which would take their vector.
+        let pairs: Vec<(usize, usize)> =
+            (0..self.outputs.len()).filter_map(|j| Some((j, self.neighbour(j, inner)?))).collect();
+        let mut carried: Vec<usize> = Vec::new();
+        for &(j, next) in &pairs {
+            if let Some((_, Target::Slope { vector, .. })) = self.outputs.get(j)
+                && !code.direct.contains(vector)
+            {
+                code.direct.push(vector.clone());
+                carried.extend([j, next]);
+                self.store_run(code, inner, values, j, Some(next));
+            }
+        }
+        for (j, (_, target)) in self.outputs.iter().enumerate() {
+            let (Target::Slope { vector, index }, false) = (target, carried.contains(&j)) else {
+                left.push(j);
+                continue;
+            };
+            let is_taken = code.direct.contains(vector);
+            match motion(index, inner, self.components) {
+                Motion::Run if !is_taken => {
+                    code.direct.push(vector.clone());
+                    self.store_run(code, inner, values, j, None);
+                }
+                Motion::Points { base, part } => {
+                    let list = quote!(#vector);
+                    let key = (list.to_string(), &base);
+                    let is_open = code.points.iter().any(|(list, at, _)| (list, at) == (&key.0, key.1));
+                    if is_taken && !is_open {
+                        left.push(j);
+                        continue;
+                    }
+                    code.direct.push(vector.clone());
+                    let (points, value) = (self.points(code, &list, &base, true), &values[j]);
+                    code.stores.extend(quote!(#points[__k][#part] = #points[__k][#part] + #value;));
+                }
+                _ => left.push(j),
+            }
+        }
+        for j in left.into_iter().filter(|j| !carried.contains(j)) {
+            self.store_other(code, inner, j, &values[j]);
+        }
+    }
+
+    /// Another slope whose place is that of slope `j` in the next round of the loop.
+    fn neighbour(&self, j: usize, inner: u32) -> Option<usize> {
+        let place = |j: usize| match &self.outputs.get(j)?.1 {
+            Target::Slope { vector, index } => Some((vector, index)),
+            _ => None,
+        };
+        let (vector, own) = place(j)?;
+        (0..self.outputs.len()).filter(|&other| other != j).find(|&other| {
+            place(other).is_some_and(|(known, index)| known == vector && follows(index, own, inner))
+        })
+    }
+
+    /// Adds slope `j` to its slice, and with it what the round before left for the same place.
+    fn store_run(&self, code: &mut Code, inner: u32, values: &[TokenStream], j: usize, next: Option<usize>) {
+        let Some((_, Target::Slope { vector, index })) = self.outputs.get(j) else { return };
+        let (slice, at, value) = (format_ident!("__b{j}"), format_ident!("__at{j}"), &values[j]);
+        let carried = format_ident!("__carried{j}");
+        let base = self.indices.position(index);
+        self.limit(code, index, inner);
+        if let Some((next, (_, Target::Slope { index: ahead, .. }))) =
+            next.and_then(|next| Some((next, self.outputs.get(next)?)))
+        {
+            self.limit(code, ahead, inner);
+            let (base_ahead, value_ahead) = (self.indices.position(ahead), &values[next]);
+            let zero = zero();
+            // One by one where the next place is another one after all.
+            code.limits.extend(quote! {
+                if #base_ahead != #base + 1 {
+                    __len = 1;
+                }
+            });
+            code.opening.extend(quote! {
+                let #at = #base_ahead + (__len - 1);
+                let mut #carried = #zero;
+            });
+            // Computed first: only then can the compiler keep what is carried in a vector register.
+            code.stores.extend(quote! {
+                let __ahead = #value_ahead;
+                #slice[__k] = #slice[__k] + (#value + #carried);
+                #carried = __ahead;
+            });
+            code.closing.extend(quote!(#vector[#at] = #vector[#at] + #carried;));
+        } else {
+            code.stores.extend(quote!(#slice[__k] = #slice[__k] + #value;));
+        }
+        code.opening.extend(quote! {
+            let #slice = #base;
+            let #slice = &mut #vector[#slice..#slice + __len];
+        });
+    }
+
+    /// What does not go to a slice of its own: sums, buffers, single places.
+    fn store_other(&self, code: &mut Code, inner: u32, j: usize, value: &TokenStream) {
+        let Some((_, target)) = self.outputs.get(j) else { return };
+        let (buffer, zero) = (format_ident!("__b{j}"), zero());
+        let is_fixed = match target {
+            Target::Total => true,
+            Target::Slope { index, .. } => !index.loops().contains(&inner),
+            Target::Curvature { row, column, .. } => {
+                !row.loops().contains(&inner) && !column.loops().contains(&inner)
+            }
+        };
+        let shared = match target {
+            Target::Slope { vector, index } if code.direct.contains(vector) => Some((vector, index)),
+            _ => None,
+        };
+        if is_fixed {
+            code.before.extend(quote!(let mut #buffer = #zero;));
+            code.stores.extend(quote!(#buffer = #buffer + #value;));
+            code.after.extend(self.add(target, &quote!(#buffer)));
+        } else if let Some((vector, index)) = shared {
+            code.has_buffers = true;
+            code.before.extend(quote!(let mut #buffer = [#zero; #CHUNK];));
+            code.opening.extend(quote!(let #buffer = &mut #buffer[..__len];));
+            code.stores.extend(quote!(#buffer[__k] = #value;));
+            if matches!(motion(index, inner, self.components), Motion::Run) {
+                let base = self.indices.position(index);
+                self.limit(code, index, inner);
+                code.closing.extend(quote! {
+                    let __base = #base;
+                    for (__sum, &__value) in #vector[__base..__base + __len].iter_mut().zip(&*#buffer) {
+                        *__sum = *__sum + __value;
+                    }
+                });
+            } else {
+                let (name, add) = (variable(inner), self.add(target, &quote!(#buffer[__k])));
+                code.closing.extend(quote! {
+                    for __k in 0..__len {
+                        let #name = __low + __k as __wzvi::core::primitive::isize;
+                        #add
+                    }
+                });
+            }
+        } else {
+            code.stores.extend(self.add(target, value));
+        }
+    }
+
+    /// A chunk ends where an index wraps around.
+    fn limit(&self, code: &mut Code, index: &Index, inner: u32) {
+        let Some(both) = wrap(index, inner).filter(|_| !code.limited.contains(index)) else { return };
+        code.limited.push(index.clone());
+        let (at, size) = (self.indices.value(&both.0), self.indices.value(&both.1));
+        code.limits.extend(quote! {
+            __len = __wzvi::core::cmp::Ord::min(__len, (#size - #at % #size) as __wzvi::core::primitive::usize);
+        });
+    }
+
+    fn motion(&self, slot: &Slot, inner: u32) -> Motion {
+        match slot {
+            Slot::Coordinate(index) | Slot::Momentum(index) => motion(index, inner, self.components),
+            Slot::Number(index) if !index.loops().contains(&inner) => Motion::Fixed,
+            Slot::Number(_) => Motion::Free,
+            Slot::Entry(_, indices) if !indices.iter().any(|index| index.loops().contains(&inner)) => {
+                Motion::Fixed
+            }
+            Slot::Entry(table, indices) => match indices.as_slice() {
+                [index] if runs(index, inner) && self.indices.is_plain(*table) => Motion::Run,
+                _ => Motion::Free,
+            },
+        }
+    }
+
+    fn list(&self, slot: &Slot) -> TokenStream {
+        match slot {
+            Slot::Coordinate(_) => quote!(__at.q),
+            Slot::Momentum(_) => quote!(__at.p),
+            Slot::Entry(table, _) => self.indices.entry(*table, &[]),
+            Slot::Number(_) => TokenStream::new(),
+        }
+    }
+
+    fn read(&self, slot: &Slot) -> TokenStream {
+        match slot {
+            Slot::Coordinate(index) => {
+                let position = self.indices.position(index);
+                quote!(__at.q[#position])
+            }
+            Slot::Momentum(index) => {
+                let position = self.indices.position(index);
+                quote!(__at.p[#position])
+            }
+            Slot::Entry(table, indices) => {
+                let entry = self.indices.entry(*table, indices);
+                quote!(<__S as __wzvi::Scalar>::from_f64(#entry))
+            }
+            Slot::Number(index) => {
+                let value = self.indices.value(index);
+                quote!(<__S as __wzvi::Scalar>::from_f64(
+                    #value as __wzvi::core::primitive::isize as __wzvi::core::primitive::f64
+                ))
+            }
+        }
+    }
+
+    fn add(&self, target: &Target, value: &TokenStream) -> TokenStream {
+        match target {
+            Target::Total => quote!(__total = __total + #value;),
+            Target::Slope { vector, index } => {
+                let position = self.indices.position(index);
+                quote! {
+                    let __at_index = #position;
+                    #vector[__at_index] = #vector[__at_index] + #value;
+                }
+            }
+            Target::Curvature { method, row, column, is_diagonal } => {
+                let (row, column) = (self.indices.position(row), self.indices.position(column));
+                quote!(__into.#method(#row, #column, #is_diagonal, #value);)
+            }
+        }
+    }
+}
+
+fn zero() -> TokenStream {
+    quote!(<__S as __wzvi::Scalar>::from_f64(0.0))
+}
+
+fn slot_index(slot: &Slot) -> Index {
+    match slot {
+        Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Number(index) => index.clone(),
+        Slot::Entry(_, indices) => indices.first().cloned().unwrap_or_default(),
+    }
+}
+
+fn motion(index: &Index, inner: u32, components: i128) -> Motion {
+    if !index.loops().contains(&inner) {
+        return Motion::Fixed;
+    }
+    if runs(index, inner) {
+        return Motion::Run;
+    }
+    // All points from the first to the last are in the vector if the index is.
+    let is_point = components > 1
+        && index.slope(inner) == Some(components)
+        && index.terms.iter().all(|(_, coefficient)| coefficient % components == 0);
+    let part = if is_point { index.constant.rem_euclid(components) } else { 0 };
+    match (is_point, index.shifted(-part), usize::try_from(part)) {
+        (true, Some(base), Ok(part)) => Motion::Points { base, part },
+        _ => Motion::Free,
+    }
+}
+
+/// Whether the index goes up by one with the loop, perhaps wrapping around.
+fn runs(index: &Index, inner: u32) -> bool {
+    index.slope(inner) == Some(1) || wrap(index, inner).is_some()
+}
+
+/// `k + r` and `n` of an index `... + (k + r) % n` with everything else fixed in the loop over `k`.
+fn wrap(index: &Index, inner: u32) -> Option<&(Index, Index)> {
+    let mut moving =
+        index.terms.iter().filter(|(atom, _)| Index::atom(atom.clone()).loops().contains(&inner));
+    match (moving.next(), moving.next()) {
+        (Some((Atom::Remainder(both), 1)), None) => {
+            let is_run = both.0.slope(inner) == Some(1) && !both.1.loops().contains(&inner);
+            is_run.then_some(&**both)
+        }
+        _ => None,
+    }
+}
+
+/// Whether `ahead` is `own + 1` but for wrapping around, which the loop looks for itself.
+fn follows(ahead: &Index, own: &Index, inner: u32) -> bool {
+    let unwrapped = |index: &Index| -> Option<(Index, Index)> {
+        match wrap(index, inner) {
+            None => Some((index.clone(), Index::default())),
+            Some(both) => {
+                let rest = index.subtract(&Index::atom(Atom::Remainder(Box::new(both.clone()))))?;
+                Some((rest.add(&both.0)?, both.1.clone()))
+            }
+        }
+    };
+    let distance = || -> Option<[Index; 3]> {
+        let ((ahead, size), (own, other)) = (unwrapped(ahead)?, unwrapped(own)?);
+        let plain = ahead.subtract(&own)?;
+        Some([plain.add(&other)?, plain.subtract(&size)?, plain])
+    };
+    let one = Index::integer(1);
+    runs(ahead, inner) && runs(own, inner) && distance().is_some_and(|distances| distances.contains(&one))
+}
