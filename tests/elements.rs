@@ -227,7 +227,7 @@ fn a_pinned_fixed_point_is_not_replaced() {
         let mut state = first_mode::<32>();
         // All modes take part.
         state.q[7] += 0.3;
-        let before = state.clone();
+        let before = state;
         let taken = fput.stepper::<Midpoint>(h).unwrap().iteration(iteration).step(&mut state, &[]);
         assert!(taken.is_ok() || state == before);
         taken.map_err(|error| error.cause)
