@@ -21,6 +21,7 @@ mod careful;
 mod iterate;
 mod jacobian;
 mod memory;
+mod passes;
 
 pub use iterate::{Scheme, Unknowns, advance};
 pub use memory::{CompensationVec, Memory};

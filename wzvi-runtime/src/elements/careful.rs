@@ -2,8 +2,9 @@
 //! then with corrections that are shortened until the next one is smaller (the natural monotonicity test), and with a
 //! doubt about its own result wherever a correction is not less than half of the one before.
 
-use super::iterate::{Size, Step, Unknowns, size_of_correction};
+use super::iterate::{Step, Unknowns};
 use super::jacobian::Linear;
+use super::passes::{Size, size_of_correction};
 use super::{Elements, Memory};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;

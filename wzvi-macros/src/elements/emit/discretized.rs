@@ -1,0 +1,180 @@
+//! `impl Discretized<E>` of a system of elements: what the run time needs to know of a scheme.
+
+use crate::discretise::embedding::Embedding;
+use crate::discretise::facts::{Knowledge, NoiseClass};
+use crate::elements::facts::{Facts, is_consistent};
+use crate::elements::model::Model;
+use crate::elements::plan::{Unknowns, unknowns};
+use crate::emit::{embedding_type, f64_type};
+use crate::input::{Length, Shape};
+use proc_macro2::TokenStream;
+use quote::quote;
+
+/// `impl Discretized<E>`
+pub(super) fn emit(model: &Model, facts: &Facts, embedding: &Embedding, text: &str) -> TokenStream {
+    let chosen = unknowns(model, facts, embedding);
+    let plan = plan(model, facts, embedding, chosen);
+    let scheme = embedding_type(embedding, &quote!(__wzvi));
+    let (drift_l, noise_l) = embedding.quadrature();
+    let (drift_l, noise_l) = (drift_l.to_f64(), noise_l.to_f64());
+    let has_noise = !model.noises.is_empty();
+    let remembers = !has_noise && chosen != Unknowns::None;
+    let chosen = match chosen {
+        Unknowns::None => quote!(None),
+        Unknowns::Momenta => quote!(Momenta),
+        Unknowns::Both => quote!(Both),
+    };
+    let counter = if facts.counter_of(embedding).is_empty() { 0.0 } else { 0.5 - noise_l };
+    let nan_checks = model.parameters.iter().map(|parameter| &parameter.tokens);
+    let name = &model.item.ident;
+    let (generics, arguments, filter) = model.item.generics.split_for_impl();
+    let f64 = f64_type();
+    let elements = quote!(__wzvi::elements);
+    quote! {
+        const _: () = {
+            const __SCHEME: #elements::Scheme = #elements::Scheme {
+                drift_l: #drift_l,
+                noise_l: #noise_l,
+                counter: #counter,
+                unknowns: #elements::Unknowns::#chosen,
+                remembers: #remembers,
+                has_noise: #has_noise,
+            };
+
+            #[automatically_derived]
+            impl #generics __wzvi::Discretized<#scheme> for #name #arguments #filter {
+                const PLAN: __wzvi::Plan = #plan;
+                const EQUATIONS: &'static __wzvi::core::primitive::str = #text;
+                // A start that is no guide costs iterations, not digits.
+                const REMEMBERS: __wzvi::core::primitive::bool = false;
+                const IN_LANES: __wzvi::core::primitive::bool = false;
+                type Prepared = ();
+                type Memory<__S: __wzvi::Scalar> = #elements::Memory<__S>;
+                type Compensated<__S: __wzvi::Scalar> = #elements::CompensationVec<__S>;
+                type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
+
+                fn memory(&self) -> #elements::Memory<#f64> {
+                    #elements::Memory::new(self, &__SCHEME)
+                }
+
+                fn forget(__memory: &mut #elements::Memory<#f64>) {
+                    __memory.forget();
+                }
+
+                fn pin(__memory: &mut #elements::Memory<#f64>, __iteration: #elements::Iteration) {
+                    __memory.pin(__iteration);
+                }
+
+                fn pinned(__memory: &#elements::Memory<#f64>) -> #elements::Iteration {
+                    __memory.pinned()
+                }
+
+                fn adopt(__memory: &mut #elements::Memory<#f64>, __left: #elements::Memory<#f64>) {
+                    __memory.adopt(__left);
+                }
+
+                fn method(__memory: &#elements::Memory<#f64>) -> __wzvi::core::option::Option<#elements::Method> {
+                    __wzvi::core::option::Option::Some(__memory.method())
+                }
+
+                fn prepare(&self, __h: #f64) -> __wzvi::core::result::Result<(), __wzvi::ConfigError> {
+                    #(
+                        if #f64::is_nan(#nan_checks) {
+                            return __wzvi::core::result::Result::Err(__wzvi::ConfigError::Parameter);
+                        }
+                    )*
+                    #elements::prepare(self)
+                }
+
+                fn advance_carrying<
+                    __S: __wzvi::Scalar,
+                    __C: __wzvi::Carry<__S>,
+                    const __CAREFUL: __wzvi::core::primitive::bool,
+                >(
+                    &self,
+                    __prepared: &(),
+                    __t: #f64,
+                    __h: #f64,
+                    __q: &mut [__S],
+                    __p: &mut [__S],
+                    __dw: &[__S],
+                    __memory: &mut #elements::Memory<__S>,
+                    __carry: &mut __C,
+                ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
+                    #elements::advance::<_, __S, __C, __CAREFUL>(
+                        self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry,
+                    )
+                }
+
+                fn discrete_lagrangian(
+                    &self,
+                    __segment: &__wzvi::Segment<Self::Vector>,
+                    __dw: &[#f64],
+                ) -> #f64 {
+                    #elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)
+                }
+
+                fn discrete_lagrangian_gradient(
+                    &self,
+                    __segment: &__wzvi::Segment<Self::Vector>,
+                    __dw: &[#f64],
+                ) -> __wzvi::LagrangianGradient<Self::Vector> {
+                    #elements::discrete_lagrangian_gradient(self, &__SCHEME, __segment, __dw)
+                }
+
+                fn step_momentum(
+                    &self,
+                    __before: &__wzvi::State<Self::Vector>,
+                    _: &__wzvi::State<Self::Vector>,
+                    __h: #f64,
+                    __dw: &[#f64],
+                ) -> Self::Vector {
+                    #elements::step_momentum(self, &__SCHEME, __before, __h, __dw)
+                }
+            }
+        };
+    }
+}
+
+pub(super) fn plan(model: &Model, facts: &Facts, embedding: &Embedding, chosen: Unknowns) -> TokenStream {
+    let noise = match facts.noise {
+        NoiseClass::None => quote!(None),
+        NoiseClass::Additive => quote!(Additive),
+        NoiseClass::Position => quote!(Position),
+        NoiseClass::Momentum => quote!(Momentum),
+        NoiseClass::Multiplicative => quote!(Multiplicative),
+    };
+    let knowledge = |known: &Knowledge| match known {
+        Knowledge::Proven => quote!(Proven),
+        Knowledge::Refuted(_) => quote!(Refuted),
+        Knowledge::Unknown => quote!(Unknown),
+    };
+    let solver = if chosen == Unknowns::None { quote!(Explicit) } else { quote!(Newton) };
+    let per_degree: usize = match chosen {
+        Unknowns::None => 0,
+        Unknowns::Momenta => 1,
+        Unknowns::Both => 2,
+    };
+    let components = usize::try_from(model.components).unwrap_or(1);
+    let unknowns = match (&model.shape, per_degree) {
+        (_, 0) => quote!(0),
+        (Shape::Array(_, Length::Literal(len)), _) => {
+            let unknowns = len * components * per_degree;
+            quote!(#unknowns)
+        }
+        (Shape::Array(_, Length::Named(expr)), _) => quote!((#expr) * #components * #per_degree),
+        _ => quote!(__wzvi::core::primitive::usize::MAX),
+    };
+    let consistent = is_consistent(facts, embedding);
+    let (energy, commuting) = (knowledge(&facts.conserves_energy), knowledge(&facts.commuting));
+    quote! {
+        __wzvi::Plan {
+            solver: __wzvi::Solver::#solver,
+            unknowns: #unknowns,
+            noise: __wzvi::NoiseClass::#noise,
+            consistent: #consistent,
+            conserves_energy: __wzvi::Knowledge::#energy,
+            commuting: __wzvi::Knowledge::#commuting,
+        }
+    }
+}

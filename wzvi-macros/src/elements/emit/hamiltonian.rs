@@ -1,0 +1,245 @@
+//! `impl Hamiltonian`: energies, their slopes, and first integrals, in loops.
+
+use super::indices::{Indices, variable};
+use super::{Wanted, degrees, element_code, noise_count, parameters, sizes, vector_type};
+use crate::elements::index::{Bounds, Index};
+use crate::elements::model::{Element, Model, Noises, Slot, Term};
+use crate::emit::{f64_type, parameter};
+use proc_macro2::TokenStream;
+use quote::quote;
+
+/// The check of the indices that the compiler could not prove.
+pub(super) fn required(model: &Model) -> TokenStream {
+    let indices = Indices { tables: &model.tables, checked: true };
+    let isize = quote!(__wzvi::core::primitive::isize);
+    let mut checks = TokenStream::new();
+    let family = match &model.noises {
+        Noises::Family { .. } => model.noises.terms(),
+        Noises::List(list) => list.as_slice(),
+    };
+    let terms = [&model.drift].into_iter().chain(family).chain(model.invariants.iter().map(|i| &i.term));
+    for element in terms.flat_map(|term: &Term| &term.elements) {
+        let is_unsigned = |table: u32| model.tables.get(table as usize).is_some_and(|t| t.is_unsigned);
+        let bounds = Bounds { loops: &element.loops, is_unsigned: &is_unsigned };
+        let components = Index::integer(model.components);
+        let total = model.size.multiply(&components).unwrap_or_default();
+        let mut body = TokenStream::new();
+        for local in &element.locals {
+            match &local.slot {
+                Slot::Coordinate(index) | Slot::Momentum(index) => {
+                    let rest = total.subtract(index).and_then(|rest| rest.shifted(-1));
+                    let proven =
+                        bounds.is_nonnegative(index) && rest.is_some_and(|rest| bounds.is_nonnegative(&rest));
+                    if !proven {
+                        let position = indices.position(index);
+                        body.extend(quote! {
+                            __required = __wzvi::core::cmp::Ord::max(__required, #position.checked_add(1)?);
+                        });
+                    }
+                }
+                Slot::Entry(table, entries) => {
+                    let entry = indices.entry(*table, entries);
+                    body.extend(quote!(let _ = #entry;));
+                }
+                Slot::Number(index) => {
+                    let value = indices.value(index);
+                    body.extend(quote!(let _ = #value;));
+                }
+            }
+        }
+        if body.is_empty() {
+            continue;
+        }
+        for known in element.loops.iter().rev() {
+            let (name, start, end) =
+                (variable(known.variable), indices.value(&known.start), indices.value(&known.end));
+            body = quote!(for #name in (#start as #isize)..#end { #body });
+        }
+        checks.extend(body);
+    }
+    let components = usize::try_from(model.components).unwrap_or(1);
+    let size = sizes(model, &quote!(__degrees));
+    quote! {
+        fn required(
+            &self,
+            __degrees: __wzvi::core::primitive::usize,
+        ) -> __wzvi::core::option::Option<__wzvi::core::primitive::usize> {
+            #size
+            let mut __required = #components;
+            if __degrees % #components != 0 {
+                return __wzvi::core::option::Option::Some((__size as __wzvi::core::primitive::usize + 1) * #components);
+            }
+            #checks
+            __wzvi::core::option::Option::Some(__required)
+        }
+    }
+}
+
+/// `impl Hamiltonian`
+pub(super) fn emit(model: &mut Model) -> TokenStream {
+    let vector = vector_type(model);
+    let (degrees, noises) = (degrees(model), noise_count(model));
+    let (values, slopes) = (arms(model, Wanted::Value), arms(model, Wanted::Slopes));
+    let read = parameters(model);
+    let size = sizes(model, &quote!(__q.len()));
+    let (invariants, invariant) = (model.invariants.len(), invariant(model));
+    let name = &model.item.ident;
+    let (generics, arguments, filter) = model.item.generics.split_for_impl();
+    let (usize, f64) = (quote!(__wzvi::core::primitive::usize), f64_type());
+    let parameter = parameter(&model.graph, &model.parameters);
+    let fits = quote! {
+        __q.len() == __p.len() && __wzvi::elements::check(self, __q.len()).is_ok()
+    };
+    quote! {
+        #[automatically_derived]
+        impl #generics __wzvi::Hamiltonian for #name #arguments #filter {
+            type Vector = #vector;
+
+            fn degrees(&self) -> #usize { #degrees }
+
+            fn noises(&self) -> #usize { #noises }
+
+            fn invariants(&self) -> #usize { #invariants }
+
+            #parameter
+
+            fn evaluate<__S: __wzvi::Scalar>(&self, __term: #usize, __q: &[__S], __p: &[__S], __t: #f64) -> __S {
+                let __nan = <__S as __wzvi::Scalar>::from_f64(#f64::NAN);
+                if !(#fits) {
+                    return __nan;
+                }
+                #read
+                #size
+                let __at = __wzvi::elements::Point { q: __q, p: __p, t: __t, h: 1.0, dw: &[] };
+                let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
+                match __term {
+                    #values
+                    _ => return __nan,
+                }
+                __total
+            }
+
+            fn differentiate<__S: __wzvi::Scalar>(
+                &self,
+                __term: #usize,
+                __q: &[__S],
+                __p: &[__S],
+                __t: #f64,
+                __by_q: &mut [__S],
+                __by_p: &mut [__S],
+            ) {
+                let __nan = <__S as __wzvi::Scalar>::from_f64(#f64::NAN);
+                if !(#fits && __by_q.len() == __q.len() && __by_p.len() == __q.len()) {
+                    __by_q.fill(__nan);
+                    __by_p.fill(__nan);
+                    return;
+                }
+                __by_q.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
+                __by_p.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
+                #read
+                #size
+                let __at = __wzvi::elements::Point { q: __q, p: __p, t: __t, h: 1.0, dw: &[] };
+                match __term {
+                    #slopes
+                    _ => {
+                        __by_q.fill(__nan);
+                        __by_p.fill(__nan);
+                    }
+                }
+            }
+
+            #invariant
+
+            fn energy_rate(&self, __k: #usize, __state: &__wzvi::State<Self::Vector>) -> #f64 {
+                __wzvi::elements::energy_rate(self, __k, __state)
+            }
+        }
+    }
+}
+
+/// `Hamiltonian::invariant`
+pub(super) fn invariant(model: &mut Model) -> TokenStream {
+    let (usize, f64) = (quote!(__wzvi::core::primitive::usize), f64_type());
+    if model.invariants.is_empty() {
+        return quote!(fn invariant(&self, _: #usize, _: &__wzvi::State<Self::Vector>) -> #f64 { #f64::NAN });
+    }
+    let one = quote!(<__S as __wzvi::Scalar>::from_f64(1.0));
+    let integrals: Vec<Vec<Element>> =
+        model.invariants.iter().map(|invariant| invariant.term.elements.clone()).collect();
+    let mut arms = TokenStream::new();
+    for (number, elements) in integrals.iter().enumerate() {
+        let body = terms_code(model, elements, Wanted::Value, &one);
+        arms.extend(quote!(#number => { #body }));
+    }
+    let (read, size) = (parameters(model), sizes(model, &quote!(__at.q.len())));
+    quote! {
+        fn invariant(&self, __number: #usize, __state: &__wzvi::State<Self::Vector>) -> #f64 {
+            type __S = #f64;
+            let (__q, __p) = (__wzvi::Vector::components(&__state.q), __wzvi::Vector::components(&__state.p));
+            if __q.len() != __p.len() || __wzvi::elements::check(self, __q.len()).is_err() {
+                return #f64::NAN;
+            }
+            let __at = __wzvi::elements::Point::<#f64> { q: __q, p: __p, t: __state.t, h: 1.0, dw: &[] };
+            let __t = __at.t;
+            #read
+            #size
+            let mut __total: #f64 = 0.0;
+            match __number {
+                #arms
+                _ => return #f64::NAN,
+            }
+            __total
+        }
+    }
+}
+
+/// The code of several elements, one after the other.
+pub(super) fn terms_code(
+    model: &mut Model,
+    elements: &[Element],
+    wanted: Wanted,
+    weight: &TokenStream,
+) -> TokenStream {
+    let mut parts = TokenStream::new();
+    for element in elements {
+        let symbol = model.graph.new_symbol("c");
+        parts.extend(element_code(model, element, wanted, symbol, weight));
+    }
+    parts
+}
+
+/// One match arm per term, on its number.
+pub(super) fn arms(model: &mut Model, wanted: Wanted) -> TokenStream {
+    let one = quote!(<__S as __wzvi::Scalar>::from_f64(1.0));
+    let code = |model: &mut Model, elements: &[Element]| terms_code(model, elements, wanted, &one);
+    let drift = model.drift.elements.clone();
+    let drift = code(model, &drift);
+    let mut arms = quote!(0 => { #drift });
+    match &model.noises {
+        Noises::List(terms) => {
+            for (k, term) in terms.clone().iter().enumerate() {
+                let (number, body) = (k + 1, code(model, &term.elements));
+                arms.extend(quote!(#number => { #body }));
+            }
+        }
+        Noises::Family { term, variable: id, count } => {
+            let name = variable(*id);
+            let count = Indices { tables: &model.tables, checked: false }.value(count);
+            // The member is given: its loop goes once.
+            let elements: Vec<Element> = term
+                .elements
+                .iter()
+                .map(|element| Element { loops: element.loops[1..].to_vec(), ..element.clone() })
+                .collect();
+            let isize = quote!(__wzvi::core::primitive::isize);
+            let body = code(model, &elements);
+            arms.extend(quote! {
+                __member if __member <= (#count as #isize as __wzvi::core::primitive::usize) => {
+                    let #name = __member as #isize - 1;
+                    #body
+                }
+            });
+        }
+    }
+    arms
+}

@@ -1,0 +1,120 @@
+//! Passes over whole vectors: corrections, their sizes, sums.
+
+use crate::scalar::{Mask, Scalar};
+
+/// The largest correction, and the same against the largest unknown; NaN if any part is.
+pub(super) struct Size {
+    pub(super) relative: f64,
+    pub(super) largest: f64,
+}
+
+/// `x -= correction`, and how large that was.
+pub(super) fn subtract<S: Scalar>(x: &mut [S], correction: &[S]) -> Size {
+    let (mut size, mut change) = (Largest::default(), Largest::default());
+    let (chunks, rest) = x.as_chunks_mut::<LANES>();
+    let (corrections, other) = correction.as_chunks::<LANES>();
+    for (x, c) in chunks.iter_mut().zip(corrections) {
+        *x = std::array::from_fn(|lane| x[lane] - c[lane]);
+        // What is not finite here comes from the correction, or shows in the new state.
+        size.take_finite(x);
+        change.take(c);
+    }
+    for (x, &c) in rest.iter_mut().zip(other) {
+        *x = *x - c;
+        size.take_finite(&[*x]);
+        change.take(&[c]);
+    }
+    relate(x, correction, size.get(), change.get())
+}
+
+/// How large a correction is that leads to `x`.
+pub(super) fn size_of_correction<S: Scalar>(x: &[S], correction: &[S]) -> Size {
+    relate(x, correction, largest(x), largest(correction))
+}
+
+fn relate<S: Scalar>(x: &[S], correction: &[S], size: f64, change: f64) -> Size {
+    if !change.is_finite() {
+        return Size { relative: f64::NAN, largest: f64::NAN };
+    }
+    let mut relative = if change == 0.0 { 0.0 } else { change / (size + f64::MIN_POSITIVE) };
+    if size_of::<S>() != size_of::<f64>() {
+        // Numbers that carry derivatives or lanes converge in every part.
+        for (&x, &c) in x.iter().zip(correction) {
+            if c.magnitude() != 0.0 || !(c.relative_to(x, None) == 0.0) {
+                let part = c.relative_to(x, Some(S::from_f64(size)));
+                relative = if part > relative || part.is_nan() { part } else { relative };
+            }
+        }
+    }
+    Size { relative, largest: change }
+}
+
+/// Numbers that are looked at side by side: few enough for the registers of x86-64.
+const LANES: usize = 4;
+
+/// The largest magnitude, in lanes, so that the search does not wait for itself.
+#[derive(Default)]
+struct Largest {
+    most: [f64; LANES],
+    /// Zero unless a number was not finite, which a maximum may swallow.
+    poison: [f64; LANES],
+}
+
+impl Largest {
+    #[inline(always)]
+    fn take<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
+        for ((most, poison), number) in self.most.iter_mut().zip(&mut self.poison).zip(numbers) {
+            let size = number.magnitude();
+            *most = if size > *most { size } else { *most };
+            *poison += size * 0.0;
+        }
+    }
+
+    /// The same of numbers that need no check.
+    #[inline(always)]
+    fn take_finite<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
+        for (most, number) in self.most.iter_mut().zip(numbers) {
+            let size = number.magnitude();
+            *most = if size > *most { size } else { *most };
+        }
+    }
+
+    /// NaN if any was NaN or infinite.
+    fn get(self) -> f64 {
+        self.most.into_iter().fold(0.0, f64::max) + self.poison.into_iter().sum::<f64>()
+    }
+}
+
+/// The largest magnitude; NaN if any is not finite.
+pub(super) fn largest<S: Scalar>(x: &[S]) -> f64 {
+    let mut largest = Largest::default();
+    let (chunks, rest) = x.as_chunks::<LANES>();
+    chunks.iter().for_each(|chunk| largest.take(chunk));
+    rest.iter().for_each(|&x| largest.take(&[x]));
+    largest.get()
+}
+
+/// `sums += base`, and whether every part of every sum is finite.
+pub(super) fn add<S: Scalar>(sums: &mut [S], base: &[S]) -> bool {
+    let mut poison = [S::from_f64(0.0); LANES];
+    let (chunks, rest) = sums.as_chunks_mut::<LANES>();
+    let (bases, other) = base.as_chunks::<LANES>();
+    for (sum, base) in chunks.iter_mut().zip(bases) {
+        *sum = std::array::from_fn(|lane| base[lane] + sum[lane]);
+        poison = std::array::from_fn(|lane| poison[lane] + sum[lane] * 0.0);
+    }
+    for (sum, &base) in rest.iter_mut().zip(other) {
+        *sum = base + *sum;
+    }
+    poison.iter().chain(&*rest).all(|number| number.is_finite().all())
+}
+
+/// Whether every part of every number is finite.
+pub(super) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
+    let mut poison = [S::from_f64(0.0); LANES];
+    let (chunks, rest) = numbers.as_chunks::<LANES>();
+    for chunk in chunks {
+        poison = std::array::from_fn(|lane| poison[lane] + chunk[lane] * 0.0);
+    }
+    poison.iter().chain(rest).all(|number| number.is_finite().all())
+}
