@@ -88,14 +88,6 @@ pub(crate) fn blocks(checkpoint: &Path) -> u64 {
     digits.split(',').next().unwrap_or_default().parse().unwrap_or(0)
 }
 
-/// Waits, but not for ever.
-fn wait_while(condition: &dyn Fn() -> bool) {
-    let began = Instant::now();
-    while condition() && began.elapsed() < LONGEST / 3 {
-        sleep(Duration::from_millis(2));
-    }
-}
-
 #[test]
 #[ignore = "what the other tests run on every rank"]
 fn rank() {
