@@ -1,5 +1,6 @@
 //! Steps that are hard, have no solution, or do not resolve the motion: what the run says, and what helps.
 
+use wzvi::__private::Plain;
 use wzvi::error::{ConfigError, StepError, StepFailure};
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
@@ -216,4 +217,37 @@ fn a_retry_that_does_not_help_leaves_the_state() {
     assert_eq!((path.steps(), path.last().q[0], path.last().p[0]), (0, 100.0, 100.0));
     let Some(wzvi::Error::Step(error)) = error else { panic!("{error:?}") };
     assert_eq!((error.step, error.h), (0, 0.5));
+}
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.25 * (q * q - 1.0) * (q * q - 1.0),
+    noise = [|q, p| q * p],
+    embedding = Midpoint,
+)]
+struct DilatedWell;
+
+/// With `w = ΔW/2` the step's Jacobian in both unknowns has the determinant `1 - w² + h²/4 V''(Q)`, and its sign tells
+/// branches of solutions apart, although the momentum, with the pivot `1 + w`, is isolated in front of the iteration.
+#[test]
+fn isolated_unknowns_count_in_the_orientation() {
+    let h = 0.01;
+    let prepared = DilatedWell.prepare(h).unwrap();
+    for w in [-1.5, -0.5, 0.5, 1.5] {
+        let (mut q, mut p) = ([0.5], [0.5]);
+        let effort = DilatedWell
+            .advance_carrying::<f64, Plain, true>(
+                &prepared,
+                0.0,
+                h,
+                &mut q,
+                &mut p,
+                &[2.0 * w],
+                &mut Default::default(),
+                &mut Plain,
+            )
+            .unwrap();
+        let mid = 0.5 * (0.5 + q[0]);
+        let determinant = 1.0 - w * w + 0.25 * h * h * (3.0 * mid * mid - 1.0);
+        assert_eq!(effort.is_reversed, determinant < 0.0, "w = {w}");
+    }
 }

@@ -1,6 +1,7 @@
 //! From equations to Rust: the struct as written, its traits, and nothing that the scene does not use.
 
 mod lagrangian;
+pub(crate) mod plan;
 mod print;
 mod program;
 mod step;

@@ -5,11 +5,12 @@ use quote::{format_ident, quote};
 
 use super::embedding_type;
 use super::lagrangian;
+use super::plan::Plan;
 use super::print::{Printer, f64_type};
 use super::program::Op;
 use super::system::indexed;
 use crate::discretise::Scheme;
-use crate::discretise::facts::{Facts, Knowledge, NoiseClass};
+use crate::discretise::facts::{Facts, NoiseClass};
 use crate::discretise::structure::Solution;
 use crate::model::Model;
 
@@ -145,30 +146,15 @@ fn plan(facts: &Facts, scheme: &Scheme) -> TokenStream {
         _ => quote!(Explicit),
     };
     let unknowns = scheme.structure.unknowns();
-    let noise = match facts.noise {
-        NoiseClass::None => quote!(None),
-        NoiseClass::Additive => quote!(Additive),
-        NoiseClass::Position => quote!(Position),
-        NoiseClass::Momentum => quote!(Momentum),
-        NoiseClass::Multiplicative => quote!(Multiplicative),
-    };
-    let knowledge = |known: &Knowledge| match known {
-        Knowledge::Proven => quote!(Proven),
-        Knowledge::Refuted(_) => quote!(Refuted),
-        Knowledge::Unknown => quote!(Unknown),
-    };
-    let consistent = scheme.consistent;
-    let (energy, commuting) = (knowledge(&facts.conserves_energy), knowledge(&facts.commuting));
-    quote! {
-        __wzvi::Plan {
-            solver: __wzvi::Solver::#solver,
-            unknowns: #unknowns,
-            noise: __wzvi::NoiseClass::#noise,
-            consistent: #consistent,
-            conserves_energy: __wzvi::Knowledge::#energy,
-            commuting: __wzvi::Knowledge::#commuting,
-        }
+    Plan {
+        solver,
+        unknowns: quote!(#unknowns),
+        noise: facts.noise,
+        consistent: scheme.consistent,
+        conserves_energy: &facts.conserves_energy,
+        commuting: &facts.commuting,
     }
+    .emit()
 }
 
 /// One step as tokens.
@@ -469,10 +455,12 @@ impl SolveBody<'_> {
         };
         let (q, p) = (values(&flow.q0), values(&flow.p0));
         let (dq, dp, momentum) = (values(&flow.dq), values(&flow.dp), values(&flow.momentum));
-        let effort = match counts.is_empty() {
-            true => quote!(__wzvi::Effort::fast(0)),
-            false => quote!(#(#counts)+*),
-        };
+        let isolated = flow.isolated.iter().map(|&inverse| {
+            let inverse = self.printer.scalar_value(inverse);
+            quote!(__wzvi::Effort::isolated::<__S, __CAREFUL>(#inverse))
+        });
+        let counts = counts.iter().map(|count| quote!(#count)).chain(isolated);
+        let effort = quote!(__wzvi::Effort::fast(0) #(+ #counts)*);
         let records = &self.records;
         quote! {
             #statements

@@ -15,7 +15,7 @@ use super::damped::damped;
 use super::dense::{Factor, SymmetricFactor};
 use crate::error::StepFailure;
 use crate::numbers::Numbers;
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar};
 
 /// Corrections below this fraction of an unknown change nothing.
 pub(super) const ROUNDING: f64 = f64::EPSILON;
@@ -41,6 +41,13 @@ impl Effort {
     #[inline(always)]
     pub const fn fast(iterations: u32) -> Self {
         Self { iterations, doubtful: false, is_reversed: false }
+    }
+
+    /// What `1 / pivot` of an unknown that was isolated in front of the iteration adds: the determinant of the whole
+    /// Jacobian is that of the iterated part times the pivot.
+    #[inline(always)]
+    pub fn isolated<S: Scalar, const CAREFUL: bool>(inverse: S) -> Self {
+        Self { is_reversed: CAREFUL && inverse.less(S::from_f64(0.0)).all(), ..Self::fast(0) }
     }
 }
 

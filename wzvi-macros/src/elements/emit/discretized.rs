@@ -1,14 +1,15 @@
 //! `impl Discretized<E>` of a system of elements: what the run time needs to know of a scheme.
 
+use proc_macro2::TokenStream;
+use quote::quote;
+
 use crate::discretise::embedding::Embedding;
-use crate::discretise::facts::{Knowledge, NoiseClass};
 use crate::elements::facts::{Facts, is_consistent};
 use crate::elements::model::Model;
 use crate::elements::plan::{Unknowns, unknowns};
+use crate::emit::plan::Plan;
 use crate::emit::{embedding_type, f64_type};
 use crate::input::{Length, Shape};
-use proc_macro2::TokenStream;
-use quote::quote;
 
 /// `impl Discretized<E>`
 pub(super) fn emit(model: &Model, facts: &Facts, embedding: &Embedding, text: &str) -> TokenStream {
@@ -137,18 +138,6 @@ pub(super) fn emit(model: &Model, facts: &Facts, embedding: &Embedding, text: &s
 }
 
 pub(super) fn plan(model: &Model, facts: &Facts, embedding: &Embedding, chosen: Unknowns) -> TokenStream {
-    let noise = match facts.noise {
-        NoiseClass::None => quote!(None),
-        NoiseClass::Additive => quote!(Additive),
-        NoiseClass::Position => quote!(Position),
-        NoiseClass::Momentum => quote!(Momentum),
-        NoiseClass::Multiplicative => quote!(Multiplicative),
-    };
-    let knowledge = |known: &Knowledge| match known {
-        Knowledge::Proven => quote!(Proven),
-        Knowledge::Refuted(_) => quote!(Refuted),
-        Knowledge::Unknown => quote!(Unknown),
-    };
     let solver = if chosen == Unknowns::None { quote!(Explicit) } else { quote!(Newton) };
     let per_degree: usize = match chosen {
         Unknowns::None => 0,
@@ -165,16 +154,13 @@ pub(super) fn plan(model: &Model, facts: &Facts, embedding: &Embedding, chosen: 
         (Shape::Array(_, Length::Named(expr)), _) => quote!((#expr) * #components * #per_degree),
         _ => quote!(__wzvi::core::primitive::usize::MAX),
     };
-    let consistent = is_consistent(facts, embedding);
-    let (energy, commuting) = (knowledge(&facts.conserves_energy), knowledge(&facts.commuting));
-    quote! {
-        __wzvi::Plan {
-            solver: __wzvi::Solver::#solver,
-            unknowns: #unknowns,
-            noise: __wzvi::NoiseClass::#noise,
-            consistent: #consistent,
-            conserves_energy: __wzvi::Knowledge::#energy,
-            commuting: __wzvi::Knowledge::#commuting,
-        }
+    Plan {
+        solver,
+        unknowns,
+        noise: facts.noise,
+        consistent: is_consistent(facts, embedding),
+        conserves_energy: &facts.conserves_energy,
+        commuting: &facts.commuting,
     }
+    .emit()
 }

@@ -65,6 +65,8 @@ pub(crate) struct Flow {
     pub(crate) p0: Vec<Op>,
     pub(crate) dw: Vec<Op>,
     pub(crate) solves: Vec<Solve>,
+    /// The reciprocals that isolated unknowns of Newton blocks are assigned with.
+    pub(crate) isolated: Vec<Op>,
     pub(crate) dq: Vec<Op>,
     pub(crate) dp: Vec<Op>,
     pub(crate) momentum: Vec<Op>,
@@ -111,10 +113,30 @@ impl Flow {
         for (block, inverse) in scheme.structure.blocks.iter().zip(&inverses) {
             solves.extend(lower_block(&mut lowering, scheme, block, inverse.as_ref()));
         }
+        let isolated = scheme.structure.blocks.iter().filter_map(|block| match block.solution {
+            Solution::Isolated(pivot) => Some(lowering.program.input(pivot.inverse)),
+            _ => None,
+        });
+        let isolated = isolated.collect();
         let [dq, dp, momentum] = ends.map(|ends| ends.into_iter().map(|end| lowering.lower(end)).collect());
         let hints = hints(&mut lowering, scheme);
         let program = lowering.program;
-        Self { program, hints, parameters, h, t, q0, p0, dw, solves, dq, dp, momentum, is_deterministic }
+        Self {
+            program,
+            hints,
+            parameters,
+            h,
+            t,
+            q0,
+            p0,
+            dw,
+            solves,
+            isolated,
+            dq,
+            dp,
+            momentum,
+            is_deterministic,
+        }
     }
 
     /// Whether compensated sums, six additions per component, are less than 5 % of the step; a Newton step iterates

@@ -1,0 +1,48 @@
+//! `PLAN`: what the compiler found out and decided about a scheme, as a constant.
+
+use proc_macro2::TokenStream;
+use quote::quote;
+
+use crate::discretise::facts::{Knowledge, NoiseClass};
+
+/// The fields of the constant; `solver` is the variant's name, `unknowns` a constant expression.
+pub(crate) struct Plan<'f> {
+    pub(crate) solver: TokenStream,
+    pub(crate) unknowns: TokenStream,
+    pub(crate) noise: NoiseClass,
+    pub(crate) consistent: bool,
+    pub(crate) conserves_energy: &'f Knowledge,
+    pub(crate) commuting: &'f Knowledge,
+}
+
+impl Plan<'_> {
+    pub(crate) fn emit(&self) -> TokenStream {
+        let Self { solver, unknowns, noise, consistent, .. } = self;
+        let noise = match noise {
+            NoiseClass::None => quote!(None),
+            NoiseClass::Additive => quote!(Additive),
+            NoiseClass::Position => quote!(Position),
+            NoiseClass::Momentum => quote!(Momentum),
+            NoiseClass::Multiplicative => quote!(Multiplicative),
+        };
+        let (energy, commuting) = (knowledge(self.conserves_energy), knowledge(self.commuting));
+        quote! {
+            __wzvi::Plan {
+                solver: __wzvi::Solver::#solver,
+                unknowns: #unknowns,
+                noise: __wzvi::NoiseClass::#noise,
+                consistent: #consistent,
+                conserves_energy: __wzvi::Knowledge::#energy,
+                commuting: __wzvi::Knowledge::#commuting,
+            }
+        }
+    }
+}
+
+fn knowledge(known: &Knowledge) -> TokenStream {
+    match known {
+        Knowledge::Proven => quote!(Proven),
+        Knowledge::Refuted(_) => quote!(Refuted),
+        Knowledge::Unknown => quote!(Unknown),
+    }
+}
