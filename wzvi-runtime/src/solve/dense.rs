@@ -1,6 +1,8 @@
 //! Dense factorisations of the small matrices of one step.
 #![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
+use std::ops::Mul;
+
 use crate::error::{ConfigError, StepFailure};
 use crate::scalar::{Mask, Scalar};
 
@@ -95,15 +97,7 @@ impl<S: Scalar, const N: usize> Factor<S, N> {
             if pivot <= PIVOT_ULPS * scale[k] || pivot.is_nan() || scale[k].is_nan() {
                 return Err(singular(pivot, scale[k]));
             }
-            let inverse = lu[k][k].recip();
-            lu[k][k] = inverse;
-            for i in k + 1..N {
-                let factor = lu[i][k] * inverse;
-                lu[i][k] = factor;
-                for j in k + 1..N {
-                    lu[i][j] = lu[i][j] - factor * lu[k][j];
-                }
-            }
+            eliminate(&mut lu, k);
         }
         Ok(Self { lu, order })
     }
@@ -111,19 +105,7 @@ impl<S: Scalar, const N: usize> Factor<S, N> {
     /// `A⁻¹ b`
     #[inline(always)]
     pub fn solve(&self, b: [S; N]) -> [S; N] {
-        let mut x = self.order.map(|row| b[row]);
-        for i in 1..N {
-            for j in 0..i {
-                x[i] = x[i] - self.lu[i][j] * x[j];
-            }
-        }
-        for i in (0..N).rev() {
-            for j in i + 1..N {
-                x[i] = x[i] - self.lu[i][j] * x[j];
-            }
-            x[i] = x[i] * self.lu[i][i];
-        }
-        x
+        substitute(&self.lu, self.order.map(|row| b[row]))
     }
 }
 
@@ -141,19 +123,7 @@ impl<const N: usize> Factor<f64, N> {
     /// `A⁻¹ b` for a right-hand side of any number type.
     #[inline(always)]
     pub fn apply<S: Scalar>(&self, b: [S; N]) -> [S; N] {
-        let mut x = self.order.map(|row| b[row]);
-        for i in 1..N {
-            for j in 0..i {
-                x[i] = x[i] - x[j] * self.lu[i][j];
-            }
-        }
-        for i in (0..N).rev() {
-            for j in i + 1..N {
-                x[i] = x[i] - x[j] * self.lu[i][j];
-            }
-            x[i] = x[i] * self.lu[i][i];
-        }
-        x
+        substitute(&self.lu, self.order.map(|row| b[row]))
     }
 }
 
@@ -193,17 +163,7 @@ impl<S: Scalar, const N: usize> SymmetricFactor<S, N> {
             if pivot.magnitude() <= STABLE_PIVOT * matrix[k][k].magnitude() || pivot.magnitude().is_nan() {
                 return None;
             }
-            let inverse = pivot.recip();
-            for i in k + 1..N {
-                let factor = l[i][k] * inverse;
-                for j in k + 1..=i {
-                    l[i][j] = l[i][j] - factor * l[j][k];
-                }
-            }
-            for i in k + 1..N {
-                l[i][k] = l[i][k] * inverse;
-            }
-            l[k][k] = inverse;
+            eliminate_symmetric(&mut l, k);
         }
         Some(Self::Symmetric(l))
     }
@@ -211,24 +171,78 @@ impl<S: Scalar, const N: usize> SymmetricFactor<S, N> {
     /// `A⁻¹ b`
     #[inline(always)]
     pub fn solve(&self, b: [S; N]) -> [S; N] {
-        let l = match self {
-            Self::Symmetric(l) => l,
-            Self::General(factor) => return factor.solve(b),
-        };
-        let mut x = b;
-        for i in 1..N {
-            for j in 0..i {
-                x[i] = x[i] - l[i][j] * x[j];
-            }
+        match self {
+            Self::Symmetric(l) => substitute_symmetric(l, b),
+            Self::General(factor) => factor.solve(b),
         }
-        for i in (0..N).rev() {
-            x[i] = x[i] * l[i][i];
-            for j in i + 1..N {
-                x[i] = x[i] - l[j][i] * x[j];
-            }
-        }
-        x
     }
+}
+
+/// Column `k` of `A = L U` in place, with the reciprocal of the pivot that stands on the diagonal.
+#[inline(always)]
+pub(super) fn eliminate<S: Scalar, const N: usize>(lu: &mut [[S; N]; N], k: usize) {
+    let inverse = lu[k][k].recip();
+    lu[k][k] = inverse;
+    for i in k + 1..N {
+        let factor = lu[i][k] * inverse;
+        lu[i][k] = factor;
+        for j in k + 1..N {
+            lu[i][j] = lu[i][j] - factor * lu[k][j];
+        }
+    }
+}
+
+/// `U⁻¹ L⁻¹ x`
+#[inline(always)]
+pub(super) fn substitute<S: Scalar + Mul<T, Output = S>, T: Copy, const N: usize>(
+    lu: &[[T; N]; N],
+    mut x: [S; N],
+) -> [S; N] {
+    for i in 1..N {
+        for j in 0..i {
+            x[i] = x[i] - x[j] * lu[i][j];
+        }
+    }
+    for i in (0..N).rev() {
+        for j in i + 1..N {
+            x[i] = x[i] - x[j] * lu[i][j];
+        }
+        x[i] = x[i] * lu[i][i];
+    }
+    x
+}
+
+/// Column `k` of `A = L D Lᵀ` in place, from the lower triangle.
+#[inline(always)]
+pub(super) fn eliminate_symmetric<S: Scalar, const N: usize>(l: &mut [[S; N]; N], k: usize) {
+    let inverse = l[k][k].recip();
+    for i in k + 1..N {
+        let factor = l[i][k] * inverse;
+        for j in k + 1..=i {
+            l[i][j] = l[i][j] - factor * l[j][k];
+        }
+    }
+    for i in k + 1..N {
+        l[i][k] = l[i][k] * inverse;
+    }
+    l[k][k] = inverse;
+}
+
+/// `L⁻ᵀ D⁻¹ L⁻¹ x`
+#[inline(always)]
+pub(super) fn substitute_symmetric<S: Scalar, const N: usize>(l: &[[S; N]; N], mut x: [S; N]) -> [S; N] {
+    for i in 1..N {
+        for j in 0..i {
+            x[i] = x[i] - l[i][j] * x[j];
+        }
+    }
+    for i in (0..N).rev() {
+        x[i] = x[i] * l[i][i];
+        for j in i + 1..N {
+            x[i] = x[i] - l[j][i] * x[j];
+        }
+    }
+    x
 }
 
 #[cfg(test)]

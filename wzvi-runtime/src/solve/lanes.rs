@@ -5,7 +5,9 @@
 //! way finds, gets NaN, which the end of the step reports for all; whoever runs lanes then takes them one by one.
 #![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
-use super::dense::{LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT};
+use super::dense::{
+    LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT, eliminate, eliminate_symmetric, substitute, substitute_symmetric,
+};
 use super::newton::{Effort, ROUNDING, SAFE_DETERMINANT, STAGNATION};
 use super::{Solve, Together};
 use crate::error::StepFailure;
@@ -197,28 +199,9 @@ pub(super) fn general<const L: usize, const N: usize>(
             (scale[k], scale[i]) = swapped(chosen[i], scale[k], scale[i]);
         }
         usable = usable & exceeds(a[k][k].abs(), scale[k] * PIVOT_ULPS) & !is_nan(scale[k]);
-        let inverse = a[k][k].recip();
-        a[k][k] = inverse;
-        for i in k + 1..N {
-            let factor = a[i][k] * inverse;
-            a[i][k] = factor;
-            for j in k + 1..N {
-                a[i][j] = a[i][j] - factor * a[k][j];
-            }
-        }
+        eliminate(&mut a, k);
     }
-    for i in 1..N {
-        for j in 0..i {
-            x[i] = x[i] - a[i][j] * x[j];
-        }
-    }
-    for i in (0..N).rev() {
-        for j in i + 1..N {
-            x[i] = x[i] - a[i][j] * x[j];
-        }
-        x[i] = x[i] * a[i][i];
-    }
-    x.map(|x| Lanes::select(usable, x, poison()))
+    substitute(&a, x).map(|x| Lanes::select(usable, x, poison()))
 }
 
 #[inline(always)]
@@ -229,34 +212,14 @@ fn swapped<const L: usize>(mask: LaneMask<L>, a: Lanes<L>, b: Lanes<L>) -> (Lane
 /// [`super::SymmetricFactor`], by lane.
 #[inline(always)]
 fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L>; N]) -> [Lanes<L>; N] {
-    let (mut l, mut x) = (*matrix, *b);
+    let mut l = *matrix;
     let mut stable = LaneMask::from_bool(true);
     for k in 0..N {
         let pivot = l[k][k];
         stable = stable & exceeds(pivot.abs(), matrix[k][k].abs() * STABLE_PIVOT);
-        let inverse = pivot.recip();
-        for i in k + 1..N {
-            let factor = l[i][k] * inverse;
-            for j in k + 1..=i {
-                l[i][j] = l[i][j] - factor * l[j][k];
-            }
-        }
-        for i in k + 1..N {
-            l[i][k] = l[i][k] * inverse;
-        }
-        l[k][k] = inverse;
+        eliminate_symmetric(&mut l, k);
     }
-    for i in 1..N {
-        for j in 0..i {
-            x[i] = x[i] - l[i][j] * x[j];
-        }
-    }
-    for i in (0..N).rev() {
-        x[i] = x[i] * l[i][i];
-        for j in i + 1..N {
-            x[i] = x[i] - l[j][i] * x[j];
-        }
-    }
+    let mut x = substitute_symmetric(&l, *b);
     if !stable.all() {
         let full = std::array::from_fn(|i: usize| std::array::from_fn(|j: usize| matrix[i.max(j)][i.min(j)]));
         let other = rarely(&full, b, false);
