@@ -3,9 +3,9 @@
 
 use std::collections::HashMap;
 
-use super::index::Loop;
-use super::model::{Element, Local, Reads};
 use crate::lower::Sum;
+use crate::model::index::Loop;
+use crate::model::{Element, Local, Reads};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 /// The sum is an argument of a nonlinear function.
