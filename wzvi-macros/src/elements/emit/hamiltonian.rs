@@ -163,12 +163,11 @@ pub(super) fn invariant(model: &mut Model) -> TokenStream {
     if model.invariants.is_empty() {
         return quote!(fn invariant(&self, _: #usize, _: &__wzvi::State<Self::Vector>) -> #f64 { #f64::NAN });
     }
-    let one = quote!(<__S as __wzvi::Scalar>::from_f64(1.0));
     let integrals: Vec<Vec<Element>> =
-        model.invariants.iter().map(|invariant| invariant.term.elements.clone()).collect();
+        model.invariants.iter().map(|invariant| invariant.term.values.clone()).collect();
     let mut arms = TokenStream::new();
     for (number, elements) in integrals.iter().enumerate() {
-        let body = terms_code(model, elements, Wanted::Value, &one);
+        let body = terms_code(model, elements, Wanted::Value);
         arms.extend(quote!(#number => { #body }));
     }
     let (read, size) = (parameters(model), sizes(model, &quote!(__at.q.len())));
@@ -194,31 +193,23 @@ pub(super) fn invariant(model: &mut Model) -> TokenStream {
 }
 
 /// The code of several elements, one after the other.
-pub(super) fn terms_code(
-    model: &mut Model,
-    elements: &[Element],
-    wanted: Wanted,
-    weight: &TokenStream,
-) -> TokenStream {
-    let mut parts = TokenStream::new();
-    for element in elements {
-        let symbol = model.graph.new_symbol("c");
-        parts.extend(element_code(model, element, wanted, symbol, weight));
-    }
-    parts
+fn terms_code(model: &mut Model, elements: &[Element], wanted: Wanted) -> TokenStream {
+    elements.iter().map(|element| element_code(model, element, wanted, None)).collect()
 }
 
 /// One match arm per term, on its number.
 pub(super) fn arms(model: &mut Model, wanted: Wanted) -> TokenStream {
-    let one = quote!(<__S as __wzvi::Scalar>::from_f64(1.0));
-    let code = |model: &mut Model, elements: &[Element]| terms_code(model, elements, wanted, &one);
-    let drift = model.drift.elements.clone();
-    let drift = code(model, &drift);
+    let elements_of = |term: &Term| match wanted {
+        Wanted::Value => term.values.clone(),
+        Wanted::Slopes | Wanted::Curvature => term.elements.clone(),
+    };
+    let drift = elements_of(&model.drift);
+    let drift = terms_code(model, &drift, wanted);
     let mut arms = quote!(0 => { #drift });
     match &model.noises {
         Noises::List(terms) => {
             for (k, term) in terms.clone().iter().enumerate() {
-                let (number, body) = (k + 1, code(model, &term.elements));
+                let (number, body) = (k + 1, terms_code(model, &elements_of(term), wanted));
                 arms.extend(quote!(#number => { #body }));
             }
         }
@@ -226,13 +217,10 @@ pub(super) fn arms(model: &mut Model, wanted: Wanted) -> TokenStream {
             let name = variable(*id);
             let count = Indices { tables: &model.tables, checked: false }.value(count);
             // The member is given: its loop goes once.
-            let elements: Vec<Element> = term
-                .elements
-                .iter()
-                .map(|element| Element { loops: element.loops[1..].to_vec(), ..element.clone() })
-                .collect();
+            let mut elements = elements_of(term);
+            elements.iter_mut().for_each(|element| drop(element.loops.remove(0)));
             let isize = quote!(__wzvi::core::primitive::isize);
-            let body = code(model, &elements);
+            let body = terms_code(model, &elements, wanted);
             arms.extend(quote! {
                 __member if __member <= (#count as #isize as __wzvi::core::primitive::usize) => {
                     let #name = __member as #isize - 1;
