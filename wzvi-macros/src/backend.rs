@@ -10,7 +10,7 @@ use crate::discretise::facts::Facts;
 use crate::discretise::{Scheme, discretise};
 use crate::elements;
 use crate::emit::emit;
-use crate::model::Model;
+use crate::model::{Model, System};
 
 /// The struct with everything that the compiler gives it; nothing if a check failed.
 pub(crate) fn back_end(mut model: Model, diagnostics: &mut Diagnostics) -> TokenStream {
@@ -27,10 +27,7 @@ pub(crate) fn back_end(mut model: Model, diagnostics: &mut Diagnostics) -> Token
 }
 
 /// [`back_end`] for a system whose sums stay loops.
-pub(crate) fn elements_back_end(
-    mut model: elements::model::Model,
-    diagnostics: &mut Diagnostics,
-) -> TokenStream {
+pub(crate) fn elements_back_end(mut model: System, diagnostics: &mut Diagnostics) -> TokenStream {
     let facts = elements::facts::Facts::new(&mut model);
     elements::facts::check(&mut model, &facts, diagnostics);
     if diagnostics.has_errors() {

@@ -6,10 +6,9 @@
 
 use std::collections::HashMap;
 
-use super::index::Loop;
-use super::model::{Element, Local, Reads, Term};
 use crate::lower::Sum;
-use crate::model::Extent;
+use crate::model::index::Loop;
+use crate::model::{Element, Extent, Local, Reads, Term};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 /// The sum is an argument of a nonlinear function.

@@ -5,8 +5,8 @@
 
 use std::collections::HashMap;
 
-use super::index::{Atom, Index, Loop};
-use super::model::{Element, Local, Model, Noises, Slot};
+use crate::model::index::{Atom, Index, Loop};
+use crate::model::{Element, Local, Slot, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// An element of the counter-term and the noises whose increments weigh it.
@@ -25,15 +25,17 @@ pub(crate) enum Weight {
 }
 
 /// The elements of the counter-term without its factor; `None` if noises are not local.
-pub(crate) fn counter_term(model: &mut Model) -> Option<Vec<Counter>> {
-    let Model { graph, noises, components, .. } = model;
-    let elements: Vec<(usize, Element)> = noises
-        .terms()
+pub(crate) fn counter_term(model: &mut System) -> Option<Vec<Counter>> {
+    let System { graph, noise, components, .. } = model;
+    let elements: Vec<(usize, Element)> = noise
         .iter()
         .enumerate()
-        .flat_map(|(k, term)| term.elements.iter().map(move |element| (k, element.clone())))
+        .flat_map(|(k, noise)| noise.term.elements.iter().map(move |element| (k, element.clone())))
         .collect();
-    let is_family = matches!(noises, Noises::Family { .. });
+    let is_family = noise.iter().any(|noise| noise.family.is_some());
+    if is_family && noise.len() > 1 {
+        return None;
+    }
     let mut counters = Vec::new();
     for (j, force) in &elements {
         for (k, velocity) in &elements {

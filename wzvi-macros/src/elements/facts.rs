@@ -3,10 +3,10 @@
 
 use super::counter::{Counter, counter_term};
 use super::invariants::{self, Failure};
-use super::model::{Element, Model, Noises, Reads};
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::embedding::{Correction, Embedding};
 use crate::discretise::facts::{Knowledge, NoiseClass};
+use crate::model::{Element, Reads, System};
 use crate::symbolic::{Graph, Rational, Symbol};
 
 /// Facts about one model, shared by all its schemes.
@@ -25,19 +25,19 @@ pub(crate) struct Facts {
 }
 
 impl Facts {
-    pub(crate) fn new(model: &mut Model) -> Self {
+    pub(crate) fn new(model: &mut System) -> Self {
         let counter = counter_term(model);
-        let Model { graph, drift, noises, t, .. } = model;
+        let System { graph, drift, noise: noises, t, .. } = model;
         let noises = &*noises;
-        let noise_elements = || noises.terms().iter().flat_map(|term| &term.elements);
+        let noise_elements = || noises.iter().flat_map(|noise| &noise.term.elements);
         let all = || drift.elements.iter().chain(noise_elements());
         let has_diagonal_kinetic_energy =
             all().filter(|e| e.reads() == Reads::Momenta).all(|element| is_diagonal(graph, element));
         let reads_only =
             |reads: Reads| noise_elements().all(|element| [reads, Reads::Nothing].contains(&element.reads()));
         let (only_q, only_p) = (reads_only(Reads::Coordinates), reads_only(Reads::Momenta));
-        let has_no_defect = noises.terms().iter().all(|term| {
-            let reads: Vec<Reads> = term.elements.iter().map(Element::reads).collect();
+        let has_no_defect = noises.iter().all(|noise| {
+            let reads: Vec<Reads> = noise.term.elements.iter().map(Element::reads).collect();
             let reads_none = |other: Reads| !reads.contains(&other) && !reads.contains(&Reads::Both);
             reads_none(Reads::Coordinates) || reads_none(Reads::Momenta)
         });
@@ -54,7 +54,7 @@ impl Facts {
             NoiseClass::Multiplicative
         };
         let reads_time = drift.elements.iter().any(|element| graph.depends_on(element.value, &[*t]));
-        let single = matches!(noises, Noises::List(list) if list.len() < 2);
+        let single = noises.len() < 2 && noises.iter().all(|noise| noise.family.is_none());
         let conserves_energy =
             if noises.is_empty() && !reads_time { Knowledge::Proven } else { Knowledge::Unknown };
         let commuting =
@@ -106,7 +106,7 @@ fn is_affine(graph: &mut Graph, element: &Element) -> bool {
 }
 
 /// What the mathematics, or what is supported so far, forbids.
-pub(crate) fn check(model: &mut Model, facts: &Facts, diagnostics: &mut Diagnostics) {
+pub(crate) fn check(model: &mut System, facts: &Facts, diagnostics: &mut Diagnostics) {
     for embedding in &model.embeddings {
         let l = embedding.value.quadrature().1;
         match embedding.value.correction() {
@@ -122,7 +122,7 @@ pub(crate) fn check(model: &mut Model, facts: &Facts, diagnostics: &mut Diagnost
     }
     for number in 0..model.invariants.len() {
         let Some(failure) = invariants::failure(model, number) else { continue };
-        let extent = model.invariants[number].term.extent;
+        let extent = model.invariants[number].extent;
         diagnostics.report(match failure {
             Failure::NotLocal => messages::invariant_not_local(extent),
             Failure::ReadsTime => messages::invariant_reads_time(extent),

@@ -12,9 +12,9 @@
 
 use std::collections::HashMap;
 
-use super::index::{Atom, Index, Loop};
-use super::model::{Element, Local, Model, Slot};
 use crate::discretise::facts::Knowledge;
+use crate::model::index::{Atom, Index, Loop};
+use crate::model::{Element, Local, Slot, System};
 use crate::symbolic::zero::ZeroTest;
 use crate::symbolic::{Expr, Graph, Symbol};
 
@@ -29,15 +29,15 @@ pub(crate) enum Failure {
 }
 
 /// The first reason for which the declared `number` is not proven; `None` if it is.
-pub(crate) fn failure(model: &mut Model, number: usize) -> Option<Failure> {
-    let integral = model.invariants.get(number)?.term.elements.clone();
+pub(crate) fn failure(model: &mut System, number: usize) -> Option<Failure> {
+    let integral = model.invariants.get(number)?.elements.clone();
     let (t, size, components) = (model.t, model.size.clone(), model.components);
     let graph = &mut model.graph;
     if integral.iter().any(|element| graph.depends_on(element.value, &[t])) {
         return Some(Failure::ReadsTime);
     }
     let Some(density) = Density::of(&integral, &size, components) else { return Some(Failure::NotLocal) };
-    let terms = [&model.drift].into_iter().chain(model.noises.terms());
+    let terms = [&model.drift].into_iter().chain(model.noise.iter().map(|noise| &noise.term));
     for (term, hamiltonian) in terms.enumerate() {
         // What stands in the same loops is one function of one placement.
         let mut groups: Vec<(Vec<Loop>, Expr)> = Vec::new();

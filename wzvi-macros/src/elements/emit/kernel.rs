@@ -7,10 +7,10 @@ use quote::{format_ident, quote};
 
 use super::chunk::Chunk;
 use super::indices::{Indices, variable};
-use crate::elements::index::{Index, Loop};
-use crate::elements::model::{Element, Table};
 use crate::emit::{Level, Lowering, Op, Printer};
 use crate::model::Parameter;
+use crate::model::index::{Index, Loop};
+use crate::model::{Element, Table};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// Where a computed value goes.

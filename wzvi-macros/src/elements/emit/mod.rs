@@ -15,27 +15,27 @@ use self::indices::{Indices, variable};
 use self::kernel::{Context, Target};
 use super::counter::{Counter, Weight};
 use super::facts::Facts;
-use super::index::{Atom, Index};
-use super::model::{Element, Model, Noises, Reads};
 use crate::discretise::embedding::Embedding;
 use crate::emit::{f64_type, wrapped};
 use crate::input::{Length, Shape};
+use crate::model::index::{Atom, Index};
+use crate::model::{Element, Noise, Reads, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// Everything that `#[hamiltonian]` stands for. `equations` has the text of each scheme, in their order.
-pub(crate) fn emit(model: &mut Model, facts: &Facts, equations: &[String]) -> TokenStream {
+pub(crate) fn emit(model: &mut System, facts: &Facts, equations: &[String]) -> TokenStream {
     let mut generated = hamiltonian::emit(model);
     generated.extend(elements(model, facts));
     let embeddings: Vec<Embedding> = model.embeddings.iter().map(|known| known.value.clone()).collect();
     for (embedding, text) in embeddings.iter().zip(equations) {
         generated.extend(discretized::emit(model, facts, embedding, text));
     }
-    let Model { item, crate_path, type_checks, .. } = model;
+    let System { item, crate_path, type_checks, .. } = model;
     wrapped(item, crate_path, &generated, type_checks, equations)
 }
 
 /// `SVector<f64, D>` where the type system can name `D`, else `DVector<f64>`.
-fn vector_type(model: &Model) -> TokenStream {
+fn vector_type(model: &System) -> TokenStream {
     let f64 = f64_type();
     let dynamic = quote!(__wzvi::DVector<#f64>);
     let Shape::Array(_, length) = &model.shape else { return dynamic };
@@ -65,13 +65,13 @@ fn expr_mentions(expr: &syn::Expr, name: &str) -> bool {
 }
 
 /// The outermost size and the degrees of freedom in a method whose state is `__q`.
-fn sizes(model: &Model, degrees: &TokenStream) -> TokenStream {
+fn sizes(model: &System, degrees: &TokenStream) -> TokenStream {
     let components = proc_macro2::Literal::i128_unsuffixed(model.components);
     quote! { let __size = (#degrees / #components) as __wzvi::core::primitive::isize; }
 }
 
 /// The number of degrees of freedom; 0 if only the state knows it.
-fn degrees(model: &Model) -> TokenStream {
+fn degrees(model: &System) -> TokenStream {
     if model.size == Index::atom(Atom::Size) {
         return quote!(0);
     }
@@ -80,21 +80,19 @@ fn degrees(model: &Model) -> TokenStream {
     quote!((#size as __wzvi::core::primitive::usize) * #components)
 }
 
-fn noise_count(model: &Model) -> TokenStream {
-    match &model.noises {
-        Noises::List(terms) => {
-            let count = terms.len();
-            quote!(#count)
-        }
-        Noises::Family { count, .. } => {
-            let count = Indices { tables: &model.tables, checked: false }.value(count);
+fn noise_count(model: &System) -> TokenStream {
+    let count = model.noise_offsets().pop().unwrap_or_default();
+    match count.as_integer().and_then(|count| usize::try_from(count).ok()) {
+        Some(count) => quote!(#count),
+        None => {
+            let count = Indices { tables: &model.tables, checked: false }.value(&count);
             quote!((#count as __wzvi::core::primitive::isize as __wzvi::core::primitive::usize))
         }
     }
 }
 
 /// `let __a0 = self.a;` for every parameter.
-fn parameters(model: &Model) -> TokenStream {
+fn parameters(model: &System) -> TokenStream {
     let f64 = f64_type();
     let reads = model.parameters.iter().enumerate().map(|(k, parameter)| {
         let (name, tokens) = (format_ident!("__a{k}"), &parameter.tokens);
@@ -113,7 +111,7 @@ enum Wanted {
 
 /// The code of one element: `c H_e` with the weight `c`, one if there is none, or its first or second derivatives.
 fn element_code(
-    model: &mut Model,
+    model: &mut System,
     element: &Element,
     wanted: Wanted,
     weight: Option<&TokenStream>,
@@ -195,24 +193,26 @@ fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
 }
 
 /// The elements of every noise with the increment that weighs it.
-fn noise_elements(model: &Model) -> Vec<(Element, TokenStream)> {
-    match &model.noises {
-        Noises::List(terms) => terms
-            .iter()
-            .enumerate()
-            .flat_map(|(k, term)| term.elements.iter().map(move |e| (e.clone(), quote!(__at.dw[#k]))))
-            .collect(),
-        Noises::Family { term, variable: id, .. } => {
-            let name = variable(*id);
-            let weight = quote!(__at.dw[#name as __wzvi::core::primitive::usize]);
-            // Where the family is the innermost loop, its increments are an input like any other.
-            term.elements.iter().map(|element| (element.clone(), weight.clone())).collect()
-        }
-    }
+fn noise_elements(model: &System) -> Vec<(Element, TokenStream)> {
+    let indices = Indices { tables: &model.tables, checked: false };
+    let weigh = |(noise, offset): (&Noise, Index)| {
+        // Where the family is the innermost loop, its increments are an input like any other.
+        let number = match &noise.family {
+            Some(family) => offset.add(&Index::atom(Atom::Loop(family.variable))).unwrap_or_default(),
+            None => offset,
+        };
+        let position = match number.as_integer().and_then(|number| usize::try_from(number).ok()) {
+            Some(number) => quote!(#number),
+            None => indices.position(&number),
+        };
+        let weight = quote!(__at.dw[#position]);
+        noise.term.elements.iter().map(|e| (e.clone(), weight.clone())).collect::<Vec<_>>()
+    };
+    model.noise.iter().zip(model.noise_offsets()).flat_map(weigh).collect()
 }
 
 /// The elements of the counter-term, if a scheme adds it, with their weights.
-fn counter_elements(model: &Model, facts: &Facts) -> Vec<(Element, TokenStream)> {
+fn counter_elements(model: &System, facts: &Facts) -> Vec<(Element, TokenStream)> {
     let schemes = model.embeddings.iter();
     let used = schemes.map(|known| facts.counter_of(&known.value)).find(|counter| !counter.is_empty());
     let weigh = |Counter { element, weight }: &Counter| {
@@ -230,7 +230,7 @@ fn counter_elements(model: &Model, facts: &Facts) -> Vec<(Element, TokenStream)>
 }
 
 /// `impl Elements`
-fn elements(model: &mut Model, facts: &Facts) -> TokenStream {
+fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     let slopes = sweep(model, facts, Wanted::Slopes);
     let curvature = sweep(model, facts, Wanted::Curvature);
     let required = hamiltonian::required(model);
@@ -272,7 +272,7 @@ fn elements(model: &mut Model, facts: &Facts) -> TokenStream {
 }
 
 /// Every element of the drift and the noises, under the conditions of `__terms`.
-fn sweep(model: &mut Model, facts: &Facts, wanted: Wanted) -> TokenStream {
+fn sweep(model: &mut System, facts: &Facts, wanted: Wanted) -> TokenStream {
     let drift: Vec<(Element, TokenStream)> = model
         .drift
         .elements
