@@ -23,7 +23,6 @@ const FEW_OPERATIONS: usize = 1 << 22;
 const SPARSE: usize = 64;
 
 /// Vectors of one step, unknowns of the steps before, and the matrix.
-#[derive(Debug)]
 pub struct Memory<S> {
     pub(super) degrees: usize,
     pub(super) iteration: Iteration,
@@ -105,6 +104,21 @@ impl<S> Default for Memory<S> {
             linear: None,
             rounding: None,
         }
+    }
+}
+
+/// What the steps before left: scratch says nothing to anyone but the step that fills it.
+impl<S: Scalar> std::fmt::Debug for Memory<S> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { degrees, iteration, past, known, prefers_newton, work: _, linear: _, rounding: _ } = self;
+        formatter
+            .debug_struct("Memory")
+            .field("degrees", degrees)
+            .field("iteration", iteration)
+            .field("past", past)
+            .field("known", known)
+            .field("prefers_newton", prefers_newton)
+            .finish_non_exhaustive()
     }
 }
 
