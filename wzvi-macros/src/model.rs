@@ -140,7 +140,10 @@ impl Element {
 /// A Hamiltonian as elements.
 #[derive(Clone)]
 pub(crate) struct Term {
+    /// Each reads only coordinates, only momenta, or what cannot be parted: for derivatives.
     pub(crate) elements: Vec<Element>,
+    /// The same sum as the user wrote it: for values, which keep its digits.
+    pub(crate) values: Vec<Element>,
     pub(crate) extent: Extent,
 }
 

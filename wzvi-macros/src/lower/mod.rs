@@ -267,8 +267,8 @@ fn lower_sized<'a>(
     let loops = interpreter.sized.as_mut()?;
     loops.active.clear();
     let parts = Parts::new(std::mem::take(&mut loops.sums), loops.locals.clone());
-    match parts.elements(&mut interpreter.graph, value, &outer) {
-        Ok(elements) => Some(Term { elements, extent: Extent::of(&closure.body) }),
+    match parts.term(&mut interpreter.graph, value, &outer, Extent::of(&closure.body)) {
+        Ok(term) => Some(term),
         Err(_) => {
             interpreter.report(expressions::nonlinear_sum(result));
             None

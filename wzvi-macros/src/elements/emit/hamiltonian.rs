@@ -160,12 +160,11 @@ pub(super) fn invariant(model: &mut System) -> TokenStream {
     if model.invariants.is_empty() {
         return quote!(fn invariant(&self, _: #usize, _: &__wzvi::State<Self::Vector>) -> #f64 { #f64::NAN });
     }
-    let one = quote!(<__S as __wzvi::Scalar>::from_f64(1.0));
     let integrals: Vec<Vec<Element>> =
-        model.invariants.iter().map(|invariant| invariant.elements.clone()).collect();
+        model.invariants.iter().map(|invariant| invariant.values.clone()).collect();
     let mut arms = TokenStream::new();
     for (number, elements) in integrals.iter().enumerate() {
-        let body = terms_code(model, elements, Wanted::Value, &one);
+        let body = terms_code(model, elements, Wanted::Value);
         arms.extend(quote!(#number => { #body }));
     }
     let (read, size) = (parameters(model), sizes(model, &quote!(__at.q.len())));
@@ -191,26 +190,22 @@ pub(super) fn invariant(model: &mut System) -> TokenStream {
 }
 
 /// The code of several elements, one after the other.
-pub(super) fn terms_code(
-    model: &mut System,
-    elements: &[Element],
-    wanted: Wanted,
-    weight: &TokenStream,
-) -> TokenStream {
-    let mut parts = TokenStream::new();
-    for element in elements {
-        let symbol = model.graph.new_symbol("c");
-        parts.extend(element_code(model, element, wanted, symbol, weight));
+fn terms_code(model: &mut System, elements: &[Element], wanted: Wanted) -> TokenStream {
+    elements.iter().map(|element| element_code(model, element, wanted, None)).collect()
+}
+
+/// What values, or derivatives, are computed of.
+fn elements_of(term: &Term, wanted: Wanted) -> Vec<Element> {
+    match wanted {
+        Wanted::Value => term.values.clone(),
+        Wanted::Slopes | Wanted::Curvature => term.elements.clone(),
     }
-    parts
 }
 
 /// One match arm per term, on its number.
 pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
-    let one = quote!(<__S as __wzvi::Scalar>::from_f64(1.0));
-    let code = |model: &mut System, elements: &[Element]| terms_code(model, elements, wanted, &one);
-    let drift = model.drift.elements.clone();
-    let drift = code(model, &drift);
+    let drift = elements_of(&model.drift, wanted);
+    let drift = terms_code(model, &drift, wanted);
     let mut arms = quote!(0 => { #drift });
     let (noises, offsets) = (model.noise.clone(), model.noise_offsets());
     for (noise, offset) in noises.iter().zip(&offsets) {
@@ -221,7 +216,6 @@ pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
 
 /// The arm of one noise, or of the members of a family, after `offset` others.
 fn noise_arm(model: &mut System, noise: &Noise, offset: &Index, wanted: Wanted) -> TokenStream {
-    let one = quote!(<__S as __wzvi::Scalar>::from_f64(1.0));
     let (isize, usize) = (quote!(__wzvi::core::primitive::isize), quote!(__wzvi::core::primitive::usize));
     let indices = Indices { tables: &model.tables, checked: false };
     let before = indices.value(offset);
@@ -233,19 +227,15 @@ fn noise_arm(model: &mut System, noise: &Noise, offset: &Index, wanted: Wanted) 
             }
             None => quote!(__number if __number == #before as #usize + 1),
         };
-        let body = terms_code(model, &noise.term.elements, wanted, &one);
+        let body = terms_code(model, &elements_of(&noise.term, wanted), wanted);
         return quote!(#pattern => { #body });
     };
     let name = variable(*id);
     let last = indices.value(&offset.add(count).unwrap_or_default());
     // The member is given: its loop goes once.
-    let elements: Vec<Element> = noise
-        .term
-        .elements
-        .iter()
-        .map(|element| Element { loops: element.loops[1..].to_vec(), ..element.clone() })
-        .collect();
-    let body = terms_code(model, &elements, wanted, &one);
+    let mut elements = elements_of(&noise.term, wanted);
+    elements.iter_mut().for_each(|element| drop(element.loops.remove(0)));
+    let body = terms_code(model, &elements, wanted);
     quote! {
         __member if __member as #isize > #before && __member as #isize <= #last => {
             let #name = __member as #isize - 1 - #before;

@@ -109,17 +109,22 @@ enum Wanted {
     Curvature,
 }
 
-/// The code of one element: `c H_e`, or its first or second derivatives.
+/// The code of one element: `c H_e` with the weight `c`, one if there is none, or its first or second derivatives.
 fn element_code(
     model: &mut System,
     element: &Element,
     wanted: Wanted,
-    weight_symbol: Symbol,
-    weight: &TokenStream,
+    weight: Option<&TokenStream>,
 ) -> TokenStream {
     let graph = &mut model.graph;
-    let c = graph.symbol(weight_symbol);
-    let value = graph.multiply(c, element.value);
+    let weight = weight.map(|weight| (graph.new_symbol("c"), weight));
+    let value = match weight {
+        Some((symbol, _)) => {
+            let c = graph.symbol(symbol);
+            graph.multiply(c, element.value)
+        }
+        None => element.value,
+    };
     let all: Vec<(Symbol, Index, bool)> = element
         .coordinates()
         .map(|(s, index)| (s, index.clone(), false))
@@ -170,11 +175,11 @@ fn element_code(
         parameters: &model.parameters,
         tables: &model.tables,
         t: model.t,
-        weight: weight_symbol,
+        weight,
         components: model.components,
         definitions: combined.map(|combined| combined.definitions).unwrap_or_default(),
     };
-    kernel::emit(&mut context, element, weight, &outputs)
+    kernel::emit(&mut context, element, &outputs)
 }
 
 /// The second derivatives by each pair of `symbols` with the first not after the second, row by row.
@@ -292,8 +297,7 @@ fn sweep(model: &mut System, facts: &Facts, wanted: Wanted) -> TokenStream {
                 Reads::Momenta => quote!(__terms.by_p),
                 Reads::Both => quote!((__terms.by_q || __terms.by_p)),
             };
-            let symbol = model.graph.new_symbol("c");
-            let body = element_code(model, element, wanted, symbol, weight);
+            let body = element_code(model, element, wanted, Some(weight));
             parts.extend(quote!(if #condition { #body }));
         }
         if !parts.is_empty() {
