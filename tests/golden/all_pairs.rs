@@ -96,7 +96,6 @@ const _: () = {
             match __term {
                 0 => {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
                         let mut __i0: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = (__size);
@@ -118,8 +117,7 @@ const _: () = {
                                 let __l0 = __points0[__k][0usize];
                                 let __l1 = __points0[__k][1usize];
                                 let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
-                                __b0 = __b0
-                                    + __c * (__l1 * __l1 / __l2 + __l0 * __l0 / __l2) * 0.5f64;
+                                __b0 = __b0 + (__l1 * __l1 + __l0 * __l0) / __l2 * 0.5f64;
                             }
                             __i0 += __len as __wzvi::core::primitive::isize;
                         }
@@ -127,7 +125,6 @@ const _: () = {
                     }
                     {
                         for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                             let __l0 = __at
                                 .q[((2 * __i1) as __wzvi::core::primitive::isize
                                 as __wzvi::core::primitive::usize)];
@@ -165,8 +162,7 @@ const _: () = {
                                     let __x1 = __l2 - __l3;
                                     let __x2 = __x1 * __x1 + __x0 * __x0;
                                     __b0 = __b0
-                                        + -(__c * (__l4 * __l5 * (__x2.recip() * __x2.sqrt()))
-                                            * __a0);
+                                        + -(__l4 * __l5 * (__x2.recip() * __x2.sqrt()) * __a0);
                                 }
                                 __i2 += __len as __wzvi::core::primitive::isize;
                             }
@@ -212,7 +208,6 @@ const _: () = {
             match __term {
                 0 => {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         let mut __i0: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = (__size);
                         while __i0 < __end {
@@ -239,16 +234,15 @@ const _: () = {
                                 let __l1 = __points0[__k][1usize];
                                 let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
                                 __points1[__k][0usize] = __points1[__k][0usize]
-                                    + __l0 * __c / __l2;
+                                    + __l0 / __l2;
                                 __points1[__k][1usize] = __points1[__k][1usize]
-                                    + __l1 * __c / __l2;
+                                    + __l1 / __l2;
                             }
                             __i0 += __len as __wzvi::core::primitive::isize;
                         }
                     }
                     {
                         for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                             let __l0 = __at
                                 .q[((2 * __i1) as __wzvi::core::primitive::isize
                                 as __wzvi::core::primitive::usize)];
@@ -293,7 +287,7 @@ const _: () = {
                                     let __x0 = __l2 - __l3;
                                     let __x1 = __l0 - __l1;
                                     let __x2 = __x1 * __x1 + __x0 * __x0;
-                                    let __x3 = __c * (__l4 * __l5);
+                                    let __x3 = __l4 * __l5;
                                     let __x4 = __x2.recip();
                                     let __x5 = __x4 * (__x4 * __x2.sqrt());
                                     let __x6 = __x1 * __x3 * __x5 * __a0;

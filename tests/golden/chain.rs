@@ -95,7 +95,6 @@ const _: () = {
             match __term {
                 0 => {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
                         let mut __i0: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = (__size);
@@ -109,7 +108,7 @@ const _: () = {
                             for __k in 0..__len {
                                 let __i0 = __low + __k as __wzvi::core::primitive::isize;
                                 let __l0 = __s0[__k];
-                                __b0 = __b0 + __c * (__l0 * __l0) * 0.5f64;
+                                __b0 = __b0 + __l0 * __l0 * 0.5f64;
                             }
                             __i0 += __len as __wzvi::core::primitive::isize;
                         }
@@ -117,7 +116,6 @@ const _: () = {
                     }
                     {
                         let __x0 = 0.25f64 * __a0;
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
                         let mut __i1: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = (__size - 1);
@@ -137,7 +135,7 @@ const _: () = {
                                 let __l1 = __s1[__k];
                                 let __x1 = __l0 - __l1;
                                 let __x2 = __x1 * __x1;
-                                __b0 = __b0 + __c * (__x2 * (__x2 * __x0 + 0.5f64));
+                                __b0 = __b0 + __x2 * (__x2 * __x0 + 0.5f64);
                             }
                             __i1 += __len as __wzvi::core::primitive::isize;
                         }
@@ -145,13 +143,10 @@ const _: () = {
                     }
                     {
                         let __x0 = 0.25f64 * __a0;
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
+                            let __l0 = __at.q[0];
                             let __x1 = __l0 * __l0;
-                            __total = __total + __c * (__x1 * (__x1 * __x0 + 0.5f64));
+                            __total = __total + __x1 * (__x1 * __x0 + 0.5f64);
                         }
                     }
                 }
@@ -193,7 +188,6 @@ const _: () = {
             match __term {
                 0 => {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         let mut __i0: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = (__size);
                         while __i0 < __end {
@@ -209,13 +203,12 @@ const _: () = {
                             for __k in 0..__len {
                                 let __i0 = __low + __k as __wzvi::core::primitive::isize;
                                 let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0 * __c;
+                                __b0[__k] = __b0[__k] + __l0;
                             }
                             __i0 += __len as __wzvi::core::primitive::isize;
                         }
                     }
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         let mut __i1: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = (__size - 1);
                         while __i1 < __end {
@@ -246,7 +239,7 @@ const _: () = {
                                 let __l0 = __s0[__k];
                                 let __l1 = __s1[__k];
                                 let __x0 = __l0 - __l1;
-                                let __x1 = (__x0 * __x0 * __a0 + 1f64) * (__c * __x0);
+                                let __x1 = __x0 * (__x0 * __x0 * __a0 + 1f64);
                                 let __ahead = __x1;
                                 __b1[__k] = __b1[__k] + (-__x1 + __carried1);
                                 __carried1 = __ahead;
@@ -256,15 +249,11 @@ const _: () = {
                         }
                     }
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __at_index = (0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
+                            let __l0 = __at.q[0];
+                            let __at_index = 0;
                             __by_q[__at_index] = __by_q[__at_index]
-                                + (__l0 * __l0 * __a0 + 1f64) * (__l0 * __c);
+                                + __l0 * (__l0 * __l0 * __a0 + 1f64);
                         }
                     }
                 }
@@ -302,14 +291,7 @@ const _: () = {
                     (__size as __wzvi::core::primitive::usize + 1) * 1usize,
                 );
             }
-            __required = __wzvi::core::cmp::Ord::max(
-                __required,
-                __wzvi::core::convert::TryInto::<
-                    __wzvi::core::primitive::usize,
-                >::try_into(0 as __wzvi::core::primitive::isize)
-                    .ok()?
-                    .checked_add(1)?,
-            );
+            __required = __wzvi::core::cmp::Ord::max(__required, 0.checked_add(1)?);
             __wzvi::core::option::Option::Some(__required)
         }
         fn slopes<__S: __wzvi::Scalar>(
@@ -394,11 +376,8 @@ const _: () = {
                     {
                         let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __at_index = (0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
+                            let __l0 = __at.q[0];
+                            let __at_index = 0;
                             __by_q[__at_index] = __by_q[__at_index]
                                 + __c * (__l0 * (__l0 * __l0 * __a0 + 1f64));
                         }
@@ -504,18 +483,8 @@ const _: () = {
                         let __x0 = 3f64 * __a0;
                         let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            __into
-                                .add_qq(
-                                    (0 as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    (0 as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    true,
-                                    __c * (__l0 * __l0 * __x0 + 1f64),
-                                );
+                            let __l0 = __at.q[0];
+                            __into.add_qq(0, 0, true, __c * (__l0 * __l0 * __x0 + 1f64));
                         }
                     }
                 }

@@ -83,7 +83,6 @@ const _: () = {
             match __term {
                 0 => {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
                         let mut __i0: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = (__size);
@@ -97,14 +96,13 @@ const _: () = {
                             for __k in 0..__len {
                                 let __i0 = __low + __k as __wzvi::core::primitive::isize;
                                 let __l0 = __s0[__k];
-                                __b0 = __b0 + __c * (__l0 * __l0) * 0.5f64;
+                                __b0 = __b0 + __l0 * __l0 * 0.5f64;
                             }
                             __i0 += __len as __wzvi::core::primitive::isize;
                         }
                         __total = __total + __b0;
                     }
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
                         let mut __i1: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = ((self.bonds.len()
@@ -136,7 +134,7 @@ const _: () = {
                                     as __wzvi::core::primitive::isize
                                     as __wzvi::core::primitive::usize)];
                                 let __x0 = __l1 - __l2;
-                                __b0 = __b0 + __c * (__l0 * (__x0 * __x0)) * 0.5f64;
+                                __b0 = __b0 + __l0 * (__x0 * __x0) * 0.5f64;
                             }
                             __i1 += __len as __wzvi::core::primitive::isize;
                         }
@@ -180,7 +178,6 @@ const _: () = {
             match __term {
                 0 => {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         let mut __i0: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = (__size);
                         while __i0 < __end {
@@ -196,13 +193,12 @@ const _: () = {
                             for __k in 0..__len {
                                 let __i0 = __low + __k as __wzvi::core::primitive::isize;
                                 let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0 * __c;
+                                __b0[__k] = __b0[__k] + __l0;
                             }
                             __i0 += __len as __wzvi::core::primitive::isize;
                         }
                     }
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         let mut __i1: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = ((self.bonds.len()
                             as __wzvi::core::primitive::isize));
@@ -232,7 +228,7 @@ const _: () = {
                                     .1 as __wzvi::core::primitive::isize))
                                     as __wzvi::core::primitive::isize
                                     as __wzvi::core::primitive::usize)];
-                                let __x0 = (__l1 - __l2) * (__l0 * __c);
+                                let __x0 = __l0 * (__l1 - __l2);
                                 let __at_index = (((self
                                     .bonds[((__i1) as __wzvi::core::primitive::isize
                                         as __wzvi::core::primitive::usize)]

@@ -96,7 +96,6 @@ const _: () = {
             match __term {
                 0 => {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
                         let mut __i0: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = ((N
@@ -115,14 +114,14 @@ const _: () = {
                                 let __i0 = __low + __k as __wzvi::core::primitive::isize;
                                 let __l0 = __points0[__k][0usize];
                                 let __l1 = __points0[__k][1usize];
-                                __b0 = __b0 + __c * (__l1 * __l1 + __l0 * __l0) * 0.5f64;
+                                __b0 = __b0 + (__l1 * __l1 + __l0 * __l0) * 0.5f64;
                             }
                             __i0 += __len as __wzvi::core::primitive::isize;
                         }
                         __total = __total + __b0;
                     }
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
+                        let __x0 = 0.5f64 * __a0;
                         let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
                         let mut __i1: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = ((N
@@ -151,28 +150,9 @@ const _: () = {
                                     + 1) as __wzvi::core::primitive::isize
                                     as __wzvi::core::primitive::usize)];
                                 let __l3 = __points0[__k][1usize];
-                                let __x0 = __l2 - __l3;
-                                __b0 = __b0
-                                    + __c
-                                        * (__x0 * __x0 * 0.5f64 - ((__l0 - __l1) * __a0).cos());
-                            }
-                            __i1 += __len as __wzvi::core::primitive::isize;
-                        }
-                        __total = __total + __b0;
-                    }
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                __b0 = __b0 + __c;
+                                let __x1 = ((__l0 - __l1) * __x0).sin();
+                                let __x2 = __l2 - __l3;
+                                __b0 = __b0 + __x2 * __x2 * 0.5f64 + __x1 * __x1 * 2f64;
                             }
                             __i1 += __len as __wzvi::core::primitive::isize;
                         }
@@ -217,7 +197,6 @@ const _: () = {
             match __term {
                 0 => {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         let mut __i0: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = ((N
                             as __wzvi::core::primitive::isize));
@@ -240,16 +219,13 @@ const _: () = {
                                 let __i0 = __low + __k as __wzvi::core::primitive::isize;
                                 let __l0 = __points0[__k][0usize];
                                 let __l1 = __points0[__k][1usize];
-                                __points1[__k][0usize] = __points1[__k][0usize]
-                                    + __l0 * __c;
-                                __points1[__k][1usize] = __points1[__k][1usize]
-                                    + __l1 * __c;
+                                __points1[__k][0usize] = __points1[__k][0usize] + __l0;
+                                __points1[__k][1usize] = __points1[__k][1usize] + __l1;
                             }
                             __i0 += __len as __wzvi::core::primitive::isize;
                         }
                     }
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         let mut __b0 = [<__S as __wzvi::Scalar>::from_f64(0.0); 64usize];
                         let mut __b2 = [<__S as __wzvi::Scalar>::from_f64(0.0); 64usize];
                         let mut __i1: __wzvi::core::primitive::isize = 0;
@@ -288,8 +264,8 @@ const _: () = {
                                     + 1) as __wzvi::core::primitive::isize
                                     as __wzvi::core::primitive::usize)];
                                 let __l3 = __points0[__k][1usize];
-                                let __x0 = __c * ((__l0 - __l1) * __a0).sin() * __a0;
-                                let __x1 = __c * (__l2 - __l3);
+                                let __x0 = ((__l0 - __l1) * __a0).sin() * __a0;
+                                let __x1 = __l2 - __l3;
                                 __points1[__k][0usize] = __points1[__k][0usize] + -__x0;
                                 __points1[__k][1usize] = __points1[__k][1usize] + -__x1;
                                 __b0[__k] = __x0;

@@ -98,60 +98,38 @@ const _: () = {
             let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
             match __term {
                 0 => {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0 = __b0 + __c * (__l0 * __l0) * 0.5f64;
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                    let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
+                    let mut __i0: __wzvi::core::primitive::isize = 0;
+                    let __end: __wzvi::core::primitive::isize = (__size);
+                    while __i0 < __end {
+                        let __low = __i0;
+                        let __len = (__end - __low) as __wzvi::core::primitive::usize;
+                        let __s0 = ((__i0) as __wzvi::core::primitive::isize
+                            as __wzvi::core::primitive::usize);
+                        let __s0 = &__at.p[__s0..__s0 + __len];
+                        let __s1 = ((__i0) as __wzvi::core::primitive::isize
+                            as __wzvi::core::primitive::usize);
+                        let __s1 = &__at.q[__s1..__s1 + __len];
+                        for __k in 0..__len {
+                            let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                            let __l0 = __s0[__k];
+                            let __l1 = __s1[__k];
+                            __b0 = __b0 + (__l1 * __l1 + __l0 * __l0) * 0.5f64;
                         }
-                        __total = __total + __b0;
+                        __i0 += __len as __wzvi::core::primitive::isize;
                     }
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0 = __b0 + __c * (__l0 * __l0) * 0.5f64;
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                        __total = __total + __b0;
-                    }
+                    __total = __total + __b0;
                 }
                 __member if __member as __wzvi::core::primitive::isize > 0
                     && __member as __wzvi::core::primitive::isize
                         <= ((self.sites as __wzvi::core::primitive::isize)) => {
                     let __i1 = __member as __wzvi::core::primitive::isize - 1 - 0;
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         {
                             let __l0 = __at
                                 .q[((__i1) as __wzvi::core::primitive::isize
                                 as __wzvi::core::primitive::usize)];
-                            __total = __total + __l0 * __c * __a0;
+                            __total = __total + __l0 * __a0;
                         }
                     }
                 }
@@ -193,7 +171,6 @@ const _: () = {
             match __term {
                 0 => {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         let mut __i0: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = (__size);
                         while __i0 < __end {
@@ -209,13 +186,12 @@ const _: () = {
                             for __k in 0..__len {
                                 let __i0 = __low + __k as __wzvi::core::primitive::isize;
                                 let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0 * __c;
+                                __b0[__k] = __b0[__k] + __l0;
                             }
                             __i0 += __len as __wzvi::core::primitive::isize;
                         }
                     }
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         let mut __i0: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = (__size);
                         while __i0 < __end {
@@ -231,7 +207,7 @@ const _: () = {
                             for __k in 0..__len {
                                 let __i0 = __low + __k as __wzvi::core::primitive::isize;
                                 let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0 * __c;
+                                __b0[__k] = __b0[__k] + __l0;
                             }
                             __i0 += __len as __wzvi::core::primitive::isize;
                         }
@@ -242,14 +218,14 @@ const _: () = {
                         <= ((self.sites as __wzvi::core::primitive::isize)) => {
                     let __i1 = __member as __wzvi::core::primitive::isize - 1 - 0;
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(1.0);
                         {
                             let __l0 = __at
                                 .q[((__i1) as __wzvi::core::primitive::isize
                                 as __wzvi::core::primitive::usize)];
                             let __at_index = ((__i1) as __wzvi::core::primitive::isize
                                 as __wzvi::core::primitive::usize);
-                            __by_q[__at_index] = __by_q[__at_index] + __c * __a0;
+                            __by_q[__at_index] = __by_q[__at_index]
+                                + <__S as __wzvi::Scalar>::from_f64(__a0);
                         }
                     }
                 }

@@ -26,17 +26,19 @@ pub(crate) fn back_end(mut model: Model, diagnostics: &mut Diagnostics) -> Token
     emit(&mut model, &facts, &schemes, &equations)
 }
 
-/// [`back_end`] for a system whose sums stay loops.
-pub(crate) fn elements_back_end(mut model: System, diagnostics: &mut Diagnostics) -> TokenStream {
-    let facts = elements::facts::Facts::new(&mut model);
-    elements::facts::check(&mut model, &facts, diagnostics);
-    if diagnostics.has_errors() {
-        return TokenStream::new();
+/// [`back_end`] for a system with loops; the system again, with what speaks against it, if a check failed.
+pub(crate) fn elements_back_end(
+    mut system: Box<System>,
+) -> Result<TokenStream, (Box<System>, Vec<syn::Error>)> {
+    let facts = elements::facts::Facts::new(&mut system);
+    let objections = elements::facts::check(&mut system, &facts);
+    if !objections.is_empty() {
+        return Err((system, objections));
     }
-    let equations: Vec<String> = model
+    let equations: Vec<String> = system
         .embeddings
         .iter()
-        .map(|embedding| elements::describe::describe(&model, &facts, &embedding.value))
+        .map(|embedding| elements::describe::describe(&system, &facts, &embedding.value))
         .collect();
-    elements::emit::emit(&mut model, &facts, &equations)
+    Ok(elements::emit::emit(&mut system, &facts, &equations))
 }

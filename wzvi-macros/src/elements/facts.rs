@@ -3,7 +3,7 @@
 
 use super::counter::{Counter, counter_term};
 use super::invariants::{self, Failure};
-use crate::diagnostics::{Diagnostics, facts as messages};
+use crate::diagnostics::facts as messages;
 use crate::discretise::embedding::{Correction, Embedding};
 use crate::discretise::facts::{Knowledge, NoiseClass};
 use crate::model::{Element, Reads, System};
@@ -106,16 +106,17 @@ fn is_affine(graph: &mut Graph, element: &Element) -> bool {
 }
 
 /// What the mathematics, or what is supported so far, forbids.
-pub(crate) fn check(model: &mut System, facts: &Facts, diagnostics: &mut Diagnostics) {
+pub(crate) fn check(model: &mut System, facts: &Facts) -> Vec<syn::Error> {
+    let mut objections = Vec::new();
     for embedding in &model.embeddings {
         let l = embedding.value.quadrature().1;
         match embedding.value.correction() {
             Correction::Bare if !facts.is_consistent(l) => {
                 let defect = "Σ_k (1/2 - l) ∂H_k/∂q · ∂H_k/∂p";
-                diagnostics.report(messages::inconsistent(embedding, defect, &Knowledge::Unknown));
+                objections.push(messages::inconsistent(embedding, defect, &Knowledge::Unknown));
             }
             Correction::Corrected if l != Rational::HALF && facts.counter.is_none() => {
-                diagnostics.report(messages::counter_term_of_elements(embedding));
+                objections.push(messages::counter_term_of_elements(embedding));
             }
             _ => {}
         }
@@ -123,7 +124,7 @@ pub(crate) fn check(model: &mut System, facts: &Facts, diagnostics: &mut Diagnos
     for number in 0..model.invariants.len() {
         let Some(failure) = invariants::failure(model, number) else { continue };
         let extent = model.invariants[number].extent;
-        diagnostics.report(match failure {
+        objections.push(match failure {
             Failure::NotLocal => messages::invariant_not_local(extent),
             Failure::ReadsTime => messages::invariant_reads_time(extent),
             Failure::Rate { term, rate, knowledge } => {
@@ -131,6 +132,7 @@ pub(crate) fn check(model: &mut System, facts: &Facts, diagnostics: &mut Diagnos
             }
         });
     }
+    objections
 }
 
 /// Whether the limit of the scheme is the Stratonovich system.

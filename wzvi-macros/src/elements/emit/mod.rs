@@ -11,7 +11,8 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use self::combine::Combined;
-use self::indices::{Indices, variable};
+pub(crate) use self::indices::Indices;
+use self::indices::variable;
 use self::kernel::{Context, Target};
 use super::counter::{Counter, Weight};
 use super::facts::Facts;
@@ -38,7 +39,7 @@ pub(crate) fn emit(model: &mut System, facts: &Facts, equations: &[String]) -> T
 fn vector_type(model: &System) -> TokenStream {
     let f64 = f64_type();
     let dynamic = quote!(__wzvi::DVector<#f64>);
-    let Shape::Array(_, length) = &model.shape else { return dynamic };
+    let Shape::Array(_, length) = &model.shape else { return quote!(__wzvi::SVector<#f64, 1>) };
     let components = usize::try_from(model.components).unwrap_or(1);
     match length {
         Length::Literal(len) => {
