@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use super::facts::{Facts, is_consistent};
 use super::plan::{Unknowns, unknowns};
+use crate::discretise::describe::properties;
 use crate::discretise::embedding::Embedding;
-use crate::discretise::facts::Knowledge;
+use crate::discretise::facts::Facts;
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, System, Table};
 use crate::symbolic::Rational;
@@ -88,7 +88,7 @@ fn term(model: &System, elements: &[Element]) -> String {
 }
 
 /// The number of each noise as it is written behind `H`: `_k` for the members of a family, after the noises before it.
-fn noise_numbers(model: &System) -> Vec<String> {
+pub(crate) fn noise_numbers(model: &System) -> Vec<String> {
     let table = |id: u32| model.tables.get(id as usize).map_or("?", |table| table.name.as_str());
     let numbers = model.noise.iter().zip(model.noise_offsets()).map(|(noise, offset)| {
         let first = offset.shifted(1).unwrap_or_default();
@@ -103,7 +103,7 @@ fn noise_numbers(model: &System) -> Vec<String> {
 }
 
 /// The text of one scheme.
-pub(crate) fn describe(model: &System, facts: &Facts, embedding: &Embedding) -> String {
+pub(crate) fn describe(model: &mut System, facts: &Facts, embedding: &Embedding) -> String {
     let [q, p] = &model.names;
     let mut text = format!("{embedding}\n\nHamiltonians, as sums of elements\n");
     let _ = writeln!(text, "  H0 = {}", term(model, &model.drift.elements));
@@ -137,22 +137,6 @@ pub(crate) fn describe(model: &System, facts: &Facts, embedding: &Embedding) -> 
         Unknowns::Momenta => writeln!(text, "  solve for v (then Δ{q}): {iteration}"),
         Unknowns::Both => writeln!(text, "  solve for Δ{q}, v: {iteration}"),
     };
-    let _ = writeln!(text, "\nFacts");
-    if !model.noise.is_empty() {
-        let verdict = if is_consistent(facts, embedding) {
-            "converges to the Stratonovich system"
-        } else {
-            "not known to converge to the Stratonovich system"
-        };
-        let _ = writeln!(text, "  {verdict}");
-    }
-    for invariant in &model.invariants {
-        let _ = writeln!(text, "  first integral {}", term(model, &invariant.elements));
-    }
-    let energy = match facts.conserves_energy {
-        Knowledge::Proven => "is a first integral",
-        _ => "is not known to be a first integral",
-    };
-    let _ = writeln!(text, "  H0 {energy}");
+    properties(&mut model.graph, facts, embedding, &mut text);
     text
 }

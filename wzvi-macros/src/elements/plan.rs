@@ -11,8 +11,8 @@
 //! | every `l_m` is 0 | `v`: it is read nowhere else |
 //! | otherwise | `u` and `v` |
 
-use super::facts::Facts;
 use crate::discretise::embedding::Embedding;
+use crate::discretise::facts::Facts;
 use crate::model::{Element, Reads, System};
 use crate::symbolic::Rational;
 

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use crate::discretise::embedding::Embedding;
-use crate::elements::facts::{Facts, is_consistent};
+use crate::discretise::facts::Facts;
 use crate::elements::plan::{Unknowns, unknowns};
 use crate::emit::plan::Plan;
 use crate::emit::{embedding_type, f64_type};
@@ -159,7 +159,7 @@ pub(super) fn plan(model: &System, facts: &Facts, embedding: &Embedding, chosen:
         solver,
         unknowns,
         noise: facts.noise,
-        consistent: is_consistent(facts, embedding),
+        consistent: facts.converges(embedding),
         conserves_energy: &facts.conserves_energy,
         commuting: &facts.commuting,
     }

@@ -12,11 +12,10 @@ use quote::{format_ident, quote};
 
 use self::combine::Combined;
 pub(crate) use self::indices::Indices;
-use self::indices::variable;
 use self::kernel::{Context, Target};
-use super::counter::{Counter, Weight};
-use super::facts::Facts;
 use crate::discretise::embedding::Embedding;
+use crate::discretise::facts::Facts;
+use crate::discretise::sums::Weighted;
 use crate::emit::{f64_type, wrapped};
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
@@ -214,18 +213,19 @@ fn noise_elements(model: &System) -> Vec<(Element, TokenStream)> {
 
 /// The elements of the counter-term, if a scheme adds it, with their weights.
 fn counter_elements(model: &System, facts: &Facts) -> Vec<(Element, TokenStream)> {
+    let indices = Indices { tables: &model.tables, checked: false };
+    let increment = |number: &Index| {
+        let position = match number.as_integer().and_then(|number| usize::try_from(number).ok()) {
+            Some(number) => quote!(#number),
+            None => indices.position(number),
+        };
+        quote!(__at.dw[#position])
+    };
     let schemes = model.embeddings.iter();
     let used = schemes.map(|known| facts.counter_of(&known.value)).find(|counter| !counter.is_empty());
-    let weigh = |Counter { element, weight }: &Counter| {
-        let weight = match weight {
-            Weight::Pair(j, k) => quote!(__at.dw[#j] * __at.dw[#k] * __terms.counter),
-            Weight::Member => {
-                let member = element.loops.first().map(|known| variable(known.variable));
-                let increment = quote!(__at.dw[#member as __wzvi::core::primitive::usize]);
-                quote!(#increment * #increment * __terms.counter)
-            }
-        };
-        (element.clone(), weight)
+    let weigh = |Weighted { element, increments }: &Weighted| {
+        let increments = increments.iter().map(increment);
+        (element.clone(), quote!(#(#increments *)* __terms.counter))
     };
     used.unwrap_or_default().iter().map(weigh).collect()
 }
