@@ -1,20 +1,17 @@
 //! What the mathematics forbids: inconsistent schemes that were not asked for, first integrals that are none.
 
-use crate::diagnostics::{Diagnostics, facts as messages};
+use crate::diagnostics::facts as messages;
 use crate::discretise::embedding::{Correction, Embedding};
 use crate::discretise::facts::{Facts, Failure, Invariant};
 use crate::model::Located;
 use crate::symbolic::{Graph, Rational};
 
-/// Every check, in order; all of them report.
-pub(crate) fn check(
-    graph: &mut Graph,
-    embeddings: &[Located<Embedding>],
-    facts: &Facts,
-    diagnostics: &mut Diagnostics,
-) {
-    check_consistency(graph, embeddings, facts, diagnostics);
-    check_invariants(graph, facts, diagnostics);
+/// What speaks against the declared schemes and first integrals.
+pub(crate) fn check(graph: &mut Graph, embeddings: &[Located<Embedding>], facts: &Facts) -> Vec<syn::Error> {
+    let mut objections = Vec::new();
+    check_consistency(graph, embeddings, facts, &mut objections);
+    check_invariants(graph, facts, &mut objections);
+    objections
 }
 
 /// A bare scheme must converge to the Stratonovich system (MATH section 3); a corrected one needs its counter-term.
@@ -22,17 +19,17 @@ fn check_consistency(
     graph: &mut Graph,
     embeddings: &[Located<Embedding>],
     facts: &Facts,
-    diagnostics: &mut Diagnostics,
+    objections: &mut Vec<syn::Error>,
 ) {
     for embedding in embeddings {
         let noise_l = embedding.value.quadrature().1;
         match embedding.value.correction() {
             Correction::Bare if !facts.is_consistent(noise_l) => {
                 let defect = facts.defect(graph, noise_l);
-                diagnostics.report(messages::inconsistent(embedding, &defect, &facts.defect_is_constant));
+                objections.push(messages::inconsistent(embedding, &defect, &facts.defect_is_constant));
             }
             Correction::Corrected if facts.counter_term_acts(noise_l) && facts.counter_term.is_none() => {
-                diagnostics.report(messages::counter_term_of_elements(embedding));
+                objections.push(messages::counter_term_of_elements(embedding));
             }
             _ => {}
         }
@@ -40,12 +37,12 @@ fn check_consistency(
 }
 
 /// `{H_m, F}` must vanish for every term, with `∂F/∂t` for the drift.
-fn check_invariants(graph: &mut Graph, facts: &Facts, diagnostics: &mut Diagnostics) {
+fn check_invariants(graph: &mut Graph, facts: &Facts, objections: &mut Vec<syn::Error>) {
     for Invariant { extent, failure, .. } in &facts.invariants {
         if let Some(Failure { term, rate, knowledge }) = failure {
             let number = term.checked_sub(1).and_then(|k| facts.numbers.get(k)).cloned();
             let rate = facts.space.display(graph, rate, Rational::ONE);
-            diagnostics.report(messages::no_invariant(*extent, &number, &rate, knowledge, graph));
+            objections.push(messages::no_invariant(*extent, &number, &rate, knowledge, graph));
         }
     }
 }

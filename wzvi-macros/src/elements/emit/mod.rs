@@ -11,7 +11,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use self::combine::Combined;
-use self::indices::Indices;
+pub(crate) use self::indices::Indices;
 use self::kernel::{Context, Target};
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
@@ -38,7 +38,7 @@ pub(crate) fn emit(model: &mut System, facts: &Facts, equations: &[String]) -> T
 fn vector_type(model: &System) -> TokenStream {
     let f64 = f64_type();
     let dynamic = quote!(__wzvi::DVector<#f64>);
-    let Shape::Array(_, length) = &model.shape else { return dynamic };
+    let Shape::Array(_, length) = &model.shape else { return quote!(__wzvi::SVector<#f64, 1>) };
     let components = usize::try_from(model.components).unwrap_or(1);
     match length {
         Length::Literal(len) => {
