@@ -1,4 +1,4 @@
-//! Integer expressions as Rust: `isize` arithmetic, checked where nothing has been checked yet.
+//! Integer expressions as Rust: `isize` arithmetic, which [`super::places`] has checked.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -11,10 +11,9 @@ pub(super) fn variable(id: u32) -> Ident {
     format_ident!("__i{id}")
 }
 
-/// Prints indices. `checked` ones stand in a function that returns an `Option`.
+/// Prints indices.
 pub(super) struct Indices<'a> {
     pub(super) tables: &'a [Table],
-    pub(super) checked: bool,
 }
 
 impl Indices<'_> {
@@ -45,13 +44,7 @@ impl Indices<'_> {
     /// The index as a `usize`.
     pub(super) fn position(&self, index: &Index) -> TokenStream {
         let value = self.value(index);
-        if self.checked {
-            quote!(__wzvi::core::convert::TryInto::<__wzvi::core::primitive::usize>::try_into(
-                #value as __wzvi::core::primitive::isize,
-            ).ok()?)
-        } else {
-            quote!((#value as __wzvi::core::primitive::isize as __wzvi::core::primitive::usize))
-        }
+        quote!((#value as __wzvi::core::primitive::isize as __wzvi::core::primitive::usize))
     }
 
     /// The list `table` at `indices`, as it is read.
@@ -60,13 +53,13 @@ impl Indices<'_> {
         let mut tokens = known.map_or_else(TokenStream::new, |table| table.tokens.clone());
         for index in indices {
             let position = self.position(index);
-            tokens = if self.checked { quote!(#tokens.get(#position)?) } else { quote!(#tokens[#position]) };
+            tokens = quote!(#tokens[#position]);
         }
         if let Some(table) = known.filter(|table| !table.suffix.is_empty()) {
             let suffix = &table.suffix;
             return quote!(#tokens #suffix);
         }
-        if self.checked && !indices.is_empty() { quote!((*#tokens)) } else { tokens }
+        tokens
     }
 
     /// Whether the entries of a table are the elements of a list.
@@ -93,17 +86,11 @@ impl Indices<'_> {
             }
             Atom::Quotient(operands) => {
                 let (a, b) = both(operands);
-                match self.checked {
-                    true => quote!(#isize::checked_div(#a, #b)?),
-                    false => quote!((#a / #b)),
-                }
+                quote!((#a / #b))
             }
             Atom::Remainder(operands) => {
                 let (a, b) = both(operands);
-                match self.checked {
-                    true => quote!(#isize::checked_rem(#a, #b)?),
-                    false => quote!((#a % #b)),
-                }
+                quote!((#a % #b))
             }
             Atom::Minimum(operands) => {
                 let (a, b) = both(operands);

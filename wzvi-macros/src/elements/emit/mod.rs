@@ -6,6 +6,7 @@ mod discretized;
 mod hamiltonian;
 mod indices;
 mod kernel;
+mod places;
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
@@ -75,7 +76,7 @@ fn degrees(model: &System) -> TokenStream {
     if model.size == Index::atom(Atom::Size) {
         return quote!(0);
     }
-    let indices = Indices { tables: &model.tables, checked: false };
+    let indices = Indices { tables: &model.tables };
     let (size, components) = (indices.value(&model.size), usize::try_from(model.components).unwrap_or(1));
     quote!((#size as __wzvi::core::primitive::usize) * #components)
 }
@@ -85,7 +86,7 @@ fn noise_count(model: &System) -> TokenStream {
     match count.as_integer().and_then(|count| usize::try_from(count).ok()) {
         Some(count) => quote!(#count),
         None => {
-            let count = Indices { tables: &model.tables, checked: false }.value(&count);
+            let count = Indices { tables: &model.tables }.value(&count);
             quote!((#count as __wzvi::core::primitive::isize as __wzvi::core::primitive::usize))
         }
     }
@@ -194,7 +195,7 @@ fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
 
 /// The elements of every noise with the increment that weighs it.
 fn noise_elements(model: &System) -> Vec<(Element, TokenStream)> {
-    let indices = Indices { tables: &model.tables, checked: false };
+    let indices = Indices { tables: &model.tables };
     let weigh = |(noise, offset): (&Noise, Index)| {
         // Where the family is the innermost loop, its increments are an input like any other.
         let number = match &noise.family {
@@ -233,7 +234,7 @@ fn counter_elements(model: &System, facts: &Facts) -> Vec<(Element, TokenStream)
 fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     let slopes = sweep(model, facts, Wanted::Slopes);
     let curvature = sweep(model, facts, Wanted::Curvature);
-    let required = hamiltonian::required(model);
+    let places = places::emit(model);
     let read = parameters(model);
     let size = sizes(model, &quote!(__at.q.len()));
     let name = &model.item.ident;
@@ -241,7 +242,7 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::elements::Elements for #name #arguments #filter {
-            #required
+            #places
 
             fn slopes<__S: __wzvi::Scalar>(
                 &self,
