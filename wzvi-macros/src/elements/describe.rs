@@ -20,28 +20,25 @@ pub(crate) fn index<'a>(
 ) -> String {
     let mut text = String::new();
     for (atom, coefficient) in &index.terms {
-        let two = |both: &(Index, Index), sign: &str| {
-            let inner = |part: &Index| self::index(part, table, letter);
-            format!("({}){sign}({})", inner(&both.0), inner(&both.1))
+        let inner = |part: &Index| self::index(part, table, letter);
+        let operand = |part: &Index| match (part.terms.as_slice(), part.constant) {
+            ([(_, 1)], 0) | ([], 0..) => inner(part),
+            _ => format!("({})", inner(part)),
         };
-        let two_of = |both: &(Index, Index), name: &str| {
-            let inner = |part: &Index| self::index(part, table, letter);
-            format!("{name}({}, {})", inner(&both.0), inner(&both.1))
-        };
+        let two =
+            |both: &(Index, Index), sign: &str| format!("{}{sign}{}", operand(&both.0), operand(&both.1));
+        let two_of =
+            |both: &(Index, Index), name: &str| format!("{name}({}, {})", inner(&both.0), inner(&both.1));
         let atom = match atom {
             Atom::Loop(variable) => letter(*variable).to_owned(),
             Atom::Size => "n".to_owned(),
             Atom::Given(id, indices) => {
-                let indices: Vec<String> =
-                    indices.iter().map(|i| format!("[{}]", self::index(i, table, letter))).collect();
+                let indices: Vec<String> = indices.iter().map(|i| format!("[{}]", inner(i))).collect();
                 format!("{}{}", table(*id), indices.concat())
             }
-            Atom::Product(both) => two(both, " "),
-            Atom::Quotient(both) => two(both, "/"),
-            Atom::Remainder(both) => {
-                let inner = |part: &Index| self::index(part, table, letter);
-                format!("({} mod {})", inner(&both.0), inner(&both.1))
-            }
+            Atom::Product(both) => two(both, " * "),
+            Atom::Quotient(both) => format!("({})", two(both, " / ")),
+            Atom::Remainder(both) => format!("({} mod {})", operand(&both.0), operand(&both.1)),
             Atom::Minimum(both) => two_of(both, "min"),
             Atom::Maximum(both) => two_of(both, "max"),
         };
@@ -64,19 +61,26 @@ pub(crate) fn index<'a>(
     text
 }
 
+/// The name of a loop variable of `element`, by its nesting.
+fn letter(element: &Element, variable: u32) -> &'static str {
+    let depth = element.loops.iter().position(|known| known.variable == variable);
+    depth.map_or("k", |depth| LETTERS[depth.min(LETTERS.len() - 1)])
+}
+
+/// An index in the loops of `element`.
+pub(crate) fn index_in(system: &System, element: &Element, index: &Index) -> String {
+    let tables: &[Table] = &system.tables;
+    let table = |id: u32| tables.get(id as usize).map_or("?", |table| table.name.as_str());
+    self::index(index, &table, &|variable| letter(element, variable))
+}
+
 /// `Σ_{i=0}^{n-1} (...)`
 fn element(model: &System, element: &Element) -> String {
-    let tables: &[Table] = &model.tables;
-    let table = |id: u32| tables.get(id as usize).map_or("?", |table| table.name.as_str());
-    let letter = |variable: u32| {
-        let depth = element.loops.iter().position(|known| known.variable == variable);
-        depth.map_or("k", |depth| LETTERS[depth.min(LETTERS.len() - 1)])
-    };
     let mut text = String::new();
     for known in &element.loops {
         let last = known.end.shifted(-1).unwrap_or_default();
-        let (start, last) = (index(&known.start, &table, &letter), index(&last, &table, &letter));
-        let _ = write!(text, "Σ_({}={start}..{last}) ", letter(known.variable));
+        let (start, last) = (index_in(model, element, &known.start), index_in(model, element, &last));
+        let _ = write!(text, "Σ_({}={start}..{last}) ", letter(element, known.variable));
     }
     let _ = write!(text, "[{}]", model.graph.display(element.value));
     text

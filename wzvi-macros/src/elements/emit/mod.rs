@@ -6,6 +6,7 @@ mod discretized;
 mod hamiltonian;
 mod indices;
 mod kernel;
+mod places;
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
@@ -234,7 +235,7 @@ fn counter_elements(model: &System, facts: &Facts) -> Vec<(Element, TokenStream)
 fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     let slopes = sweep(model, facts, Wanted::Slopes);
     let curvature = sweep(model, facts, Wanted::Curvature);
-    let required = hamiltonian::required(model);
+    let places = places::emit(model);
     let read = parameters(model);
     let size = sizes(model, &quote!(__at.q.len()));
     let name = &model.item.ident;
@@ -242,7 +243,7 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::elements::Elements for #name #arguments #filter {
-            #required
+            #places
 
             fn slopes<__S: __wzvi::Scalar>(
                 &self,
