@@ -64,7 +64,7 @@ pub(crate) fn rescue<H: Discretized<E>, E, C: Carry<f64>>(
     cause: StepFailure,
 ) -> Outcome<H, E, C> {
     let inputs = hard.q.components().iter().chain(hard.p.components()).chain(hard.dw).chain([&hard.t]);
-    let is_hopeless = matches!(cause, StepFailure::Increments { .. } | StepFailure::Dimension { .. });
+    let is_hopeless = cause.is_of_arguments();
     if is_hopeless || inputs.into_iter().any(|x| !x.is_finite()) {
         return Err(cause);
     }

@@ -291,11 +291,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     fn error(&self, state: &State<H::Vector>, dw: &[f64], cause: StepFailure) -> StepError {
         cold();
         let inputs = || state.q.components().iter().chain(state.p.components()).chain(dw).chain([&state.t]);
-        let cause = match cause {
-            StepFailure::Increments { .. } | StepFailure::Dimension { .. } => cause,
-            _ if inputs().all(|x| x.is_finite()) => cause,
-            _ => StepFailure::NonFiniteInput,
-        };
+        let is_good = cause.is_of_arguments() || inputs().all(|x| x.is_finite());
+        let cause = if is_good { cause } else { StepFailure::NonFiniteInput };
         StepError { step: self.steps(), t: state.t, h: self.h, cause }
     }
 }

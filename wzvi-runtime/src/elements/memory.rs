@@ -6,7 +6,7 @@ use super::rounding::Rounding;
 use super::{Elements, Iteration, Method};
 use crate::carry::{Carry, Compensation};
 use crate::error::StepFailure;
-use crate::numbers::Numbers;
+use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
 use crate::solve::{Banded, Krylov, reverse_cuthill_mckee};
 
@@ -141,23 +141,15 @@ impl<S: Scalar> Clone for Memory<S> {
     }
 }
 
-impl<S: Scalar> Numbers<S> for Memory<S> {
-    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
-        let zero = S::from_f64(0.0);
-        // Exact: small integers.
-        let mut whole = |number: usize| {
-            let mut number = S::from_f64(number as f64);
-            visit(&mut number);
-            number.magnitude() as usize
-        };
-        let unknowns = whole(if self.known == 0 { 0 } else { self.past[0].len() });
-        let known = whole(self.known.into());
-        self.known = u8::try_from(known).unwrap_or(0);
-        self.prefers_newton = whole(self.prefers_newton.into()) == 1;
+impl<S: Scalar> Numbers for Memory<S> {
+    fn pass(&mut self, tape: &mut Tape) {
+        let unknowns = tape.length(if self.known == 0 { 0 } else { self.past[0].len() });
+        tape.count(&mut self.known);
+        tape.flag(&mut self.prefers_newton);
         if unknowns != 0 {
             for past in &mut self.past {
-                past.resize(unknowns, zero);
-                past.iter_mut().for_each(&mut *visit);
+                past.resize(unknowns, S::from_f64(0.0));
+                past.iter_mut().for_each(|number| number.pass(tape));
             }
         }
     }
@@ -316,13 +308,12 @@ impl<S: Scalar> Carry<S> for CompensationVec<S> {
     }
 }
 
-impl<S: Scalar> Numbers<S> for CompensationVec<S> {
-    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
+impl<S: Scalar> Numbers for CompensationVec<S> {
+    fn pass(&mut self, tape: &mut Tape) {
         for list in [&mut self.coordinates, &mut self.momenta] {
-            let mut length = S::from_f64(list.len() as f64);
-            visit(&mut length);
-            list.resize(length.magnitude() as usize, S::from_f64(0.0));
-            list.iter_mut().for_each(&mut *visit);
+            let length = tape.length(list.len());
+            list.resize(length, S::from_f64(0.0));
+            list.iter_mut().for_each(|number| number.pass(tape));
         }
     }
 }

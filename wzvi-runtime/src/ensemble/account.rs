@@ -5,10 +5,11 @@ use std::ops::{ControlFlow, Range};
 use super::control::{Control, Targets};
 use super::job::Job;
 use super::keeping::BlockKeeper;
-use super::progress::Progress;
+use super::origin::Origin;
 use super::statistics::{Node, Statistics};
 use crate::checkpoint::Keeping;
 use crate::error::Error;
+use crate::progress::Progress;
 use crate::system::Discretized;
 
 /// Takes the blocks of a run in the order of their numbers.
@@ -38,6 +39,7 @@ impl Account {
     {
         let targets = control.targets(&job.wanted.names)?;
         let mut statistics = Statistics::new(&job.wanted);
+        statistics.origin = Some(Origin::of(job));
         if let Some(paths) = &mut statistics.paths {
             paths.reserve(job.paths)?;
         }

@@ -2,14 +2,15 @@
 
 use super::histogram::Histogram;
 use super::moments::Moments;
+use super::origin::Origin;
 use super::passage::{Passages, Watch};
 use super::paths::Paths;
 use super::quantiles::Quantiles;
-#[cfg(feature = "serde")]
-use crate::checkpoint::Tape;
 use crate::error::StepError;
 #[cfg(feature = "serde")]
 use crate::error::StepFailure;
+#[cfg(feature = "serde")]
+use crate::numbers::Tape;
 
 /// Failed paths that are kept with their errors; further ones are only counted.
 const MOST_FAILURES: usize = 1000;
@@ -175,6 +176,8 @@ pub struct Statistics {
     failures: Vec<PathFailure>,
     pub(super) is_partial: bool,
     pub(super) met_targets: Option<bool>,
+    /// What the whole run is of; a block does not say so.
+    pub(super) origin: Option<Origin>,
 }
 
 impl Statistics {
@@ -189,6 +192,7 @@ impl Statistics {
             failures: Vec::new(),
             is_partial: false,
             met_targets: None,
+            origin: None,
         }
     }
 

@@ -103,7 +103,7 @@ impl Strain {
 
     /// What a checkpoint keeps.
     #[cfg(feature = "serde")]
-    pub(super) fn pass(&mut self, tape: &mut crate::checkpoint::Tape) {
+    pub(super) fn pass(&mut self, tape: &mut crate::numbers::Tape) {
         let Self { is_ignored: _, pattern, last, energy, scale } = self;
         tape.word(pattern);
         tape.word(last);

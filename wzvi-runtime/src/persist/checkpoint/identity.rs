@@ -1,0 +1,178 @@
+//! What makes two runs the same: as names and texts, so that a difference can be told.
+
+use std::fmt::{self, Write};
+
+use super::error::Difference;
+use super::format::Word;
+use crate::carry::Carry;
+use crate::checksum::Checksum;
+use crate::names::short_name;
+use crate::numbers::Tape;
+use crate::retry::Retry;
+use crate::state::{State, Vector};
+use crate::step::Stepper;
+use crate::system::{Discretized, Hamiltonian};
+
+/// Names and values.
+pub(super) type Fields = Vec<(String, String)>;
+
+/// The settings of a run, each of which the user knows; `noise` are those of the source.
+pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
+    stepper: &Stepper<'_, H, E, C>,
+    degrees: usize,
+    every: u64,
+    retry: Retry,
+    noise: Fields,
+) -> Fields {
+    let system = stepper.system();
+    let mut fields = scheme::<H, E>(system, degrees, stepper.step_size());
+    let mut set = |name: &str, value: String| fields.push((name.to_owned(), value));
+    set("record_every", every.to_string());
+    set("the halvings allowed", retry.most().to_string());
+    set("compensated summation", stepper.is_compensated().to_string());
+    fields.extend(parameters(system));
+    fields.extend(noise);
+    fields
+}
+
+/// What a step is of.
+pub(super) fn scheme<H: Hamiltonian, E>(system: &H, degrees: usize, h: f64) -> Fields {
+    let fields = [
+        ("the version of wzvi", env!("CARGO_PKG_VERSION").to_owned()),
+        ("the system", short_name::<H>()),
+        ("the scheme", short_name::<E>()),
+        ("the number of degrees of freedom", degrees.to_string()),
+        ("the number of noises", system.noises().to_string()),
+        ("the step size", format!("{h:?}")),
+    ];
+    fields.map(|(name, value)| (name.to_owned(), value)).into()
+}
+
+/// The parameters that the system names.
+pub(super) fn parameters<H: Hamiltonian>(system: &H) -> Fields {
+    let known = (0..MOST_PARAMETERS).map_while(|index| system.parameter(index));
+    known.map(|(name, value)| (format!("the parameter {name}"), format!("{value:?}"))).collect()
+}
+
+/// Parameters that a file names; the others show in the checksums.
+const MOST_PARAMETERS: usize = 64;
+
+/// Checksums of everything that the user need not know: what the compiler derived, what is computed once from
+/// parameters and step size, and the Hamiltonians at the start.
+pub(super) fn derived<H: Discretized<E>, E>(
+    system: &H,
+    prepared: &H::Prepared,
+    start: &State<H::Vector>,
+) -> Fields {
+    let mut constants = Checksum::default();
+    // Numbers are written exactly, and taking them in cannot fail.
+    let _ = write!(Text(&mut constants), "{prepared:?}");
+    let mut equations = Checksum::default();
+    equations.add(H::EQUATIONS.as_bytes());
+    vec![
+        ("the derivation (checksum)".to_owned(), format!("{equations:?}")),
+        (CONSTANTS.to_owned(), format!("{constants:?}")),
+        (forces_at("start"), forces(system, start)),
+    ]
+}
+
+const CONSTANTS: &str = "what the step computes once from the parameters (checksum)";
+
+pub(super) fn forces_at(place: &str) -> String {
+    format!("what energies and forces are at the {place} (checksum)")
+}
+
+/// The checksum of all Hamiltonians and their gradients at a state: it tells parameters apart that matter there.
+pub(super) fn forces<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> String {
+    let mut checksum = Checksum::default();
+    let mut add = |number: &f64| checksum.add(&number.to_bits().to_le_bytes());
+    let (q, p) = (state.q.components(), state.p.components());
+    let (mut dq, mut dp) = (vec![0.0; q.len()], vec![0.0; p.len()]);
+    for term in 0..=system.noises() {
+        add(&system.evaluate(term, q, p, state.t));
+        system.differentiate(term, q, p, state.t, &mut dq, &mut dp);
+        dq.iter().chain(&dp).for_each(&mut add);
+    }
+    format!("{checksum:?}")
+}
+
+/// The checksum of several words.
+#[cfg(feature = "ensemble")]
+pub(super) fn checksum(words: impl IntoIterator<Item = u64>) -> String {
+    let mut checksum = Checksum::default();
+    words.into_iter().for_each(|word| checksum.add(&word.to_le_bytes()));
+    format!("{checksum:?}")
+}
+
+/// The words of a state.
+pub(super) fn pass_state<V: Vector>(state: &mut State<V>, tape: &mut Tape) {
+    tape.number(&mut state.t);
+    tape.numbers(state.q.components_mut());
+    tape.numbers(state.p.components_mut());
+}
+
+/// Text into a checksum, without holding it.
+struct Text<'c>(&'c mut Checksum);
+
+impl Write for Text<'_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0.add(text.as_bytes());
+        Ok(())
+    }
+}
+
+/// What differs between two lists of fields, in the order of `run`.
+pub(super) fn differences(checkpoint: &Fields, run: &Fields) -> Vec<Difference> {
+    let value = |fields: &Fields, name: &str| {
+        fields.iter().find(|(field, _)| field == name).map(|(_, value)| value.clone())
+    };
+    let only_there = checkpoint.iter().filter(|(name, _)| value(run, name).is_none());
+    let names = run.iter().chain(only_there).map(|(name, _)| name);
+    names
+        .map(|name| Difference {
+            field: name.clone(),
+            checkpoint: value(checkpoint, name),
+            run: value(run, name),
+        })
+        .filter(|difference| difference.checkpoint != difference.run)
+        .collect()
+}
+
+/// What differs between two first states of `d` degrees of freedom, bit by bit.
+pub(super) fn start_differences(d: usize, checkpoint: &[Word], run: &[Word]) -> Vec<Difference> {
+    let show = |word: Option<&Word>| word.map(|word| format!("{:?}", f64::from_bits(word.0)));
+    (0..checkpoint.len().max(run.len()))
+        .map(|i| (i, checkpoint.get(i), run.get(i)))
+        .filter(|(_, there, here)| there != here)
+        .map(|(i, there, here)| {
+            let component = match i.checked_sub(1) {
+                None => "t".to_owned(),
+                Some(i) if i < d => format!("q[{i}]"),
+                Some(i) => format!("p[{}]", i - d),
+            };
+            Difference {
+                field: format!("{component} of the start"),
+                checkpoint: show(there),
+                run: show(here),
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::differences;
+
+    #[test]
+    fn differences_go_both_ways() {
+        let fields = |pairs: &[(&str, &str)]| {
+            pairs.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect()
+        };
+        let found =
+            differences(&fields(&[("a", "1"), ("b", "2")]), &fields(&[("c", "3"), ("a", "1"), ("b", "4")]));
+        let found: Vec<String> = found.iter().map(ToString::to_string).collect();
+        assert_eq!(found, ["c is not set there and 3 here", "b is 2 there and 4 here"]);
+        let found = differences(&fields(&[("b", "2")]), &fields(&[]));
+        assert_eq!(found[0].to_string(), "b is 2 there and not set here");
+    }
+}

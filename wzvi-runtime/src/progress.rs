@@ -1,0 +1,99 @@
+//! How far a long run is: one line on a terminal, nothing elsewhere.
+
+use std::io::{IsTerminal, Write, stderr};
+use std::time::{Duration, Instant};
+
+/// Runs that are over by then show nothing.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// Between two looks at the line.
+const PAUSE: Duration = Duration::from_millis(100);
+
+/// A line that shows how far a run is; it goes when this is dropped.
+pub(crate) struct Progress {
+    /// What is counted.
+    unit: &'static str,
+    began: Instant,
+    next: Instant,
+    is_shown: bool,
+    is_silent: bool,
+}
+
+impl Progress {
+    pub(crate) fn new(unit: &'static str, is_quiet: bool) -> Self {
+        let began = Instant::now();
+        let is_silent = is_quiet || !stderr().is_terminal();
+        Self { unit, began, next: began + PATIENCE, is_shown: false, is_silent }
+    }
+
+    /// So many are done, of so many.
+    pub(crate) fn show(&mut self, done: u64, all: u64) {
+        if self.is_silent || Instant::now() < self.next {
+            return;
+        }
+        self.next = Instant::now() + PAUSE;
+        self.is_shown = true;
+        let line = line(self.unit, done, all, self.began.elapsed());
+        // Who cannot write to the terminal cannot say so there either.
+        let _ = write!(stderr(), "\r\x1b[K{line}").and_then(|()| stderr().flush());
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if self.is_shown {
+            let _ = write!(stderr(), "\r\x1b[K").and_then(|()| stderr().flush());
+        }
+    }
+}
+
+fn line(unit: &str, done: u64, all: u64, elapsed: Duration) -> String {
+    let part = (done as f64 / all.max(1) as f64).min(1.0);
+    let rate = done as f64 / elapsed.as_secs_f64().max(1e-9);
+    let left = if rate > 0.0 { all.saturating_sub(done) as f64 / rate } else { f64::INFINITY };
+    let stop = if cfg!(feature = "interrupt") { " (Ctrl-C stops and keeps what is done)" } else { "" };
+    format!("{:3.0} %, {}{unit}/s, {} left{stop}", 100.0 * part, metric(rate), duration(left))
+}
+
+/// Three digits and a prefix.
+fn metric(rate: f64) -> String {
+    let (scaled, prefix) = match rate {
+        rate if rate >= 1e9 => (rate / 1e9, " G"),
+        rate if rate >= 1e6 => (rate / 1e6, " M"),
+        rate if rate >= 1e3 => (rate / 1e3, " k"),
+        rate => (rate, " "),
+    };
+    let digits = if scaled >= 100.0 { 0 } else { 1 };
+    format!("{scaled:.digits$}{prefix}")
+}
+
+fn duration(seconds: f64) -> String {
+    let whole = seconds.ceil() as u64;
+    match whole {
+        _ if !seconds.is_finite() => "?".into(),
+        0..60 => format!("{whole} s"),
+        60..3600 => format!("{} min {:02} s", whole / 60, whole % 60),
+        _ => format!("{} h {:02} min", whole / 3600, whole % 3600 / 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_says_how_far_how_fast_and_how_long() {
+        let line = |done, all, seconds| line("paths", done, all, Duration::from_secs(seconds));
+        assert!(
+            line(5000, 20_000, 2).starts_with(" 25 %, 2.5 kpaths/s, 6 s left"),
+            "{}",
+            line(5000, 20_000, 2)
+        );
+        assert!(line(1, 7201, 1).contains("1.0 paths/s, 2 h 00 min left"));
+        assert!(line(3_000_000_000, 3_000_000_000, 2).starts_with("100 %, 1.5 Gpaths/s, 0 s left"));
+        assert!(line(100, 7400, 60).contains("1 h 13 min left"));
+        assert!(line(4, 400, 3).contains("4 min 57 s left"));
+        assert!(line(0, 10, 3).contains("0.0 paths/s, ? left"));
+        assert!(line(30, 20, 1).starts_with("100 %"));
+        assert!(line(0, 0, 0).starts_with("  0 %"));
+    }
+}
