@@ -349,7 +349,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             let is_slow = last < f64::INFINITY && ratio > CONTRACTS;
             let stagnates = is_slow && ratio > 0.5;
             let mut settles = false;
-            if stagnates && !is_misled {
+            // Far from the solution a fixed point that does not contract gives way to Newton's method anyway.
+            let is_final = newton || iteration == Iteration::FixedPoint || relative <= NEARLY_SOLVED;
+            if stagnates && is_final && !is_misled {
                 let beyond = self.beyond_rounding(memory);
                 if beyond == 0.0 {
                     let before = std::mem::replace(&mut variation, self.variation(&memory.work));

@@ -327,19 +327,18 @@ pub(super) fn newton<
         match progress.judge(largest, beyond) {
             Verdict::Converged => return Ok((end, Effort::fast(progress.iterations))),
             Verdict::Contracting => x = end,
-            Verdict::Straying => return Err(explain(progress.iterations, largest, &jacobian)),
+            Verdict::Straying => {
+                let pivot = jacobian[0][0].magnitude();
+                return Err(explain::<N>(progress.iterations, largest, pivot));
+            }
         }
     }
 }
 
-/// A slope of zero is the cause of the infinity that follows from it.
+/// A slope of zero is the cause of the infinity that follows from it. Numbers, not the matrix: what has its address in a
+/// function is kept in memory in every iteration.
 #[cold]
-fn explain<S: Scalar, const N: usize>(
-    iterations: u32,
-    correction: f64,
-    jacobian: &[[S; N]; N],
-) -> StepFailure {
-    let pivot = jacobian[0][0].magnitude();
+fn explain<const N: usize>(iterations: u32, correction: f64, pivot: f64) -> StepFailure {
     if N == 1 && pivot < f64::EPSILON {
         StepFailure::Singular { pivot, scale: 1.0 }
     } else {
