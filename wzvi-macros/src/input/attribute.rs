@@ -7,7 +7,7 @@ use syn::parse::{ParseStream, Parser};
 use syn::punctuated::Punctuated;
 use syn::{ExprClosure, Path, Token, token};
 
-use super::{embeddings, nesting};
+use super::{embeddings, groups, nesting};
 use crate::diagnostics::{Diagnostics, messages};
 use crate::discretise::embedding::Embedding;
 use crate::model::Located;
@@ -55,6 +55,7 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
         diagnostics.report(messages::nested_too_deeply(token));
         return None;
     }
+    let attribute = groups::without_single(attribute);
     let mut declaration = Declaration {
         drift: None,
         noise: Vec::new(),

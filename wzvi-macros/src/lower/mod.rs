@@ -25,7 +25,7 @@ use crate::diagnostics::{Diagnostics, expressions, messages};
 use crate::elements::collect::Parts;
 use crate::elements::index::{Atom, Index, Loop};
 use crate::elements::model::{self as elements, Noises};
-use crate::input::{Declaration, Hamiltonian, Length, PhaseSpace, Shape, System};
+use crate::input::{Declaration, Hamiltonian, Length, PhaseSpace, Shape, System, peeled};
 use crate::model::{Extent, Located, Model, Phase};
 use crate::symbolic::{Expr, Graph, Symbol};
 
@@ -86,7 +86,7 @@ pub(crate) fn lower(
 
 /// The number of noises that a family stands for.
 fn family_members(count: &syn::Expr) -> Option<i128> {
-    let syn::Expr::Lit(literal) = count else { return None };
+    let syn::Expr::Lit(literal) = peeled(count) else { return None };
     let syn::Lit::Int(count) = &literal.lit else { return None };
     count.base10_parse::<u16>().ok().map(i128::from)
 }

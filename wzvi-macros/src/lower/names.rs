@@ -135,6 +135,16 @@ impl<'a> Interpreter<'a, '_> {
         self.place(Place::new(name, quote! { self.#member }, field.kind.clone()), at)
     }
 
+    /// The field that a bare name means, as it is displayed and read: no size and no variable has the name.
+    pub(super) fn own_field(&self, name: &Ident) -> Option<(String, TokenStream)> {
+        if self.system.sizes.contains(name) {
+            return None;
+        }
+        let field = self.find_field(|member| matches!(member, Member::Named(known) if known == name))?;
+        let member = &field.member;
+        Some((name.unraw().to_string(), quote! { self.#member }))
+    }
+
     fn field_names(&self) -> Vec<String> {
         self.system.fields.iter().map(|field| field.member.to_token_stream().to_string()).collect()
     }

@@ -13,7 +13,7 @@ use super::value::{Place, Value};
 use crate::diagnostics::expressions;
 use crate::elements::index::{Atom, Bounds, Index, Loop};
 use crate::elements::model::{Local, Slot, Table};
-use crate::input::{Kind, source};
+use crate::input::{Kind, peeled, source};
 use crate::symbolic::{Expr, Rational, Relation, Symbol};
 
 /// Names of loop variables, by nesting; deeper ones repeat the last.
@@ -106,14 +106,22 @@ impl<'a> Interpreter<'a, '_> {
 
     /// The number of noises of a family: an integer literal, a constant, a size, a field, or what is made of them.
     pub(super) fn family_count(&mut self, count: &'a syn::Expr) -> Option<Index> {
+        let count = peeled(count);
         let constant = match count {
             syn::Expr::Lit(literal) => match &literal.lit {
                 syn::Lit::Int(count) => count.base10_parse::<u32>().ok().map(|n| Index::integer(n.into())),
                 _ => None,
             },
-            syn::Expr::Path(_) => Some(self.size(count)),
+            syn::Expr::Path(path) => {
+                Some(match path.path.get_ident().and_then(|name| self.own_field(name)) {
+                    Some((name, tokens)) => {
+                        Index::atom(Atom::Given(self.loops().table(&name, &tokens, true), Vec::new()))
+                    }
+                    None => self.size(count),
+                })
+            }
             syn::Expr::Field(field) if super::names::is_self(&field.base) => Some(self.size(count)),
-            syn::Expr::MethodCall(_) | syn::Expr::Binary(_) | syn::Expr::Paren(_) => {
+            syn::Expr::MethodCall(_) | syn::Expr::Binary(_) | syn::Expr::Cast(_) => {
                 self.start();
                 let value = self.evaluate(count);
                 return self.as_index(&value, count);
