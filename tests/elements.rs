@@ -4,6 +4,7 @@
 
 mod elements {
     mod corrected;
+    mod digits;
     mod integrals;
     mod long;
     mod tables;

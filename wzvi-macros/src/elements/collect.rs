@@ -1,11 +1,14 @@
 //! From expressions with symbols for sums to elements: `f + Σ_i g_i` is the element `f` and what `g_i` is made of, with
 //! one loop more. A factor in front of a sum goes inside.
+//!
+//! Derivatives are taken of elements that are parted by what of the state they read, values of those that are not: taken
+//! apart, `k (1 - cos d)` would be the difference of two sums of large numbers.
 
 use std::collections::HashMap;
 
-use super::index::Loop;
-use super::model::{Element, Local, Reads};
 use crate::lower::Sum;
+use crate::model::index::Loop;
+use crate::model::{Element, Extent, Local, Reads, Term};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 /// The sum is an argument of a nonlinear function.
@@ -23,16 +26,18 @@ impl Parts {
         Self { sums: sums.into_iter().map(|sum| (sum.symbol, (sum.range, sum.body))).collect(), locals }
     }
 
-    /// The elements of `expr` inside of `loops`.
-    pub(crate) fn elements(
+    /// The Hamiltonian `expr` inside of `loops`.
+    pub(crate) fn term(
         &self,
         graph: &mut Graph,
         expr: Expr,
         loops: &[Loop],
-    ) -> Result<Vec<Element>, Nonlinear> {
-        let mut elements = Vec::new();
-        self.decompose(graph, expr, loops, &mut elements)?;
-        Ok(elements)
+        extent: Extent,
+    ) -> Result<Term, Nonlinear> {
+        let mut values = Vec::new();
+        self.decompose(graph, expr, loops, &mut values)?;
+        let elements = values.iter().flat_map(|element| self.parted(graph, element)).collect();
+        Ok(Term { elements, values, extent })
     }
 
     fn decompose(
@@ -65,6 +70,12 @@ impl Parts {
         Ok(())
     }
 
+    fn place(&self, graph: &Graph, value: Expr, loops: &[Loop], into: &mut Vec<Element>) {
+        if !graph.is_zero(value) {
+            into.push(self.element(graph, value, loops));
+        }
+    }
+
     fn symbols(&self, graph: &Graph, expr: Expr) -> impl Iterator<Item = Symbol> {
         let parts = graph.reachable(&[expr]);
         let symbols: Vec<Symbol> = parts.into_iter().filter_map(|part| graph.as_symbol(part)).collect();
@@ -72,21 +83,19 @@ impl Parts {
     }
 
     /// One element for the terms that read coordinates, one for those that read momenta, one for those that read both.
-    fn place(&self, graph: &mut Graph, expr: Expr, loops: &[Loop], into: &mut Vec<Element>) {
+    fn parted(&self, graph: &mut Graph, element: &Element) -> Vec<Element> {
         let mut groups: Vec<(Reads, Vec<(Expr, Rational)>)> = Vec::new();
-        for (term, coefficient) in self.split(graph, expr) {
-            let reads = self.element(graph, term, loops).reads();
+        for (term, coefficient) in self.split(graph, element.value) {
+            let reads = self.element(graph, term, &[]).reads();
             match groups.iter_mut().find(|(known, _)| *known == reads) {
                 Some((_, terms)) => terms.push((term, coefficient)),
                 None => groups.push((reads, vec![(term, coefficient)])),
             }
         }
-        for (_, terms) in groups {
-            let value = graph.linear_combination(&terms);
-            if !graph.is_zero(value) {
-                into.push(self.element(graph, value, loops));
-            }
-        }
+        let values = groups.iter().map(|(_, terms)| graph.linear_combination(terms));
+        let values: Vec<Expr> = values.collect();
+        let parts = values.into_iter().filter(|&value| !graph.is_zero(value));
+        parts.map(|value| self.element(graph, value, &element.loops)).collect()
     }
 
     fn element(&self, graph: &Graph, value: Expr, loops: &[Loop]) -> Element {

@@ -7,8 +7,8 @@ use super::interpreter::Interpreter;
 use super::streams::{Stream, is_short};
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
-use crate::elements::index::Index;
 use crate::input::Kind;
+use crate::model::index::Index;
 
 impl<'a> Interpreter<'a, '_> {
     pub(super) fn index(&mut self, syntax: &'a ExprIndex) -> Value {

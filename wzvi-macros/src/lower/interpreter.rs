@@ -9,7 +9,7 @@ use super::scope::Scope;
 use super::sized::Loops;
 use super::value::{Place, Value};
 use crate::diagnostics::{Diagnostics, expressions};
-use crate::input::{Kind, System};
+use crate::input::{Container, Kind};
 use crate::model::Parameter;
 use crate::symbolic::{Expr, Graph, Rational};
 
@@ -28,7 +28,7 @@ pub(super) struct Closure<'a> {
 
 pub(super) struct Interpreter<'a, 'd> {
     pub(super) graph: Graph,
-    pub(super) system: &'a System,
+    pub(super) system: &'a Container,
     pub(super) parameters: Parameters,
     pub(super) scope: Scope,
     pub(super) closures: Vec<Closure<'a>>,
@@ -45,7 +45,7 @@ pub(super) struct Interpreter<'a, 'd> {
 }
 
 impl<'a, 'd> Interpreter<'a, 'd> {
-    pub(super) fn new(graph: Graph, system: &'a System, diagnostics: &'d mut Diagnostics) -> Self {
+    pub(super) fn new(graph: Graph, system: &'a Container, diagnostics: &'d mut Diagnostics) -> Self {
         Self {
             graph,
             system,

@@ -7,8 +7,8 @@ use super::interpreter::Interpreter;
 use super::streams::is_short;
 use super::value::Value;
 use crate::diagnostics::expressions;
-use crate::elements::index::Index;
 use crate::input::{Kind, is_integer_type};
+use crate::model::index::Index;
 
 const METHODS: [&str; 26] = [
     "iter",

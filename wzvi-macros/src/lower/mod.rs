@@ -23,10 +23,16 @@ use syn::ReturnType;
 
 use crate::diagnostics::{Diagnostics, expressions, messages};
 use crate::elements::collect::Parts;
+<<<<<<< HEAD
 use crate::elements::index::{Atom, Index, Loop};
 use crate::elements::model::{self as elements, Noises};
 use crate::input::{Declaration, Hamiltonian, Length, PhaseSpace, Shape, System, peeled};
 use crate::model::{Extent, Located, Model, Phase};
+=======
+use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Shape};
+use crate::model::index::{Atom, Index, Loop};
+use crate::model::{Extent, Family, Located, Model, Noise, Phase, System, Term};
+>>>>>>> main
 use crate::symbolic::{Expr, Graph, Symbol};
 
 use interpreter::Interpreter;
@@ -38,7 +44,7 @@ pub(crate) use sized::Sum;
 
 /// Lowers every closure. `None` only after an error was reported.
 pub(crate) fn lower(
-    system: System,
+    system: Container,
     declaration: Declaration,
     phase_space: &PhaseSpace,
     diagnostics: &mut Diagnostics,
@@ -142,11 +148,11 @@ fn arrange<'s>(graph: &mut Graph, shape: &Shape, symbols: &mut impl Iterator<Ite
 
 /// Lowers every closure of a system whose sums stay loops. `None` only after an error was reported.
 pub(crate) fn lower_elements(
-    system: &System,
+    system: &Container,
     declaration: &Declaration,
     phase_space: &PhaseSpace,
     diagnostics: &mut Diagnostics,
-) -> Option<elements::Model> {
+) -> Option<System> {
     let Shape::Array(point, length) = &phase_space.shape else { return None };
     let mut graph = Graph::new();
     let t = graph.new_symbol(&phase_space.t);
@@ -166,24 +172,8 @@ pub(crate) fn lower_elements(
     let space = SizedSpace { size: size.clone(), inner: inner.clone(), t };
 
     let drift = declaration.drift.as_ref().map(|drift| lower_sized(&mut interpreter, drift, &space, None));
-    let family = declaration.noise.iter().find_map(|noise| Some((noise, noise.family.as_ref()?)));
-    let noises = match family {
-        Some((closure, count)) => {
-            let count = interpreter.family_count(count)?;
-            let variable = interpreter.sized.as_mut()?.variable();
-            let range = Loop { variable, start: Index::default(), end: count.clone() };
-            let term = lower_sized(&mut interpreter, closure, &space, Some(range))?;
-            Noises::Family { term, variable, count }
-        }
-        None => {
-            let terms: Vec<_> = declaration
-                .noise
-                .iter()
-                .map(|noise| lower_sized(&mut interpreter, noise, &space, None))
-                .collect();
-            Noises::List(terms.into_iter().collect::<Option<_>>()?)
-        }
-    };
+    let noise: Vec<_> =
+        declaration.noise.iter().map(|noise| lower_noise(&mut interpreter, noise, &space)).collect();
     let invariants: Vec<_> = declaration
         .invariants
         .iter()
@@ -191,10 +181,11 @@ pub(crate) fn lower_elements(
         .collect();
     let invariants = invariants.into_iter().collect::<Option<Vec<_>>>()?;
     let drift = drift??;
+    let noise = noise.into_iter().collect::<Option<Vec<_>>>()?;
     let names = interpreter.names.clone();
     let loops = interpreter.sized.take()?;
     let (graph, parameters) = interpreter.into_parts();
-    Some(elements::Model {
+    Some(System {
         graph,
         shape: phase_space.shape.clone(),
         size,
@@ -204,8 +195,8 @@ pub(crate) fn lower_elements(
         parameters,
         tables: loops.tables,
         drift,
-        noises,
-        invariants: invariants.into_iter().map(|term| elements::Invariant { term }).collect(),
+        noise,
+        invariants,
         embeddings: declaration.embeddings.clone(),
         item: system.item.clone(),
         crate_path: declaration.crate_path.clone(),
@@ -231,13 +222,29 @@ struct SizedSpace {
     t: Symbol,
 }
 
+/// A noise, or a family of them.
+fn lower_noise<'a>(
+    interpreter: &mut Interpreter<'a, '_>,
+    noise: &'a Hamiltonian,
+    space: &SizedSpace,
+) -> Option<Noise> {
+    let Some(count) = &noise.family else {
+        return Some(Noise { term: lower_sized(interpreter, noise, space, None)?, family: None });
+    };
+    let count = interpreter.family_count(count)?;
+    let variable = interpreter.sized.as_mut()?.variable();
+    let range = Loop { variable, start: Index::default(), end: count.clone() };
+    let term = lower_sized(interpreter, noise, space, Some(range))?;
+    Some(Noise { term, family: Some(Family { variable, count }) })
+}
+
 /// The elements of one closure; of a family, inside of the loop over its members.
 fn lower_sized<'a>(
     interpreter: &mut Interpreter<'a, '_>,
     hamiltonian: &'a Hamiltonian,
     space: &SizedSpace,
     family: Option<Loop>,
-) -> Option<elements::Term> {
+) -> Option<Term> {
     let closure = &hamiltonian.closure;
     if let ReturnType::Type(_, ty) = &closure.output
         && !names::is_real_type(ty)
@@ -267,8 +274,8 @@ fn lower_sized<'a>(
     let loops = interpreter.sized.as_mut()?;
     loops.active.clear();
     let parts = Parts::new(std::mem::take(&mut loops.sums), loops.locals.clone());
-    match parts.elements(&mut interpreter.graph, value, &outer) {
-        Ok(elements) => Some(elements::Term { elements, extent: Extent::of(&closure.body) }),
+    match parts.term(&mut interpreter.graph, value, &outer, Extent::of(&closure.body)) {
+        Ok(term) => Some(term),
         Err(_) => {
             interpreter.report(expressions::nonlinear_sum(result));
             None

@@ -11,9 +11,9 @@ use super::interpreter::Interpreter;
 use super::streams::{Array, Source, index_value, is_short};
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
-use crate::elements::index::{Atom, Bounds, Index, Loop};
-use crate::elements::model::{Local, Slot, Table};
 use crate::input::{Kind, peeled, source};
+use crate::model::index::{Atom, Bounds, Index, Loop};
+use crate::model::{Local, Slot, Table};
 use crate::symbolic::{Expr, Rational, Relation, Symbol};
 
 /// Names of loop variables, by nesting; deeper ones repeat the last.

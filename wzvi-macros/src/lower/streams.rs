@@ -9,8 +9,8 @@ use syn::ExprMethodCall;
 use super::interpreter::Interpreter;
 use super::value::{Sequence, Value};
 use crate::diagnostics::expressions;
-use crate::elements::index::Index;
 use crate::input::Kind;
+use crate::model::index::Index;
 use crate::symbolic::{Expr, Rational};
 
 /// Lists of literal length up to this one are taken apart.

@@ -6,8 +6,8 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::streams::{Array, Stream};
-use crate::elements::index::Index;
 use crate::input::Kind;
+use crate::model::index::Index;
 use crate::symbolic::Expr;
 
 /// The value of an expression. Cheap to copy.

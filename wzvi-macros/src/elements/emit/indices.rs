@@ -3,8 +3,8 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use crate::elements::index::{Atom, Index};
-use crate::elements::model::Table;
+use crate::model::Table;
+use crate::model::index::{Atom, Index};
 
 /// The variable of a loop.
 pub(super) fn variable(id: u32) -> Ident {
