@@ -23,16 +23,9 @@ use syn::ReturnType;
 
 use crate::diagnostics::{Diagnostics, expressions, messages};
 use crate::elements::collect::Parts;
-<<<<<<< HEAD
-use crate::elements::index::{Atom, Index, Loop};
-use crate::elements::model::{self as elements, Noises};
-use crate::input::{Declaration, Hamiltonian, Length, PhaseSpace, Shape, System, peeled};
-use crate::model::{Extent, Located, Model, Phase};
-=======
-use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Shape};
+use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Shape, peeled};
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::{Extent, Family, Located, Model, Noise, Phase, System, Term};
->>>>>>> main
 use crate::symbolic::{Expr, Graph, Symbol};
 
 use interpreter::Interpreter;
