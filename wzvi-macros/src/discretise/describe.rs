@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use crate::discretise::Scheme;
-use crate::discretise::equations::MomentumUpdate;
 use crate::discretise::embedding::Embedding;
+use crate::discretise::equations::MomentumUpdate;
 use crate::discretise::facts::{Facts, Knowledge, NoiseClass};
 use crate::discretise::lagrangian::StepSymbols;
 use crate::discretise::structure::{Block, Solution, Unknown};

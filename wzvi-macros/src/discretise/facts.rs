@@ -153,12 +153,13 @@ impl Facts {
         let Hamiltonians { mut space, t, drift, noise, numbers, invariants } = hamiltonians;
         let all_noise: Sum = noise.concat();
         let (q, p) = (Half::Coordinates, Half::Momenta);
-        let half_defect_sum = Rate::of(space.contract(graph, (&all_noise, q), (&all_noise, p), Increments::Diagonal));
+        let half_defect_sum =
+            Rate::of(space.contract(graph, (&all_noise, q), (&all_noise, p), Increments::Diagonal));
         let defect_is_constant =
             half_defect_sum.known(|sum| space.is_constant(graph, sum, Increments::Diagonal));
         let counter_term = space.contract(graph, (&all_noise, q), (&all_noise, p), Increments::Together);
-        let counter_term_is_constant = Rate::of(counter_term.clone())
-            .known(|sum| space.is_constant(graph, sum, Increments::Together));
+        let counter_term_is_constant =
+            Rate::of(counter_term.clone()).known(|sum| space.is_constant(graph, sum, Increments::Together));
 
         let explicit_rate = space.partial(graph, &drift, t);
         let mut conserves_energy = vec![space.vanishes(graph, &explicit_rate, Increments::Each)];
@@ -168,7 +169,8 @@ impl Facts {
             conserves_energy.push(rate.known(|sum| space.vanishes(graph, sum, Increments::Each)));
             energy_rates.push(rate.sum);
         }
-        let is_separable = drift.iter().chain(&all_noise).all(|weighted| weighted.element.reads() != Reads::Both);
+        let is_separable =
+            drift.iter().chain(&all_noise).all(|weighted| weighted.element.reads() != Reads::Both);
         let has_diagonal_kinetic_energy = drift
             .iter()
             .chain(&all_noise)
@@ -303,7 +305,8 @@ fn is_diagonal(graph: &mut Graph, element: &Element) -> bool {
 }
 
 fn noise_class(graph: &mut Graph, noise: &Sum) -> NoiseClass {
-    let reads_only = |reads: Reads| noise.iter().all(|w| [reads, Reads::Nothing].contains(&w.element.reads()));
+    let reads_only =
+        |reads: Reads| noise.iter().all(|w| [reads, Reads::Nothing].contains(&w.element.reads()));
     if noise.is_empty() {
         NoiseClass::None
     } else if noise.iter().all(|weighted| is_affine(graph, &weighted.element)) {

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::plan::{Unknowns, unknowns};
-use crate::discretise::embedding::Embedding;
 use crate::discretise::describe::properties;
+use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, System, Table};

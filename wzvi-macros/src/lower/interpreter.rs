@@ -9,6 +9,7 @@ use super::scope::Scope;
 use super::sized::Loops;
 use super::value::{Place, Value};
 use crate::diagnostics::{Diagnostics, expressions};
+use crate::functions::{Function, Library};
 use crate::input::{Container, Kind};
 use crate::model::Parameter;
 use crate::symbolic::{Expr, Graph, Rational};
@@ -32,6 +33,11 @@ pub(super) struct Interpreter<'a, 'd> {
     pub(super) parameters: Parameters,
     pub(super) scope: Scope,
     pub(super) closures: Vec<Closure<'a>>,
+    /// The shared functions of the declaration, and of the shared function that is being evaluated.
+    pub(super) root: Option<&'a Library>,
+    pub(super) library: Option<&'a Library>,
+    /// The shared functions around the current expression.
+    pub(super) calls: Vec<&'a Function>,
     /// Number of undecided branches around the current expression.
     pub(super) branch: u32,
     /// In a system of elements: its loops, tables and local variables.
@@ -52,6 +58,9 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             parameters: Parameters::default(),
             scope: Scope::default(),
             closures: Vec::new(),
+            root: None,
+            library: None,
+            calls: Vec::new(),
             branch: 0,
             sized: None,
             names: ["q".to_owned(), "p".to_owned()],
@@ -66,6 +75,8 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     pub(super) fn start(&mut self) {
         self.scope = Scope::default();
         self.closures.clear();
+        self.calls.clear();
+        self.library = self.root;
         (self.branch, self.steps, self.depth, self.exhausted) = (0, 0, 0, false);
     }
 

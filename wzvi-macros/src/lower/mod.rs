@@ -33,6 +33,8 @@ use sized::Loops;
 use streams::{Array, Source};
 use value::Value;
 
+pub(crate) use floats::is_real_method;
+pub(crate) use names::{is_self, real_function};
 pub(crate) use sized::Sum;
 
 /// Lowers every closure. `None` only after an error was reported.
@@ -45,6 +47,7 @@ pub(crate) fn lower(
     let mut graph = Graph::new();
     let phase = symbols(&mut graph, phase_space);
     let mut interpreter = Interpreter::new(graph, &system, diagnostics);
+    interpreter.root = Some(&declaration.library);
     let mut wrong_count = None;
     let shape = &phase_space.shape;
     let mut lower_one = |hamiltonian, k| lower_closure(&mut interpreter, hamiltonian, shape, &phase, k);
@@ -150,6 +153,7 @@ pub(crate) fn lower_elements(
     let mut graph = Graph::new();
     let t = graph.new_symbol(&phase_space.t);
     let mut interpreter = Interpreter::new(graph, system, diagnostics);
+    interpreter.root = Some(&declaration.library);
     interpreter.sized = Some(Loops::default());
     let name = |names: &[String], fallback: &str| {
         let first = names.first().map_or(fallback, |name| name.split('[').next().unwrap_or(fallback));

@@ -151,7 +151,7 @@ impl<'a> Interpreter<'a, '_> {
 }
 
 /// `self`, in parentheses or not.
-pub(super) fn is_self(syntax: &Syntax) -> bool {
+pub(crate) fn is_self(syntax: &Syntax) -> bool {
     match syntax {
         Syntax::Path(path) => path.path.is_ident("self"),
         Syntax::Paren(inner) => is_self(&inner.expr),
@@ -162,7 +162,7 @@ pub(super) fn is_self(syntax: &Syntax) -> bool {
 }
 
 /// The method behind a path such as `f64::sin`.
-pub(super) fn real_function(path: &ExprPath) -> Option<String> {
+pub(crate) fn real_function(path: &ExprPath) -> Option<String> {
     let segments = &path.path.segments;
     let name = segments.last()?.ident.to_string();
     let of_f64 = match &path.qself {

@@ -409,7 +409,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             let (groups, [x, correction, previous]) = Corrected::<S, 4>::of(x, correction, previous);
             let (state, rest) = self.p.as_chunks::<4>();
             groups.are_small(state.iter().copied(), ratio)
-                && Corrected::<S, 1>::of(x, correction, previous).0.are_small(rest.iter().map(|&p| [p]), ratio)
+                && Corrected::<S, 1>::of(x, correction, previous)
+                    .0
+                    .are_small(rest.iter().map(|&p| [p]), ratio)
         }
     }
 

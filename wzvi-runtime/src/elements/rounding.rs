@@ -35,11 +35,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// Evaluates the equations at all numbers that round to `x`.
     #[cold]
     #[inline(never)]
-    pub(super) fn round<'r>(
-        &self,
-        x: &[S],
-        rounding: &'r mut Option<Box<Rounding>>,
-    ) -> &'r Rounding {
+    pub(super) fn round<'r>(&self, x: &[S], rounding: &'r mut Option<Box<Rounding>>) -> &'r Rounding {
         let rounding = rounding.get_or_insert_default();
         let Rounding { q, p, dw, work } = &mut **rounding;
         lift(self.q, q, Rounded::exact);

@@ -317,7 +317,9 @@ mod tests {
     #[test]
     fn poles_and_corners_do_not_lose_the_error() {
         for x in [Rounded::nearest(1.0), Rounded { value: 0.0, error: 1e-16 }] {
-            for y in [x.sqrt(), x.cbrt(), x.asin(), x.acos(), x.powi(3), x.powi(2), x * x, x.cos(), x.hypot(x)] {
+            for y in
+                [x.sqrt(), x.cbrt(), x.asin(), x.acos(), x.powi(3), x.powi(2), x * x, x.cos(), x.hypot(x)]
+            {
                 assert!(y.error > 0.0 && y.error < 1e-4, "{x:?} {y:?}");
             }
         }

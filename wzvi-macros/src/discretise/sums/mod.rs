@@ -49,7 +49,9 @@ impl Half {
     /// The index of a slot in this half.
     fn index(self, slot: &Slot) -> Option<&Index> {
         match (self, slot) {
-            (Self::Coordinates, Slot::Coordinate(index)) | (Self::Momenta, Slot::Momentum(index)) => Some(index),
+            (Self::Coordinates, Slot::Coordinate(index)) | (Self::Momenta, Slot::Momentum(index)) => {
+                Some(index)
+            }
             _ => None,
         }
     }
