@@ -200,6 +200,18 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.report(expressions::unsupported(at, what, remedy))
     }
 
+    /// The value of a Hamiltonian.
+    pub(super) fn energy(&mut self, value: Value, at: &dyn ToTokens) -> Option<Expr> {
+        match value {
+            Value::Tuple(ref parts) if parts.items.is_empty() => self.real(value, at),
+            Value::List(_) | Value::Tuple(_) | Value::Array(_) => {
+                self.report(expressions::vector_as_energy(at.to_token_stream(), value.describe()));
+                None
+            }
+            value => self.real(value, at),
+        }
+    }
+
     /// `value` as a real number; what it is instead is reported at `at`.
     pub(super) fn real(&mut self, value: Value, at: &dyn ToTokens) -> Option<Expr> {
         let error = match value {

@@ -127,7 +127,7 @@ fn lower_closure<'a>(
         interpreter.bind(pattern, value);
     }
     let value = interpreter.evaluate(&closure.body);
-    let value = interpreter.real(value, interpreter::result_of(&closure.body))?;
+    let value = interpreter.energy(value, interpreter::result_of(&closure.body))?;
     Some(Located { value, extent: Extent::of(&closure.body) })
 }
 
@@ -267,7 +267,7 @@ fn lower_sized<'a>(
     interpreter.sized.as_mut()?.active.clone_from(&outer);
     let value = interpreter.evaluate(&closure.body);
     let result = interpreter::result_of(&closure.body);
-    let value = interpreter.real(value, result)?;
+    let value = interpreter.energy(value, result)?;
     let loops = interpreter.sized.as_mut()?;
     loops.active.clear();
     let parts = Parts::new(std::mem::take(&mut loops.sums), loops.locals.clone());
