@@ -8,6 +8,7 @@ fn relative(r: f64) -> f64 {
 }
 
 #[hamiltonian_fn]
+#[allow(unconditional_recursion)]
 fn endless(n: f64) -> f64 {
     endless(n - 1.0)
 }
