@@ -29,6 +29,14 @@ pub(crate) fn expand_with(attribute: TokenStream, item: TokenStream, library: Li
     }
 }
 
+/// Whether the expansion would report errors.
+pub(crate) fn has_errors(attribute: TokenStream, item: TokenStream, library: Library) -> bool {
+    let mut diagnostics = Diagnostics::new();
+    let mut stubs = Stubs::unrecognised(TokenStream::new());
+    compile(attribute, item, library, &mut stubs, &mut diagnostics);
+    diagnostics.finish().is_err()
+}
+
 /// Every pass, in order. `None` only after an error was reported.
 fn compile(
     attribute: TokenStream,
