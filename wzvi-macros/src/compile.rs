@@ -6,6 +6,7 @@ use crate::backend::{back_end, elements_back_end};
 use crate::diagnostics::Diagnostics;
 use crate::elements::collect::collect;
 use crate::emit::stubs::Stubs;
+use crate::functions::{self, Library};
 use crate::input;
 use crate::lower::lower;
 use crate::unroll::{unroll, written_out, written_out_whole};
@@ -13,9 +14,17 @@ use crate::unroll::{unroll, written_out, written_out_whole};
 /// The expansion of `#[hamiltonian(attribute)] item`: the struct with its integrators, or errors at the user's tokens
 /// with the struct and stubs, so that `rustc` adds nothing to them.
 pub(crate) fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
+    match functions::questions(&attribute, &item) {
+        Some(questions) => questions,
+        None => expand_with(attribute, item, Library::default()),
+    }
+}
+
+/// The same where the functions that the Hamiltonians call are known.
+pub(crate) fn expand_with(attribute: TokenStream, item: TokenStream, library: Library) -> TokenStream {
     let mut diagnostics = Diagnostics::new();
     let mut stubs = Stubs::unrecognised(item.clone());
-    let expansion = compile(attribute, item, &mut stubs, &mut diagnostics);
+    let expansion = compile(attribute, item, library, &mut stubs, &mut diagnostics);
     match diagnostics.finish() {
         Ok(()) => expansion.unwrap_or_default(),
         Err(errors) => stubs.with_errors(&errors),
@@ -26,12 +35,14 @@ pub(crate) fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
 fn compile(
     attribute: TokenStream,
     item: TokenStream,
+    library: Library,
     stubs: &mut Stubs,
     diagnostics: &mut Diagnostics,
 ) -> Option<TokenStream> {
     // read
     let container = input::read_struct(item, diagnostics);
     let mut declaration = input::read_attribute(attribute, diagnostics)?;
+    declaration.library = library;
     let container = container?;
     stubs.recognise(&container.item, &declaration);
     let phase_space = input::read_phase_space(&mut declaration, diagnostics)?;

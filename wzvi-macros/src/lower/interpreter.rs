@@ -11,6 +11,7 @@ use super::sequences::Stream;
 use super::tables::Tables;
 use super::value::{Place, Value};
 use crate::diagnostics::{Diagnostics, expressions};
+use crate::functions::{Function, Library};
 use crate::input::{Container, Kind};
 use crate::model::symbols::Symbols;
 use crate::model::{Parameter, Table};
@@ -35,6 +36,11 @@ pub(super) struct Interpreter<'a, 'd> {
     pub(super) parameters: Parameters,
     pub(super) scope: Scope,
     pub(super) closures: Vec<Closure<'a>>,
+    /// The shared functions of the declaration, and of the shared function that is being evaluated.
+    pub(super) root: Option<&'a Library>,
+    pub(super) library: Option<&'a Library>,
+    /// The shared functions around the current expression.
+    pub(super) calls: Vec<&'a Function>,
     /// Number of undecided branches around the current expression.
     pub(super) branch: u32,
     pub(super) symbols: Symbols,
@@ -59,6 +65,9 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             parameters: Parameters::default(),
             scope: Scope::default(),
             closures: Vec::new(),
+            root: None,
+            library: None,
+            calls: Vec::new(),
             branch: 0,
             symbols,
             tables: Tables::default(),
@@ -75,6 +84,8 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.scope = Scope::default();
         self.closures.clear();
         self.loops = Loops::default();
+        self.calls.clear();
+        self.library = self.root;
         (self.branch, self.steps, self.depth, self.exhausted) = (0, 0, 0, false);
     }
 
