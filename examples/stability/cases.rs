@@ -10,8 +10,8 @@ use wzvi::simulate::{Node, Simulation};
 
 use crate::Row;
 use crate::systems::{
-    DoubleWell, HenonHeiles, Kepler, Kubo, LennardJones, Oscillator, Pendulum, PolarSpring, Spring, Squeeze,
-    TwoMasses,
+    DoubleWell, HenonHeiles, Kepler, Kubo, LennardJones, MixedChain, Oscillator, Pendulum, PolarSpring,
+    ScaledWell, Spring, Squeeze, TwoMasses, Well,
 };
 
 /// One degree of freedom.
@@ -274,7 +274,7 @@ fn scales() -> Result<Vec<Row>, Error> {
 /// The drift is the largest move from the start, in units of the scale: rounding of the place where there is no motion.
 fn rest() -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
-    for a in [0.5, 2.0, 5.5] {
+    for a in [0.5_f64, 2.0, 5.5] {
         let (well, bottom) = (Well { a }, a.sqrt());
         for amplitude in [0.0, 1e-10, 1e-8] {
             let start = State::new([bottom + amplitude], [0.0]);
