@@ -6,17 +6,19 @@ use crate::check::check;
 use crate::diagnostics::Diagnostics;
 use crate::discretise::describe::describe;
 use crate::discretise::embedding::Embedding;
-use crate::discretise::facts::Facts;
+use crate::discretise::facts::{Facts, Hamiltonians};
 use crate::discretise::{Scheme, discretise};
 use crate::elements;
 use crate::emit::emit;
-use crate::model::Model;
+use crate::model::{Model, System};
 
-/// The struct with everything that the compiler gives it; nothing if a check failed.
+/// The struct with everything that the compiler gives it, as straight-line code; nothing if a check failed.
 pub(crate) fn back_end(mut model: Model, diagnostics: &mut Diagnostics) -> TokenStream {
-    let facts = Facts::new(&mut model);
-    check(&mut model, &facts, diagnostics);
-    if diagnostics.has_errors() {
+    let hamiltonians = Hamiltonians::of_model(&model);
+    let facts = Facts::new(&mut model.graph, hamiltonians);
+    let objections = check(&mut model.graph, &model.embeddings, &facts);
+    if !objections.is_empty() {
+        objections.into_iter().for_each(|objection| diagnostics.report(objection));
         return TokenStream::new();
     }
     let embeddings: Vec<Embedding> =
@@ -26,20 +28,19 @@ pub(crate) fn back_end(mut model: Model, diagnostics: &mut Diagnostics) -> Token
     emit(&mut model, &facts, &schemes, &equations)
 }
 
-/// [`back_end`] for a system whose sums stay loops.
+/// [`back_end`] in loops; the system again, with what speaks against it, if a check failed.
 pub(crate) fn elements_back_end(
-    mut model: elements::model::Model,
-    diagnostics: &mut Diagnostics,
-) -> TokenStream {
-    let facts = elements::facts::Facts::new(&mut model);
-    elements::facts::check(&mut model, &facts, diagnostics);
-    if diagnostics.has_errors() {
-        return TokenStream::new();
+    mut system: Box<System>,
+) -> Result<TokenStream, (Box<System>, Vec<syn::Error>)> {
+    let hamiltonians = Hamiltonians::of_system(&system);
+    let facts = Facts::new(&mut system.graph, hamiltonians);
+    let objections = check(&mut system.graph, &system.embeddings, &facts);
+    if !objections.is_empty() {
+        return Err((system, objections));
     }
-    let equations: Vec<String> = model
-        .embeddings
-        .iter()
-        .map(|embedding| elements::describe::describe(&model, &facts, &embedding.value))
-        .collect();
-    elements::emit::emit(&mut model, &facts, &equations)
+    let embeddings: Vec<Embedding> =
+        system.embeddings.iter().map(|embedding| embedding.value.clone()).collect();
+    let equations: Vec<String> =
+        embeddings.iter().map(|e| elements::describe::describe(&mut system, &facts, e)).collect();
+    Ok(elements::emit::emit(&mut system, &facts, &equations))
 }

@@ -1,10 +1,24 @@
-//! What the front end hands to the discretisation: the user's Hamiltonians as symbolic expressions.
+//! What the front end hands on: the user's Hamiltonians as sums of elements.
+//!
+//! ```text
+//! H = Σ_e Σ_(loops of e) H_e(locals of e)
+//! ```
+//!
+//! An element is a scalar expression without loops, in a few local variables, and the loops that place it. A local
+//! variable is a component of `q` or `p`, an entry of a field, or a number made of loop variables; its index is an
+//! [`Index`]. The element of a small system has no loops and locals with constant indices: that is all that sets it apart.
 
 use proc_macro2::{Ident, Span, TokenStream, TokenTree};
 use quote::ToTokens;
 
+use self::index::{Index, Loop};
+use self::symbols::Symbols;
 use crate::discretise::embedding::Embedding;
+use crate::input::Shape;
 use crate::symbolic::{Expr, Graph, Symbol};
+
+pub(crate) mod index;
+pub(crate) mod symbols;
 
 /// The phase space: one symbol per coordinate and momentum, in the order of the state vector, and time.
 pub(crate) struct Phase {
@@ -49,7 +63,161 @@ impl ToTokens for Extent {
     }
 }
 
-/// Everything that was declared, lowered.
+/// A list or an integer that the struct or a constant holds.
+#[derive(Clone)]
+pub(crate) struct Table {
+    /// As it is displayed.
+    pub(crate) name: String,
+    /// As it is read in a method of the struct.
+    pub(crate) tokens: TokenStream,
+    /// What follows the indices: the part of a tuple, or the length of a list inside.
+    pub(crate) suffix: TokenStream,
+    /// Whether its entries are known not to be negative.
+    pub(crate) is_unsigned: bool,
+    /// The lengths of the list and of those inside of it, where they are literals.
+    pub(crate) lengths: Vec<Option<usize>>,
+}
+
+/// Where the value of a local variable is.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub(crate) enum Slot {
+    /// Component of the coordinates, counted as in the state vector.
+    Coordinate(Index),
+    /// Component of the momenta.
+    Momentum(Index),
+    /// Entry of a list of real numbers.
+    Entry(u32, Vec<Index>),
+    /// An integer as a real number.
+    Number(Index),
+}
+
+/// A local variable.
+#[derive(Clone)]
+pub(crate) struct Local {
+    pub(crate) symbol: Symbol,
+    pub(crate) slot: Slot,
+}
+
+/// A scalar function and the loops that place it, outermost first.
+#[derive(Clone)]
+pub(crate) struct Element {
+    pub(crate) loops: Vec<Loop>,
+    pub(crate) value: Expr,
+    /// The variables that `value` reads, in order of creation.
+    pub(crate) locals: Vec<Local>,
+}
+
+/// What of the state an element reads.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Reads {
+    Nothing,
+    Coordinates,
+    Momenta,
+    Both,
+}
+
+impl Element {
+    pub(crate) fn coordinates(&self) -> impl Iterator<Item = (Symbol, &Index)> {
+        self.locals.iter().filter_map(|local| match &local.slot {
+            Slot::Coordinate(index) => Some((local.symbol, index)),
+            _ => None,
+        })
+    }
+
+    pub(crate) fn momenta(&self) -> impl Iterator<Item = (Symbol, &Index)> {
+        self.locals.iter().filter_map(|local| match &local.slot {
+            Slot::Momentum(index) => Some((local.symbol, index)),
+            _ => None,
+        })
+    }
+
+    pub(crate) fn reads(&self) -> Reads {
+        match (self.coordinates().next().is_some(), self.momenta().next().is_some()) {
+            (false, false) => Reads::Nothing,
+            (true, false) => Reads::Coordinates,
+            (false, true) => Reads::Momenta,
+            (true, true) => Reads::Both,
+        }
+    }
+}
+
+/// A Hamiltonian.
+#[derive(Clone)]
+pub(crate) struct Term {
+    /// As the user wrote it, with a symbol for each sum.
+    pub(crate) expression: Expr,
+    /// Each reads only coordinates, only momenta, or what cannot be parted: for derivatives.
+    pub(crate) elements: Vec<Element>,
+    /// The same sum as the user wrote it: for values, which keep its digits.
+    pub(crate) values: Vec<Element>,
+    pub(crate) extent: Extent,
+}
+
+/// A noise, or a family of them: one closure for several noises that differ in a number.
+#[derive(Clone)]
+pub(crate) struct Noise {
+    pub(crate) term: Term,
+    pub(crate) family: Option<Family>,
+}
+
+/// The members `0..count` of a family of noises; `variable` is the loop variable that counts them. It is the outermost loop
+/// of every element of the family.
+#[derive(Clone)]
+pub(crate) struct Family {
+    pub(crate) variable: u32,
+    pub(crate) count: Index,
+}
+
+/// Everything that was declared, lowered: every Hamiltonian as a sum of elements.
+pub(crate) struct System {
+    pub(crate) graph: Graph,
+    pub(crate) shape: Shape,
+    /// The outermost size: the number of points.
+    pub(crate) size: Index,
+    /// Components of a point.
+    pub(crate) components: i128,
+    /// Names of coordinates and momenta.
+    pub(crate) names: [String; 2],
+    /// What the symbols in it stand for, besides time and parameters.
+    pub(crate) symbols: Symbols,
+    pub(crate) t: Symbol,
+    pub(crate) parameters: Vec<Parameter>,
+    pub(crate) tables: Vec<Table>,
+    pub(crate) drift: Term,
+    /// In the order of their increments.
+    pub(crate) noise: Vec<Noise>,
+    pub(crate) invariants: Vec<Term>,
+    pub(crate) embeddings: Vec<Located<Embedding>>,
+    /// The struct: attributes, visibility, name, generics and fields, to be emitted unchanged.
+    pub(crate) item: syn::ItemStruct,
+    /// Path of the facade crate as the user's crate knows it, `::wzvi` by default.
+    pub(crate) crate_path: syn::Path,
+    /// Functions that repeat the user's closures for `rustc` to type-check at the user's spans; never called.
+    pub(crate) type_checks: TokenStream,
+}
+
+impl System {
+    /// The drift, the noises, the first integrals.
+    pub(crate) fn terms(&self) -> impl Iterator<Item = &Term> {
+        let noise = self.noise.iter().map(|noise| &noise.term);
+        [&self.drift].into_iter().chain(noise).chain(&self.invariants)
+    }
+
+    /// For each noise the number of noises before it, members of families counted one by one; at last the number of all.
+    pub(crate) fn noise_offsets(&self) -> Vec<Index> {
+        let mut offsets = vec![Index::default()];
+        let mut total = Index::default();
+        for noise in &self.noise {
+            let count = noise.family.as_ref().map_or(Index::integer(1), |family| family.count.clone());
+            // A count beyond all integers is refused where it is lowered.
+            total = total.add(&count).unwrap_or_default();
+            offsets.push(total.clone());
+        }
+        offsets
+    }
+}
+
+/// A [`System`] whose degrees of freedom are variables of their own: every Hamiltonian as one expression without loops.
 pub(crate) struct Model {
     pub(crate) graph: Graph,
     pub(crate) phase: Phase,

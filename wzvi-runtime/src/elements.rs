@@ -10,8 +10,9 @@
 //!
 //! An implicit step iterates `x ← φ(x)` while that contracts by [`CONTRACTS`] or better, which for steps that are not
 //! stiff is several times cheaper than Newton's method, and otherwise by Newton's method with the factors of an earlier
-//! iteration as long as they contract as well. Either way it ends when the corrections are at rounding level, so that
-//! the choice changes the cost and no digit that counts. Where neither converges the stepper solves the step with care.
+//! iteration as long as they contract as well. Either way it ends when each correction is at the rounding
+//! of its unknown, or each equation at the rounding of its own terms, so that the choice changes the cost and no digit that
+//! counts. Where neither converges the stepper solves the step with care.
 //!
 //! The linear equations of Newton's method are solved in the band that a renumbering of the unknowns leaves where that is
 //! narrow or small ([`Method::Band`]: chains, rings, networks, anything of a hundred unknowns), else by GMRES from
@@ -22,6 +23,9 @@ mod iterate;
 mod jacobian;
 mod memory;
 mod passes;
+#[doc(hidden)]
+pub mod places;
+mod rounding;
 
 pub use iterate::{Scheme, Unknowns, advance};
 pub use memory::{CompensationVec, Memory};
@@ -104,9 +108,13 @@ pub trait Curvature<S> {
 
 /// A system whose Hamiltonians are sums of elements.
 pub trait Elements: Hamiltonian {
-    /// Number of degrees of freedom that the indices ask for; `None` if one is negative or beyond the end of a table.
-    /// Indices that the compiler has shown to be in range are not looked at.
-    fn required(&self, degrees: usize) -> Option<usize>;
+    /// What the elements read and the compiler has not shown to be there.
+    #[doc(hidden)]
+    const PLACES: places::Places;
+
+    /// A part of the list `table` of [`Elements::PLACES`], or of the list inside of it at the indices `outer`.
+    #[doc(hidden)]
+    fn entries(&self, table: usize, outer: &[usize], range: std::ops::Range<usize>) -> places::Entries;
 
     /// Adds the weighted slopes to `by_q` and `by_p`. All slices have the degrees of freedom that were checked.
     fn slopes<S: Scalar>(&self, terms: Terms, at: &Point<'_, S>, by_q: &mut [S], by_p: &mut [S]);
@@ -118,27 +126,25 @@ pub trait Elements: Hamiltonian {
 /// Whether a state of `got` degrees of freedom fits the system.
 ///
 /// # Errors
-/// [`StepFailure::Dimension`] if it does not, [`StepFailure::NonFinite`] if an index is beyond a table.
+/// [`StepFailure::Dimension`] if it does not, [`StepFailure::Index`] if an integer of the system is out of range.
 pub fn check<H: Elements>(system: &H, got: usize) -> Result<(), StepFailure> {
     let expected = system.degrees();
     if expected != 0 && expected != got {
         return Err(StepFailure::Dimension { expected, got });
     }
-    match system.required(got) {
-        Some(required) if required <= got => Ok(()),
-        Some(required) => Err(StepFailure::Dimension { expected: required, got }),
-        None => Err(StepFailure::NonFinite),
-    }
+    places::check(system, got)
 }
 
 /// The check that the making of a stepper does.
 ///
 /// # Errors
-/// [`ConfigError::Parameter`] if an index is out of range.
+/// [`ConfigError::Index`] if an index is out of range.
 pub fn prepare<H: Elements>(system: &H) -> Result<(), ConfigError> {
     match system.degrees() {
         0 => Ok(()),
-        degrees => check(system, degrees).map_err(|_| ConfigError::Parameter),
+        degrees => {
+            places::index_error(system, degrees).map_or(Ok(()), |error| Err(ConfigError::Index(error)))
+        }
     }
 }
 

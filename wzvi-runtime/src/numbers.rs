@@ -84,6 +84,7 @@ pub enum Tape {
 
 impl Tape {
     /// The words of everything that `pass` shows.
+    #[cfg(any(test, feature = "serde", feature = "mpi"))]
     pub(crate) fn write(pass: impl FnOnce(&mut Self)) -> Vec<u64> {
         let mut tape = Self::Writing(Vec::new());
         pass(&mut tape);
@@ -94,6 +95,7 @@ impl Tape {
     }
 
     /// Replaces everything that `pass` shows by the words; `None` if there are more or fewer of them.
+    #[cfg(any(test, feature = "serde", feature = "mpi"))]
     pub(crate) fn read(words: Vec<u64>, pass: impl FnOnce(&mut Self)) -> Option<()> {
         let mut tape = Self::Reading { words: words.into_iter(), short: false };
         pass(&mut tape);

@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use super::facts::{Facts, is_consistent};
-use super::index::{Atom, Index};
-use super::model::{Element, Model, Noises, Table};
 use super::plan::{Unknowns, unknowns};
+use crate::discretise::describe::properties;
 use crate::discretise::embedding::Embedding;
-use crate::discretise::facts::Knowledge;
+use crate::discretise::facts::Facts;
+use crate::model::index::{Atom, Index};
+use crate::model::{Element, System, Table};
 use crate::symbolic::Rational;
 
 const LETTERS: [&str; 6] = ["i", "j", "k", "l", "m", "n"];
@@ -20,28 +20,25 @@ pub(crate) fn index<'a>(
 ) -> String {
     let mut text = String::new();
     for (atom, coefficient) in &index.terms {
-        let two = |both: &(Index, Index), sign: &str| {
-            let inner = |part: &Index| self::index(part, table, letter);
-            format!("({}){sign}({})", inner(&both.0), inner(&both.1))
+        let inner = |part: &Index| self::index(part, table, letter);
+        let operand = |part: &Index| match (part.terms.as_slice(), part.constant) {
+            ([(_, 1)], 0) | ([], 0..) => inner(part),
+            _ => format!("({})", inner(part)),
         };
-        let two_of = |both: &(Index, Index), name: &str| {
-            let inner = |part: &Index| self::index(part, table, letter);
-            format!("{name}({}, {})", inner(&both.0), inner(&both.1))
-        };
+        let two =
+            |both: &(Index, Index), sign: &str| format!("{}{sign}{}", operand(&both.0), operand(&both.1));
+        let two_of =
+            |both: &(Index, Index), name: &str| format!("{name}({}, {})", inner(&both.0), inner(&both.1));
         let atom = match atom {
             Atom::Loop(variable) => letter(*variable).to_owned(),
             Atom::Size => "n".to_owned(),
             Atom::Given(id, indices) => {
-                let indices: Vec<String> =
-                    indices.iter().map(|i| format!("[{}]", self::index(i, table, letter))).collect();
+                let indices: Vec<String> = indices.iter().map(|i| format!("[{}]", inner(i))).collect();
                 format!("{}{}", table(*id), indices.concat())
             }
-            Atom::Product(both) => two(both, " "),
-            Atom::Quotient(both) => two(both, "/"),
-            Atom::Remainder(both) => {
-                let inner = |part: &Index| self::index(part, table, letter);
-                format!("({} mod {})", inner(&both.0), inner(&both.1))
-            }
+            Atom::Product(both) => two(both, " * "),
+            Atom::Quotient(both) => format!("({})", two(both, " / ")),
+            Atom::Remainder(both) => format!("({} mod {})", operand(&both.0), operand(&both.1)),
             Atom::Minimum(both) => two_of(both, "min"),
             Atom::Maximum(both) => two_of(both, "max"),
         };
@@ -64,50 +61,64 @@ pub(crate) fn index<'a>(
     text
 }
 
-/// `Σ_{i=0}^{n-1} (...)`
-fn element(model: &Model, element: &Element) -> String {
-    let tables: &[Table] = &model.tables;
+/// The name of a loop variable of `element`, by its nesting.
+fn letter(element: &Element, variable: u32) -> &'static str {
+    let depth = element.loops.iter().position(|known| known.variable == variable);
+    depth.map_or("k", |depth| LETTERS[depth.min(LETTERS.len() - 1)])
+}
+
+/// An index in the loops of `element`.
+pub(crate) fn index_in(system: &System, element: &Element, index: &Index) -> String {
+    let tables: &[Table] = &system.tables;
     let table = |id: u32| tables.get(id as usize).map_or("?", |table| table.name.as_str());
-    let letter = |variable: u32| {
-        let depth = element.loops.iter().position(|known| known.variable == variable);
-        depth.map_or("k", |depth| LETTERS[depth.min(LETTERS.len() - 1)])
-    };
+    self::index(index, &table, &|variable| letter(element, variable))
+}
+
+/// `Σ_{i=0}^{n-1} (...)`
+fn element(model: &System, element: &Element) -> String {
     let mut text = String::new();
     for known in &element.loops {
         let last = known.end.shifted(-1).unwrap_or_default();
-        let (start, last) = (index(&known.start, &table, &letter), index(&last, &table, &letter));
-        let _ = write!(text, "Σ_({}={start}..{last}) ", letter(known.variable));
+        let (start, last) = (index_in(model, element, &known.start), index_in(model, element, &last));
+        let _ = write!(text, "Σ_({}={start}..{last}) ", letter(element, known.variable));
     }
     let _ = write!(text, "[{}]", model.graph.display(element.value));
     text
 }
 
-fn term(model: &Model, elements: &[Element]) -> String {
+fn term(model: &System, elements: &[Element]) -> String {
     let parts: Vec<String> = elements.iter().map(|part| element(model, part)).collect();
     if parts.is_empty() { "0".to_owned() } else { parts.join(" + ") }
 }
 
+/// The number of each noise as it is written behind `H`: `_k` for the members of a family, after the noises before it.
+pub(crate) fn noise_numbers(model: &System) -> Vec<String> {
+    let table = |id: u32| model.tables.get(id as usize).map_or("?", |table| table.name.as_str());
+    let numbers = model.noise.iter().zip(model.noise_offsets()).map(|(noise, offset)| {
+        let first = offset.shifted(1).unwrap_or_default();
+        match (&noise.family, offset.as_integer()) {
+            (None, Some(_)) => index(&first, &table, &|_| "k"),
+            (None, None) => format!("_({})", index(&first, &table, &|_| "k")),
+            (Some(_), Some(0)) => "_k".to_owned(),
+            (Some(_), _) => format!("_(k + {})", index(&offset, &table, &|_| "k")),
+        }
+    });
+    numbers.collect()
+}
+
 /// The text of one scheme.
-pub(crate) fn describe(model: &Model, facts: &Facts, embedding: &Embedding) -> String {
+pub(crate) fn describe(model: &mut System, facts: &Facts, embedding: &Embedding) -> String {
     let [q, p] = &model.names;
     let mut text = format!("{embedding}\n\nHamiltonians, as sums of elements\n");
     let _ = writeln!(text, "  H0 = {}", term(model, &model.drift.elements));
-    match &model.noises {
-        Noises::List(terms) => {
-            for (k, noise) in terms.iter().enumerate() {
-                let _ = writeln!(text, "  H{} = {}", k + 1, term(model, &noise.elements));
-            }
-        }
-        Noises::Family { term: noise, .. } => {
-            let _ = writeln!(text, "  H_k = {}", term(model, &noise.elements));
-        }
+    for (number, noise) in noise_numbers(model).iter().zip(&model.noise) {
+        let _ = writeln!(text, "  H{number} = {}", term(model, &noise.term.elements));
     }
     let (drift_l, noise_l) = embedding.quadrature();
     let point = |l: Rational| if l.is_zero() { format!("{q}_i") } else { format!("{q}_{{i+{l}}}") };
-    let noise = match (&model.noises, model.noises.is_empty()) {
-        (_, true) => String::new(),
-        (Noises::List(_), _) => format!(" - Σ_k ΔW_k H_k(P, {})", point(noise_l)),
-        (Noises::Family { .. }, _) => format!(" - Σ_k ΔW_k H_k(P, {})", point(noise_l)),
+    let noise = match model.noise.is_empty() {
+        true => String::new(),
+        false => format!(" - Σ_k ΔW_k H_k(P, {})", point(noise_l)),
     };
     let _ = writeln!(text, "\nDiscrete Lagrangian of the step from t_i to t_i + h");
     let _ = writeln!(text, "  L_d = P · Δ{q} - h H0(P, {}){noise}", point(drift_l));
@@ -130,22 +141,6 @@ pub(crate) fn describe(model: &Model, facts: &Facts, embedding: &Embedding) -> S
         Unknowns::Momenta => writeln!(text, "  solve for v (then Δ{q}): {iteration}"),
         Unknowns::Both => writeln!(text, "  solve for Δ{q}, v: {iteration}"),
     };
-    let _ = writeln!(text, "\nFacts");
-    if !model.noises.is_empty() {
-        let verdict = if is_consistent(facts, embedding) {
-            "converges to the Stratonovich system"
-        } else {
-            "not known to converge to the Stratonovich system"
-        };
-        let _ = writeln!(text, "  {verdict}");
-    }
-    for invariant in &model.invariants {
-        let _ = writeln!(text, "  first integral {}", term(model, &invariant.term.elements));
-    }
-    let energy = match facts.conserves_energy {
-        Knowledge::Proven => "is a first integral",
-        _ => "is not known to be a first integral",
-    };
-    let _ = writeln!(text, "  H0 {energy}");
+    properties(&mut model.graph, facts, embedding, &mut text);
     text
 }

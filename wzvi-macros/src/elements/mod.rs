@@ -6,7 +6,7 @@
 //!
 //! An element is a scalar expression without loops, in a few local variables, and the loops that place it. A local
 //! variable is a component of `q` or `p`, an entry of a field, or a number made of loop variables; its index is an
-//! [`index::Index`]. The discrete Lagrangian is then a sum of elements, too, `ℓ_e = -c H_e(P, Q_l)` with `c = h` or an
+//! [`crate::model::index::Index`]. The discrete Lagrangian is then a sum of elements, too, `ℓ_e = -c H_e(P, Q_l)` with `c = h` or an
 //! increment, beside `P · Δq`. Everything is derived from it element by element: derivatives are local and symbolic, and
 //! the emitted code adds them up in loops, so that neither its size nor the time to compile it depends on the size of
 //! the system.
@@ -18,11 +18,6 @@
 //! ```
 
 pub(crate) mod collect;
-pub(crate) mod counter;
 pub(crate) mod describe;
 pub(crate) mod emit;
-pub(crate) mod facts;
-pub(crate) mod index;
-pub(crate) mod invariants;
-pub(crate) mod model;
 pub(crate) mod plan;

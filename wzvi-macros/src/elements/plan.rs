@@ -11,9 +11,9 @@
 //! | every `l_m` is 0 | `v`: it is read nowhere else |
 //! | otherwise | `u` and `v` |
 
-use super::facts::Facts;
-use super::model::{Element, Model, Reads};
 use crate::discretise::embedding::Embedding;
+use crate::discretise::facts::Facts;
+use crate::model::{Element, Reads, System};
 use crate::symbolic::Rational;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -23,15 +23,15 @@ pub(crate) enum Unknowns {
     Both,
 }
 
-pub(crate) fn unknowns(model: &Model, facts: &Facts, embedding: &Embedding) -> Unknowns {
+pub(crate) fn unknowns(model: &System, facts: &Facts, embedding: &Embedding) -> Unknowns {
     let (drift_l, noise_l) = embedding.quadrature();
     let reads_q = |elements: &[Element]| {
         elements.iter().any(|element| matches!(element.reads(), Reads::Coordinates | Reads::Both))
     };
     let at_node = |l: Rational| l.is_zero() || l.is_one();
     let drift_at_node = at_node(drift_l) || !reads_q(&model.drift.elements);
-    let noise_at_node = at_node(noise_l) || model.noises.terms().iter().all(|term| !reads_q(&term.elements));
-    let all_at_start = drift_l.is_zero() && (noise_l.is_zero() || model.noises.is_empty());
+    let noise_at_node = at_node(noise_l) || model.noise.iter().all(|noise| !reads_q(&noise.term.elements));
+    let all_at_start = drift_l.is_zero() && (noise_l.is_zero() || model.noise.is_empty());
     // The counter-term reads coordinates and momenta.
     let is_separable = facts.is_separable && facts.counter_of(embedding).is_empty();
     if is_separable && drift_at_node && noise_at_node {

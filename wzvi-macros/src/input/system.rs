@@ -10,7 +10,7 @@ use super::nesting;
 use crate::diagnostics::{Diagnostics, messages};
 
 /// A struct that can carry a Hamiltonian system.
-pub(crate) struct System {
+pub(crate) struct Container {
     pub(crate) item: ItemStruct,
     pub(crate) fields: Vec<Field>,
     /// Const generics of integer type.
@@ -40,7 +40,7 @@ pub(crate) enum Kind {
 }
 
 /// Reads the struct that carries the attribute.
-pub(crate) fn read_struct(item: TokenStream, diagnostics: &mut Diagnostics) -> Option<System> {
+pub(crate) fn read_struct(item: TokenStream, diagnostics: &mut Diagnostics) -> Option<Container> {
     if let Some(token) = nesting::too_deep(&item) {
         diagnostics.report(messages::nested_too_deeply(token));
         return None;
@@ -68,7 +68,7 @@ pub(crate) fn read_struct(item: TokenStream, diagnostics: &mut Diagnostics) -> O
         }
         _ => None,
     });
-    Some(System { fields: fields.collect(), sizes: sizes.collect(), item })
+    Some(Container { fields: fields.collect(), sizes: sizes.collect(), item })
 }
 
 fn kind(ty: &Type) -> Kind {

@@ -10,11 +10,11 @@ use syn::visit_mut::VisitMut;
 use super::dereference::Dereference;
 use super::scope::context;
 use crate::emit::embedding_type;
-use crate::input::{Declaration, Field, Hamiltonian, Kind, Shape, System};
+use crate::input::{Container, Declaration, Field, Hamiltonian, Kind, Shape};
 
 /// A block of dead code with every closure, its parameters typed by the phase space, and with every scheme as it was
 /// written: it has to name the type that it was read as, and its import is in use.
-pub(super) fn type_checks(system: &System, declaration: &Declaration, shape: &Shape) -> TokenStream {
+pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: &Shape) -> TokenStream {
     let name = &system.item.ident;
     let (parameters, arguments, condition) = system.item.generics.split_for_impl();
     let checks = declaration.closures().map(|hamiltonian| check(system, hamiltonian));
@@ -70,7 +70,7 @@ pub(super) fn type_checks(system: &System, declaration: &Declaration, shape: &Sh
 }
 
 /// One closure, with the fields it names in scope.
-fn check(system: &System, hamiltonian: &Hamiltonian) -> TokenStream {
+fn check(system: &Container, hamiltonian: &Hamiltonian) -> TokenStream {
     let mut used = Vec::new();
     identifiers(hamiltonian.tokens.clone(), &mut used);
     let fields = system.fields.iter().flat_map(|field| bindings(field, &used));
@@ -140,7 +140,7 @@ fn identifiers(tokens: TokenStream, into: &mut Vec<Ident>) {
 }
 
 /// The closure with `*a` written `a` for scalar fields. Untouched, token for token, if there is no such thing.
-fn with_plain_scalars(system: &System, hamiltonian: &Hamiltonian) -> TokenStream {
+fn with_plain_scalars(system: &Container, hamiltonian: &Hamiltonian) -> TokenStream {
     let scalars: Vec<&Ident> = system
         .fields
         .iter()

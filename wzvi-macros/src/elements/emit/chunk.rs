@@ -9,8 +9,8 @@ use quote::{format_ident, quote};
 
 use super::indices::{Indices, variable};
 use super::kernel::Target;
-use crate::elements::index::{Atom, Index, Loop};
-use crate::elements::model::{Element, Local, Slot};
+use crate::model::index::{Atom, Index, Loop};
+use crate::model::{Element, Local, Slot};
 use crate::symbolic::Expr;
 
 /// Placements in one chunk, if there are buffers.

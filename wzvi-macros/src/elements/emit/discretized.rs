@@ -4,21 +4,21 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use crate::discretise::embedding::Embedding;
-use crate::elements::facts::{Facts, is_consistent};
-use crate::elements::model::Model;
+use crate::discretise::facts::Facts;
 use crate::elements::plan::{Unknowns, unknowns};
 use crate::emit::plan::Plan;
 use crate::emit::{embedding_type, f64_type};
 use crate::input::{Length, Shape};
+use crate::model::System;
 
 /// `impl Discretized<E>`
-pub(super) fn emit(model: &Model, facts: &Facts, embedding: &Embedding, text: &str) -> TokenStream {
+pub(super) fn emit(model: &System, facts: &Facts, embedding: &Embedding, text: &str) -> TokenStream {
     let chosen = unknowns(model, facts, embedding);
     let plan = plan(model, facts, embedding, chosen);
     let scheme = embedding_type(embedding, &quote!(__wzvi));
     let (drift_l, noise_l) = embedding.quadrature();
     let (drift_l, noise_l) = (drift_l.to_f64(), noise_l.to_f64());
-    let has_noise = !model.noises.is_empty();
+    let has_noise = !model.noise.is_empty();
     let remembers = !has_noise && chosen != Unknowns::None;
     let chosen = match chosen {
         Unknowns::None => quote!(None),
@@ -137,7 +137,7 @@ pub(super) fn emit(model: &Model, facts: &Facts, embedding: &Embedding, text: &s
     }
 }
 
-pub(super) fn plan(model: &Model, facts: &Facts, embedding: &Embedding, chosen: Unknowns) -> TokenStream {
+pub(super) fn plan(model: &System, facts: &Facts, embedding: &Embedding, chosen: Unknowns) -> TokenStream {
     let solver = if chosen == Unknowns::None { quote!(Explicit) } else { quote!(Newton) };
     let per_degree: usize = match chosen {
         Unknowns::None => 0,
@@ -147,6 +147,7 @@ pub(super) fn plan(model: &Model, facts: &Facts, embedding: &Embedding, chosen: 
     let components = usize::try_from(model.components).unwrap_or(1);
     let unknowns = match (&model.shape, per_degree) {
         (_, 0) => quote!(0),
+        (Shape::Real, _) => quote!(#per_degree),
         (Shape::Array(_, Length::Literal(len)), _) => {
             let unknowns = len * components * per_degree;
             quote!(#unknowns)
@@ -158,7 +159,7 @@ pub(super) fn plan(model: &Model, facts: &Facts, embedding: &Embedding, chosen: 
         solver,
         unknowns,
         noise: facts.noise,
-        consistent: is_consistent(facts, embedding),
+        consistent: facts.converges(embedding),
         conserves_energy: &facts.conserves_energy,
         commuting: &facts.commuting,
     }

@@ -2,81 +2,14 @@
 
 use super::indices::{Indices, variable};
 use super::{Wanted, degrees, element_code, noise_count, parameters, sizes, vector_type};
-use crate::elements::index::{Bounds, Index};
-use crate::elements::model::{Element, Model, Noises, Slot, Term};
 use crate::emit::{f64_type, parameter};
+use crate::model::index::Index;
+use crate::model::{Element, Family, Noise, System, Term};
 use proc_macro2::TokenStream;
 use quote::quote;
 
-/// The check of the indices that the compiler could not prove.
-pub(super) fn required(model: &Model) -> TokenStream {
-    let indices = Indices { tables: &model.tables, checked: true };
-    let isize = quote!(__wzvi::core::primitive::isize);
-    let mut checks = TokenStream::new();
-    let family = match &model.noises {
-        Noises::Family { .. } => model.noises.terms(),
-        Noises::List(list) => list.as_slice(),
-    };
-    let terms = [&model.drift].into_iter().chain(family).chain(model.invariants.iter().map(|i| &i.term));
-    for element in terms.flat_map(|term: &Term| &term.elements) {
-        let is_unsigned = |table: u32| model.tables.get(table as usize).is_some_and(|t| t.is_unsigned);
-        let bounds = Bounds { loops: &element.loops, is_unsigned: &is_unsigned };
-        let components = Index::integer(model.components);
-        let total = model.size.multiply(&components).unwrap_or_default();
-        let mut body = TokenStream::new();
-        for local in &element.locals {
-            match &local.slot {
-                Slot::Coordinate(index) | Slot::Momentum(index) => {
-                    let rest = total.subtract(index).and_then(|rest| rest.shifted(-1));
-                    let proven =
-                        bounds.is_nonnegative(index) && rest.is_some_and(|rest| bounds.is_nonnegative(&rest));
-                    if !proven {
-                        let position = indices.position(index);
-                        body.extend(quote! {
-                            __required = __wzvi::core::cmp::Ord::max(__required, #position.checked_add(1)?);
-                        });
-                    }
-                }
-                Slot::Entry(table, entries) => {
-                    let entry = indices.entry(*table, entries);
-                    body.extend(quote!(let _ = #entry;));
-                }
-                Slot::Number(index) => {
-                    let value = indices.value(index);
-                    body.extend(quote!(let _ = #value;));
-                }
-            }
-        }
-        if body.is_empty() {
-            continue;
-        }
-        for known in element.loops.iter().rev() {
-            let (name, start, end) =
-                (variable(known.variable), indices.value(&known.start), indices.value(&known.end));
-            body = quote!(for #name in (#start as #isize)..#end { #body });
-        }
-        checks.extend(body);
-    }
-    let components = usize::try_from(model.components).unwrap_or(1);
-    let size = sizes(model, &quote!(__degrees));
-    quote! {
-        fn required(
-            &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<__wzvi::core::primitive::usize> {
-            #size
-            let mut __required = #components;
-            if __degrees % #components != 0 {
-                return __wzvi::core::option::Option::Some((__size as __wzvi::core::primitive::usize + 1) * #components);
-            }
-            #checks
-            __wzvi::core::option::Option::Some(__required)
-        }
-    }
-}
-
 /// `impl Hamiltonian`
-pub(super) fn emit(model: &mut Model) -> TokenStream {
+pub(super) fn emit(model: &mut System) -> TokenStream {
     let vector = vector_type(model);
     let (degrees, noises) = (degrees(model), noise_count(model));
     let (values, slopes) = (arms(model, Wanted::Value), arms(model, Wanted::Slopes));
@@ -96,6 +29,13 @@ pub(super) fn emit(model: &mut Model) -> TokenStream {
             type Vector = #vector;
 
             fn degrees(&self) -> #usize { #degrees }
+
+            fn check(
+                &self,
+                __degrees: #usize,
+            ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
+                __wzvi::elements::check(self, __degrees)
+            }
 
             fn noises(&self) -> #usize { #noises }
 
@@ -158,17 +98,16 @@ pub(super) fn emit(model: &mut Model) -> TokenStream {
 }
 
 /// `Hamiltonian::invariant`
-pub(super) fn invariant(model: &mut Model) -> TokenStream {
+pub(super) fn invariant(model: &mut System) -> TokenStream {
     let (usize, f64) = (quote!(__wzvi::core::primitive::usize), f64_type());
     if model.invariants.is_empty() {
         return quote!(fn invariant(&self, _: #usize, _: &__wzvi::State<Self::Vector>) -> #f64 { #f64::NAN });
     }
-    let one = quote!(<__S as __wzvi::Scalar>::from_f64(1.0));
     let integrals: Vec<Vec<Element>> =
-        model.invariants.iter().map(|invariant| invariant.term.elements.clone()).collect();
+        model.invariants.iter().map(|invariant| invariant.values.clone()).collect();
     let mut arms = TokenStream::new();
     for (number, elements) in integrals.iter().enumerate() {
-        let body = terms_code(model, elements, Wanted::Value, &one);
+        let body = terms_code(model, elements, Wanted::Value);
         arms.extend(quote!(#number => { #body }));
     }
     let (read, size) = (parameters(model), sizes(model, &quote!(__at.q.len())));
@@ -194,52 +133,56 @@ pub(super) fn invariant(model: &mut Model) -> TokenStream {
 }
 
 /// The code of several elements, one after the other.
-pub(super) fn terms_code(
-    model: &mut Model,
-    elements: &[Element],
-    wanted: Wanted,
-    weight: &TokenStream,
-) -> TokenStream {
-    let mut parts = TokenStream::new();
-    for element in elements {
-        let symbol = model.graph.new_symbol("c");
-        parts.extend(element_code(model, element, wanted, symbol, weight));
+fn terms_code(model: &mut System, elements: &[Element], wanted: Wanted) -> TokenStream {
+    elements.iter().map(|element| element_code(model, element, wanted, None)).collect()
+}
+
+/// What values, or derivatives, are computed of.
+fn elements_of(term: &Term, wanted: Wanted) -> Vec<Element> {
+    match wanted {
+        Wanted::Value => term.values.clone(),
+        Wanted::Slopes | Wanted::Curvature => term.elements.clone(),
     }
-    parts
 }
 
 /// One match arm per term, on its number.
-pub(super) fn arms(model: &mut Model, wanted: Wanted) -> TokenStream {
-    let one = quote!(<__S as __wzvi::Scalar>::from_f64(1.0));
-    let code = |model: &mut Model, elements: &[Element]| terms_code(model, elements, wanted, &one);
-    let drift = model.drift.elements.clone();
-    let drift = code(model, &drift);
+pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
+    let drift = elements_of(&model.drift, wanted);
+    let drift = terms_code(model, &drift, wanted);
     let mut arms = quote!(0 => { #drift });
-    match &model.noises {
-        Noises::List(terms) => {
-            for (k, term) in terms.clone().iter().enumerate() {
-                let (number, body) = (k + 1, code(model, &term.elements));
-                arms.extend(quote!(#number => { #body }));
-            }
-        }
-        Noises::Family { term, variable: id, count } => {
-            let name = variable(*id);
-            let count = Indices { tables: &model.tables, checked: false }.value(count);
-            // The member is given: its loop goes once.
-            let elements: Vec<Element> = term
-                .elements
-                .iter()
-                .map(|element| Element { loops: element.loops[1..].to_vec(), ..element.clone() })
-                .collect();
-            let isize = quote!(__wzvi::core::primitive::isize);
-            let body = code(model, &elements);
-            arms.extend(quote! {
-                __member if __member <= (#count as #isize as __wzvi::core::primitive::usize) => {
-                    let #name = __member as #isize - 1;
-                    #body
-                }
-            });
-        }
+    let (noises, offsets) = (model.noise.clone(), model.noise_offsets());
+    for (noise, offset) in noises.iter().zip(&offsets) {
+        arms.extend(noise_arm(model, noise, offset, wanted));
     }
     arms
+}
+
+/// The arm of one noise, or of the members of a family, after `offset` others.
+fn noise_arm(model: &mut System, noise: &Noise, offset: &Index, wanted: Wanted) -> TokenStream {
+    let (isize, usize) = (quote!(__wzvi::core::primitive::isize), quote!(__wzvi::core::primitive::usize));
+    let indices = Indices { tables: &model.tables, checked: false };
+    let before = indices.value(offset);
+    let Some(Family { variable: id, count }) = &noise.family else {
+        let pattern = match offset.as_integer().and_then(|offset| usize::try_from(offset).ok()) {
+            Some(offset) => {
+                let number = offset + 1;
+                quote!(#number)
+            }
+            None => quote!(__number if __number == #before as #usize + 1),
+        };
+        let body = terms_code(model, &elements_of(&noise.term, wanted), wanted);
+        return quote!(#pattern => { #body });
+    };
+    let name = variable(*id);
+    let last = indices.value(&offset.add(count).unwrap_or_default());
+    // The member is given: its loop goes once.
+    let mut elements = elements_of(&noise.term, wanted);
+    elements.iter_mut().for_each(|element| drop(element.loops.remove(0)));
+    let body = terms_code(model, &elements, wanted);
+    quote! {
+        __member if __member as #isize > #before && __member as #isize <= #last => {
+            let #name = __member as #isize - 1 - #before;
+            #body
+        }
+    }
 }

@@ -7,10 +7,10 @@ use quote::{format_ident, quote};
 
 use super::chunk::Chunk;
 use super::indices::{Indices, variable};
-use crate::elements::index::{Index, Loop};
-use crate::elements::model::{Element, Table};
 use crate::emit::{Level, Lowering, Op, Printer};
 use crate::model::Parameter;
+use crate::model::index::{Index, Loop};
+use crate::model::{Element, Table};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// Where a computed value goes.
@@ -30,21 +30,16 @@ pub(super) struct Context<'a> {
     pub(super) parameters: &'a [Parameter],
     pub(super) tables: &'a [Table],
     pub(super) t: Symbol,
-    /// The symbol of the weight `c`, and what it is.
-    pub(super) weight: Symbol,
+    /// The symbol of the weight `c`, and what it is: a value of the scalar type, in scope of the loops.
+    pub(super) weight: Option<(Symbol, &'a TokenStream)>,
     /// Components of a point.
     pub(super) components: i128,
     /// What other symbols of the outputs stand for.
     pub(super) definitions: HashMap<Symbol, Expr>,
 }
 
-/// The loops of `element` around what computes `outputs`. `weight` is a value of the scalar type, in scope of the loops.
-pub(super) fn emit(
-    context: &mut Context<'_>,
-    element: &Element,
-    weight: &TokenStream,
-    outputs: &[(Expr, Target)],
-) -> TokenStream {
+/// The loops of `element` around what computes `outputs`.
+pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Expr, Target)]) -> TokenStream {
     if outputs.is_empty() {
         return TokenStream::new();
     }
@@ -61,8 +56,10 @@ pub(super) fn emit(
         lowering.program.declare(local.symbol, Level::State);
         names.push((lowering.program.input(local.symbol), format_ident!("__l{k}")));
     }
-    lowering.program.declare(context.weight, Level::State);
-    names.push((lowering.program.input(context.weight), format_ident!("__c")));
+    if let Some((symbol, _)) = context.weight {
+        lowering.program.declare(symbol, Level::State);
+        names.push((lowering.program.input(symbol), format_ident!("__c")));
+    }
     lowering.program.declare(context.t, Level::Time);
     names.push((lowering.program.input(context.t), format_ident!("__t")));
     for (k, parameter) in context.parameters.iter().enumerate() {
@@ -94,10 +91,12 @@ pub(super) fn emit(
     let values: Vec<TokenStream> = ops.iter().map(|&op| printer.scalar_value(op)).collect();
 
     // The increments of a family whose members are the innermost loop change with it.
-    let moves = inner.is_some_and(|inner| mentions(weight, &variable(inner.variable)));
-    let (fixed_weight, own_weight) = match moves {
-        true => (quote!(), quote!(let __c = #weight;)),
-        false => (quote!(let __c = #weight;), quote!()),
+    let (fixed_weight, own_weight) = match (context.weight, inner) {
+        (None, _) => (quote!(), quote!()),
+        (Some((_, weight)), Some(inner)) if mentions(weight, &variable(inner.variable)) => {
+            (quote!(), quote!(let __c = #weight;))
+        }
+        (Some((_, weight)), _) => (quote!(let __c = #weight;), quote!()),
     };
     let chunk = Chunk { indices: &indices, element, inner, outputs, components: context.components };
     let body = chunk.emit(&quote!(#own_weight #inside), &values);

@@ -6,39 +6,40 @@ mod discretized;
 mod hamiltonian;
 mod indices;
 mod kernel;
+mod places;
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use self::combine::Combined;
-use self::indices::{Indices, variable};
+pub(crate) use self::indices::Indices;
 use self::kernel::{Context, Target};
-use super::counter::{Counter, Weight};
-use super::facts::Facts;
-use super::index::{Atom, Index};
-use super::model::{Element, Model, Noises, Reads};
 use crate::discretise::embedding::Embedding;
+use crate::discretise::facts::Facts;
+use crate::discretise::sums::Weighted;
 use crate::emit::{f64_type, wrapped};
 use crate::input::{Length, Shape};
+use crate::model::index::{Atom, Index};
+use crate::model::{Element, Noise, Reads, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// Everything that `#[hamiltonian]` stands for. `equations` has the text of each scheme, in their order.
-pub(crate) fn emit(model: &mut Model, facts: &Facts, equations: &[String]) -> TokenStream {
+pub(crate) fn emit(model: &mut System, facts: &Facts, equations: &[String]) -> TokenStream {
     let mut generated = hamiltonian::emit(model);
     generated.extend(elements(model, facts));
     let embeddings: Vec<Embedding> = model.embeddings.iter().map(|known| known.value.clone()).collect();
     for (embedding, text) in embeddings.iter().zip(equations) {
         generated.extend(discretized::emit(model, facts, embedding, text));
     }
-    let Model { item, crate_path, type_checks, .. } = model;
+    let System { item, crate_path, type_checks, .. } = model;
     wrapped(item, crate_path, &generated, type_checks, equations)
 }
 
 /// `SVector<f64, D>` where the type system can name `D`, else `DVector<f64>`.
-fn vector_type(model: &Model) -> TokenStream {
+fn vector_type(model: &System) -> TokenStream {
     let f64 = f64_type();
     let dynamic = quote!(__wzvi::DVector<#f64>);
-    let Shape::Array(_, length) = &model.shape else { return dynamic };
+    let Shape::Array(_, length) = &model.shape else { return quote!(__wzvi::SVector<#f64, 1>) };
     let components = usize::try_from(model.components).unwrap_or(1);
     match length {
         Length::Literal(len) => {
@@ -65,13 +66,13 @@ fn expr_mentions(expr: &syn::Expr, name: &str) -> bool {
 }
 
 /// The outermost size and the degrees of freedom in a method whose state is `__q`.
-fn sizes(model: &Model, degrees: &TokenStream) -> TokenStream {
+fn sizes(model: &System, degrees: &TokenStream) -> TokenStream {
     let components = proc_macro2::Literal::i128_unsuffixed(model.components);
     quote! { let __size = (#degrees / #components) as __wzvi::core::primitive::isize; }
 }
 
 /// The number of degrees of freedom; 0 if only the state knows it.
-fn degrees(model: &Model) -> TokenStream {
+fn degrees(model: &System) -> TokenStream {
     if model.size == Index::atom(Atom::Size) {
         return quote!(0);
     }
@@ -80,21 +81,19 @@ fn degrees(model: &Model) -> TokenStream {
     quote!((#size as __wzvi::core::primitive::usize) * #components)
 }
 
-fn noise_count(model: &Model) -> TokenStream {
-    match &model.noises {
-        Noises::List(terms) => {
-            let count = terms.len();
-            quote!(#count)
-        }
-        Noises::Family { count, .. } => {
-            let count = Indices { tables: &model.tables, checked: false }.value(count);
+fn noise_count(model: &System) -> TokenStream {
+    let count = model.noise_offsets().pop().unwrap_or_default();
+    match count.as_integer().and_then(|count| usize::try_from(count).ok()) {
+        Some(count) => quote!(#count),
+        None => {
+            let count = Indices { tables: &model.tables, checked: false }.value(&count);
             quote!((#count as __wzvi::core::primitive::isize as __wzvi::core::primitive::usize))
         }
     }
 }
 
 /// `let __a0 = self.a;` for every parameter.
-fn parameters(model: &Model) -> TokenStream {
+fn parameters(model: &System) -> TokenStream {
     let f64 = f64_type();
     let reads = model.parameters.iter().enumerate().map(|(k, parameter)| {
         let (name, tokens) = (format_ident!("__a{k}"), &parameter.tokens);
@@ -111,17 +110,22 @@ enum Wanted {
     Curvature,
 }
 
-/// The code of one element: `c H_e`, or its first or second derivatives.
+/// The code of one element: `c H_e` with the weight `c`, one if there is none, or its first or second derivatives.
 fn element_code(
-    model: &mut Model,
+    model: &mut System,
     element: &Element,
     wanted: Wanted,
-    weight_symbol: Symbol,
-    weight: &TokenStream,
+    weight: Option<&TokenStream>,
 ) -> TokenStream {
     let graph = &mut model.graph;
-    let c = graph.symbol(weight_symbol);
-    let value = graph.multiply(c, element.value);
+    let weight = weight.map(|weight| (graph.new_symbol("c"), weight));
+    let value = match weight {
+        Some((symbol, _)) => {
+            let c = graph.symbol(symbol);
+            graph.multiply(c, element.value)
+        }
+        None => element.value,
+    };
     let all: Vec<(Symbol, Index, bool)> = element
         .coordinates()
         .map(|(s, index)| (s, index.clone(), false))
@@ -172,11 +176,11 @@ fn element_code(
         parameters: &model.parameters,
         tables: &model.tables,
         t: model.t,
-        weight: weight_symbol,
+        weight,
         components: model.components,
         definitions: combined.map(|combined| combined.definitions).unwrap_or_default(),
     };
-    kernel::emit(&mut context, element, weight, &outputs)
+    kernel::emit(&mut context, element, &outputs)
 }
 
 /// The second derivatives by each pair of `symbols` with the first not after the second, row by row.
@@ -190,45 +194,48 @@ fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
 }
 
 /// The elements of every noise with the increment that weighs it.
-fn noise_elements(model: &Model) -> Vec<(Element, TokenStream)> {
-    match &model.noises {
-        Noises::List(terms) => terms
-            .iter()
-            .enumerate()
-            .flat_map(|(k, term)| term.elements.iter().map(move |e| (e.clone(), quote!(__at.dw[#k]))))
-            .collect(),
-        Noises::Family { term, variable: id, .. } => {
-            let name = variable(*id);
-            let weight = quote!(__at.dw[#name as __wzvi::core::primitive::usize]);
-            // Where the family is the innermost loop, its increments are an input like any other.
-            term.elements.iter().map(|element| (element.clone(), weight.clone())).collect()
-        }
-    }
+fn noise_elements(model: &System) -> Vec<(Element, TokenStream)> {
+    let indices = Indices { tables: &model.tables, checked: false };
+    let weigh = |(noise, offset): (&Noise, Index)| {
+        // Where the family is the innermost loop, its increments are an input like any other.
+        let number = match &noise.family {
+            Some(family) => offset.add(&Index::atom(Atom::Loop(family.variable))).unwrap_or_default(),
+            None => offset,
+        };
+        let position = match number.as_integer().and_then(|number| usize::try_from(number).ok()) {
+            Some(number) => quote!(#number),
+            None => indices.position(&number),
+        };
+        let weight = quote!(__at.dw[#position]);
+        noise.term.elements.iter().map(|e| (e.clone(), weight.clone())).collect::<Vec<_>>()
+    };
+    model.noise.iter().zip(model.noise_offsets()).flat_map(weigh).collect()
 }
 
 /// The elements of the counter-term, if a scheme adds it, with their weights.
-fn counter_elements(model: &Model, facts: &Facts) -> Vec<(Element, TokenStream)> {
+fn counter_elements(model: &System, facts: &Facts) -> Vec<(Element, TokenStream)> {
+    let indices = Indices { tables: &model.tables, checked: false };
+    let increment = |number: &Index| {
+        let position = match number.as_integer().and_then(|number| usize::try_from(number).ok()) {
+            Some(number) => quote!(#number),
+            None => indices.position(number),
+        };
+        quote!(__at.dw[#position])
+    };
     let schemes = model.embeddings.iter();
     let used = schemes.map(|known| facts.counter_of(&known.value)).find(|counter| !counter.is_empty());
-    let weigh = |Counter { element, weight }: &Counter| {
-        let weight = match weight {
-            Weight::Pair(j, k) => quote!(__at.dw[#j] * __at.dw[#k] * __terms.counter),
-            Weight::Member => {
-                let member = element.loops.first().map(|known| variable(known.variable));
-                let increment = quote!(__at.dw[#member as __wzvi::core::primitive::usize]);
-                quote!(#increment * #increment * __terms.counter)
-            }
-        };
-        (element.clone(), weight)
+    let weigh = |Weighted { element, increments }: &Weighted| {
+        let increments = increments.iter().map(increment);
+        (element.clone(), quote!(#(#increments *)* __terms.counter))
     };
     used.unwrap_or_default().iter().map(weigh).collect()
 }
 
 /// `impl Elements`
-fn elements(model: &mut Model, facts: &Facts) -> TokenStream {
+fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     let slopes = sweep(model, facts, Wanted::Slopes);
     let curvature = sweep(model, facts, Wanted::Curvature);
-    let required = hamiltonian::required(model);
+    let places = places::emit(model);
     let read = parameters(model);
     let size = sizes(model, &quote!(__at.q.len()));
     let name = &model.item.ident;
@@ -236,7 +243,7 @@ fn elements(model: &mut Model, facts: &Facts) -> TokenStream {
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::elements::Elements for #name #arguments #filter {
-            #required
+            #places
 
             fn slopes<__S: __wzvi::Scalar>(
                 &self,
@@ -267,7 +274,7 @@ fn elements(model: &mut Model, facts: &Facts) -> TokenStream {
 }
 
 /// Every element of the drift and the noises, under the conditions of `__terms`.
-fn sweep(model: &mut Model, facts: &Facts, wanted: Wanted) -> TokenStream {
+fn sweep(model: &mut System, facts: &Facts, wanted: Wanted) -> TokenStream {
     let drift: Vec<(Element, TokenStream)> = model
         .drift
         .elements
@@ -291,8 +298,7 @@ fn sweep(model: &mut Model, facts: &Facts, wanted: Wanted) -> TokenStream {
                 Reads::Momenta => quote!(__terms.by_p),
                 Reads::Both => quote!((__terms.by_q || __terms.by_p)),
             };
-            let symbol = model.graph.new_symbol("c");
-            let body = element_code(model, element, wanted, symbol, weight);
+            let body = element_code(model, element, wanted, Some(weight));
             parts.extend(quote!(if #condition { #body }));
         }
         if !parts.is_empty() {
