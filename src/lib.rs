@@ -111,7 +111,7 @@ pub mod __private {
     pub use wzvi_runtime::error::{ConfigError, StepFailure};
     pub use wzvi_runtime::nalgebra::{DVector, SVector};
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
-    pub use wzvi_runtime::scalar::{Mask, Scalar};
+    pub use wzvi_runtime::scalar::{Mask, Rounded, Scalar};
     pub use wzvi_runtime::solve::*;
     pub use wzvi_runtime::state::{State, Vector};
     pub use wzvi_runtime::system::{

@@ -254,7 +254,7 @@ fn files_are_read_back() {
         assert_eq!(text.lines().count(), table.rows() + 1, "{}", table.name());
     }
     let names: Vec<String> = run.tables().iter().map(|table| table.name().to_owned()).collect();
-    let all = "moments covariances quantiles histograms passages passage_times failures paths";
+    let all = "run moments covariances quantiles histograms passages passage_times failures paths";
     assert_eq!(names.join(" "), all);
 
     run.write_json(folder.join("all.json")).unwrap();
@@ -271,8 +271,62 @@ fn files_are_read_back() {
     // A folder that is a file.
     std::fs::write(&folder, "").unwrap();
     let error = run.write_csv(&folder).unwrap_err();
-    assert!(error.to_string().contains("moments.csv"), "{error}");
+    assert_eq!(error.path(), folder);
+    assert!(error.to_string().contains("create the folder"), "{error}");
     std::fs::remove_file(&folder).unwrap();
+}
+
+/// What a folder had of another run goes, and the new set says what it is of.
+#[test]
+fn tables_of_two_runs_do_not_lie_beside_each_other() {
+    let folder = std::env::temp_dir().join(format!("wzvi-ensemble-set-{}", std::process::id()));
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    everything(64).quantiles().keep_paths(1 << 20).run().unwrap().write_csv(&folder).unwrap();
+    assert!(read("paths.csv").lines().count() > 64 && read("quantiles.csv").lines().count() > 1);
+    std::fs::write(folder.join("moments.part"), "mine").unwrap();
+    std::fs::write(folder.join("run.part"), "mine").unwrap();
+    let kramers = Kramers { s: 0.6 };
+    let plain = kramers.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).seed(u64::MAX).until(1.0);
+    let part = plain.paths(2000).until_error("q0", 1e-9).run().unwrap();
+    part.write_csv(&folder).unwrap();
+    // Tables without rows have their first line.
+    for name in ["paths.csv", "quantiles.csv", "histograms.csv", "passages.csv", "failures.csv"] {
+        assert_eq!(read(name).lines().count(), 1, "{name}");
+    }
+    let run = read("run.csv");
+    let columns: Vec<(&str, &str)> =
+        run.lines().next().unwrap().split(',').zip(run.lines().nth(1).unwrap().split(',')).collect();
+    let version = env!("CARGO_PKG_VERSION");
+    let expected = [
+        ("system", "Kramers"),
+        ("scheme", "Midpoint"),
+        ("version", version),
+        ("step_size", "0.1"),
+        ("start", "0.0"),
+        ("steps", "10"),
+        ("seed", "18446744073709551615"),
+        ("paths_wanted", "2000"),
+        ("paths", "2000"),
+        ("failed", "0"),
+        ("extent", "whole"),
+        ("targets", "missed"),
+    ];
+    assert_eq!(columns, expected);
+    assert_eq!((read("moments.part"), read("run.part")), ("mine".to_owned(), "mine".to_owned()));
+    // A table that cannot be replaced: all others stay as they are.
+    std::fs::remove_file(folder.join("paths.csv")).unwrap();
+    std::fs::create_dir(folder.join("paths.csv")).unwrap();
+    let names = || {
+        let mut names: Vec<_> =
+            std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let (before, moments) = (names(), read("moments.csv"));
+    let error = everything(64).run().unwrap().write_csv(&folder).unwrap_err();
+    assert!(error.to_string().contains("paths.csv") && error.to_string().contains("a folder"), "{error}");
+    assert_eq!((names(), read("moments.csv"), read("run.csv")), (before, moments, run.clone()));
+    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 /// The rate of escape over a barrier does not depend on where the run is cut: censored paths count.

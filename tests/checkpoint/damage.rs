@@ -152,6 +152,9 @@ fn files_of_another_version() {
     }
 }
 
+/// What the temporary names of a file `run` start with.
+const PREFIX: &str = ".wzvi-9b96d050f4020292-";
+
 /// What a run that was stopped in the middle of a write leaves behind is no obstacle, and is cleared away.
 #[test]
 fn whatever_a_stopped_write_left() {
@@ -160,13 +163,15 @@ fn whatever_a_stopped_write_left() {
     go_on(&run, 30).unwrap();
     let good = fs::read(&run).unwrap();
     for length in (0..=good.len()).step_by(97) {
-        fs::write(folder.join("run.4711.part"), &good[..length]).unwrap();
+        let left = folder.join(format!("{PREFIX}{length:016x}.part"));
+        fs::write(left, &good[..length]).unwrap();
         fs::write(folder.join("run.mine.part"), "mine").unwrap();
-        fs::write(folder.join("run.12.part"), "mine").unwrap();
+        fs::write(folder.join(format!("{PREFIX}0000.part")), "mine").unwrap();
         fs::write(&run, &good).unwrap();
         assert_eq!(go_on(&run, 40).unwrap(), whole());
         let names: Vec<_> = contents(&folder).into_iter().map(|(path, _)| path).collect();
-        assert_eq!(names, ["run", "run.12.part", "run.mine.part", "run.nodes"].map(|name| folder.join(name)));
+        let mine = format!("{PREFIX}0000.part");
+        assert_eq!(names, [&mine, "run", "run.mine.part", "run.nodes"].map(|name| folder.join(name)));
     }
 
     // Stopped between the first checkpoint and the first node: the line of the nodes may be there, or a part of it.
@@ -179,6 +184,45 @@ fn whatever_a_stopped_write_left() {
         go_on(&run, 0).unwrap();
         fs::write(&nodes, line).unwrap();
         assert_eq!(go_on(&run, 40).unwrap(), whole(), "{line:?}");
+    }
+}
+
+/// A process that was killed in its first write does not block the next one, even if that has the same number, as in a container.
+#[test]
+fn process_numbers_that_repeat() {
+    let folder = folder("repeated");
+    let run = folder.join("run");
+    let number = std::process::id();
+    let good = "wzvi-checkpoint 1 ";
+    for name in [format!("run.{number}.part"), format!("{PREFIX}{number}.part"), "run.part".to_owned()] {
+        fs::write(folder.join(name), good).unwrap();
+    }
+    assert_eq!(go_on(&run, 40).unwrap(), whole());
+    assert!(!folder.join(format!("{PREFIX}{number}.part")).exists(), "what was left behind is cleared away");
+}
+
+/// A link stays, and leads to the checkpoint; what is no regular file is refused at once.
+#[cfg(unix)]
+#[test]
+fn links_devices_and_pipes() {
+    use std::os::unix::fs::symlink;
+    let folder = folder("links");
+    fs::create_dir(folder.join("far")).unwrap();
+    let (link, real) = (folder.join("link"), folder.join("far").join("run"));
+    symlink("far/run", &link).unwrap();
+    go_on(&link, 20).unwrap();
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert!(real.exists() && real.with_extension("nodes").exists());
+    // By its own name it is the same run.
+    go_on(&real, 30).unwrap();
+    assert_eq!(go_on(&link, 40).unwrap(), whole());
+    assert_eq!(contents(&folder).len(), 2);
+    let pipe = folder.join("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    symlink("/dev/zero", folder.join("zero")).unwrap();
+    for (name, found) in [("pipe", "a pipe"), ("zero", "a device"), ("far", "a folder")] {
+        let error = refused(go_on(&folder.join(name), 40));
+        assert!(matches!(error, CheckpointError::File(_)) && error.to_string().contains(found), "{error}");
     }
 }
 

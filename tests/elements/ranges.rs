@@ -112,7 +112,10 @@ fn entries_are_named_with_their_place() {
     beyond.near[2].push(5);
     // The list of weights is read first.
     let found = text(&beyond);
-    assert!(found.starts_with("`weights` is read at 5, it has 3 entries;") || found.starts_with("`near[2][1]` is 5,"));
+    assert!(
+        found.starts_with("`weights` is read at 5, it has 3 entries;")
+            || found.starts_with("`near[2][1]` is 5,")
+    );
     let mut short = tables();
     short.weights.pop();
     assert!(text(&short).starts_with("`weights` is read at 2, it has 2 entries;"), "{}", text(&short));

@@ -97,11 +97,14 @@ fn whatever_a_stopped_write_left() {
     let expected = bits(&go_on(&file).unwrap());
     let good = fs::read(&file).unwrap();
     for length in [0, 1, 10, 100, good.len()] {
+        // Named by the checksum of `run`.
+        let left = |number: u32| folder.join(format!(".wzvi-9b96d050f4020292-{number:016x}.part"));
+        fs::write(left(4711), &good[..length]).unwrap();
+        fs::write(left(12), "mine").unwrap();
         fs::write(folder.join("run.4711.part"), &good[..length]).unwrap();
-        fs::write(folder.join("run.12.part"), "mine").unwrap();
         assert_eq!(bits(&go_on(&file).unwrap()), expected);
         let names: Vec<_> = contents(&folder).into_iter().map(|(path, _)| path).collect();
-        assert_eq!(names, ["run", "run.12.part"].map(|name| folder.join(name)));
+        assert_eq!(names, [left(12), folder.join("run"), folder.join("run.4711.part")]);
     }
 }
 

@@ -57,8 +57,11 @@ fn another_scheme_step_or_observable() {
     let start = || State::new([1.0], [0.5]);
     let run = || EDGE.ensemble::<DeltaPlus>(0.05).start(start()).paths(600).seed(7).steps(4);
     run().observe(|state| state.q[0]).checkpoint(Checkpoint::to(&file)).run().unwrap();
-    let observed = "what the observables and events are at the start (checksum)";
+    let observed = "what the observables and events are on path 0 (checksum)";
     assert_eq!(fields(&file, run().observe(|state| state.p[0])), [observed]);
+    // The same value at the start, but not a step later: q is 1 there.
+    assert_eq!(fields(&file, run().observe(|state| state.q[0].powi(2))), [observed]);
+    assert_eq!(fields(&file, run().observe(|state| state.q[0] * (1.0 + 1e-12 * state.t))), [observed]);
     assert_eq!(fields(&file, run().observe(|state| state.q[0]).quantiles()), ["quantiles"]);
     assert_eq!(fields(&file, run().observe(|state| state.q[0]).keep_paths(1 << 30)), ["paths are kept"]);
     assert_eq!(fields(&file, run()), ["the observables"]);

@@ -27,7 +27,7 @@ fn a_file_is_replaced_as_a_whole_and_nothing_is_left_behind() {
     let taken = folder.join("taken");
     fs::create_dir_all(taken.join("inside")).unwrap();
     let error = write_file(&taken, b"three").unwrap_err();
-    assert!(matches!(&error, ReportError::File { path, .. } if *path == taken), "{error:?}");
+    assert!(matches!(&error, ReportError::File(error) if error.path() == taken), "{error:?}");
     assert!(error.to_string().contains(&*taken.to_string_lossy()), "{error}");
     let mut names: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     names.sort();

@@ -1,40 +1,51 @@
 //! What the mathematics forbids: inconsistent schemes that were not asked for, first integrals that are none.
 
 use crate::diagnostics::{Diagnostics, facts as messages};
-use crate::discretise::embedding::Correction;
-use crate::discretise::facts::{Facts, Invariant};
-use crate::model::Model;
+use crate::discretise::embedding::{Correction, Embedding};
+use crate::discretise::facts::{Facts, Failure, Invariant};
+use crate::model::Located;
+use crate::symbolic::{Graph, Rational};
 
 /// Every check, in order; all of them report.
-pub(crate) fn check(model: &mut Model, facts: &Facts, diagnostics: &mut Diagnostics) {
-    check_consistency(model, facts, diagnostics);
-    check_invariants(model, facts, diagnostics);
+pub(crate) fn check(
+    graph: &mut Graph,
+    embeddings: &[Located<Embedding>],
+    facts: &Facts,
+    diagnostics: &mut Diagnostics,
+) {
+    check_consistency(graph, embeddings, facts, diagnostics);
+    check_invariants(graph, facts, diagnostics);
 }
 
-/// A bare scheme must converge to the Stratonovich system (MATH section 3).
-fn check_consistency(model: &mut Model, facts: &Facts, diagnostics: &mut Diagnostics) {
-    for embedding in &model.embeddings {
+/// A bare scheme must converge to the Stratonovich system (MATH section 3); a corrected one needs its counter-term.
+fn check_consistency(
+    graph: &mut Graph,
+    embeddings: &[Located<Embedding>],
+    facts: &Facts,
+    diagnostics: &mut Diagnostics,
+) {
+    for embedding in embeddings {
         let noise_l = embedding.value.quadrature().1;
-        if embedding.value.correction() == Correction::Bare && !facts.is_consistent(noise_l) {
-            let defect = facts.defect(&mut model.graph, noise_l);
-            let defect = model.graph.display(defect);
-            diagnostics.report(messages::inconsistent(embedding, &defect, &facts.defect_is_constant));
+        match embedding.value.correction() {
+            Correction::Bare if !facts.is_consistent(noise_l) => {
+                let defect = facts.defect(graph, noise_l);
+                diagnostics.report(messages::inconsistent(embedding, &defect, &facts.defect_is_constant));
+            }
+            Correction::Corrected if facts.counter_term_acts(noise_l) && facts.counter_term.is_none() => {
+                diagnostics.report(messages::counter_term_of_elements(embedding));
+            }
+            _ => {}
         }
     }
 }
 
 /// `{H_m, F}` must vanish for every term, with `∂F/∂t` for the drift.
-fn check_invariants(model: &Model, facts: &Facts, diagnostics: &mut Diagnostics) {
-    for Invariant { declared, failure, .. } in &facts.invariants {
-        if let Some((term, rate, knowledge)) = failure {
-            let rate = model.graph.display(*rate);
-            diagnostics.report(messages::no_invariant(
-                declared.extent,
-                *term,
-                &rate,
-                knowledge,
-                &model.graph,
-            ));
+fn check_invariants(graph: &mut Graph, facts: &Facts, diagnostics: &mut Diagnostics) {
+    for Invariant { extent, failure, .. } in &facts.invariants {
+        if let Some(Failure { term, rate, knowledge }) = failure {
+            let number = term.checked_sub(1).and_then(|k| facts.numbers.get(k)).cloned();
+            let rate = facts.space.display(graph, rate, Rational::ONE);
+            diagnostics.report(messages::no_invariant(*extent, &number, &rate, knowledge, graph));
         }
     }
 }

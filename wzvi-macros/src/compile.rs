@@ -65,4 +65,6 @@ fn compile(
 }
 
 #[cfg(test)]
+mod golden;
+#[cfg(test)]
 mod timing;

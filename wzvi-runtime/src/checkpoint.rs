@@ -32,8 +32,10 @@
 //!
 //! # Files
 //!
-//! A checkpoint is written to a temporary file in the same folder, which is flushed to the disk and then renamed; the
-//! folder is flushed after that. The file is one line, `wzvi-checkpoint <version> <length> <checksum>`, and that many
+//! A checkpoint is written to a temporary file in the same folder (`.wzvi-....part`), which is flushed to the disk and then renamed;
+//! the folder is flushed after that. A process that is killed there leaves its temporary file, which the next one
+//! removes. If the name is a symbolic link, the file that it leads to is the checkpoint, and the link stays; a device, a
+//! pipe or a folder is refused. The file is one line, `wzvi-checkpoint <version> <length> <checksum>`, and that many
 //! bytes of JSON, in which every number is its 64 bits in hexadecimal digits. Nodes that are recorded
 //! ([`record_every`](Simulation::record_every) above 0) go to a second file, named like the first with `.nodes` at its end: each is appended
 //! once, so that a checkpoint costs what is new, however long the path is. The two belong together; move or remove
@@ -58,7 +60,8 @@
 //! The checkpoint of an [`Ensemble`](crate::ensemble::Ensemble) has what is known of its first blocks of paths, and a run that
 //! goes on merges the others in the same order: the same table, the same promise, in a file of its own kind
 //! (`wzvi-ensemble`) and without a second one. The number of paths may grow; a last block that is not whole is run
-//! again. Observables and events are compared by their names and their values at the start. The file grows with
+//! again. Observables and events are compared by their names and by their values
+//! at the start and at the next three nodes of path 0. The file grows with
 //! the number of recorded times, observables and bins, not with that of the paths unless they are kept.
 //!
 //! # Sources of noise
@@ -75,7 +78,6 @@ mod identity;
 mod keeper;
 mod nodes;
 mod own;
-mod replace;
 mod schedule;
 mod tape;
 

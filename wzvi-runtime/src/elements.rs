@@ -10,8 +10,9 @@
 //!
 //! An implicit step iterates `x ← φ(x)` while that contracts by [`CONTRACTS`] or better, which for steps that are not
 //! stiff is several times cheaper than Newton's method, and otherwise by Newton's method with the factors of an earlier
-//! iteration as long as they contract as well. Either way it ends when the corrections are at rounding level, so that
-//! the choice changes the cost and no digit that counts. Where neither converges the stepper solves the step with care.
+//! iteration as long as they contract as well. Either way it ends when each correction is at the rounding
+//! of its unknown, or each equation at the rounding of its own terms, so that the choice changes the cost and no digit that
+//! counts. Where neither converges the stepper solves the step with care.
 //!
 //! The linear equations of Newton's method are solved in the band that a renumbering of the unknowns leaves where that is
 //! narrow or small ([`Method::Band`]: chains, rings, networks, anything of a hundred unknowns), else by GMRES from
@@ -24,6 +25,9 @@ mod memory;
 mod passes;
 #[doc(hidden)]
 pub mod places;
+mod rounding;
+#[doc(hidden)]
+pub mod sites;
 
 pub use iterate::{Scheme, Unknowns, advance};
 pub use memory::{CompensationVec, Memory};

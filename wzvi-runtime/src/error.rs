@@ -9,6 +9,8 @@ use std::fmt;
 
 pub use crate::calculus::DomainError;
 pub use crate::increments::NoiseError;
+#[cfg(any(feature = "ensemble", feature = "serde", feature = "report"))]
+pub use crate::persist::FileError;
 pub use index::{IndexError, IndexLimit};
 
 /// Why the equations of one step have no (usable) solution.
@@ -265,6 +267,9 @@ pub enum Error {
     Path(PathError),
     /// A discrete function was evaluated off its time scale, or combined with one on another.
     Domain(DomainError),
+    /// A file could not be written.
+    #[cfg(feature = "ensemble")]
+    File(FileError),
     /// A path of a multilevel run has no value.
     #[cfg(feature = "ensemble")]
     Level(crate::ensemble::LevelError),
@@ -288,6 +293,8 @@ impl fmt::Display for Error {
             Self::Path(error) => error.fmt(f),
             Self::Domain(error) => error.fmt(f),
             #[cfg(feature = "ensemble")]
+            Self::File(error) => error.fmt(f),
+            #[cfg(feature = "ensemble")]
             Self::Level(error) => error.fmt(f),
             #[cfg(feature = "serde")]
             Self::Checkpoint(error) => error.fmt(f),
@@ -308,6 +315,8 @@ impl std::error::Error for Error {
             Self::Path(error) => Some(error),
             Self::Domain(error) => Some(error),
             #[cfg(feature = "ensemble")]
+            Self::File(error) => Some(error),
+            #[cfg(feature = "ensemble")]
             Self::Level(error) => Some(error),
             #[cfg(feature = "serde")]
             Self::Checkpoint(error) => Some(error),
@@ -322,6 +331,13 @@ impl std::error::Error for Error {
 impl From<ConfigError> for Error {
     fn from(error: ConfigError) -> Self {
         Self::Config(error)
+    }
+}
+
+#[cfg(feature = "ensemble")]
+impl From<FileError> for Error {
+    fn from(error: FileError) -> Self {
+        Self::File(error)
     }
 }
 

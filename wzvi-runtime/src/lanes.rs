@@ -83,7 +83,7 @@ impl<const L: usize> Lanes<L> {
 
 /// All bits or none.
 #[inline(always)]
-fn spread(truth: bool) -> u64 {
+const fn spread(truth: bool) -> u64 {
     if truth { u64::MAX } else { 0 }
 }
 
@@ -101,6 +101,12 @@ impl<const L: usize> LaneMask<L> {
     #[inline(always)]
     pub fn lane(self, lane: usize) -> bool {
         self.0[lane] != 0
+    }
+
+    /// Replaces the truth of one lane.
+    #[inline(always)]
+    pub const fn set(&mut self, lane: usize, truth: bool) {
+        self.0[lane] = spread(truth);
     }
 
     /// Whether any lane is true.
@@ -126,6 +132,10 @@ impl<const L: usize> Mask for LaneMask<L> {
             all &= bits != 0;
         }
         all
+    }
+    #[inline(always)]
+    fn lane(self, lane: usize) -> bool {
+        self.0[lane] != 0
     }
 }
 
@@ -212,6 +222,7 @@ macro_rules! by_lane {
 impl<const L: usize> Scalar for Lanes<L> {
     type Mask = LaneMask<L>;
     type Solver = LaneByLane;
+    const LANES: usize = L;
 
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
@@ -222,12 +233,16 @@ impl<const L: usize> Scalar for Lanes<L> {
         self.0.iter().fold(0.0, |largest, x| larger(largest, x.abs()))
     }
     #[inline(always)]
-    fn relative_to(self, a: Self, b: Option<Self>) -> f64 {
+    fn relative_to(self, other: Self) -> f64 {
         let mut largest = 0.0;
         for i in 0..L {
-            largest = larger(largest, self.0[i].relative_to(a.0[i], b.map(|b| b.0[i])));
+            largest = larger(largest, self.0[i].relative_to(other.0[i]));
         }
         largest
+    }
+    #[inline(always)]
+    fn lane(self, lane: usize) -> f64 {
+        self.0[lane]
     }
     /// Zero times a finite number is zero, and NaN otherwise.
     #[inline(always)]

@@ -22,9 +22,13 @@ mod interrupt;
 mod interrupt;
 #[cfg(feature = "ensemble")]
 pub mod lanes;
+#[cfg(any(feature = "ensemble", feature = "serde", feature = "report"))]
+mod names;
 #[cfg(feature = "noise")]
 pub mod noise;
 pub mod numbers;
+#[cfg(any(feature = "ensemble", feature = "serde", feature = "report"))]
+mod persist;
 pub mod plan;
 #[cfg(feature = "report")]
 pub mod report;

@@ -3,11 +3,13 @@
 //! One emitted step serves `f64`, dual numbers (tests, sensitivities) and lanes of trajectories.
 
 mod dual;
+mod rounded;
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 pub use dual::Dual;
+pub use rounded::Rounded;
 
 use crate::solve::{Solve, Together};
 
@@ -17,6 +19,8 @@ pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output
     fn from_bool(truth: bool) -> Self;
     /// Whether every lane is true.
     fn all(self) -> bool;
+    /// The truth of one lane.
+    fn lane(self, lane: usize) -> bool;
 }
 
 impl Mask for bool {
@@ -26,6 +30,10 @@ impl Mask for bool {
     }
     #[inline(always)]
     fn all(self) -> bool {
+        self
+    }
+    #[inline(always)]
+    fn lane(self, _lane: usize) -> bool {
         self
     }
 }
@@ -48,9 +56,15 @@ pub trait Scalar:
     fn from_f64(value: f64) -> Self;
     /// The absolute value, without what the number carries besides (derivatives); the largest of several lanes.
     fn magnitude(self) -> f64;
-    /// How large the number is against `|a| + |b|`, or `|a|` alone, part by part (value, derivatives, lanes): the largest ratio, 0 for
-    /// a part that vanishes; NaN if any part is.
-    fn relative_to(self, a: Self, b: Option<Self>) -> f64;
+    /// Numbers that it holds side by side.
+    const LANES: usize = 1;
+
+    /// The number of one lane, without derivatives.
+    fn lane(self, lane: usize) -> f64;
+    /// How large the number is against `|other|`, part by part (value, derivatives, lanes): the largest ratio, 0 for a part
+    /// that vanishes; NaN if any part is. `f64::MIN_POSITIVE` is added to what is divided by: a number that is nearest to
+    /// another differs from it by `ε (|x| + MIN_POSITIVE)` at most, subnormal or not.
+    fn relative_to(self, other: Self) -> f64;
     /// Where every part of the number is finite.
     fn is_finite(self) -> Self::Mask;
     /// Where every part of the first of each pair is finite.
@@ -154,12 +168,12 @@ impl Scalar for f64 {
         self.abs()
     }
     #[inline(always)]
-    fn relative_to(self, a: Self, b: Option<Self>) -> f64 {
-        let size = match b {
-            Some(b) => a.abs() + b.abs(),
-            None => a.abs(),
-        };
-        self.abs() / (size + f64::MIN_POSITIVE)
+    fn lane(self, _lane: usize) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn relative_to(self, other: Self) -> f64 {
+        self.abs() / (other.abs() + f64::MIN_POSITIVE)
     }
     #[inline(always)]
     fn is_finite(self) -> bool {

@@ -16,42 +16,24 @@ pub use dense::{Factor, SymmetricFactor, prepared, reciprocal_above_one};
 pub use krylov::Krylov;
 #[cfg(feature = "ensemble")]
 pub use lanes::LaneByLane;
-pub use newton::{Effort, Extrapolation};
-pub(crate) use newton::{Progress, STAGNATION, Verdict, astray};
+pub use newton::{Block, Effort, Equations, Extrapolation};
+pub(crate) use newton::{Progress, Verdict, astray, larger};
 
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
 
 /// How systems of equations in numbers of a type are solved.
 pub trait Solve<S: Scalar> {
-    /// See [`newton_scalar`].
-    ///
-    /// # Errors
-    /// As there.
-    #[inline(always)]
-    fn newton_scalar<const GUESS: bool, const CAREFUL: bool>(
-        start: S,
-        state: S,
-        equation: impl FnMut(S) -> (S, S),
-    ) -> Result<(S, Effort), StepFailure> {
-        newton::newton_scalar::<S, GUESS, CAREFUL>(start, state, equation)
-    }
-
-    /// See [`newton`] and [`newton_symmetric`].
+    /// See [`newton`].
     ///
     /// # Errors
     /// As there.
     #[inline(always)]
     fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
         start: [S; N],
-        state: [S; N],
-        equations: impl FnMut(&[S; N]) -> ([S; N], [[S; N]; N]),
+        equations: impl Equations<S, N>,
     ) -> Result<([S; N], Effort), StepFailure> {
-        if SYMMETRIC {
-            newton::newton_symmetric::<S, N, GUESS, CAREFUL>(start, state, equations)
-        } else {
-            newton::newton::<S, N, GUESS, CAREFUL>(start, state, equations)
-        }
+        newton::newton::<S, N, SYMMETRIC, GUESS, CAREFUL>(start, equations)
     }
 
     /// See [`linear`].
@@ -88,45 +70,18 @@ pub struct Together;
 
 impl<S: Scalar> Solve<S> for Together {}
 
-/// Solves `r(x) = 0` for one unknown from `start`; `equation` gives the residual and its slope, `state` the component
-/// of the state that `x` is an increment of. `GUESS`: whether a start other than zero may come from past steps.
+/// Solves `r(x) = 0` from `start`; of a `SYMMETRIC` Jacobian only the lower triangle is read. `GUESS`: whether a start other
+/// than zero may come from past steps.
 ///
 /// # Errors
 /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless `CAREFUL`, of any
 /// iteration whose corrections do not shrink fast. Lanes have NaN instead.
 #[inline(always)]
-pub fn newton_scalar<S: Scalar, const GUESS: bool, const CAREFUL: bool>(
-    start: S,
-    state: S,
-    equation: impl FnMut(S) -> (S, S),
-) -> Result<(S, Effort), StepFailure> {
-    S::Solver::newton_scalar::<GUESS, CAREFUL>(start, state, equation)
-}
-
-/// [`newton_scalar`] for `N` coupled unknowns; `equations` gives the residuals and the Jacobian by rows.
-///
-/// # Errors
-/// As [`newton_scalar`].
-#[inline(always)]
-pub fn newton<S: Scalar, const N: usize, const GUESS: bool, const CAREFUL: bool>(
+pub fn newton<S: Scalar, const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
     start: [S; N],
-    state: [S; N],
-    equations: impl FnMut(&[S; N]) -> ([S; N], [[S; N]; N]),
+    equations: impl Equations<S, N>,
 ) -> Result<([S; N], Effort), StepFailure> {
-    S::Solver::newton::<N, false, GUESS, CAREFUL>(start, state, equations)
-}
-
-/// [`newton`] for a Jacobian that is symmetric; only its lower triangle is read.
-///
-/// # Errors
-/// As [`newton_scalar`].
-#[inline(always)]
-pub fn newton_symmetric<S: Scalar, const N: usize, const GUESS: bool, const CAREFUL: bool>(
-    start: [S; N],
-    state: [S; N],
-    equations: impl FnMut(&[S; N]) -> ([S; N], [[S; N]; N]),
-) -> Result<([S; N], Effort), StepFailure> {
-    S::Solver::newton::<N, true, GUESS, CAREFUL>(start, state, equations)
+    S::Solver::newton::<N, SYMMETRIC, GUESS, CAREFUL>(start, equations)
 }
 
 /// `A⁻¹ b` for a matrix given by rows.

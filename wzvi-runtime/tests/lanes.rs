@@ -166,7 +166,7 @@ fn arithmetic_and_masks() {
     let chosen = Scalar::select(less, a, b);
     assert_eq!([chosen[0], chosen[1], chosen[2], chosen[3]], [1.5, 0.0, INF, 2.0]);
     assert_eq!(Lanes::new([1.0, -3.0]).magnitude(), 3.0);
-    assert!(a.magnitude().is_nan() && a.relative_to(b, None).is_nan());
+    assert!(a.magnitude().is_nan() && a.relative_to(b).is_nan());
     let zero = Lanes::new([0.0, 0.0]);
     assert!(
         !<Lanes<2> as Scalar>::are_finite([

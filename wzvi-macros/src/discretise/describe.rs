@@ -3,8 +3,9 @@
 use std::fmt::Write;
 
 use crate::discretise::Scheme;
+use crate::discretise::embedding::Embedding;
 use crate::discretise::equations::MomentumUpdate;
-use crate::discretise::facts::{Facts, Knowledge};
+use crate::discretise::facts::{Facts, Knowledge, NoiseClass};
 use crate::discretise::lagrangian::StepSymbols;
 use crate::discretise::structure::{Block, Solution, Unknown};
 use crate::model::Model;
@@ -14,11 +15,16 @@ use crate::symbolic::{Expr, Graph, Rational, Symbol};
 pub(crate) fn describe(model: &mut Model, facts: &Facts, scheme: &Scheme) -> String {
     let mut text = format!("{}\n", scheme.embedding);
     hamiltonians(model, &mut text);
-    lagrangian(&mut model.graph, scheme, &mut text);
-    equations(&mut model.graph, scheme, &mut text);
-    step(&model.graph, scheme, &mut text);
-    properties(model, facts, scheme, &mut text);
+    derivation(&mut model.graph, scheme, &mut text);
+    properties(&mut model.graph, facts, &scheme.embedding, &mut text);
     text
+}
+
+/// From the discrete Lagrangian to the step.
+pub(crate) fn derivation(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
+    lagrangian(graph, scheme, text);
+    equations(graph, scheme, text);
+    step(graph, scheme, text);
 }
 
 /// Writing to a `String` cannot fail.
@@ -113,23 +119,28 @@ fn names(graph: &Graph, symbols: &StepSymbols, unknowns: &[Unknown]) -> String {
     names.join(", ")
 }
 
-fn properties(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &mut String) {
+/// What is known of the system and the scheme.
+pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding, text: &mut String) {
     line(text, format_args!("\nFacts"));
-    let (drift_l, noise_l) = scheme.embedding.quadrature();
-    let graph = &mut model.graph;
-    if !model.noise.is_empty() {
+    let (drift_l, noise_l) = embedding.quadrature();
+    let has_noise = facts.noise != NoiseClass::None;
+    if has_noise {
         let defect = facts.defect(graph, noise_l);
-        let verdict = if scheme.consistent {
+        let verdict = if facts.converges(embedding) {
             "converges to the Stratonovich system"
         } else {
-            "converges to another system, with drift Hamiltonian H0 - D"
+            match facts.defect_is_constant {
+                Knowledge::Unknown(_) => "is not known to converge to the Stratonovich system",
+                _ => "converges to another system, with drift Hamiltonian H0 - D",
+            }
         };
-        line(text, format_args!("  {verdict}; D = {}", graph.display(defect)));
-        for (k, &rate) in facts.energy_rates.iter().enumerate() {
-            line(text, format_args!("  {{H{}, H0}} = {}", k + 1, graph.display(rate)));
+        line(text, format_args!("  {verdict}; D = {defect}"));
+        for (number, rate) in facts.numbers.iter().zip(&facts.energy_rates) {
+            let rate = facts.space.display(graph, rate, Rational::ONE);
+            line(text, format_args!("  {{H{number}, H0}} = {rate}"));
         }
-        let commuting = knowledge(&facts.commuting, "commute up to a constant", "do not commute");
-        if model.noise.len() > 1 {
+        if facts.has_several_noises {
+            let commuting = knowledge(&facts.commuting, "commute up to a constant", "do not commute");
             line(text, format_args!("  the noises {commuting}"));
         }
     }
@@ -137,9 +148,10 @@ fn properties(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &mut Stri
     line(text, format_args!("  H0 {energy}"));
     for invariant in &facts.invariants {
         let is_kept = invariant.quadratic && drift_l == Rational::HALF && noise_l == Rational::HALF
-            || invariant.bilinear && (drift_l == noise_l || model.noise.is_empty());
+            || invariant.bilinear && (drift_l == noise_l || !has_noise);
         let keeps = if is_kept { "kept by the step to rounding" } else { "kept by the step up to its order" };
-        line(text, format_args!("  first integral {}: {keeps}", graph.display(invariant.declared.value)));
+        let value = facts.space.display(graph, &invariant.value, Rational::ONE);
+        line(text, format_args!("  first integral {value}: {keeps}"));
     }
 }
 
@@ -147,6 +159,6 @@ fn knowledge(known: &Knowledge, proven: &str, refuted: &str) -> String {
     match known {
         Knowledge::Proven => proven.to_owned(),
         Knowledge::Refuted(_) => refuted.to_owned(),
-        Knowledge::Unknown => format!("could not be shown to be otherwise: {proven}?"),
+        Knowledge::Unknown(reason) => format!("could not be shown to be otherwise: {proven}? ({reason})"),
     }
 }

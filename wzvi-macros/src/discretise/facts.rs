@@ -1,7 +1,12 @@
 //! What can be said about the continuous system: consistency, first integrals, commuting noises, the class of the noise.
+//! All of it is said of sums of elements, at whatever size.
 
-use crate::model::{Located, Model, Phase};
-use crate::symbolic::zero::{Witness, ZeroTest};
+use super::embedding::{Correction, Embedding};
+use super::sums::{Half, Increments, Space, Sum, Weighted};
+use crate::elements::describe::noise_numbers;
+use crate::model::index::{Atom, Index};
+use crate::model::{Element, Extent, Local, Model, Reads, Slot, System, Term};
+use crate::symbolic::zero::Witness;
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// How the noise enters; see `wzvi::plan::NoiseClass`.
@@ -19,77 +24,176 @@ pub(crate) enum NoiseClass {
 pub(crate) enum Knowledge {
     Proven,
     Refuted(Witness),
-    Unknown,
+    /// Why neither is known.
+    Unknown(String),
 }
 
 /// A declared first integral with its rate of change.
 pub(crate) struct Invariant {
-    pub(crate) declared: Located<Expr>,
-    /// The first rate that is not proven zero: `{H_m, F}` (with `∂F/∂t` for the drift), and the term `m`.
-    pub(crate) failure: Option<(usize, Expr, Knowledge)>,
+    pub(crate) extent: Extent,
+    pub(crate) value: Sum,
+    /// The first rate that is not proven zero.
+    pub(crate) failure: Option<Failure>,
     /// Quadratic in (q, p): kept exactly by `Midpoint`.
     pub(crate) quadratic: bool,
     /// `pᵀA q` plus linear terms: kept exactly by every embedding with one quadrature point.
     pub(crate) bilinear: bool,
 }
 
-/// Facts about one model, shared by all its schemes.
+/// The rate `{H_term, F}` (with `∂F/∂t` for the drift) that stands in the way of a first integral.
+pub(crate) struct Failure {
+    pub(crate) term: usize,
+    pub(crate) rate: Sum,
+    pub(crate) knowledge: Knowledge,
+}
+
+/// What facts are about: every Hamiltonian as a sum, a noise times its increment.
+pub(crate) struct Hamiltonians {
+    space: Space,
+    t: Symbol,
+    drift: Sum,
+    noise: Vec<Sum>,
+    /// What stands behind the `H` of each noise.
+    numbers: Vec<String>,
+    invariants: Vec<(Extent, Sum)>,
+}
+
+/// Facts about one system, shared by all its schemes.
 pub(crate) struct Facts {
+    pub(crate) space: Space,
+    pub(crate) noise: NoiseClass,
+    /// Whether no element reads coordinates and momenta.
+    pub(crate) is_separable: bool,
+    /// Whether no element couples two momenta.
+    pub(crate) has_diagonal_kinetic_energy: bool,
     /// `Σ_k ∂H_k/∂q · ∂H_k/∂p`: the defect of a scheme is `D = (1/2 - l)` times it.
-    pub(crate) half_defect_sum: Expr,
+    pub(crate) half_defect_sum: Sum,
     /// Whether that sum is constant on phase space.
     pub(crate) defect_is_constant: Knowledge,
-    /// Whether `∂H_j/∂q · ∂H_k/∂p + ∂H_k/∂q · ∂H_j/∂p` is for all noises: then the counter-term does nothing.
+    /// `Σ_jk ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p`, of which `Corrected` adds `1/2 - l` times.
+    /// `None` if its indices are beyond the arithmetic of indices.
+    pub(crate) counter_term: Option<Sum>,
+    /// Whether that is constant for any increments: then the counter-term does nothing.
     pub(crate) counter_term_is_constant: Knowledge,
-    pub(crate) noise: NoiseClass,
-    /// `{H_k, H_0}` per noise.
-    pub(crate) energy_rates: Vec<Expr>,
+    /// `{H_k, H_0}` per noise or family.
+    pub(crate) energy_rates: Vec<Sum>,
     pub(crate) conserves_energy: Knowledge,
     pub(crate) commuting: Knowledge,
+    /// What stands behind the `H` of each noise or family.
+    pub(crate) numbers: Vec<String>,
+    /// Whether there is more than one noise, or a family of them.
+    pub(crate) has_several_noises: bool,
     pub(crate) invariants: Vec<Invariant>,
 }
 
-impl Facts {
-    pub(crate) fn new(model: &mut Model) -> Self {
-        let drift = model.drift.value;
-        let noise: Vec<Expr> = model.noise.iter().map(|noise| noise.value).collect();
-        let phase = &model.phase;
-        let graph = &mut model.graph;
-
-        let products: Vec<Expr> = noise.iter().map(|&h| slope_product(graph, phase, h, h)).collect();
-        let half_defect_sum = graph.sum(&products);
-        let mut counter_terms = products;
-        for (k, &first) in noise.iter().enumerate() {
-            for &second in &noise[..k] {
-                let (one, other) =
-                    (slope_product(graph, phase, first, second), slope_product(graph, phase, second, first));
-                counter_terms.push(graph.add(one, other));
-            }
-        }
-        let energy_rates: Vec<Expr> =
-            noise.iter().map(|&h| poisson_bracket(graph, phase, h, drift)).collect();
-        let explicit_rate = graph.derivative(drift, phase.t);
-        let mut rates = energy_rates.clone();
-        rates.push(explicit_rate);
-        let mut brackets = Vec::new();
-        for (k, &first) in noise.iter().enumerate() {
-            for &second in &noise[..k] {
-                brackets.push(poisson_bracket(graph, phase, second, first));
-            }
-        }
-        let bracket_slopes: Vec<Expr> = brackets.iter().flat_map(|&b| gradient(graph, phase, b)).collect();
-        let defect_slopes = gradient(graph, phase, half_defect_sum);
-        let counter_slopes: Vec<Expr> =
-            counter_terms.iter().flat_map(|&term| gradient(graph, phase, term)).collect();
+impl Hamiltonians {
+    pub(crate) fn of_system(system: &System) -> Self {
+        let terms = [&system.drift].into_iter().chain(system.noise.iter().map(|noise| &noise.term));
+        let elements = terms.chain(&system.invariants).flat_map(|term| &term.elements);
+        let tables = system.tables.iter().map(|table| (table.name.clone(), table.is_unsigned)).collect();
+        let space =
+            Space::new(system.size.clone(), system.components, system.names.clone(), tables, elements);
+        let noise = system.noise.iter().zip(system.noise_offsets()).map(|(noise, offset)| {
+            // Numbers of noises beyond all integers are refused where they are lowered.
+            let number = match &noise.family {
+                Some(family) => offset.add(&Index::atom(Atom::Loop(family.variable))).unwrap_or_default(),
+                None => offset,
+            };
+            sum_of(&noise.term, &[number])
+        });
         Self {
-            half_defect_sum,
-            defect_is_constant: all_vanish(graph, &defect_slopes),
-            counter_term_is_constant: all_vanish(graph, &counter_slopes),
-            noise: noise_class(graph, phase, &noise),
-            conserves_energy: all_vanish(graph, &rates),
-            commuting: all_vanish(graph, &bracket_slopes),
+            space,
+            t: system.t,
+            drift: sum_of(&system.drift, &[]),
+            noise: noise.collect(),
+            numbers: noise_numbers(system),
+            invariants: system.invariants.iter().map(|term| (term.extent, sum_of(term, &[]))).collect(),
+        }
+    }
+
+    pub(crate) fn of_model(model: &Model) -> Self {
+        let slots = |symbols: &[Symbol], slot: fn(Index) -> Slot| -> Vec<Local> {
+            let numbered = symbols.iter().zip(0i128..);
+            numbered.map(|(&symbol, i)| Local { symbol, slot: slot(Index::integer(i)) }).collect()
+        };
+        let locals =
+            [slots(&model.phase.q, Slot::Coordinate), slots(&model.phase.p, Slot::Momentum)].concat();
+        let graph = &model.graph;
+        let element = |value: Expr| {
+            let parts = graph.reachable(&[value]);
+            let mut read: Vec<Symbol> = parts.into_iter().filter_map(|part| graph.as_symbol(part)).collect();
+            read.sort_unstable();
+            let locals = locals.iter().filter(|local| read.binary_search(&local.symbol).is_ok()).cloned();
+            Element { loops: Vec::new(), value, locals: locals.collect() }
+        };
+        let sum = |value: Expr, increments: &[Index]| {
+            vec![Weighted { element: element(value), increments: increments.to_vec() }]
+        };
+        let size = Index::integer(model.phase.q.len() as i128);
+        let all = Element { loops: Vec::new(), value: model.drift.value, locals: locals.clone() };
+        let names = ["q".to_owned(), "p".to_owned()];
+        Self {
+            space: Space::new(size, 1, names, Vec::new(), [&all].into_iter()),
+            t: model.phase.t,
+            drift: sum(model.drift.value, &[]),
+            noise: model.noise.iter().zip(0i128..).map(|(h, k)| sum(h.value, &[Index::integer(k)])).collect(),
+            numbers: (1..=model.noise.len()).map(|k| k.to_string()).collect(),
+            invariants: model.invariants.iter().map(|f| (f.extent, sum(f.value, &[]))).collect(),
+        }
+    }
+}
+
+fn sum_of(term: &Term, increments: &[Index]) -> Sum {
+    let weigh = |element: &Element| Weighted { element: element.clone(), increments: increments.to_vec() };
+    term.elements.iter().map(weigh).collect()
+}
+
+impl Facts {
+    pub(crate) fn new(graph: &mut Graph, hamiltonians: Hamiltonians) -> Self {
+        let Hamiltonians { mut space, t, drift, noise, numbers, invariants } = hamiltonians;
+        let all_noise: Sum = noise.concat();
+        let (q, p) = (Half::Coordinates, Half::Momenta);
+        let half_defect_sum =
+            Rate::of(space.contract(graph, (&all_noise, q), (&all_noise, p), Increments::Diagonal));
+        let defect_is_constant =
+            half_defect_sum.known(|sum| space.is_constant(graph, sum, Increments::Diagonal));
+        let counter_term = space.contract(graph, (&all_noise, q), (&all_noise, p), Increments::Together);
+        let counter_term_is_constant =
+            Rate::of(counter_term.clone()).known(|sum| space.is_constant(graph, sum, Increments::Together));
+
+        let explicit_rate = space.partial(graph, &drift, t);
+        let mut conserves_energy = vec![space.vanishes(graph, &explicit_rate, Increments::Each)];
+        let mut energy_rates = Vec::new();
+        for one in &noise {
+            let rate = Rate::of(space.bracket(graph, one, &drift));
+            conserves_energy.push(rate.known(|sum| space.vanishes(graph, sum, Increments::Each)));
+            energy_rates.push(rate.sum);
+        }
+        let is_separable =
+            drift.iter().chain(&all_noise).all(|weighted| weighted.element.reads() != Reads::Both);
+        let has_diagonal_kinetic_energy = drift
+            .iter()
+            .chain(&all_noise)
+            .filter(|weighted| weighted.element.reads() == Reads::Momenta)
+            .all(|weighted| is_diagonal(graph, &weighted.element));
+        Self {
+            noise: noise_class(graph, &all_noise),
+            is_separable,
+            has_diagonal_kinetic_energy,
+            half_defect_sum: half_defect_sum.sum,
+            defect_is_constant,
+            counter_term,
+            counter_term_is_constant,
+            conserves_energy: all(conserves_energy),
             energy_rates,
-            invariants: model.invariants.iter().map(|&f| invariant(graph, phase, drift, &noise, f)).collect(),
+            commuting: commuting(graph, &mut space, &noise),
+            numbers,
+            has_several_noises: noise.len() > 1 || noise.iter().any(is_family),
+            invariants: invariants
+                .into_iter()
+                .map(|declared| invariant(graph, &mut space, (&drift, &noise, t), declared))
+                .collect(),
+            space,
         }
     }
 
@@ -98,110 +202,175 @@ impl Facts {
         l == Rational::HALF || matches!(self.defect_is_constant, Knowledge::Proven)
     }
 
+    /// Whether the limit of the scheme is the Stratonovich system.
+    pub(crate) fn converges(&self, embedding: &Embedding) -> bool {
+        embedding.correction() == Correction::Corrected || self.is_consistent(embedding.quadrature().1)
+    }
+
     /// Whether the counter-term changes a scheme whose noises are at `l`. It may also where `D` is constant: its mixed
     /// products do not show in the limit, but without them commuting noises lose half an order.
     pub(crate) fn counter_term_acts(&self, l: Rational) -> bool {
         l != Rational::HALF && !matches!(self.counter_term_is_constant, Knowledge::Proven)
     }
 
-    /// `D = (1/2 - l) Σ_k ∂H_k/∂q · ∂H_k/∂p`
-    pub(crate) fn defect(&self, graph: &mut Graph, l: Rational) -> Expr {
+    /// The counter-term that a scheme adds; empty for most.
+    pub(crate) fn counter_of(&self, embedding: &Embedding) -> &[Weighted] {
+        let acts = embedding.correction() == Correction::Corrected
+            && self.counter_term_acts(embedding.quadrature().1);
+        if acts { self.counter_term.as_deref().unwrap_or_default() } else { &[] }
+    }
+
+    /// `D = (1/2 - l) Σ_k ∂H_k/∂q · ∂H_k/∂p`, as text.
+    pub(crate) fn defect(&self, graph: &mut Graph, l: Rational) -> String {
         let weight = Rational::HALF.add(l.negate()).unwrap_or(Rational::ZERO);
-        graph.scale(self.half_defect_sum, weight)
+        if weight.is_zero() {
+            return "0".to_owned();
+        }
+        self.space.display(graph, &self.half_defect_sum, weight)
+    }
+
+    /// `{H_k, H_0}` per noise of a system without loops, as expressions.
+    pub(crate) fn energy_rate_values(&self, graph: &mut Graph) -> Vec<Expr> {
+        let value = |rate: &Sum| -> Vec<Expr> { rate.iter().map(|w| w.element.value).collect() };
+        let values: Vec<Vec<Expr>> = self.energy_rates.iter().map(value).collect();
+        values.iter().map(|terms| graph.sum(terms)).collect()
     }
 }
 
-/// `{f, g} = f_p · g_q - f_q · g_p`
-pub(crate) fn poisson_bracket(graph: &mut Graph, phase: &Phase, f: Expr, g: Expr) -> Expr {
-    let mut terms = Vec::new();
-    for (&q, &p) in phase.q.iter().zip(&phase.p) {
-        let (f_p, g_q) = (graph.derivative(f, p), graph.derivative(g, q));
-        let (f_q, g_p) = (graph.derivative(f, q), graph.derivative(g, p));
-        terms.push((graph.multiply(f_p, g_q), Rational::ONE));
-        terms.push((graph.multiply(f_q, g_p), Rational::MINUS_ONE));
+/// A sum, unless its indices were beyond the arithmetic of indices.
+struct Rate {
+    sum: Sum,
+    is_complete: bool,
+}
+
+impl Rate {
+    fn of(sum: Option<Sum>) -> Self {
+        Self { is_complete: sum.is_some(), sum: sum.unwrap_or_default() }
     }
-    graph.linear_combination(&terms)
-}
 
-/// `∂f/∂q · ∂g/∂p`
-fn slope_product(graph: &mut Graph, phase: &Phase, f: Expr, g: Expr) -> Expr {
-    let mut terms = Vec::new();
-    for (&q, &p) in phase.q.iter().zip(&phase.p) {
-        let (f_q, g_p) = (graph.derivative(f, q), graph.derivative(g, p));
-        terms.push(graph.multiply(f_q, g_p));
+    fn known(&self, judge: impl FnOnce(&Sum) -> Knowledge) -> Knowledge {
+        match self.is_complete {
+            true => judge(&self.sum),
+            false => Knowledge::Unknown("its indices exceed 128 bits".to_owned()),
+        }
     }
-    graph.sum(&terms)
 }
 
-fn gradient(graph: &mut Graph, phase: &Phase, f: Expr) -> Vec<Expr> {
-    phase.q.iter().chain(&phase.p).map(|&symbol| graph.derivative(f, symbol)).collect()
-}
-
-fn all_vanish(graph: &Graph, expressions: &[Expr]) -> Knowledge {
+/// Whether all statements hold: one that is refuted refutes them together.
+fn all(statements: impl IntoIterator<Item = Knowledge>) -> Knowledge {
     let mut known = Knowledge::Proven;
-    for &expr in expressions {
-        match graph.test_zero(expr) {
-            ZeroTest::Zero => {}
-            ZeroTest::Nonzero(witness) => return Knowledge::Refuted(witness),
-            ZeroTest::Unknown => known = Knowledge::Unknown,
+    for statement in statements {
+        match statement {
+            Knowledge::Proven => {}
+            Knowledge::Refuted(witness) => return Knowledge::Refuted(witness),
+            Knowledge::Unknown(reason) => known = Knowledge::Unknown(reason),
         }
     }
     known
 }
 
-fn noise_class(graph: &mut Graph, phase: &Phase, noise: &[Expr]) -> NoiseClass {
-    let all: Vec<Symbol> = phase.q.iter().chain(&phase.p).copied().collect();
-    let is_affine = |graph: &mut Graph, f: Expr| {
-        gradient(graph, phase, f).iter().all(|&slope| !graph.depends_on(slope, &all))
-    };
+/// Whether every `{H_j, H_k}` is constant.
+fn commuting(graph: &mut Graph, space: &mut Space, noise: &[Sum]) -> Knowledge {
+    let mut statements = Vec::new();
+    for (k, first) in noise.iter().enumerate() {
+        for second in &noise[..k] {
+            statements.push((first, second));
+        }
+        if is_family(first) {
+            statements.push((first, first));
+        }
+    }
+    all(statements.into_iter().map(|(first, second)| {
+        let bracket = Rate::of(space.bracket(graph, second, first));
+        bracket.known(|sum| space.is_constant(graph, sum, Increments::Each))
+    }))
+}
+
+/// Whether a sum is that of every member of a family of noises: the number of its increment is a loop variable's.
+fn is_family(noise: &Sum) -> bool {
+    noise.iter().any(|weighted| weighted.increments.iter().any(|number| !number.loops().is_empty()))
+}
+
+fn state_of(element: &Element) -> Vec<Symbol> {
+    element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol).collect()
+}
+
+fn is_diagonal(graph: &mut Graph, element: &Element) -> bool {
+    let momenta: Vec<Symbol> = element.momenta().map(|(symbol, _)| symbol).collect();
+    momenta.iter().all(|&p| {
+        let slope = graph.derivative(element.value, p);
+        let others: Vec<Symbol> = momenta.iter().copied().filter(|&other| other != p).collect();
+        !graph.depends_on(slope, &others)
+    })
+}
+
+fn noise_class(graph: &mut Graph, noise: &Sum) -> NoiseClass {
+    let reads_only =
+        |reads: Reads| noise.iter().all(|w| [reads, Reads::Nothing].contains(&w.element.reads()));
     if noise.is_empty() {
         NoiseClass::None
-    } else if noise.iter().all(|&f| is_affine(graph, f)) {
+    } else if noise.iter().all(|weighted| is_affine(graph, &weighted.element)) {
         NoiseClass::Additive
-    } else if noise.iter().all(|&f| !graph.depends_on(f, &phase.p)) {
+    } else if reads_only(Reads::Coordinates) {
         NoiseClass::Position
-    } else if noise.iter().all(|&f| !graph.depends_on(f, &phase.q)) {
+    } else if reads_only(Reads::Momenta) {
         NoiseClass::Momentum
     } else {
         NoiseClass::Multiplicative
     }
 }
 
+fn is_affine(graph: &mut Graph, element: &Element) -> bool {
+    let state = state_of(element);
+    state.iter().all(|&symbol| {
+        let slope = graph.derivative(element.value, symbol);
+        !graph.depends_on(slope, &state)
+    })
+}
+
 fn invariant(
     graph: &mut Graph,
-    phase: &Phase,
-    drift: Expr,
-    noise: &[Expr],
-    declared: Located<Expr>,
+    space: &mut Space,
+    (drift, noise, t): (&Sum, &[Sum], Symbol),
+    (extent, value): (Extent, Sum),
 ) -> Invariant {
-    let f = declared.value;
     let mut failure = None;
-    for (term, &hamiltonian) in [drift].iter().chain(noise).enumerate() {
-        let mut rate = poisson_bracket(graph, phase, hamiltonian, f);
+    for (term, hamiltonian) in [drift].into_iter().chain(noise).enumerate() {
+        let mut rate = Rate::of(space.bracket(graph, hamiltonian, &value));
         if term == 0 {
-            let explicit = graph.derivative(f, phase.t);
-            rate = graph.add(rate, explicit);
+            let explicit = space.partial(graph, &value, t);
+            rate.sum = space.combine(graph, &[(&rate.sum, Rational::ONE), (&explicit, Rational::ONE)]);
         }
-        match all_vanish(graph, &[rate]) {
+        match rate.known(|sum| space.vanishes(graph, sum, Increments::Each)) {
             Knowledge::Proven => {}
             knowledge => {
-                failure = Some((term, rate, knowledge));
+                failure = Some(Failure { term, rate: rate.sum, knowledge });
                 break;
             }
         }
     }
-    let all: Vec<Symbol> = phase.q.iter().chain(&phase.p).copied().collect();
-    let curvature = |graph: &mut Graph, first: &[Symbol], second: &[Symbol]| -> Vec<Expr> {
-        let pairs = first.iter().flat_map(|&a| second.iter().map(move |&b| (a, b)));
-        pairs
-            .map(|(a, b)| {
-                let slope = graph.derivative(f, a);
-                graph.derivative(slope, b)
-            })
-            .collect()
-    };
-    let quadratic = curvature(graph, &all, &all).iter().all(|&c| !graph.depends_on(c, &all));
-    let same_kind = [curvature(graph, &phase.q, &phase.q), curvature(graph, &phase.p, &phase.p)].concat();
-    let bilinear = quadratic && same_kind.iter().all(|&c| graph.is_zero(c));
-    Invariant { declared, failure, quadratic, bilinear }
+    let [quadratic, bilinear] = [Degree::Quadratic, Degree::Bilinear]
+        .map(|degree| value.iter().all(|weighted| is_of_degree(graph, &weighted.element, degree)));
+    Invariant { extent, value, failure, quadratic, bilinear }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Degree {
+    Quadratic,
+    /// Quadratic, without `q_i q_j` and `p_i p_j`.
+    Bilinear,
+}
+
+fn is_of_degree(graph: &mut Graph, element: &Element, degree: Degree) -> bool {
+    let state = state_of(element);
+    let coordinates = element.coordinates().count();
+    let is_momentum = |at: usize| at >= coordinates;
+    (0..state.len()).all(|a| {
+        let slope = graph.derivative(element.value, state[a]);
+        (a..state.len()).all(|b| {
+            let curvature = graph.derivative(slope, state[b]);
+            let is_allowed = degree == Degree::Quadratic || is_momentum(a) != is_momentum(b);
+            !graph.depends_on(curvature, &state) && (is_allowed || graph.is_zero(curvature))
+        })
+    })
 }

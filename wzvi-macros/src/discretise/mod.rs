@@ -10,7 +10,9 @@ pub(crate) mod embedding;
 pub(crate) mod equations;
 pub(crate) mod facts;
 pub(crate) mod lagrangian;
+pub(crate) mod sites;
 pub(crate) mod structure;
+pub(crate) mod sums;
 
 use crate::model::Model;
 use embedding::{Correction, Embedding};
@@ -32,11 +34,10 @@ pub(crate) struct Scheme {
 /// Discretises `model` by `embedding`: the one road from a Hamiltonian to a step.
 pub(crate) fn discretise(model: &mut Model, facts: &Facts, embedding: &Embedding) -> Scheme {
     let noise_l = embedding.quadrature().1;
-    let limit_is_right = facts.is_consistent(noise_l);
     let corrected = embedding.correction() == Correction::Corrected && facts.counter_term_acts(noise_l);
     let lagrangian = DiscreteLagrangian::new(model, embedding.quadrature(), corrected);
     let equations = Equations::new(&mut model.graph, &lagrangian);
     let structure = Structure::new(&mut model.graph, &lagrangian, &equations);
     let embedding = embedding.clone();
-    Scheme { embedding, lagrangian, equations, structure, consistent: limit_is_right || corrected }
+    Scheme { lagrangian, equations, structure, consistent: facts.converges(&embedding), embedding }
 }

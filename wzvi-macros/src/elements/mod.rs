@@ -18,9 +18,6 @@
 //! ```
 
 pub(crate) mod collect;
-pub(crate) mod counter;
 pub(crate) mod describe;
 pub(crate) mod emit;
-pub(crate) mod facts;
-pub(crate) mod invariants;
 pub(crate) mod plan;

@@ -43,6 +43,6 @@ fn knowledge(known: &Knowledge) -> TokenStream {
     match known {
         Knowledge::Proven => quote!(Proven),
         Knowledge::Refuted(_) => quote!(Refuted),
-        Knowledge::Unknown => quote!(Unknown),
+        Knowledge::Unknown(_) => quote!(Unknown),
     }
 }

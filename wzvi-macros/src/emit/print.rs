@@ -48,6 +48,11 @@ impl<'p> Printer<'p> {
         self.names.contains_key(&op)
     }
 
+    /// The name of `op`, if it has one.
+    pub(crate) fn bound(&self, op: Op) -> Option<&Ident> {
+        self.names.get(&op)
+    }
+
     /// A fresh name: the hint of the operation, or a number.
     pub(crate) fn name(&mut self, op: Op) -> Ident {
         let name = match self.hints.get(&op) {

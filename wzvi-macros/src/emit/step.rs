@@ -7,7 +7,7 @@ use super::embedding_type;
 use super::lagrangian;
 use super::plan::Plan;
 use super::print::{Printer, f64_type};
-use super::program::Op;
+use super::program::{Level, Op, Program};
 use super::system::indexed;
 use crate::discretise::Scheme;
 use crate::discretise::facts::{Facts, NoiseClass};
@@ -18,19 +18,46 @@ mod flow;
 
 use flow::{Flow, Solve};
 
+/// A step as code that reads no system but what is prepared of it.
+pub(crate) struct Kernel {
+    /// `__Prepared`, `__Memory<__S>` and the function `__solve`.
+    pub(crate) items: TokenStream,
+    /// The body of a method that makes a `__Prepared` of `self` and `__h`.
+    pub(crate) prepare: TokenStream,
+    /// `(P - p_i) / (p_{i+1} - p_i)` of each degree of freedom, if that is a number.
+    pub(crate) momentum_factors: Option<Vec<f64>>,
+    affords_compensation: bool,
+}
+
+impl Kernel {
+    pub(crate) fn new(model: &mut Model, facts: &Facts, scheme: &Scheme) -> Self {
+        let flow = Flow::new(&mut model.graph, &model.parameters, scheme, facts.noise == NoiseClass::None);
+        let step = Step::new(&flow, scheme);
+        let (prepared_type, memory_type) = (step.prepared_type(), step.memory_type());
+        let (prepare, solve) = (step.prepare(model), step.solve());
+        let items = quote! {
+            type __Prepared = #prepared_type;
+            type __Memory<__S> = #memory_type;
+
+            #solve
+        };
+        Self {
+            items,
+            prepare,
+            momentum_factors: flow.momentum_factors(scheme),
+            affords_compensation: flow.affords_compensation(),
+        }
+    }
+}
+
 /// The implementation of one scheme.
 pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str) -> TokenStream {
     let lagrangian = lagrangian::emit(model, scheme);
     let plan = plan(facts, scheme);
-    let flow = Flow::new(&mut model.graph, &model.parameters, scheme, facts.noise == NoiseClass::None);
-    let step = Step::new(&flow, scheme);
-    let prepared_type = step.prepared_type();
-    let memory_type = step.memory_type();
-    let prepare = step.prepare(model);
-    let solve = step.solve();
-    let momentum = momentum(&flow, scheme);
-    let carry =
-        if flow.affords_compensation() { quote!(Self::Compensated<__S>) } else { quote!(__wzvi::Plain) };
+    let kernel = Kernel::new(model, facts, scheme);
+    let momentum = momentum(&kernel, scheme);
+    let Kernel { items, prepare, affords_compensation, .. } = kernel;
+    let carry = if affords_compensation { quote!(Self::Compensated<__S>) } else { quote!(__wzvi::Plain) };
 
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
@@ -40,10 +67,7 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
     let noises = scheme.lagrangian.symbols.dw.len();
     quote! {
         const _: () = {
-            type __Prepared = #prepared_type;
-            type __Memory<__S> = #memory_type;
-
-            #solve
+            #items
 
             #[automatically_derived]
             impl #generics __wzvi::Discretized<#embedding> for #name #arguments #filter {
@@ -95,7 +119,7 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
 }
 
 /// `step_momentum`: `P = p_i + (p_{i+1} - p_i) / factor` where the update is a multiple of `v`, else from the step.
-fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
+fn momentum(kernel: &Kernel, scheme: &Scheme) -> TokenStream {
     let f64 = f64_type();
     let signature = quote! {
         fn step_momentum(
@@ -106,7 +130,7 @@ fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
             __dw: &[#f64],
         ) -> Self::Vector
     };
-    if let Some(factors) = flow.momentum_factors(scheme) {
+    if let Some(factors) = &kernel.momentum_factors {
         let components = factors
             .iter()
             .enumerate()
@@ -134,7 +158,8 @@ fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
     }
 }
 
-fn plan(facts: &Facts, scheme: &Scheme) -> TokenStream {
+/// `PLAN` of a step that is solved block by block.
+pub(crate) fn plan(facts: &Facts, scheme: &Scheme) -> TokenStream {
     let hardest = scheme.structure.blocks.iter().map(|block| match block.solution {
         Solution::Assigned | Solution::Isolated(_) => 0,
         Solution::Linear { .. } => 1,
@@ -283,9 +308,12 @@ impl<'f> Step<'f> {
         let factors = flow.solves.iter().filter(|solve| matches!(solve, Solve::Factored { .. })).count();
         let last = proc_macro2::Literal::usize_unsuffixed(factors + 1);
         let truths = (!truths.is_empty()).then(|| quote!(let [#(#truths),*] = __prepared.#last;));
-        let body =
-            SolveBody { flow, uses: flow.program.uses(&flow.roots()), printer, records: Vec::new() }.emit();
+        let uses = flow.program.uses(&flow.roots());
+        let (functions, body) =
+            SolveBody { flow, uses, printer, records: Vec::new(), functions: TokenStream::new() }.emit();
         quote! {
+            #functions
+
             #[inline(always)]
             fn __solve<
                 __S: __wzvi::Scalar,
@@ -319,6 +347,87 @@ fn rows(printer: &Printer<'_>, matrix: &[Vec<Op>]) -> Vec<TokenStream> {
         .collect()
 }
 
+/// The values that the equations of a block read besides its unknowns, by type: numbers and truths of the state, numbers
+/// and truths that the state does not enter.
+struct Given {
+    numbers: Vec<Ident>,
+    masks: Vec<Ident>,
+    constants: Vec<Ident>,
+    truths: Vec<Ident>,
+}
+
+impl Given {
+    fn new(program: &Program, printer: &Printer<'_>, roots: &[Op], unknowns: &[Op]) -> Self {
+        let mut read: Vec<Op> = program
+            .needed(roots, &|op| printer.is_bound(op))
+            .into_iter()
+            .filter(|&op| !printer.is_bound(op))
+            .flat_map(|op| program.operation(op).operands())
+            .chain(roots.iter().copied())
+            .filter(|op| !unknowns.contains(op))
+            .collect();
+        read.sort_unstable();
+        read.dedup();
+        let mut given =
+            Self { numbers: Vec::new(), masks: Vec::new(), constants: Vec::new(), truths: Vec::new() };
+        for op in read {
+            let Some(name) = printer.bound(op) else { continue };
+            let list = match (program.level(op) >= Level::Increments, program.operation(op).is_truth()) {
+                (true, false) => &mut given.numbers,
+                (true, true) => &mut given.masks,
+                (false, false) => &mut given.constants,
+                (false, true) => &mut given.truths,
+            };
+            list.push(name.clone());
+        }
+        given
+    }
+
+    fn lengths(&self) -> [usize; 4] {
+        [&self.numbers, &self.masks, &self.constants, &self.truths].map(Vec::len)
+    }
+
+    /// The type for numbers `__S`.
+    fn types(&self) -> TokenStream {
+        let ([numbers, masks, constants, truths], f64) = (self.lengths(), f64_type());
+        let bool = quote!(__wzvi::core::primitive::bool);
+        quote!(([__S; #numbers], [__S::Mask; #masks], [#f64; #constants], [#bool; #truths]))
+    }
+
+    /// The type for one lane.
+    fn types_of_one(&self) -> TokenStream {
+        let ([numbers, masks, constants, truths], f64) = (self.lengths(), f64_type());
+        let bool = quote!(__wzvi::core::primitive::bool);
+        quote!(([#f64; #numbers], [#bool; #masks], [#f64; #constants], [#bool; #truths]))
+    }
+
+    fn patterns(&self) -> TokenStream {
+        let Self { numbers, masks, constants, truths } = self;
+        quote!(([#(#numbers),*], [#(#masks),*], [#(#constants),*], [#(#truths),*]))
+    }
+
+    fn of_lane(&self) -> TokenStream {
+        let Self { numbers, masks, constants, truths } = self;
+        quote!((
+            [#(__wzvi::Scalar::lane(#numbers, __lane)),*],
+            [#(__wzvi::Mask::lane(#masks, __lane)),*],
+            [#(#constants),*],
+            [#(#truths),*],
+        ))
+    }
+
+    /// What is given has no error in the equations that it makes.
+    fn lifted(&self) -> TokenStream {
+        let Self { numbers, masks, constants, truths } = self;
+        quote!((
+            [#(__wzvi::Rounded::exact(#numbers)),*],
+            [#(#masks),*],
+            [#(#constants),*],
+            [#(#truths),*],
+        ))
+    }
+}
+
 /// The statements of a step, block by block.
 struct SolveBody<'f> {
     flow: &'f Flow,
@@ -326,10 +435,13 @@ struct SolveBody<'f> {
     printer: Printer<'f>,
     /// `memory.i.record(solution)`, done only if the whole step succeeds.
     records: Vec<TokenStream>,
+    /// The equations of each Newton block.
+    functions: TokenStream,
 }
 
 impl SolveBody<'_> {
-    fn emit(mut self) -> TokenStream {
+    /// The functions that the step calls, and its statements.
+    fn emit(mut self) -> (TokenStream, TokenStream) {
         let mut statements = TokenStream::new();
         let mut counts = Vec::new();
         let mut factors = 0_usize;
@@ -377,7 +489,7 @@ impl SolveBody<'_> {
             }
         }
         statements.extend(self.finish(&counts));
-        statements
+        (self.functions, statements)
     }
 
     fn bind(&mut self, roots: &[Op]) -> TokenStream {
@@ -386,7 +498,7 @@ impl SolveBody<'_> {
 
     /// What does not read the iterates is computed before the iteration, once.
     fn newton(&mut self, solve: &Solve, count: &Ident) -> TokenStream {
-        let Solve::Newton { residual, jacobian, unknowns, bases, symmetric } = solve else {
+        let Solve::Newton { residual, jacobian, unknowns, symmetric } = solve else {
             return TokenStream::new();
         };
         let program = &self.flow.program;
@@ -399,45 +511,56 @@ impl SolveBody<'_> {
             .chain(roots.iter().copied())
             .filter(|&op| !readers[op] && !program.operation(op).is_trivial())
             .collect();
-        let mut statements = self.printer.bind(&outer, &self.uses, &|op| outer.contains(&op));
+        let statements = self.printer.bind(&outer, &self.uses, &|op| outer.contains(&op));
 
         let mut inner = self.printer.clone();
         let names: Vec<Ident> = unknowns.iter().map(|&op| inner.name(op)).collect();
+        let given = Given::new(program, &inner, &roots, unknowns);
         let inner_uses = program.uses(&roots);
         let shared = inner.bind(&roots, &inner_uses, &|_| false);
         let values: Vec<TokenStream> = residual.iter().map(|&op| inner.scalar_value(op)).collect();
-        let bases: Vec<TokenStream> = bases.iter().map(|&op| self.printer.scalar_value(op)).collect();
+        let rows = rows(&inner, jacobian);
+        let (n, index) = (names.len(), self.records.len());
+        let (equations, rounded) = (format_ident!("__equations{index}"), format_ident!("__rounded{index}"));
+        let (types, patterns, lifted) = (given.types(), given.patterns(), given.lifted());
+        let (passed, by_lane) = (given.patterns(), given.of_lane());
+        let (types_of_one, f64) = (given.types_of_one(), f64_type());
+        self.functions.extend(quote! {
+            /// The equations of a block, and their Jacobian by rows.
+            #[inline(always)]
+            fn #equations<__S: __wzvi::Scalar>(
+                #patterns: #types,
+                [#(#names),*]: [__S; #n],
+            ) -> ([__S; #n], [[__S; #n]; #n]) {
+                #shared
+                ([#(#values),*], [#(#rows),*])
+            }
+
+            /// The equations of a block at all numbers that round to `__x`.
+            #[cold]
+            #[inline(never)]
+            fn #rounded(#patterns: #types_of_one, __x: [#f64; #n]) -> [__wzvi::Rounded; #n] {
+                #equations::<__wzvi::Rounded>(#lifted, __x.map(__wzvi::Rounded::nearest)).0
+            }
+        });
         let used = self.uses_memory();
-        let index = proc_macro2::Literal::usize_unsuffixed(self.records.len());
-        let start = quote!(__memory.#index.guess::<#used>());
-        if let [name] = names.as_slice() {
-            let (slope, value, base) = (inner.scalar_value(jacobian[0][0]), &values[0], &bases[0]);
-            statements.extend(quote! {
-                let (#name, #count) = __wzvi::newton_scalar::<__S, #used, __CAREFUL>(#start[0], #base, |#name: __S| {
-                    #shared
-                    (#value, #slope)
-                })?;
-            });
-        } else {
-            let n = names.len();
-            let rows = rows(&inner, jacobian);
-            let solver = if *symmetric { quote!(newton_symmetric) } else { quote!(newton) };
-            statements.extend(quote! {
-                let ([#(#names),*], #count) = __wzvi::#solver::<__S, #n, #used, __CAREFUL>(
-                    #start,
-                    [#(#bases),*],
-                    |&[#(#names),*]: &[__S; #n]| {
-                        #shared
-                        ([#(#values),*], [#(#rows),*])
-                    },
-                )?;
-            });
-        }
+        let index = proc_macro2::Literal::usize_unsuffixed(index);
         self.records.push(quote!(__memory.#index.record::<#used>([#(#names),*]);));
-        for (&op, name) in unknowns.iter().zip(names) {
-            self.printer.set(op, name);
+        for (&op, name) in unknowns.iter().zip(&names) {
+            self.printer.set(op, name.clone());
         }
-        statements
+        quote! {
+            #statements
+            let ([#(#names),*], #count) = __wzvi::newton::<__S, #n, #symmetric, #used, __CAREFUL>(
+                __memory.#index.guess::<#used>(),
+                __wzvi::Block {
+                    evaluate: move |__x: &[__S; #n]| #equations::<__S>(#passed, *__x),
+                    rounded: move |__x: &[__S; #n], __lane: __wzvi::core::primitive::usize| {
+                        #rounded(#by_lane, __x.map(|__x| __wzvi::Scalar::lane(__x, __lane)))
+                    },
+                },
+            )?;
+        }
     }
 
     /// Without noise the last steps are extrapolated; with it the increments decide, and zero is as good a start, but

@@ -109,8 +109,9 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts) -> TokenStream {
             *__dp = [#(#dp),*];
         })
     });
-    let rates =
-        arms(model, &f64, &facts.energy_rates.iter().map(|&e| vec![e]).collect::<Vec<_>>(), &value_arm);
+    let rates: Vec<Vec<Expr>> =
+        facts.energy_rate_values(&mut model.graph).into_iter().map(|rate| vec![rate]).collect();
+    let rates = arms(model, &f64, &rates, &value_arm);
     let integrals = arms(model, &f64, &integrals.iter().map(|&e| vec![e]).collect::<Vec<_>>(), &value_arm);
     let of_state = quote! {
         let (__q, __p, __t) =

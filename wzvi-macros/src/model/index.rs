@@ -32,7 +32,7 @@ pub(crate) struct Index {
 }
 
 /// A loop over `start..end`.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(crate) struct Loop {
     pub(crate) variable: u32,
     pub(crate) start: Index,

@@ -44,7 +44,7 @@ pub(crate) struct Described {
 }
 
 impl Described {
-    /// `settings` are those that only ensembles have, `observed` the observables at the start.
+    /// `settings` are those that only ensembles have, `observed` what the observables are at some states.
     pub(crate) fn new<H: Discretized<E>, E>(
         system: &H,
         prepared: &H::Prepared,
@@ -59,7 +59,7 @@ impl Described {
         all.extend(settings);
         let mut derived = identity::derived(system, prepared, start);
         let observed = identity::checksum(observed.iter().map(|number| number.to_bits()));
-        derived.push(("what the observables and events are at the start (checksum)".to_owned(), observed));
+        derived.push(("what the observables and events are on path 0 (checksum)".to_owned(), observed));
         let mut start = start.clone();
         let start = format::words(Tape::write(|tape| identity::pass_state(&mut start, tape)));
         Self { settings: all, derived, start, degrees }
@@ -115,7 +115,7 @@ impl Keeping {
             (checkpoint.paths.map(|paths| paths.div_ceil(extent.block)), checkpoint.interval);
         let blocks = extent.paths / extent.block;
         let mut keep = Keep {
-            own: Own::new(&checkpoint.path),
+            own: Own::new(&checkpoint.path)?,
             described: described(),
             first: 0,
             saved: 0,

@@ -4,21 +4,14 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::persist::FileError;
+
 /// A checkpoint that could not be written, or cannot be gone on from. No file was changed.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum CheckpointError {
     /// A file could not be read or written. The checkpoint before, if there is one, is as good as it was.
-    File {
-        /// Which one.
-        path: PathBuf,
-        /// What was tried.
-        action: &'static str,
-        /// What kind of failure it was.
-        kind: io::ErrorKind,
-        /// What the system said.
-        cause: String,
-    },
+    File(FileError),
     /// The file is something else.
     Foreign {
         /// Which one.
@@ -128,12 +121,7 @@ pub struct Difference {
 impl CheckpointError {
     /// What the system said about a file.
     pub(super) fn file<'p>(path: &'p Path, action: &'static str) -> impl FnOnce(io::Error) -> Self + use<'p> {
-        move |error| Self::File {
-            path: path.to_owned(),
-            action,
-            kind: error.kind(),
-            cause: error.to_string(),
-        }
+        move |error| Self::File(FileError::system(path, action)(error))
     }
 
     pub(super) fn damaged(path: &Path, damage: Damage) -> Self {
@@ -144,7 +132,7 @@ impl CheckpointError {
 impl fmt::Display for CheckpointError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::File { path, action, cause, .. } => write!(f, "cannot {action} {}: {cause}", path.display()),
+            Self::File(error) => error.fmt(f),
             Self::Foreign { path } => {
                 write!(f, "{} is not a file of wzvi; it was not changed: name another file", path.display())
             }
@@ -225,6 +213,12 @@ impl fmt::Display for Difference {
 }
 
 impl std::error::Error for CheckpointError {}
+
+impl From<FileError> for CheckpointError {
+    fn from(error: FileError) -> Self {
+        Self::File(error)
+    }
+}
 
 impl From<CheckpointError> for crate::error::Error {
     fn from(error: CheckpointError) -> Self {

@@ -1,6 +1,5 @@
 //! What makes two runs the same: as names and texts, so that a difference can be told.
 
-use std::any::type_name;
 use std::fmt::{self, Write};
 
 use super::Tape;
@@ -8,6 +7,7 @@ use super::error::Difference;
 use super::format::Word;
 use crate::carry::Carry;
 use crate::checksum::Checksum;
+use crate::names::short_name;
 use crate::retry::Retry;
 use crate::state::{State, Vector};
 use crate::step::Stepper;
@@ -39,8 +39,8 @@ pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
 pub(super) fn scheme<H: Hamiltonian, E>(system: &H, degrees: usize, h: f64) -> Fields {
     let fields = [
         ("the version of wzvi", env!("CARGO_PKG_VERSION").to_owned()),
-        ("the system", short_name(type_name::<H>())),
-        ("the scheme", short_name(type_name::<E>())),
+        ("the system", short_name::<H>()),
+        ("the scheme", short_name::<E>()),
         ("the number of degrees of freedom", degrees.to_string()),
         ("the number of noises", system.noises().to_string()),
         ("the step size", format!("{h:?}")),
@@ -121,24 +121,6 @@ impl Write for Text<'_> {
     }
 }
 
-/// A type without the modules that it and its arguments live in: where they live may change.
-fn short_name(name: &str) -> String {
-    let mut short = String::new();
-    let mut word = String::new();
-    for c in name.chars() {
-        if c == ':' {
-            word.clear();
-        } else if c.is_alphanumeric() || c == '_' {
-            word.push(c);
-        } else {
-            short.push_str(&word);
-            short.push(c);
-            word.clear();
-        }
-    }
-    short + &word
-}
-
 /// What differs between two lists of fields, in the order of `run`.
 pub(super) fn differences(checkpoint: &Fields, run: &Fields) -> Vec<Difference> {
     let value = |fields: &Fields, name: &str| {
@@ -179,14 +161,7 @@ pub(super) fn start_differences(d: usize, checkpoint: &[Word], run: &[Word]) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::{differences, short_name};
-
-    #[test]
-    fn modules_are_left_out() {
-        let name = "wzvi_runtime::embedding::Mixed<a::DeltaPlus, [b::c::X_1; 3]>";
-        assert_eq!(short_name(name), "Mixed<DeltaPlus, [X_1; 3]>");
-        assert_eq!(short_name("Kubo"), "Kubo");
-    }
+    use super::differences;
 
     #[test]
     fn differences_go_both_ways() {

@@ -54,13 +54,14 @@ impl Keeping {
         let noise = noise.ok_or(CheckpointError::Noise)?.into_settings();
         // That of the system, which may not know it before its first step.
         let degrees = state.q.components().len();
+        let own = Own::new(&checkpoint.path)?;
         let mut keep = Keep {
             schedule: Schedule::new(checkpoint.steps, checkpoint.interval, 0, steps),
             settings: identity::settings(stepper, degrees, recorder.every(), retry, noise),
             derived: identity::derived(stepper.system(), stepper.prepared(), state),
             start: format::words(Tape::write(|tape| identity::pass_state(state, tape))),
-            nodes: Nodes::new(&checkpoint.path, degrees, stepper.system().noises()),
-            own: Own::new(&checkpoint.path),
+            nodes: Nodes::new(own.path(), degrees, stepper.system().noises()),
+            own,
         };
         let first = match keep.own.read()? {
             Some(saved) => keep.restore(saved, steps, stepper, state, recorder, path)?,

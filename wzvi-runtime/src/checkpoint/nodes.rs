@@ -4,12 +4,12 @@
 //! stopped; the run that goes on writes the same ones again.
 
 use std::fs::{File, OpenOptions};
-use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
+use std::io::{BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::error::{CheckpointError, Damage};
-use super::replace::{flush_folder, with_ending};
 use crate::checksum::Checksum;
+use crate::persist::file::{self, flush_folder, with_ending};
 use crate::state::{State, Vector};
 use crate::trajectory::{Kept, Recorder};
 
@@ -74,10 +74,7 @@ impl Nodes {
     fn rows<V: Vector>(&mut self, count: u64) -> Result<Kept<V>, CheckpointError> {
         let damaged = |damage| CheckpointError::damaged(&self.path, damage);
         let failed = || CheckpointError::file(&self.path, "read");
-        let file = match File::open(&self.path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(damaged(Damage::Missing)),
-            file => file.map_err(failed())?,
-        };
+        let file = file::open(&self.path)?.ok_or_else(|| damaged(Damage::Missing))?;
         let found = file.metadata().map_err(failed())?.len();
         let mut file = BufReader::new(file);
         check_header(&self.path, &mut file)?;
@@ -149,7 +146,8 @@ impl Nodes {
         let failed = || CheckpointError::file(&self.path, "write");
         let mut options = OpenOptions::new();
         options.read(true).write(true).create(true).truncate(false);
-        let mut file = options.open(&self.path).map_err(failed())?;
+        let target = file::Target::of(&self.path, "write")?.into_path();
+        let mut file = options.open(target).map_err(failed())?;
         let length = file.metadata().map_err(failed())?.len();
         if length < HEADER.len() as u64 {
             let mut start = Vec::new();

@@ -1,12 +1,11 @@
 //! The file of one run: read once, then replaced again and again, unless someone else changes it.
 
-use std::fs::{self, File};
-use std::io::{self, Read};
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use super::error::{CheckpointError, Difference};
 use super::format::{self, Content, Unreadable, VERSION};
-use super::replace::{remove_parts, replace};
+use crate::persist::file;
 
 /// Where a run writes itself down.
 #[derive(Debug)]
@@ -17,8 +16,9 @@ pub(super) struct Own {
 }
 
 impl Own {
-    pub(super) fn new(path: &Path) -> Self {
-        Self { path: path.to_owned(), line: None }
+    /// The file that `path` leads to: a run that names it in another way finds the same one, and what belongs to it.
+    pub(super) fn new(path: &Path) -> Result<Self, CheckpointError> {
+        Ok(Self { path: file::Target::of(path, "write")?.into_path(), line: None })
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -27,10 +27,9 @@ impl Own {
 
     /// What the file says; `None` if there is none.
     pub(super) fn read<C: Content>(&mut self) -> Result<Option<C>, CheckpointError> {
-        let bytes = match fs::read(&self.path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            bytes => bytes.map_err(CheckpointError::file(&self.path, "read"))?,
-        };
+        let Some(mut file) = file::open(&self.path)? else { return Ok(None) };
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(CheckpointError::file(&self.path, "read"))?;
         self.line = Some(format::first_line(&bytes).to_owned());
         let path = self.path.clone();
         format::decode(&bytes).map(Some).map_err(|why| match why {
@@ -44,18 +43,14 @@ impl Own {
     /// Replaces what the file says.
     pub(super) fn write<C: Content>(&mut self, content: &C) -> Result<(), CheckpointError> {
         let bytes = format::encode(content).map_err(|damage| CheckpointError::damaged(&self.path, damage))?;
-        replace(&self.path, &bytes).map_err(CheckpointError::file(&self.path, "write"))?;
+        file::replace(&self.path, |file| file.write_all(&bytes))?;
         self.line = Some(format::first_line(&bytes).to_owned());
         Ok(())
     }
 
     /// Whether the file is as this run left it: nothing of another run is replaced.
     pub(super) fn check_ours(&self) -> Result<(), CheckpointError> {
-        let file = match File::open(&self.path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-            file => Some(file.map_err(CheckpointError::file(&self.path, "read"))?),
-        };
-        let is_ours = match (&self.line, file) {
+        let is_ours = match (&self.line, file::open(&self.path)?) {
             (None, None) => true,
             (Some(line), Some(file)) => {
                 let mut start = Vec::with_capacity(line.len());
@@ -70,7 +65,7 @@ impl Own {
 
     /// Removes what a run left behind that was stopped while it wrote.
     pub(super) fn remove_parts<C: Content>(&self) {
-        remove_parts(&self.path, C::MAGIC.as_bytes());
+        file::remove_parts(&self.path, C::MAGIC.as_bytes());
     }
 
     pub(super) fn other_run(&self, differences: Vec<Difference>) -> CheckpointError {

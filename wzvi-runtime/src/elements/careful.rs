@@ -4,11 +4,12 @@
 
 use super::iterate::{Step, Unknowns};
 use super::jacobian::Linear;
-use super::passes::{Size, size_of_correction};
+use super::memory::Work;
+use super::rounding::Rounding;
 use super::{Elements, Memory};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
-use crate::solve::{Effort, Progress, Verdict, astray};
+use crate::solve::{Effort, Progress, Verdict, astray, larger};
 
 /// Whole corrections that are tried, whatever they do.
 const PATIENCE: u32 = 12;
@@ -42,7 +43,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     fn search(&self, memory: &mut Memory<S>, shortens: bool) -> Result<Effort, StepFailure> {
         memory.guess(memory.known);
         let is_guess = memory.known > 0;
-        let Memory { work, linear, .. } = memory;
+        let Memory { work, linear, rounding, .. } = memory;
         let Some(linear) = linear else { return Err(astray(0, f64::INFINITY)) };
         let most = if shortens { MOST_SHORTENED } else { PATIENCE };
         let mut progress = Progress::new(is_guess);
@@ -56,9 +57,11 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             // Here `work.x` is `x`, and `work.correction` the correction there.
             correction.copy_from_slice(&work.correction);
             move_by(&mut work.x, &x, &correction, 1.0);
-            let Size { relative, largest, .. } = size_of_correction(&work.x, &correction);
-            let is_stagnation = || self.is_rounding(work, largest);
-            let verdict = progress.judge(relative, is_stagnation);
+            let relative = largest(&correction, &work.x, &|_| true);
+            let verdict = progress.judge(relative, |roundings| {
+                let rounding = self.round(&x, rounding);
+                largest(&correction, &work.x, &|k| !rounding.is_settled(k, roundings))
+            });
             let is_lost = match verdict {
                 Verdict::Converged => return Ok(found(&progress, doubtful, linear)),
                 Verdict::Straying => relative.is_nan() || progress.iterations >= most,
@@ -75,16 +78,12 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 self.residual(work);
                 residual.copy_from_slice(&work.correction);
                 let simplified = self.correct(work, linear, TOLERANCE);
-                let there = match simplified {
-                    Ok(()) => size_of_correction(&work.x, &work.correction).largest,
-                    Err(_) => f64::NAN,
+                let shrinks = |work: &Work<S>, rounding: &mut Option<Box<Rounding>>, to: f64| {
+                    simplified.is_ok() && self.shrinks(work, &x, &correction, to, rounding)
                 };
-                // What is left may be nothing but the rounding of the residual, which no step makes smaller.
-                let is_floor = length == 1.0 && simplified.is_ok() && self.is_rounding(work, there);
-                // All false for NaN.
-                let contracts = is_floor || there <= SAFE_CONTRACTION * largest;
-                doubtful |= length == 1.0 && !contracts;
-                let is_lower = is_floor || !shortens || there <= (1.0 - 0.5 * length) * largest;
+                let contracts = length < 1.0 || shrinks(work, rounding, SAFE_CONTRACTION);
+                doubtful |= !contracts;
+                let is_lower = !shortens || shrinks(work, rounding, 1.0 - 0.5 * length);
                 let mut next = simplified;
                 if is_lower {
                     work.correction.copy_from_slice(&residual);
@@ -117,6 +116,38 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             }
         }
     }
+}
+
+impl<H: Elements, S: Scalar> Step<'_, H, S> {
+    /// Whether the next correction is at most the fraction `to` of this one, each in units of its unknown. Unknowns whose
+    /// equations are at rounding, which no step makes smaller, do not count. False for NaN.
+    fn shrinks(
+        &self,
+        next: &Work<S>,
+        x: &[S],
+        correction: &[S],
+        to: f64,
+        rounding: &mut Option<Box<Rounding>>,
+    ) -> bool {
+        let level = |c: &[S], counts: &dyn Fn(usize) -> bool| {
+            let unknowns = c.iter().zip(x.iter().zip(correction)).enumerate().filter(|&(k, _)| counts(k));
+            unknowns.fold(0.0, |most, (_, (c, (x, correction)))| {
+                larger(most, c.magnitude().relative_to(x.magnitude() + correction.magnitude()))
+            })
+        };
+        if level(&next.correction, &|_| true) <= to * level(correction, &|_| true) {
+            return true;
+        }
+        let rounding = self.round(&next.x, rounding);
+        let counts = |k: usize| !rounding.is_settled(k, 1.0);
+        level(&next.correction, &counts) <= to * level(correction, &counts)
+    }
+}
+
+/// The largest correction, of those that count, relative to its unknown; NaN if any is.
+fn largest<S: Scalar>(correction: &[S], x: &[S], counts: &dyn Fn(usize) -> bool) -> f64 {
+    let unknowns = correction.iter().zip(x).enumerate().filter(|&(k, _)| counts(k));
+    unknowns.fold(0.0, |most, (_, (c, &x))| larger(most, c.relative_to(x)))
 }
 
 /// `to = x - length · correction`

@@ -2,19 +2,19 @@
 
 use super::jacobian::Linear;
 use super::memory::Work;
-use super::passes::{Size, add, are_finite, largest, subtract};
+use super::passes::{Corrected, add, are_finite, largest, subtract};
 use super::{CONTRACTS, Elements, Iteration, Memory, Point, Terms};
 use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
-use crate::solve::{Effort, STAGNATION, astray};
+use crate::solve::{Effort, astray};
 
 /// Corrections below this fraction of the largest unknown change nothing.
 const ROUNDING: f64 = f64::EPSILON;
 /// Residual of linear equations that are solved by iteration: each Newton iteration gains three digits.
 const FORCING: f64 = 1e-3;
-/// Corrections that move the coordinates by less than this fraction are rounding of the forces.
-const MOVES_NOTHING: f64 = 64.0 * f64::EPSILON;
+/// Corrections below this fraction of the largest unknown are not worth a factorisation: a choice of cost.
+const NEARLY_SOLVED: f64 = 1e-9;
 /// More iterations than any step needs that converges at all.
 const MOST_ITERATIONS: u32 = 100;
 
@@ -62,11 +62,11 @@ pub(super) fn stages(scheme: &Scheme) -> impl Iterator<Item = (usize, f64, Terms
 pub(super) struct Step<'a, H, S> {
     pub(super) system: &'a H,
     pub(super) scheme: &'a Scheme,
-    t: f64,
-    h: f64,
+    pub(super) t: f64,
+    pub(super) h: f64,
     pub(super) q: &'a [S],
-    p: &'a [S],
-    dw: &'a [S],
+    pub(super) p: &'a [S],
+    pub(super) dw: &'a [S],
 }
 
 /// One step from `(q, p)` at `t` in place; on `Err` nothing but scratch is changed.
@@ -306,8 +306,12 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let mut is_stale = true;
         let mut prefers_newton = true;
         let mut last = f64::INFINITY;
+        // Whether that is of unknowns beyond rounding only.
+        let mut is_beyond = false;
+        let mut variation = f64::INFINITY;
         for iterations in 1..=MOST_ITERATIONS {
-            let Memory { work, linear, .. } = memory;
+            let Memory { work, linear, .. } = &mut *memory;
+            std::mem::swap(&mut work.correction, &mut work.previous);
             self.residual(work);
             let was_refreshed = newton && is_stale;
             let mut stretch = 1.0;
@@ -321,28 +325,42 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 self.correct(work, linear, FORCING)?;
                 stretch = before / largest(&work.correction);
             }
-            let Size { relative, largest } = subtract(&mut work.x, &work.correction);
+            let mut relative = subtract(&mut work.x, &work.correction);
             if relative.is_nan() {
                 // A fixed point that diverges overflows in the end.
                 let diverges = iteration == Iteration::FixedPoint && (1.0..f64::INFINITY).contains(&last);
                 let not_converged = StepFailure::NotConverged { iterations, correction: last };
                 return Err(if diverges { not_converged } else { StepFailure::NonFinite });
             }
+            let solved = Solved { iterations, prefers_newton: newton && prefers_newton };
             let ratio = relative / last;
             let predicts = last < f64::INFINITY && ratio < 0.5;
             let is_enough = relative <= ROUNDING || (predicts && relative * ratio <= 0.25 * ROUNDING);
             if is_enough && self.resolves(work, if predicts { ratio } else { 1.0 }) {
-                return Ok(Solved { iterations, prefers_newton: newton && prefers_newton });
+                return Ok(solved);
             }
             // A guess claims to be near the solution.
             let is_misled = newton && is_guess && iterations == 1 && relative >= 1.0;
             let is_slow = last < f64::INFINITY && ratio > CONTRACTS;
-            let is_small = is_slow && self.is_rounding(work, largest);
-            if is_small && ratio > 0.5 {
-                return Ok(Solved { iterations, prefers_newton: newton && prefers_newton });
+            let stagnates = is_slow && ratio > 0.5;
+            let mut settles = false;
+            if stagnates || is_misled {
+                let beyond = self.beyond_rounding(memory);
+                if beyond == 0.0 {
+                    let before = std::mem::replace(&mut variation, self.variation(&memory.work));
+                    // Derivatives that a number carries converge after it.
+                    if size_of::<S>() == size_of::<f64>() || !(variation < 0.5 * before) {
+                        return Ok(solved);
+                    }
+                }
+                // What is rounding may have been the larger part of the correction before.
+                settles = beyond < 0.5 * if is_beyond { last } else { last.max(relative) };
+                if settles {
+                    (is_beyond, relative) = (true, beyond);
+                }
             }
             // Fresh factors that do not halve the correction: the solution is not near.
-            if is_misled || (was_refreshed && is_slow && ratio > 0.5) {
+            if is_misled || (was_refreshed && stagnates && !settles) {
                 return Err(astray(iterations, relative));
             }
             if newton && iterations == 1 && iteration == Iteration::Automatic {
@@ -350,13 +368,14 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 prefers_newton = (stretch - 1.0).abs() > 0.5 * CONTRACTS;
             }
             last = relative;
-            if is_slow && !is_small && iteration == Iteration::Automatic {
-                // Old factors, or none, do not contract. Near rounding nothing does.
-                if !newton && ratio > 0.5 {
+            let is_worth = stagnates || relative > NEARLY_SOLVED;
+            if is_slow && !settles && is_worth && iteration == Iteration::Automatic {
+                // Old factors, or none, do not contract.
+                if !newton && stagnates {
                     memory.guess(known);
                     last = f64::INFINITY;
                 }
-                (newton, is_stale) = (true, true);
+                (newton, is_stale, is_beyond) = (true, true, false);
             }
         }
         Err(StepFailure::NotConverged { iterations: MOST_ITERATIONS, correction: last })
@@ -379,44 +398,21 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// Whether what is left of each correction after another factor `ratio` is below the rounding of the state that it
-    /// changes: momenta of light particles count as much as those of heavy ones.
+    /// Whether what is left of each correction, by the contraction of all and of its own unknown, is below the rounding of
+    /// the state that it changes.
     fn resolves(&self, work: &Work<S>, ratio: f64) -> bool {
-        let is_small = |correction: S, x: S, state: S| {
-            ratio * correction.magnitude() <= ROUNDING * (x.magnitude() + state.magnitude())
-        };
-        let Work { x, correction, .. } = work;
+        let Work { x, correction, previous, .. } = work;
         if self.scheme.unknowns == Unknowns::Both {
-            let unknowns = correction.as_chunks().0.iter().zip(x.as_chunks().0);
-            unknowns
-                .zip(self.q.iter().zip(self.p))
-                .all(|((&[c_u, c_v], &[u, v]), (&q, &p))| is_small(c_u, u, q) && is_small(c_v, v, p))
+            let state = self.q.iter().zip(self.p).map(|(&q, &p)| [q, p]);
+            Corrected::<S, 2>::of(x, correction, previous).0.are_small(state, ratio)
         } else {
-            correction.iter().zip(x).zip(self.p).all(|((&c, &x), &p)| is_small(c, x, p))
+            let (groups, [x, correction, previous]) = Corrected::<S, 4>::of(x, correction, previous);
+            let (state, rest) = self.p.as_chunks::<4>();
+            groups.are_small(state.iter().copied(), ratio)
+                && Corrected::<S, 1>::of(x, correction, previous)
+                    .0
+                    .are_small(rest.iter().map(|&p| [p]), ratio)
         }
-    }
-
-    /// Whether every correction is small against the unknown and the state that it changes, or moves the coordinates by
-    /// rounding: forces of long waves are small differences of large coordinates.
-    #[cold]
-    pub(super) fn is_rounding(&self, work: &Work<S>, correction: f64) -> bool {
-        // `∂u/∂P`, for a kinetic energy that is about quadratic.
-        let moved = correction * largest(&work.u);
-        let bound = MOVES_NOTHING * largest(self.q) * largest(&work.momentum);
-        if size_of::<S>() == size_of::<f64>() && moved <= bound {
-            return true;
-        }
-        let is_both = self.scheme.unknowns == Unknowns::Both;
-        let largest = work.x.iter().fold(0.0_f64, |largest, x| largest.max(x.magnitude()));
-        work.correction.iter().enumerate().all(|(k, &correction)| {
-            let state = match (is_both, k % 2) {
-                (true, 0) => self.q[k / 2],
-                (true, _) => self.p[k / 2],
-                (false, _) => self.p[k],
-            };
-            correction.relative_to(work.x[k], Some(state)) <= STAGNATION
-                || correction.magnitude() <= STAGNATION * largest
-        })
     }
 
     /// `p_{i+1} - p_i` into `by_p`.

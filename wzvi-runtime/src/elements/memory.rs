@@ -2,6 +2,7 @@
 
 use super::iterate::{Scheme, Unknowns};
 use super::jacobian::{Linear, pattern};
+use super::rounding::Rounding;
 use super::{Elements, Iteration, Method};
 use crate::carry::{Carry, Compensation};
 use crate::error::StepFailure;
@@ -33,6 +34,7 @@ pub struct Memory<S> {
     /// Whether the fixed point contracted too slowly in the last step.
     pub(super) prefers_newton: bool,
     pub(super) linear: Option<Linear<S>>,
+    pub(super) rounding: Option<Box<Rounding>>,
 }
 
 /// Scratch of one step.
@@ -40,6 +42,8 @@ pub struct Memory<S> {
 pub(super) struct Work<S> {
     pub(super) x: Vec<S>,
     pub(super) correction: Vec<S>,
+    /// The correction before.
+    pub(super) previous: Vec<S>,
     pub(super) u: Vec<S>,
     pub(super) momentum: Vec<S>,
     pub(super) stage: [Vec<S>; 2],
@@ -54,12 +58,37 @@ impl<S> Default for Work<S> {
         Self {
             x: Vec::new(),
             correction: Vec::new(),
+            previous: Vec::new(),
             u: Vec::new(),
             momentum: Vec::new(),
             stage: [Vec::new(), Vec::new()],
             by_q: [Vec::new(), Vec::new()],
             by_p: Vec::new(),
             diagonal: Vec::new(),
+        }
+    }
+}
+
+impl<S: Scalar> Work<S> {
+    /// Scratch for steps of a system of so many degrees of freedom.
+    pub(super) fn new(scheme: &Scheme, degrees: usize) -> Self {
+        let zeros = |length: usize| vec![S::from_f64(0.0); length];
+        let unknowns = match scheme.unknowns {
+            Unknowns::None => 0,
+            Unknowns::Momenta => degrees,
+            Unknowns::Both => 2 * degrees,
+        };
+        let second = if scheme.drift_l == scheme.noise_l { 0 } else { degrees };
+        Self {
+            x: zeros(unknowns),
+            correction: zeros(unknowns),
+            previous: zeros(unknowns),
+            u: zeros(degrees),
+            momentum: zeros(degrees),
+            stage: [zeros(degrees), zeros(second)],
+            by_q: [zeros(degrees), zeros(second)],
+            by_p: zeros(degrees),
+            diagonal: zeros(if scheme.unknowns == Unknowns::Momenta { degrees } else { 0 }),
         }
     }
 }
@@ -74,6 +103,7 @@ impl<S> Default for Memory<S> {
             known: 0,
             prefers_newton: false,
             linear: None,
+            rounding: None,
         }
     }
 }
@@ -176,24 +206,10 @@ impl<S: Scalar> Memory<S> {
     }
 
     fn allocate<H: Elements>(&mut self, system: &H, scheme: &Scheme, degrees: usize) {
-        let zeros = |wanted: bool| vec![S::from_f64(0.0); if wanted { degrees } else { 0 }];
+        self.work = Work::new(scheme, degrees);
+        self.rounding = None;
+        let unknowns = self.work.x.len();
         let is_implicit = scheme.unknowns != Unknowns::None;
-        let unknowns = match scheme.unknowns {
-            Unknowns::None => 0,
-            Unknowns::Momenta => degrees,
-            Unknowns::Both => 2 * degrees,
-        };
-        let two_stages = scheme.drift_l != scheme.noise_l;
-        self.work = Work {
-            x: vec![S::from_f64(0.0); unknowns],
-            correction: vec![S::from_f64(0.0); unknowns],
-            u: zeros(true),
-            momentum: zeros(true),
-            stage: [zeros(true), zeros(two_stages)],
-            by_q: [zeros(true), zeros(two_stages)],
-            by_p: zeros(true),
-            diagonal: zeros(scheme.unknowns == Unknowns::Momenta),
-        };
         let remembered = if scheme.remembers { unknowns } else { 0 };
         // A copy comes with its past.
         if self.past[0].len() != remembered {
@@ -266,6 +282,11 @@ impl<S: Scalar> Carry<S> for CompensationVec<S> {
     #[inline(always)]
     fn add(base: S, increment: S, carried: S) -> (S, S) {
         Compensation::<S, 1>::add(base, increment, carried)
+    }
+    type Part<const D: usize> = Compensation<S, D>;
+    #[inline(always)]
+    fn part<const D: usize>(&self, first: usize) -> Compensation<S, D> {
+        Compensation::of(self, first)
     }
     fn keep(&mut self, coordinates: &[S], momenta: &[S]) {
         let zero = S::from_f64(0.0);

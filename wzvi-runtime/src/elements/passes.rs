@@ -2,14 +2,8 @@
 
 use crate::scalar::{Mask, Scalar};
 
-/// The largest correction, and the same against the largest unknown; NaN if any part is.
-pub(super) struct Size {
-    pub(super) relative: f64,
-    pub(super) largest: f64,
-}
-
-/// `x -= correction`, and how large that was.
-pub(super) fn subtract<S: Scalar>(x: &mut [S], correction: &[S]) -> Size {
+/// `x -= correction`, and the largest correction against the largest unknown; NaN if any part is.
+pub(super) fn subtract<S: Scalar>(x: &mut [S], correction: &[S]) -> f64 {
     let (mut size, mut change) = (Largest::default(), Largest::default());
     let (chunks, rest) = x.as_chunks_mut::<LANES>();
     let (corrections, other) = correction.as_chunks::<LANES>();
@@ -27,26 +21,26 @@ pub(super) fn subtract<S: Scalar>(x: &mut [S], correction: &[S]) -> Size {
     relate(x, correction, size.get(), change.get())
 }
 
-/// How large a correction is that leads to `x`.
-pub(super) fn size_of_correction<S: Scalar>(x: &[S], correction: &[S]) -> Size {
-    relate(x, correction, largest(x), largest(correction))
+/// A change against the largest number of `x`.
+pub(super) fn relative_to_largest<S: Scalar>(change: f64, x: &[S]) -> f64 {
+    change.relative_to(largest(x))
 }
 
-fn relate<S: Scalar>(x: &[S], correction: &[S], size: f64, change: f64) -> Size {
+fn relate<S: Scalar>(x: &[S], correction: &[S], size: f64, change: f64) -> f64 {
     if !change.is_finite() {
-        return Size { relative: f64::NAN, largest: f64::NAN };
+        return f64::NAN;
     }
-    let mut relative = if change == 0.0 { 0.0 } else { change / (size + f64::MIN_POSITIVE) };
+    let mut relative = change.relative_to(size);
     if size_of::<S>() != size_of::<f64>() {
         // Numbers that carry derivatives or lanes converge in every part.
         for (&x, &c) in x.iter().zip(correction) {
-            if c.magnitude() != 0.0 || !(c.relative_to(x, None) == 0.0) {
-                let part = c.relative_to(x, Some(S::from_f64(size)));
+            if c.magnitude() != 0.0 || !(c.relative_to(x) == 0.0) {
+                let part = c.relative_to(x.abs() + size);
                 relative = if part > relative || part.is_nan() { part } else { relative };
             }
         }
     }
-    Size { relative, largest: change }
+    relative
 }
 
 /// Numbers that are looked at side by side: few enough for the registers of x86-64.
@@ -117,4 +111,40 @@ pub(super) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
         poison = std::array::from_fn(|lane| poison[lane] + chunk[lane] * 0.0);
     }
     poison.iter().chain(rest).all(|number| number.is_finite().all())
+}
+
+/// Unknowns, their corrections, the corrections before, and what the unknowns are increments of.
+pub(super) struct Corrected<'a, S, const N: usize> {
+    pub(super) x: &'a [[S; N]],
+    pub(super) correction: &'a [[S; N]],
+    pub(super) previous: &'a [[S; N]],
+}
+
+impl<'a, S: Scalar, const N: usize> Corrected<'a, S, N> {
+    /// In groups of `N`, and the rest of them.
+    pub(super) fn of(x: &'a [S], correction: &'a [S], previous: &'a [S]) -> (Self, [&'a [S]; 3]) {
+        let ((x, a), (correction, b), (previous, c)) =
+            (x.as_chunks(), correction.as_chunks(), previous.as_chunks());
+        (Self { x, correction, previous }, [a, b, c])
+    }
+
+    /// Whether what is left of each correction is below the rounding of what it changes, if the next is smaller by the
+    /// factor `ratio`, or by the one that its own unknown has, whichever is larger.
+    #[inline(always)]
+    pub(super) fn are_small(&self, state: impl Iterator<Item = [S; N]>, ratio: f64) -> bool {
+        let mut excess = [f64::NEG_INFINITY; N];
+        let unknowns = self.x.iter().zip(self.correction).zip(self.previous).zip(state);
+        for (((x, correction), previous), state) in unknowns {
+            for k in 0..N {
+                let change = correction[k].magnitude();
+                let bound = f64::EPSILON * (x[k].magnitude() + state[k].magnitude());
+                let own = change / previous[k].magnitude();
+                let factor = if own > ratio { own } else { ratio };
+                let factor = if factor < 1.0 { factor } else { 1.0 };
+                let over = change * factor - bound;
+                excess[k] = if over > excess[k] { over } else { excess[k] };
+            }
+        }
+        excess.iter().all(|&excess| excess <= 0.0)
+    }
 }

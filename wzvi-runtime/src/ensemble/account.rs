@@ -5,6 +5,7 @@ use std::ops::{ControlFlow, Range};
 use super::control::{Control, Targets};
 use super::job::Job;
 use super::keeping::BlockKeeper;
+use super::origin::Origin;
 use super::progress::Progress;
 use super::statistics::{Node, Statistics};
 use crate::checkpoint::Keeping;
@@ -38,6 +39,7 @@ impl Account {
     {
         let targets = control.targets(&job.wanted.names)?;
         let mut statistics = Statistics::new(&job.wanted);
+        statistics.origin = Some(Origin::of(job));
         if let Some(paths) = &mut statistics.paths {
             paths.reserve(job.paths)?;
         }

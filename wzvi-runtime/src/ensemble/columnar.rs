@@ -12,20 +12,19 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
 use super::statistics::Statistics;
-use super::table::{Column, FileError, Table, whole_file};
+use crate::persist::FileError;
+use crate::persist::table::{Column, Table};
 
 impl Statistics {
     /// One file `<table>.parquet` for each of [`Statistics::tables`] in a folder, which is made if it is not there. Real
-    /// numbers are `DOUBLE`, counts `INT64`, text is UTF-8; no column has nulls.
+    /// numbers are `DOUBLE`, counts `INT64` without a sign, text is UTF-8; no column has nulls.
+    ///
+    /// `run.parquet` says that the set is complete, as `run.csv` does ([`Statistics::write_csv`]).
     ///
     /// # Errors
-    /// [`FileError`] for the first file that cannot be written.
+    /// Those of [`Statistics::write_csv`].
     pub fn write_parquet(&self, folder: impl AsRef<Path>) -> Result<(), FileError> {
-        for table in self.tables() {
-            let path = folder.as_ref().join(table.name()).with_extension("parquet");
-            whole_file(&path, |file| table.write_parquet(file))?;
-        }
-        Ok(())
+        self.write_tables(folder.as_ref(), "parquet", |table, file| table.write_parquet(file))
     }
 }
 
@@ -42,7 +41,7 @@ impl Table {
         let fields = self.columns().iter().map(|(name, column)| {
             let (physical, logical) = match column {
                 Column::Number(_) => (Physical::DOUBLE, None),
-                Column::Count(_) => (Physical::INT64, None),
+                Column::Count(_) => (Physical::INT64, Some(LogicalType::integer(64, false))),
                 Column::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
             };
             let field = Type::primitive_type_builder(name, physical).with_repetition(Repetition::REQUIRED);
@@ -83,8 +82,8 @@ mod tests {
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
 
-    use super::super::table::Cell::{Count, Number, Text};
     use super::*;
+    use crate::persist::table::Cell::{Count, Number, Text};
 
     /// Every entry comes back, to the last bit.
     #[test]
@@ -97,14 +96,14 @@ mod tests {
             table.row([Text(&name), Count(10_u64.pow(3 * i as u32)), Number(number)]);
         }
         let path = std::env::temp_dir().join(format!("wzvi-columnar-{}.parquet", std::process::id()));
-        whole_file(&path, |file| table.write_parquet(file)).unwrap();
+        crate::persist::file::replace(&path, |file| table.write_parquet(file)).unwrap();
         let file = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
         let mut rows = 0;
         for (i, row) in file.get_row_iter(None).unwrap().enumerate() {
             let row = row.unwrap();
             let entries: Vec<(&String, &Field)> = row.get_column_iter().collect();
             assert_eq!(*entries[0].1, Field::Str(format!("é, \"{i}\"")));
-            assert_eq!(*entries[1].1, Field::Long(10_i64.pow(3 * i as u32)));
+            assert_eq!(*entries[1].1, Field::ULong(10_u64.pow(3 * i as u32)));
             let Field::Double(number) = *entries[2].1 else { panic!("{entries:?}") };
             assert_eq!(number.to_bits(), numbers[i].to_bits());
             assert_eq!(entries[2].0, "number");

@@ -2,12 +2,17 @@
 
 use super::Ensemble;
 use super::block::PATHS;
+use super::draws::normal;
 use super::job::Job;
 use super::statistics::{Statistics, Wanted};
 use crate::checkpoint::{self, Checkpoint, Described, Extent, Keeping};
 use crate::error::Error;
+use crate::lanes::Lanes;
+use crate::step::Stepper;
 use crate::system::Discretized;
 
+/// Steps after which observables are compared.
+const COMPARED_STEPS: u64 = 3;
 /// Recorded nodes that a file lists; of more it has the checksum.
 const MOST_LISTED: usize = 32;
 
@@ -19,7 +24,8 @@ impl<H: Discretized<E>, E> Ensemble<'_, H, E> {
     /// A run until an error is small enough ([`Ensemble::until_error`]) ends at once if that of the checkpoint is, and goes on
     /// otherwise; a run that was stopped goes on, too.
     ///
-    /// Functions cannot be compared: observables and events are told apart by their names and their values at the start.
+    /// Functions cannot be compared: observables and events are told apart by their names and by their values at the start and
+    /// at the next three nodes of path 0.
     pub fn checkpoint(mut self, checkpoint: Checkpoint) -> Self {
         self.keeping = Keeping::to(checkpoint);
         self
@@ -85,7 +91,26 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Described 
         ("antithetic paths", job.is_antithetic.to_string()),
     ];
     let settings = settings.map(|(name, value)| (name.to_owned(), value)).into();
-    let functions = job.observables.iter().chain(&job.events);
-    let observed: Vec<f64> = functions.map(|function| function(&job.start)).collect();
-    Described::new(job.system, &job.prepared, job.h, &job.start, settings, &observed)
+    Described::new(job.system, &job.prepared, job.h, &job.start, settings, &observed(job))
+}
+
+/// What tells functions apart that cannot be compared: their values at the start and at the first nodes of path 0, which the run
+/// visits itself. `p` and `p²` are the same at rest, but not a step later.
+fn observed<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Vec<f64> {
+    let functions = || job.observables.iter().chain(&job.events);
+    let mut state = job.start.clone();
+    let mut values: Vec<f64> = functions().map(|function| function(&state)).collect();
+    // The same has been prepared for the job.
+    let Ok(stepper) = Stepper::<H, E>::new(job.system, job.h) else { return values };
+    let mut stepper = stepper.plain();
+    for step in 0..job.steps.min(COMPARED_STEPS) {
+        let normal = |process| Lanes::new([normal(job.seed, process as u64, 0, step)]);
+        let increment = |process| job.increment(normal(process), job.h.abs().sqrt())[0];
+        let dw: Vec<f64> = (0..job.system.noises()).map(increment).collect();
+        if stepper.step(&mut state, &dw).is_err() {
+            break;
+        }
+        values.extend(functions().map(|function| function(&state)));
+    }
+    values
 }

@@ -2,6 +2,7 @@
 
 use super::histogram::Histogram;
 use super::moments::Moments;
+use super::origin::Origin;
 use super::passage::{Passages, Watch};
 use super::paths::Paths;
 use super::quantiles::Quantiles;
@@ -175,6 +176,8 @@ pub struct Statistics {
     failures: Vec<PathFailure>,
     pub(super) is_partial: bool,
     pub(super) met_targets: Option<bool>,
+    /// What the whole run is of; a block does not say so.
+    pub(super) origin: Option<Origin>,
 }
 
 impl Statistics {
@@ -189,6 +192,7 @@ impl Statistics {
             failures: Vec::new(),
             is_partial: false,
             met_targets: None,
+            origin: None,
         }
     }
 

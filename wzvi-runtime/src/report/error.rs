@@ -1,21 +1,16 @@
 //! What can go wrong with a report.
 
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+
+use crate::persist::FileError;
 
 /// A measurement that could not be made, read or written.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ReportError {
     /// A file or folder could not be read or written.
-    File {
-        /// Which one.
-        path: PathBuf,
-        /// What was tried.
-        action: &'static str,
-        /// What the system said.
-        cause: String,
-    },
+    File(FileError),
     /// A file of points measured elsewhere has a line that is not `name,seconds,error`.
     Overlay {
         /// The file.
@@ -36,17 +31,10 @@ pub enum ReportError {
     Format(String),
 }
 
-impl ReportError {
-    /// What the system said about a file.
-    pub(crate) fn file(path: &Path, action: &'static str, cause: impl fmt::Display) -> Self {
-        Self::File { path: path.to_owned(), action, cause: cause.to_string() }
-    }
-}
-
 impl fmt::Display for ReportError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::File { path, action, cause } => write!(f, "cannot {action} {}: {cause}", path.display()),
+            Self::File(error) => error.fmt(f),
             Self::Overlay { path, line, cause } => {
                 write!(f, "{}, line {line}: {cause}; a line is name,seconds,error", path.display())
             }
@@ -57,6 +45,12 @@ impl fmt::Display for ReportError {
 }
 
 impl std::error::Error for ReportError {}
+
+impl From<FileError> for ReportError {
+    fn from(error: FileError) -> Self {
+        Self::File(error)
+    }
+}
 
 impl From<ReportError> for crate::error::Error {
     fn from(error: ReportError) -> Self {

@@ -1,8 +1,9 @@
 //! Error against run time: the builder.
 
 use super::Overlay;
-use super::scheme::{Embedding, Scheme, short_name};
+use super::scheme::{Embedding, Scheme};
 use crate::error::Error;
+use crate::names::short_name;
 use crate::noise::{Paths, Wiener};
 use crate::state::State;
 use crate::system::{Discretized, Hamiltonian};
@@ -54,7 +55,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     pub fn new(system: &'a H) -> Self {
         Self {
             system,
-            title: short_name(std::any::type_name::<H>()),
+            title: short_name::<H>(),
             start: None,
             end: None,
             steps: vec![],

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::ReportError;
+use crate::persist::FileError;
 
 /// A point that another program measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -23,12 +24,13 @@ impl Overlay {
     /// # Errors
     /// [`ReportError::File`], [`ReportError::Overlay`].
     pub fn read(path: &Path) -> Result<Vec<Self>, ReportError> {
+        let failed = |error: csv::Error| ReportError::File(FileError::system(path, "read")(error.into()));
         let mut builder = csv::ReaderBuilder::new();
         builder.has_headers(false).flexible(true).trim(csv::Trim::All).comment(Some(b'#'));
-        let mut reader = builder.from_path(path).map_err(|error| ReportError::file(path, "read", error))?;
+        let mut reader = builder.from_path(path).map_err(failed)?;
         let mut points = vec![];
         for (index, record) in reader.records().enumerate() {
-            let record = record.map_err(|error| ReportError::file(path, "read", error))?;
+            let record = record.map_err(failed)?;
             let line = record.position().map_or(index as u64 + 1, csv::Position::line);
             let bad = |cause: String| ReportError::Overlay { path: path.to_owned(), line, cause };
             let [name, seconds, error] = [0, 1, 2].map(|field| record.get(field).unwrap_or(""));

@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 use std::time::{Duration, Instant};
 
 use crate::error::{ConfigError, StepError};
+use crate::names::short_name;
 use crate::plan::Plan;
 use crate::state::State;
 use crate::step::Stepper;
@@ -65,7 +66,7 @@ impl<E> Embedding<E> {
 
 impl<H: Discretized<E>, E> Scheme<H> for Embedding<E> {
     fn name(&self) -> String {
-        short_name(std::any::type_name::<E>())
+        short_name::<E>()
     }
 
     fn plan(&self) -> Plan {
@@ -120,37 +121,5 @@ impl<H: Discretized<E>, E> Scheme<H> for Embedding<E> {
             }
         }
         Ok(begin.elapsed())
-    }
-}
-
-/// A type without the modules that its parts are in: `a::B<c::D>` is `B<D>`.
-pub(crate) fn short_name(name: &str) -> String {
-    let mut short = String::new();
-    let mut word = String::new();
-    let mut rest = name.chars().peekable();
-    while let Some(c) = rest.next() {
-        if c == ':' && rest.peek() == Some(&':') {
-            rest.next();
-            word.clear();
-        } else if c.is_alphanumeric() || c == '_' {
-            word.push(c);
-        } else {
-            short.push_str(&word);
-            word.clear();
-            short.push(c);
-        }
-    }
-    short + &word
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn names_are_as_written() {
-        assert_eq!(
-            super::short_name("a::e::Mixed<a::e::DeltaPlus, a::e::Midpoint>"),
-            "Mixed<DeltaPlus, Midpoint>"
-        );
-        assert_eq!(super::short_name("a::Lambda<1, 4>"), "Lambda<1, 4>");
     }
 }

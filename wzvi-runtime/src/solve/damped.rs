@@ -9,7 +9,9 @@
 //! Nonlinear Problems*, Springer 2011, section 3.3).
 
 use super::dense::Factor;
-use super::newton::{Effort, Progress, STAGNATION, Verdict, astray, is_rounding, relative};
+use super::newton::{
+    Effort, Equations, Progress, Verdict, astray, beyond_in_any_lane, larger, relative, roundings,
+};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
 
@@ -24,43 +26,49 @@ const SHORTEST: f64 = 1.0 / 64.0;
 /// Next corrections below this fraction of the one before leave no doubt.
 const SAFE_CONTRACTION: f64 = 0.5;
 
-/// Solves `r(x) = 0`; `equations` gives the residuals and the full Jacobian by rows, `state` the components of the state
-/// that the unknowns are increments of.
+/// Solves `r(x) = 0`; of a `SYMMETRIC` Jacobian only the lower triangle is read.
 ///
 /// # Errors
 /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`].
-pub(super) fn damped<S: Scalar, const N: usize>(
+pub(super) fn damped<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     start: [S; N],
-    state: [S; N],
-    mut equations: impl FnMut(&[S; N]) -> ([S; N], [[S; N]; N]),
+    equations: impl Equations<S, N>,
 ) -> Result<([S; N], Effort), StepFailure> {
-    match search(start, state, &mut equations, false) {
+    match search::<S, N, SYMMETRIC>(start, equations, false) {
         Ok(found) => Ok(found),
-        Err(_) => search(start, state, &mut equations, true),
+        Err(_) => search::<S, N, SYMMETRIC>(start, equations, true),
     }
 }
 
 /// With whole corrections, or shortened ones.
-fn search<S: Scalar, const N: usize>(
+fn search<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     start: [S; N],
-    state: [S; N],
-    equations: &mut impl FnMut(&[S; N]) -> ([S; N], [[S; N]; N]),
+    equations: impl Equations<S, N>,
     shortens: bool,
 ) -> Result<([S; N], Effort), StepFailure> {
+    let evaluate = |x: &[S; N]| {
+        let (residual, jacobian) = equations.evaluate(x);
+        let entry = |i: usize, j: usize| match SYMMETRIC {
+            true => jacobian[i.max(j)][i.min(j)],
+            false => jacobian[i][j],
+        };
+        let full: [[S; N]; N] = std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)));
+        (residual, full)
+    };
     let most = if shortens { MOST_ITERATIONS } else { PATIENCE };
     let is_guess = start.iter().any(|x| x.magnitude() != 0.0);
     let mut progress = Progress::new(is_guess);
     let mut doubtful = shortens;
     let mut shortened = 0;
     let mut x = start;
-    let (mut residual, jacobian) = equations(&x);
+    let (mut residual, jacobian) = evaluate(&x);
     let mut factor = Factor::new(jacobian)?;
     loop {
         let correction = factor.solve(residual);
         let end = shifted(&x, &correction, 1.0);
-        let size = largest(&correction, |i| end[i]);
-        let is_stagnation = || (0..N).all(|i| is_rounding(correction[i], end[i], state[i]));
-        match progress.judge(size, is_stagnation) {
+        let size = largest(&correction, &end);
+        let beyond = |roundings| beyond_in_any_lane(equations, &x, &correction, &end, roundings);
+        match progress.judge(size, beyond) {
             Verdict::Converged => {
                 return Ok((end, found(&progress, doubtful, &factor)));
             }
@@ -74,36 +82,23 @@ fn search<S: Scalar, const N: usize>(
             }
             Verdict::Contracting => {}
         }
-        let scale: [f64; N] = std::array::from_fn(|i| magnitude_of(x[i], correction[i], state[i]));
-        let level = |c: &[S; N]| {
-            c.iter().zip(&scale).fold(0.0, |most: f64, (c, scale)| {
-                let size = c.magnitude() / scale;
-                if size <= most || most.is_nan() { most } else { size }
-            })
-        };
-        let here = level(&correction);
+        let scale: [f64; N] =
+            std::array::from_fn(|i| x[i].magnitude() + correction[i].magnitude() + f64::MIN_POSITIVE);
         let mut length = 1.0;
         loop {
             let trial = shifted(&x, &correction, length);
-            let (trial_residual, trial_jacobian) = equations(&trial);
+            let (trial_residual, trial_jacobian) = evaluate(&trial);
             let next = factor.solve(trial_residual);
-            let there = level(&next);
-            // What is left may be nothing but the rounding of the residual, which no step makes smaller.
-            let is_floor = length == 1.0 && (0..N).all(|i| is_rounding(next[i], trial[i], state[i]));
-            // All false for NaN.
-            let contracts = is_floor || there <= SAFE_CONTRACTION * here;
-            doubtful |= length == 1.0 && !contracts;
-            let is_lower = is_floor || !shortens || there <= (1.0 - 0.5 * length) * here;
+            let shrinks = |to: f64| shrinks(equations, &trial, &scale, &next, &correction, to);
+            let contracts = length < 1.0 || shrinks(SAFE_CONTRACTION);
+            doubtful |= !contracts;
+            let is_lower = !shortens || shrinks(1.0 - 0.5 * length);
             if is_lower && let Ok(next) = Factor::new(trial_jacobian) {
                 (x, residual, factor) = (trial, trial_residual, next);
                 break;
             }
             length *= 0.5;
             if !shortens || length < SHORTEST {
-                // A component that crosses zero may carry the rounding of its neighbours.
-                if shortens && is_rounding_of_block(&correction, &end, &state) {
-                    return Ok((end, found(&progress, doubtful, &factor)));
-                }
                 // A singular matrix at the end of every way down is the cause.
                 Factor::new(trial_jacobian)?;
                 return Err(astray(progress.iterations, size));
@@ -123,16 +118,30 @@ fn found<S: Scalar, const N: usize>(progress: &Progress, doubtful: bool, factor:
     Effort { iterations: progress.iterations, doubtful, is_reversed: factor.is_reversed() }
 }
 
-/// Whether the largest correction is at rounding level of the largest component.
-fn is_rounding_of_block<S: Scalar, const N: usize>(
+/// Whether the next correction, in units of `scale`, is at most the fraction `to` of this one. Unknowns whose residual at
+/// `trial` is nothing but rounding, which no step makes smaller, do not count. False for NaN.
+fn shrinks<S: Scalar, const N: usize>(
+    equations: impl Equations<S, N>,
+    trial: &[S; N],
+    scale: &[f64; N],
+    next: &[S; N],
     correction: &[S; N],
-    unknowns: &[S; N],
-    state: &[S; N],
+    to: f64,
 ) -> bool {
-    let sizes = unknowns.iter().zip(state).map(|(x, state)| x.magnitude() + state.magnitude());
-    let bound = STAGNATION * sizes.fold(0.0, f64::max);
-    // False for NaN.
-    correction.iter().all(|c| c.magnitude() <= bound)
+    let level = |c: &[S; N], counts: &dyn Fn(usize) -> bool| {
+        (0..N).filter(|&i| counts(i)).map(|i| c[i].magnitude() / scale[i]).fold(0.0, larger)
+    };
+    if level(next, &|_| true) <= to * level(correction, &|_| true) {
+        return true;
+    }
+    let mut is_settled = [true; N];
+    for lane in 0..S::LANES {
+        let residual = equations.rounded(trial, lane);
+        for (is_settled, residual) in is_settled.iter_mut().zip(residual) {
+            *is_settled &= residual.is_below(roundings(false));
+        }
+    }
+    level(next, &|i| !is_settled[i]) <= to * level(correction, &|i| !is_settled[i])
 }
 
 fn shifted<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N], length: f64) -> [S; N] {
@@ -140,27 +149,24 @@ fn shifted<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N], length: f
 }
 
 /// The largest correction relative to its unknown; NaN if any is.
-fn largest<S: Scalar, const N: usize>(correction: &[S; N], unknown: impl Fn(usize) -> S) -> f64 {
-    (0..N)
-        .map(|i| relative(correction[i], unknown(i)))
-        .fold(0.0, |most, size| if size <= most || most.is_nan() { most } else { size })
-}
-
-/// What a change of this unknown is small against: the unknown, its correction, and a millionth of the state.
-fn magnitude_of<S: Scalar>(x: S, correction: S, state: S) -> f64 {
-    x.magnitude() + correction.magnitude() + 1e-6 * state.magnitude() + f64::MIN_POSITIVE
+fn largest<S: Scalar, const N: usize>(correction: &[S; N], unknown: &[S; N]) -> f64 {
+    correction.iter().zip(unknown).map(|(&c, &x)| relative(c, x)).fold(0.0, larger)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::Block;
     use super::*;
+    use crate::scalar::Rounded;
 
-    fn scalar(start: f64, equation: impl Fn(f64) -> (f64, f64)) -> Result<(f64, Effort), StepFailure> {
-        let equations = |&[x]: &[f64; 1]| {
+    /// An equation and its slope, with the rounding of a value of the size of 1.
+    fn scalar(start: f64, equation: impl Fn(f64) -> (f64, f64) + Copy) -> Result<(f64, Effort), StepFailure> {
+        let evaluate = |&[x]: &[f64; 1]| {
             let (residual, slope) = equation(x);
             ([residual], [[slope]])
         };
-        damped([start], [1.0], equations).map(|([x], effort)| (x, effort))
+        let rounded = |&[x]: &[f64; 1], _| [Rounded { value: equation(x).0, error: f64::EPSILON }];
+        damped::<_, 1, false>([start], Block { evaluate, rounded }).map(|([x], effort)| (x, effort))
     }
 
     #[test]
@@ -193,7 +199,11 @@ mod tests {
             let slope = 1.0 / (1.0 + (x - 3.0 + 0.1 * y).powi(2));
             (residual, [[slope * 1e200 * 1e100, slope * 0.1 * 1e-100], [0.0, 1e-300]])
         };
-        let ([x, y], _) = damped([0.0; 2], [0.0; 2], equations).unwrap();
+        let rounded = |z: &[f64; 2], _: usize| {
+            let (residual, errors) = (equations(z).0, [1e100, 1e-100]);
+            std::array::from_fn(|i| Rounded { value: residual[i], error: f64::EPSILON * errors[i] })
+        };
+        let ([x, y], _) = damped::<_, 2, false>([0.0; 2], Block { evaluate: equations, rounded }).unwrap();
         assert!((x * 1e200 - 2.8).abs() < 1e-14 && y * 1e-200 == 2.0, "{x} {y}");
     }
 

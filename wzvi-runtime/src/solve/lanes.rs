@@ -8,7 +8,7 @@
 use super::dense::{
     LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT, eliminate, eliminate_symmetric, substitute, substitute_symmetric,
 };
-use super::newton::{Effort, ROUNDING, SAFE_DETERMINANT, STAGNATION};
+use super::newton::{Effort, Equations, ROUNDING, SAFE_DETERMINANT, beyond, roundings};
 use super::{Solve, Together};
 use crate::error::StepFailure;
 use crate::lanes::{LaneMask, Lanes};
@@ -37,6 +37,8 @@ struct Progress<const L: usize> {
     enough: Lanes<L>,
     iterations: u32,
     done: LaneMask<L>,
+    is_guess: bool,
+    is_beyond_rounding: LaneMask<L>,
 }
 
 impl<const L: usize> Progress<L> {
@@ -47,12 +49,18 @@ impl<const L: usize> Progress<L> {
             enough: Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING),
             iterations: 0,
             done: LaneMask::from_bool(false),
+            is_guess,
+            is_beyond_rounding: LaneMask::from_bool(is_guess),
         }
     }
 
-    /// The lanes that go astray here.
+    /// The lanes that go astray here. `beyond_rounding` of a lane as for `newton::Progress`.
     #[inline(always)]
-    fn judge(&mut self, relative: Lanes<L>, at_rounding: impl FnOnce() -> LaneMask<L>) -> LaneMask<L> {
+    fn judge(
+        &mut self,
+        mut relative: Lanes<L>,
+        mut beyond_rounding: impl FnMut(usize, f64) -> f64,
+    ) -> LaneMask<L> {
         self.iterations += 1;
         let square = relative * relative;
         let converged = (square * relative).less_equal(self.enough);
@@ -60,12 +68,24 @@ impl<const L: usize> Progress<L> {
         let mut good = self.done | converged | contracts;
         self.done = self.done | converged;
         if !good.all() {
-            let mut stagnates = LaneMask::from_bool(false);
-            if self.iterations > 1 {
-                stagnates = !is_nan(relative) & !good & at_rounding();
+            let roundings = roundings(self.is_guess && self.iterations == 1);
+            for lane in 0..L {
+                if good.lane(lane) || relative[lane].is_nan() {
+                    continue;
+                }
+                let beyond = beyond_rounding(lane, roundings);
+                let known = self.is_beyond_rounding.lane(lane);
+                let last = if known { self.last[lane] } else { self.last[lane].max(relative[lane]) };
+                if beyond == 0.0 {
+                    self.done.set(lane, true);
+                    good.set(lane, true);
+                } else if beyond < 0.5 * last {
+                    self.is_beyond_rounding.set(lane, true);
+                    relative.set(lane, beyond);
+                    good.set(lane, true);
+                }
             }
-            good = good | stagnates;
-            self.done = self.done | stagnates | !good;
+            self.done = self.done | !good;
         }
         self.last = relative;
         let predicted = relative * (0.25 * ROUNDING) * relative;
@@ -75,43 +95,40 @@ impl<const L: usize> Progress<L> {
     }
 }
 
-/// `|correction| / (|unknown| + |state|)` and alike, as `relative_to` of `f64`.
+/// `relative_to` of `f64`, by lane.
 #[inline(always)]
-fn ratio<const L: usize>(correction: Lanes<L>, size: Lanes<L>) -> Lanes<L> {
-    correction.abs() / (size + f64::MIN_POSITIVE)
+fn ratio<const L: usize>(correction: Lanes<L>, unknown: Lanes<L>) -> Lanes<L> {
+    correction.abs() / (unknown.abs() + f64::MIN_POSITIVE)
 }
 
-/// `newton::iterate`, by lane.
+/// `newton::newton`, by lane.
 ///
 /// It ends: relative to what it leads to, the first correction of a lane is at most 1 (from zero) or below it (from a
 /// guess), and each next one at most half of the last, or the lane goes astray; 2^-52 is the last.
 #[inline(always)]
 pub(super) fn iterate<const L: usize, const N: usize>(
     start: [Lanes<L>; N],
-    state: [Lanes<L>; N],
     is_guess: bool,
-    mut correction_at: impl FnMut(&[Lanes<L>; N]) -> [Lanes<L>; N],
+    is_symmetric: bool,
+    equations: impl Equations<Lanes<L>, N>,
 ) -> ([Lanes<L>; N], Effort) {
     let mut x = start;
     let mut progress = Progress::new(is_guess);
     loop {
-        let correction = correction_at(&x);
+        let (residual, jacobian) = equations.evaluate(&x);
+        let correction = correction(&jacobian, &residual, is_symmetric);
         let done = progress.done;
         let mut largest = Lanes::from_f64(0.0);
         let mut moved = x;
         for i in 0..N {
             moved[i] = x[i] - correction[i];
-            let size = ratio(correction[i], moved[i].abs());
+            let size = ratio(correction[i], moved[i]);
             let keeps = size.less_equal(largest) | is_nan(largest);
             largest = if i == 0 { size } else { Lanes::select(keeps, largest, size) };
         }
-        let astray = progress.judge(largest, || {
-            let mut all = LaneMask::from_bool(true);
-            for i in 0..N {
-                let size = ratio(correction[i], moved[i].abs() + state[i].abs());
-                all = all & size.less_equal(Lanes::from_f64(STAGNATION));
-            }
-            all
+        let astray = progress.judge(largest, |lane, roundings| {
+            let sizes = std::array::from_fn(|i| correction[i][lane].relative_to(moved[i][lane]));
+            beyond(equations.rounded(&x, lane), sizes, roundings)
         });
         for i in 0..N {
             x[i] = Lanes::select(done, x[i], moved[i]);
@@ -134,6 +151,9 @@ pub(super) fn correction<const L: usize, const N: usize>(
     b: &[Lanes<L>; N],
     is_symmetric: bool,
 ) -> [Lanes<L>; N] {
+    if N == 1 {
+        return b.map(|b| b / matrix[0][0]);
+    }
     if N != 2 {
         return if is_symmetric { symmetric(matrix, b) } else { general(matrix, b) };
     }
@@ -244,34 +264,14 @@ pub struct LaneByLane;
 
 impl<const L: usize> Solve<Lanes<L>> for LaneByLane {
     #[inline(always)]
-    fn newton_scalar<const GUESS: bool, const CAREFUL: bool>(
-        start: Lanes<L>,
-        state: Lanes<L>,
-        mut equation: impl FnMut(Lanes<L>) -> (Lanes<L>, Lanes<L>),
-    ) -> Result<(Lanes<L>, Effort), StepFailure> {
-        if CAREFUL || L == 1 {
-            return Together::newton_scalar::<GUESS, CAREFUL>(start, state, equation);
-        }
-        let ([x], effort) = iterate([start], [state], GUESS, |&[x]| {
-            let (residual, slope) = equation(x);
-            [residual / slope]
-        });
-        Ok((x, effort))
-    }
-
-    #[inline(always)]
     fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
         start: [Lanes<L>; N],
-        state: [Lanes<L>; N],
-        mut equations: impl FnMut(&[Lanes<L>; N]) -> ([Lanes<L>; N], Matrix<L, N>),
+        equations: impl Equations<Lanes<L>, N>,
     ) -> Result<([Lanes<L>; N], Effort), StepFailure> {
         if CAREFUL || L == 1 {
-            return Together::newton::<N, SYMMETRIC, GUESS, CAREFUL>(start, state, equations);
+            return Together::newton::<N, SYMMETRIC, GUESS, CAREFUL>(start, equations);
         }
-        Ok(iterate(start, state, GUESS, |x| {
-            let (residual, jacobian) = equations(x);
-            correction(&jacobian, &residual, SYMMETRIC)
-        }))
+        Ok(iterate(start, GUESS, SYMMETRIC, equations))
     }
 
     #[inline(always)]

@@ -2,9 +2,14 @@
 //!
 //! The unknowns are increments of the state, so that their digits are not lost in it. With `e_k` the largest
 //! correction relative to its unknown, the iteration ends when `e_k` is at rounding level, when quadratic convergence
-//! predicts that the next correction, `e_k (e_k / e_{k-1})²`, is below it, or when the corrections stop shrinking at
-//! the level of the rounding of the residual (E. Hairer, R. I. McLachlan, A. Razakarivony, "Achieving Brouwer's law
-//! with implicit Runge-Kutta methods", BIT 48, 2008).
+//! predicts that the next correction, `e_k (e_k / e_{k-1})²`, is below it, or when the corrections stop shrinking because
+//! they are rounding of the residual (E. Hairer, R. I. McLachlan, A. Razakarivony, "Achieving Brouwer's law with implicit
+//! Runge-Kutta methods", BIT 48, 2008).
+//!
+//! There is one judge of the last: a residual is zero if it is below the rounding of its own terms, which is found by
+//! evaluating the same equations on numbers that know their rounding ([`Rounded`]). That depends on no unit, compares no
+//! unknown with another, and is done only where corrections do not shrink any more. Unknowns whose equations are at
+//! rounding no longer count in the contraction of the others.
 //!
 //! This is the way that nearly every step takes: no damping, and given up as soon as the corrections do not at least
 //! halve. Then the step is solved again with `CAREFUL`, which is [`damped`](super::damped).
@@ -15,14 +20,48 @@ use super::damped::damped;
 use super::dense::{Factor, SymmetricFactor};
 use crate::error::StepFailure;
 use crate::numbers::Numbers;
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::{Mask, Rounded, Scalar};
 
 /// Corrections below this fraction of an unknown change nothing.
 pub(super) const ROUNDING: f64 = f64::EPSILON;
-/// Stagnation counts as convergence below this fraction of the unknown or of the state component that it changes.
-pub(crate) const STAGNATION: f64 = 1e-9;
+/// A start that is extrapolated from three solutions, `3a - 3b + c`, has their roundings, and one of its own.
+const ROUNDING_OF_GUESS: f64 = 8.0;
 /// A determinant above this fraction of its two products has lost three digits at most, which Newton's method makes up.
 pub(super) const SAFE_DETERMINANT: f64 = 1e-3;
+
+/// The equations `r(x) = 0` of one step.
+pub trait Equations<S, const N: usize>: Copy {
+    /// The residuals, and their Jacobian by rows.
+    fn evaluate(&self, x: &[S; N]) -> ([S; N], [[S; N]; N]);
+
+    /// The residuals of one lane, at all numbers that round to `x`.
+    fn rounded(&self, x: &[S; N], lane: usize) -> [Rounded; N];
+}
+
+/// [`Equations`] of two closures.
+#[derive(Clone, Copy, Debug)]
+pub struct Block<E, R> {
+    /// [`Equations::evaluate`]
+    pub evaluate: E,
+    /// [`Equations::rounded`]
+    pub rounded: R,
+}
+
+impl<S, E, R, const N: usize> Equations<S, N> for Block<E, R>
+where
+    E: Fn(&[S; N]) -> ([S; N], [[S; N]; N]) + Copy,
+    R: Fn(&[S; N], usize) -> [Rounded; N] + Copy,
+{
+    #[inline(always)]
+    fn evaluate(&self, x: &[S; N]) -> ([S; N], [[S; N]; N]) {
+        (self.evaluate)(x)
+    }
+
+    #[inline(always)]
+    fn rounded(&self, x: &[S; N], lane: usize) -> [Rounded; N] {
+        (self.rounded)(x, lane)
+    }
+}
 
 /// What a solution took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -129,6 +168,9 @@ pub(crate) struct Progress {
     /// The cube of the relative correction that is good enough: `ROUNDING³` or `last² ROUNDING / 4`.
     enough: f64,
     pub(crate) iterations: u32,
+    is_guess: bool,
+    /// Whether `last` is that of unknowns beyond rounding only.
+    is_beyond_rounding: bool,
 }
 
 /// What a correction says.
@@ -147,13 +189,14 @@ impl Progress {
     #[inline(always)]
     pub(crate) fn new(is_guess: bool) -> Self {
         let last = if is_guess { 2.0 } else { f64::INFINITY };
-        Self { last, enough: ROUNDING * ROUNDING * ROUNDING, iterations: 0 }
+        let enough = ROUNDING * ROUNDING * ROUNDING;
+        Self { last, enough, iterations: 0, is_guess, is_beyond_rounding: is_guess }
     }
 
-    /// `relative`: largest correction relative to its unknown. `at_rounding`: whether every correction is small
-    /// against the state.
+    /// `relative`: largest correction relative to its unknown. `beyond_rounding`: the same of the unknowns whose residual
+    /// was more than so many times its rounding; 0 if there are none.
     #[inline(always)]
-    pub(crate) fn judge(&mut self, relative: f64, at_rounding: impl FnOnce() -> bool) -> Verdict {
+    pub(crate) fn judge(&mut self, relative: f64, beyond_rounding: impl FnOnce(f64) -> f64) -> Verdict {
         self.iterations += 1;
         let square = relative * relative;
         // `relative <= ROUNDING || relative (relative / last)² <= ROUNDING / 4` without dividing.
@@ -161,10 +204,22 @@ impl Progress {
             return Verdict::Converged;
         }
         // False for NaN, too: one comparison on the way that is taken.
-        let contracts = relative < 0.5 * self.last;
-        if !contracts {
-            let is_stagnation = self.iterations > 1 && !relative.is_nan() && at_rounding();
-            return if is_stagnation { Verdict::Converged } else { Verdict::Straying };
+        if !(relative < 0.5 * self.last) {
+            if relative.is_nan() {
+                return Verdict::Straying;
+            }
+            let beyond = beyond_rounding(roundings(self.is_guess && self.iterations == 1));
+            if beyond == 0.0 {
+                return Verdict::Converged;
+            }
+            // What is rounding may have been the larger part of the correction before.
+            let last = if self.is_beyond_rounding { self.last } else { self.last.max(relative) };
+            if !(beyond < 0.5 * last) {
+                return Verdict::Straying;
+            }
+            self.is_beyond_rounding = true;
+            self.expect(beyond);
+            return Verdict::Contracting;
         }
         self.expect(relative);
         Verdict::Contracting
@@ -182,7 +237,44 @@ impl Progress {
     /// A correction that does not count as one of a sequence: the next is judged by itself.
     pub(crate) fn forget(&mut self) {
         (self.last, self.enough) = (f64::INFINITY, ROUNDING * ROUNDING * ROUNDING);
+        self.is_beyond_rounding = false;
     }
+}
+
+/// How many roundings of its terms a residual may be to count as zero.
+pub(super) fn roundings(is_guess: bool) -> f64 {
+    if is_guess { ROUNDING_OF_GUESS } else { 1.0 }
+}
+
+/// The largest of the relative corrections of those unknowns whose residual is more than `roundings` times its
+/// rounding.
+#[cold]
+#[inline(never)]
+pub(super) fn beyond<const N: usize>(residual: [Rounded; N], relative: [f64; N], roundings: f64) -> f64 {
+    let left = residual.iter().zip(relative).filter(|(residual, _)| !residual.is_below(roundings));
+    left.fold(0.0, |most, (_, size)| larger(most, size))
+}
+
+/// The larger of two; NaN if either is.
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a >= b || a.is_nan() { a } else { b }
+}
+
+/// [`beyond`] of all lanes.
+#[inline(always)]
+pub(super) fn beyond_in_any_lane<S: Scalar, const N: usize>(
+    equations: impl Equations<S, N>,
+    x: &[S; N],
+    correction: &[S; N],
+    end: &[S; N],
+    roundings: f64,
+) -> f64 {
+    let sizes = std::array::from_fn(|i| relative(correction[i], end[i]));
+    let mut most = 0.0;
+    for lane in 0..S::LANES {
+        most = larger(most, beyond(equations.rounded(x, lane), sizes, roundings));
+    }
+    most
 }
 
 /// Why an iteration is given up.
@@ -198,112 +290,84 @@ pub(crate) fn astray(iterations: u32, correction: f64) -> StepFailure {
 /// `|correction| / |unknown|`, 0 for no correction.
 #[inline(always)]
 pub(super) fn relative<S: Scalar>(correction: S, unknown: S) -> f64 {
-    correction.relative_to(unknown, None)
+    correction.relative_to(unknown)
 }
 
-/// Rarely asked; inlined it would keep its operands in registers for every iteration.
-#[cold]
-#[inline(never)]
-pub(super) fn is_rounding<S: Scalar>(correction: S, unknown: S, state: S) -> bool {
-    correction.relative_to(unknown, Some(state)) <= STAGNATION
-}
-
-/// Solves `r(x) = 0` for one unknown from `start`; `equation` gives the residual and its slope, `state` the component
-/// of the state that `x` is an increment of. `GUESS`: whether a start other than zero may come from past steps.
+/// Solves `r(x) = 0` from `start`; of a `SYMMETRIC` Jacobian only the lower triangle is read. `GUESS`: whether a start other
+/// than zero may come from past steps.
 ///
 /// # Errors
 /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless `CAREFUL`, of any
 /// iteration whose corrections do not shrink fast.
 #[inline(always)]
-pub(super) fn newton_scalar<S: Scalar, const GUESS: bool, const CAREFUL: bool>(
-    start: S,
-    state: S,
-    mut equation: impl FnMut(S) -> (S, S),
-) -> Result<(S, Effort), StepFailure> {
+pub(super) fn newton<
+    S: Scalar,
+    const N: usize,
+    const SYMMETRIC: bool,
+    const GUESS: bool,
+    const CAREFUL: bool,
+>(
+    start: [S; N],
+    equations: impl Equations<S, N>,
+) -> Result<([S; N], Effort), StepFailure> {
     if CAREFUL {
-        let (x, effort) = damped([start], [state], |&[x]| {
-            let (residual, slope) = equation(x);
-            ([residual], [[slope]])
-        })?;
-        return Ok((x[0], effort));
+        return damped::<S, N, SYMMETRIC>(start, equations);
     }
     let mut x = start;
     let mut progress = Progress::new(GUESS);
     loop {
-        let (residual, slope) = equation(x);
-        let correction = residual / slope;
-        x = x - correction;
-        let size = relative(correction, x);
-        match progress.judge(size, || is_rounding(correction, x, state)) {
-            Verdict::Converged => {
-                return Ok((x, Effort::fast(progress.iterations)));
-            }
-            Verdict::Contracting => {}
-            Verdict::Straying => return Err(explain(progress.iterations, size, slope)),
+        let (residual, jacobian) = equations.evaluate(&x);
+        let correction = corrected::<S, N, SYMMETRIC>(&jacobian, residual)?;
+        let mut end = x;
+        let mut largest = 0.0_f64;
+        for i in 0..N {
+            end[i] = x[i] - correction[i];
+            let size = relative(correction[i], end[i]);
+            // Not `max`, which would drop a NaN.
+            largest = if i == 0 || !(size <= largest || largest.is_nan()) { size } else { largest };
+        }
+        let beyond = |roundings| beyond_in_any_lane(equations, &x, &correction, &end, roundings);
+        match progress.judge(largest, beyond) {
+            Verdict::Converged => return Ok((end, Effort::fast(progress.iterations))),
+            Verdict::Contracting => x = end,
+            Verdict::Straying => return Err(explain(progress.iterations, largest, &jacobian)),
         }
     }
 }
 
 /// A slope of zero is the cause of the infinity that follows from it.
 #[cold]
-fn explain<S: Scalar>(iterations: u32, correction: f64, slope: S) -> StepFailure {
-    let pivot = slope.magnitude();
-    if pivot < f64::EPSILON {
+fn explain<S: Scalar, const N: usize>(
+    iterations: u32,
+    correction: f64,
+    jacobian: &[[S; N]; N],
+) -> StepFailure {
+    let pivot = jacobian[0][0].magnitude();
+    if N == 1 && pivot < f64::EPSILON {
         StepFailure::Singular { pivot, scale: 1.0 }
     } else {
         astray(iterations, correction)
     }
 }
 
-/// [`newton_scalar`] for `N` coupled unknowns; `equations` gives the residuals and the Jacobian by rows.
-///
-/// # Errors
-/// As [`newton_scalar`].
+/// `J⁻¹ r`
 #[inline(always)]
-pub(super) fn newton<S: Scalar, const N: usize, const GUESS: bool, const CAREFUL: bool>(
-    start: [S; N],
-    state: [S; N],
-    mut equations: impl FnMut(&[S; N]) -> ([S; N], [[S; N]; N]),
-) -> Result<([S; N], Effort), StepFailure> {
-    if CAREFUL {
-        return damped(start, state, equations);
+fn corrected<S: Scalar, const N: usize, const SYMMETRIC: bool>(
+    jacobian: &[[S; N]; N],
+    residual: [S; N],
+) -> Result<[S; N], StepFailure> {
+    if N == 1 {
+        return Ok(residual.map(|r| r / jacobian[0][0]));
     }
-    iterate::<S, N, GUESS>(start, state, |x| {
-        let (residual, jacobian) = equations(x);
-        match solve_pair(&jacobian, &residual) {
-            Some(correction) => Ok(correction),
-            None => factored(jacobian, residual),
-        }
-    })
-}
-
-/// [`newton`] for a Jacobian that is symmetric; only its lower triangle is read.
-///
-/// # Errors
-/// As [`newton_scalar`].
-#[inline(always)]
-pub(super) fn newton_symmetric<S: Scalar, const N: usize, const GUESS: bool, const CAREFUL: bool>(
-    start: [S; N],
-    state: [S; N],
-    mut equations: impl FnMut(&[S; N]) -> ([S; N], [[S; N]; N]),
-) -> Result<([S; N], Effort), StepFailure> {
-    if CAREFUL {
-        return damped(start, state, |x| {
-            let (residual, lower) = equations(x);
-            let full = |i: usize, j: usize| lower[i.max(j)][i.min(j)];
-            (residual, std::array::from_fn(|i| std::array::from_fn(|j| full(i, j))))
-        });
+    let mut jacobian = *jacobian;
+    if SYMMETRIC && N == 2 {
+        jacobian[0][1] = jacobian[1][0];
     }
-    iterate::<S, N, GUESS>(start, state, |x| {
-        let (residual, mut jacobian) = equations(x);
-        if N == 2 {
-            jacobian[0][1] = jacobian[1][0];
-        }
-        match solve_pair(&jacobian, &residual) {
-            Some(correction) => Ok(correction),
-            None => factored_symmetric(jacobian, residual),
-        }
-    })
+    match solve_pair(&jacobian, &residual) {
+        Some(correction) => Ok(correction),
+        None if SYMMETRIC => factored_symmetric(jacobian, residual),
+        None => factored(jacobian, residual),
+    }
 }
 
 /// Two unknowns by Cramer's rule; `None` for another number of them, and where the determinant cancels so far that
@@ -339,43 +403,31 @@ fn factored_symmetric<S: Scalar, const N: usize>(
     Ok(SymmetricFactor::new(matrix)?.solve(b))
 }
 
-#[inline(always)]
-fn iterate<S: Scalar, const N: usize, const GUESS: bool>(
-    start: [S; N],
-    state: [S; N],
-    mut correction_at: impl FnMut(&[S; N]) -> Result<[S; N], StepFailure>,
-) -> Result<([S; N], Effort), StepFailure> {
-    let mut x = start;
-    let mut progress = Progress::new(GUESS);
-    loop {
-        let correction = correction_at(&x)?;
-        let mut largest = 0.0_f64;
-        for i in 0..N {
-            x[i] = x[i] - correction[i];
-            let size = relative(correction[i], x[i]);
-            // Not `max`, which would drop a NaN.
-            largest = if size <= largest || largest.is_nan() { largest } else { size };
-        }
-        match progress.judge(largest, || (0..N).all(|i| is_rounding(correction[i], x[i], state[i]))) {
-            Verdict::Converged => {
-                return Ok((x, Effort::fast(progress.iterations)));
-            }
-            Verdict::Contracting => {}
-            Verdict::Straying => return Err(astray(progress.iterations, largest)),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// An equation and its slope, with the rounding of a value of the size of 1.
+    fn one(equation: impl Fn(f64) -> (f64, f64) + Copy) -> impl Equations<f64, 1> {
+        Block {
+            evaluate: move |&[x]: &[f64; 1]| {
+                let (residual, slope) = equation(x);
+                ([residual], [[slope]])
+            },
+            rounded: move |&[x]: &[f64; 1], _| [Rounded { value: equation(x).0, error: f64::EPSILON }],
+        }
+    }
+
     /// Both ways to solve one equation.
-    fn scalar(start: f64, equation: impl Fn(f64) -> (f64, f64)) -> [Result<(f64, Effort), StepFailure>; 2] {
+    fn scalar(
+        start: f64,
+        equation: impl Fn(f64) -> (f64, f64) + Copy,
+    ) -> [Result<(f64, Effort), StepFailure>; 2] {
         [
-            newton_scalar::<_, false, false>(start, 1.0, &equation),
-            newton_scalar::<_, false, true>(start, 1.0, &equation),
+            newton::<_, 1, false, false, false>([start], one(equation)),
+            newton::<_, 1, false, false, true>([start], one(equation)),
         ]
+        .map(|outcome| outcome.map(|([x], effort)| (x, effort)))
     }
 
     #[test]
@@ -396,7 +448,7 @@ mod tests {
                 "{outcome:?}"
             );
         }
-        let outcome = newton::<_, 1, false, false>([0.0], [1.0], |_| ([1.0], [[0.0]]));
+        let outcome = newton::<_, 1, false, false, false>([0.0], one(|_| (1.0, 0.0)));
         assert!(matches!(outcome, Err(StepFailure::Singular { .. })), "{outcome:?}");
         for outcome in scalar(0.0, |_| (f64::NAN, 1.0)) {
             assert_eq!(outcome, Err(StepFailure::NonFinite));
@@ -411,17 +463,22 @@ mod tests {
             let residual = [x - 1e12 * (1.0 + y * y), y - 1e-12 * y.cos()];
             (residual, [[1.0, -2e12 * y], [0.0, 1.0 + 1e-12 * y.sin()]])
         };
-        let ([x, y], _) = newton::<_, 2, false, false>([0.0; 2], [1.0; 2], equations).unwrap();
+        let rounded = |z: &[f64; 2], _: usize| {
+            let (residual, errors) = (equations(z).0, [1e12, 1e-12]);
+            std::array::from_fn(|i| Rounded { value: residual[i], error: f64::EPSILON * errors[i] })
+        };
+        let block = Block { evaluate: equations, rounded };
+        let ([x, y], _) = newton::<_, 2, false, false, false>([0.0; 2], block).unwrap();
         assert_eq!((x, y), (1e12, 1e-12));
-        let ([x, y], _) = newton::<_, 2, false, true>([0.0; 2], [1.0; 2], equations).unwrap();
+        let ([x, y], _) = newton::<_, 2, false, false, true>([0.0; 2], block).unwrap();
         assert_eq!((x, y), (1e12, 1e-12));
     }
 
     #[test]
     fn a_guess_that_is_no_guide_is_given_up() {
-        let equation = |x: f64| (x - 1.0, 1.0);
-        assert!(newton_scalar::<_, true, false>(0.9, 1.0, equation).is_ok());
-        let outcome = newton_scalar::<_, true, false>(-7.0, 1.0, equation);
+        let equation = one(|x: f64| (x - 1.0, 1.0));
+        assert!(newton::<_, 1, false, true, false>([0.9], equation).is_ok());
+        let outcome = newton::<_, 1, false, true, false>([-7.0], equation);
         assert!(matches!(outcome, Err(StepFailure::NotConverged { iterations: 1, .. })), "{outcome:?}");
     }
 

@@ -7,8 +7,8 @@ use wzvi_runtime::carry::{Carry, Plain};
 use wzvi_runtime::embedding::{DeltaPlus, Midpoint};
 use wzvi_runtime::error::{ConfigError, StepFailure};
 use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
-use wzvi_runtime::scalar::{Mask, Scalar};
-use wzvi_runtime::solve::{Effort, Extrapolation, newton_scalar};
+use wzvi_runtime::scalar::{Mask, Rounded, Scalar};
+use wzvi_runtime::solve::{Block, Effort, Extrapolation, newton};
 use wzvi_runtime::state::State;
 use wzvi_runtime::system::{Discretized, Hamiltonian, LagrangianGradient, Segment};
 
@@ -175,6 +175,12 @@ impl Hamiltonian for Pendulum {
     }
 }
 
+/// The equation of half the increment, `x = h/2 p0 - h kick / 4 sin(q0 + x)`, and its slope.
+fn half_step<S: Scalar>(h: f64, kick: f64, q0: S, p0: S, x: S) -> ([S; 1], [[S; 1]; 1]) {
+    let (sin, cos) = (q0 + x).sin_cos();
+    ([x - p0 * (0.5 * h) + sin * (0.25 * h * kick)], [[cos * (0.25 * h * kick) + 1.0]])
+}
+
 impl Discretized<Midpoint> for Pendulum {
     const PLAN: Plan = Plan {
         solver: Solver::Newton,
@@ -208,10 +214,14 @@ impl Discretized<Midpoint> for Pendulum {
         if !dw.is_empty() {
             return Err(increments(0, dw.len()));
         }
-        let (x, effort) = newton_scalar::<_, true, CAREFUL>(memory.guess::<true>()[0], q0, |x| {
-            let (sin, cos) = (q0 + x).sin_cos();
-            (x - p0 * (0.5 * h) + sin * (0.25 * h * kick), cos * (0.25 * h * kick) + 1.0)
-        })?;
+        let equations = Block {
+            evaluate: |&[x]: &[S; 1]| half_step(h, kick, q0, p0, x),
+            rounded: |&[x]: &[S; 1], lane: usize| {
+                let [q0, p0] = [q0, p0].map(|number| Rounded::exact(number.lane(lane)));
+                half_step(h, kick, q0, p0, Rounded::nearest(x.lane(lane))).0
+            },
+        };
+        let ([x], effort) = newton::<_, 1, false, true, CAREFUL>(memory.guess::<true>(), equations)?;
         let (q1, p1) = (q0 + x * 2.0, p0 - (q0 + x).sin() * kick);
         finite(q1, p1)?;
         memory.record::<true>([x]);

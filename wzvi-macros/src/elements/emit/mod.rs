@@ -7,29 +7,41 @@ mod hamiltonian;
 mod indices;
 mod kernel;
 mod places;
+mod sites;
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use self::combine::Combined;
-use self::indices::{Indices, variable};
+use self::indices::Indices;
 use self::kernel::{Context, Target};
-use super::counter::{Counter, Weight};
-use super::facts::Facts;
 use crate::discretise::embedding::Embedding;
+use crate::discretise::facts::Facts;
+use crate::discretise::sums::Weighted;
+use crate::elements::plan::Strategy;
 use crate::emit::{f64_type, wrapped};
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, Noise, Reads, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
+pub(crate) use self::sites::site_entry;
+
 /// Everything that `#[hamiltonian]` stands for. `equations` has the text of each scheme, in their order.
-pub(crate) fn emit(model: &mut System, facts: &Facts, equations: &[String]) -> TokenStream {
+pub(crate) fn emit(
+    model: &mut System,
+    facts: &Facts,
+    schemes: &[(Embedding, Strategy)],
+    equations: &[String],
+) -> TokenStream {
     let mut generated = hamiltonian::emit(model);
     generated.extend(elements(model, facts));
-    let embeddings: Vec<Embedding> = model.embeddings.iter().map(|known| known.value.clone()).collect();
-    for (embedding, text) in embeddings.iter().zip(equations) {
-        generated.extend(discretized::emit(model, facts, embedding, text));
+    for ((embedding, strategy), text) in schemes.iter().zip(equations) {
+        let road = match strategy {
+            Strategy::Sites(site, scheme) => sites::emit(model, facts, site, scheme),
+            Strategy::Sweep(unknowns) => discretized::sweep(model, facts, embedding, *unknowns),
+        };
+        generated.extend(discretized::emit(model, facts, embedding, &road, text));
     }
     let System { item, crate_path, type_checks, .. } = model;
     wrapped(item, crate_path, &generated, type_checks, equations)
@@ -214,18 +226,19 @@ fn noise_elements(model: &System) -> Vec<(Element, TokenStream)> {
 
 /// The elements of the counter-term, if a scheme adds it, with their weights.
 fn counter_elements(model: &System, facts: &Facts) -> Vec<(Element, TokenStream)> {
+    let indices = Indices { tables: &model.tables };
+    let increment = |number: &Index| {
+        let position = match number.as_integer().and_then(|number| usize::try_from(number).ok()) {
+            Some(number) => quote!(#number),
+            None => indices.position(number),
+        };
+        quote!(__at.dw[#position])
+    };
     let schemes = model.embeddings.iter();
     let used = schemes.map(|known| facts.counter_of(&known.value)).find(|counter| !counter.is_empty());
-    let weigh = |Counter { element, weight }: &Counter| {
-        let weight = match weight {
-            Weight::Pair(j, k) => quote!(__at.dw[#j] * __at.dw[#k] * __terms.counter),
-            Weight::Member => {
-                let member = element.loops.first().map(|known| variable(known.variable));
-                let increment = quote!(__at.dw[#member as __wzvi::core::primitive::usize]);
-                quote!(#increment * #increment * __terms.counter)
-            }
-        };
-        (element.clone(), weight)
+    let weigh = |Weighted { element, increments }: &Weighted| {
+        let increments = increments.iter().map(increment);
+        (element.clone(), quote!(#(#increments *)* __terms.counter))
     };
     used.unwrap_or_default().iter().map(weigh).collect()
 }

@@ -49,7 +49,6 @@ pub(crate) enum Solve {
         residual: Vec<Op>,
         jacobian: Vec<Vec<Op>>,
         unknowns: Vec<Op>,
-        bases: Vec<Op>,
         symmetric: bool,
     },
 }
@@ -359,10 +358,9 @@ fn lower_block(
         Solution::Newton { residual, jacobian, symmetric } => {
             let unknowns =
                 block.iterates.iter().map(|&x| lowering.program.input(symbols.unknown(x))).collect();
-            let bases = block.iterates.iter().map(|&x| lowering.program.input(symbols.base(x))).collect();
             let residual = residual.iter().map(|&value| lowering.lower(value)).collect();
             let jacobian = lower_rows(lowering, jacobian);
-            Some(Solve::Newton { residual, jacobian, unknowns, bases, symmetric: *symmetric })
+            Some(Solve::Newton { residual, jacobian, unknowns, symmetric: *symmetric })
         }
     }
 }

@@ -1,0 +1,59 @@
+//! The golden expansions compile and step: `tests/golden` has what `#[hamiltonian]` writes for a dozen systems, as it was
+//! reviewed; `GOLDEN=overwrite cargo test -p wzvi-macros golden` renews it.
+
+#![allow(warnings, clippy::all, missing_docs, reason = "generated code, and not for users")]
+
+mod golden {
+    macro_rules! scenes {
+        ($($name:ident),*) => { $( #[rustfmt::skip] pub mod $name; )* };
+    }
+    scenes!(
+        all_pairs,
+        chain,
+        corrected,
+        explicit,
+        index_table,
+        lattice,
+        linear,
+        newton_block,
+        newton_scalar,
+        noise,
+        noise_family,
+        time
+    );
+}
+
+use golden::*;
+use wzvi::prelude::*;
+
+/// One step of 0.01 from (q, p) with the increments `dw` moves the state and fails nowhere.
+macro_rules! steps {
+    ($system:expr, $scheme:ty, $q:expr, $p:expr, $dw:expr) => {{
+        let system = $system;
+        let mut stepper = system.stepper::<$scheme>(0.01).expect("a step size");
+        let mut state = State::new($q, $p);
+        let before = state.clone();
+        stepper.step(&mut state, &$dw).expect("a step");
+        assert!(state.q != before.q && state.q.iter().chain(state.p.iter()).all(|x| x.is_finite()));
+    }};
+}
+
+#[test]
+fn golden_expansions_step() {
+    steps!(explicit::Pendulum { omega: 1.0 }, DeltaPlus, [0.3], [0.2], []);
+    steps!(linear::Oscillators { k: 1.0, c: 0.2 }, Midpoint, [0.3, 0.1], [0.2, -0.4], []);
+    steps!(newton_scalar::Pendulum { omega: 1.0 }, Midpoint, [0.3], [0.2], []);
+    steps!(newton_block::HenonHeiles, Midpoint, [0.3, 0.1], [0.2, -0.4], []);
+    steps!(noise::Kubo { a: 1.0, sigma: 0.5 }, Midpoint, [0.3], [0.2], [0.05]);
+    steps!(noise::Kubo { a: 1.0, sigma: 0.5 }, Uncorrected<DeltaPlus>, [0.3], [0.2], [0.05]);
+    steps!(time::Driven { f: 1.0, omega: 0.5 }, DeltaPlus, [0.3], [0.2], []);
+    steps!(corrected::Multiplicative { sigma: 0.5 }, Corrected<DeltaPlus>, [0.3], [0.2], [0.05]);
+    steps!(chain::Chain { beta: 0.5 }, Midpoint, vec![0.3, 0.1, -0.2], vec![0.2, -0.4, 0.1], []);
+    steps!(lattice::Lattice::<3> { k: 0.5 }, DeltaPlus, vec![0.3; 6], vec![0.2; 6], []);
+    let bodies = all_pairs::Bodies { g: 1.0, mass: vec![1.0, 2.0] };
+    steps!(bodies, DeltaPlus, vec![0.3, 0.1, 1.4, -0.7], vec![0.2, 0.1, -0.1, 0.0], []);
+    let bonds = index_table::Bonds { bonds: vec![(0, 2, 1.0), (1, 2, 0.5)] };
+    steps!(bonds, DeltaPlus, vec![0.3, 0.1, 1.4], vec![0.2, 0.1, -0.1], []);
+    let bath = noise_family::Bath { sigma: 0.5, sites: 2 };
+    steps!(bath, Midpoint, vec![0.3, 0.1], vec![0.2, 0.1], [0.05, -0.03]);
+}

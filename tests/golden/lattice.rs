@@ -1,0 +1,809 @@
+// Made by `GOLDEN=overwrite cargo test -p wzvi-macros golden` from
+//
+// #[hamiltonian(drift = |q: [[f64; 2]; N], p: [[f64; 2]; N]| { p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum::<f64>() + (0..N).map(|i| { let [x, y] = [q[(i + 1) % N][0] - q[i][0], q[(i + 1) % N][1] - q[i][1]]; 1.0 - (k * x).cos() + 0.5 * y * y }).sum::<f64>() }, embedding = DeltaPlus)]
+// pub struct Lattice<const N: usize> { pub k: f64 }
+
+use wzvi::prelude::*;
+
+/**
+# Discrete equations
+
+```text
+DeltaPlus
+
+Hamiltonians, as sums of elements
+  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 (i + 1 mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 (i + 1 mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]
+
+Discrete Lagrangian of the step from t_i to t_i + h
+  L_d = P · Δq - h H0(P, q_i)
+  q_{i+l} = q_i + l Δq
+
+Discrete Euler-Lagrange equations
+  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p
+  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q
+  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q
+
+Step
+  assign v, Δq
+
+Facts
+  H0 is a first integral
+
+```
+*/
+pub struct Lattice<const N: usize> {
+    pub k: f64,
+}
+#[allow(
+    warnings,
+    clippy::all,
+    clippy::pedantic,
+    clippy::nursery,
+    clippy::restriction,
+    clippy::cargo
+)]
+const _: () = {
+    use ::wzvi::__private as __wzvi;
+    #[automatically_derived]
+    impl<const N: usize> __wzvi::Hamiltonian for Lattice<N> {
+        type Vector = __wzvi::DVector<__wzvi::core::primitive::f64>;
+        fn degrees(&self) -> __wzvi::core::primitive::usize {
+            (((N as __wzvi::core::primitive::isize)) as __wzvi::core::primitive::usize)
+                * 2usize
+        }
+        fn noises(&self) -> __wzvi::core::primitive::usize {
+            0usize
+        }
+        fn invariants(&self) -> __wzvi::core::primitive::usize {
+            0usize
+        }
+        fn parameter(
+            &self,
+            __index: __wzvi::core::primitive::usize,
+        ) -> __wzvi::core::option::Option<
+            (&'static __wzvi::core::primitive::str, __wzvi::core::primitive::f64),
+        > {
+            match __index {
+                0usize => __wzvi::core::option::Option::Some(("k", self.k)),
+                _ => __wzvi::core::option::Option::None,
+            }
+        }
+        fn evaluate<__S: __wzvi::Scalar>(
+            &self,
+            __term: __wzvi::core::primitive::usize,
+            __q: &[__S],
+            __p: &[__S],
+            __t: __wzvi::core::primitive::f64,
+        ) -> __S {
+            let __nan = <__S as __wzvi::Scalar>::from_f64(
+                __wzvi::core::primitive::f64::NAN,
+            );
+            if !(__q.len() == __p.len()
+                && __wzvi::elements::check(self, __q.len()).is_ok())
+            {
+                return __nan;
+            }
+            let __a0: __wzvi::core::primitive::f64 = self.k;
+            let __size = (__q.len() / 2) as __wzvi::core::primitive::isize;
+            let __at = __wzvi::elements::Point {
+                q: __q,
+                p: __p,
+                t: __t,
+                h: 1.0,
+                dw: &[],
+            };
+            let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
+            match __term {
+                0 => {
+                    {
+                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
+                        let mut __i0: __wzvi::core::primitive::isize = 0;
+                        let __end: __wzvi::core::primitive::isize = ((N
+                            as __wzvi::core::primitive::isize));
+                        while __i0 < __end {
+                            let __low = __i0;
+                            let __len = (__end - __low)
+                                as __wzvi::core::primitive::usize;
+                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize);
+                            let __points0 = &__at
+                                .p[__points0..__points0 + 2 * __len]
+                                .as_chunks::<2>()
+                                .0[..__len];
+                            for __k in 0..__len {
+                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                let __l0 = __points0[__k][0usize];
+                                let __l1 = __points0[__k][1usize];
+                                __b0 = __b0 + (__l1 * __l1 + __l0 * __l0) * 0.5f64;
+                            }
+                            __i0 += __len as __wzvi::core::primitive::isize;
+                        }
+                        __total = __total + __b0;
+                    }
+                    {
+                        let __x0 = 0.5f64 * __a0;
+                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
+                        let mut __i1: __wzvi::core::primitive::isize = 0;
+                        let __end: __wzvi::core::primitive::isize = ((N
+                            as __wzvi::core::primitive::isize));
+                        while __i1 < __end {
+                            let __low = __i1;
+                            let __len = (__end - __low)
+                                as __wzvi::core::primitive::usize;
+                            let __points0 = ((2 * __i1) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize);
+                            let __points0 = &__at
+                                .q[__points0..__points0 + 2 * __len]
+                                .as_chunks::<2>()
+                                .0[..__len];
+                            for __k in 0..__len {
+                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                let __l0 = __at
+                                    .q[((2
+                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)];
+                                let __l1 = __points0[__k][0usize];
+                                let __l2 = __at
+                                    .q[((2
+                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
+                                    + 1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)];
+                                let __l3 = __points0[__k][1usize];
+                                let __x1 = ((__l0 - __l1) * __x0).sin();
+                                let __x2 = __l2 - __l3;
+                                __b0 = __b0 + __x2 * __x2 * 0.5f64 + __x1 * __x1 * 2f64;
+                            }
+                            __i1 += __len as __wzvi::core::primitive::isize;
+                        }
+                        __total = __total + __b0;
+                    }
+                }
+                _ => return __nan,
+            }
+            __total
+        }
+        fn differentiate<__S: __wzvi::Scalar>(
+            &self,
+            __term: __wzvi::core::primitive::usize,
+            __q: &[__S],
+            __p: &[__S],
+            __t: __wzvi::core::primitive::f64,
+            __by_q: &mut [__S],
+            __by_p: &mut [__S],
+        ) {
+            let __nan = <__S as __wzvi::Scalar>::from_f64(
+                __wzvi::core::primitive::f64::NAN,
+            );
+            if !(__q.len() == __p.len()
+                && __wzvi::elements::check(self, __q.len()).is_ok()
+                && __by_q.len() == __q.len() && __by_p.len() == __q.len())
+            {
+                __by_q.fill(__nan);
+                __by_p.fill(__nan);
+                return;
+            }
+            __by_q.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
+            __by_p.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
+            let __a0: __wzvi::core::primitive::f64 = self.k;
+            let __size = (__q.len() / 2) as __wzvi::core::primitive::isize;
+            let __at = __wzvi::elements::Point {
+                q: __q,
+                p: __p,
+                t: __t,
+                h: 1.0,
+                dw: &[],
+            };
+            match __term {
+                0 => {
+                    {
+                        let mut __i0: __wzvi::core::primitive::isize = 0;
+                        let __end: __wzvi::core::primitive::isize = ((N
+                            as __wzvi::core::primitive::isize));
+                        while __i0 < __end {
+                            let __low = __i0;
+                            let __len = (__end - __low)
+                                as __wzvi::core::primitive::usize;
+                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize);
+                            let __points0 = &__at
+                                .p[__points0..__points0 + 2 * __len]
+                                .as_chunks::<2>()
+                                .0[..__len];
+                            let __points1 = ((2 * __i0) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize);
+                            let __points1 = &mut __by_p[__points1..__points1 + 2 * __len]
+                                .as_chunks_mut::<2>()
+                                .0[..__len];
+                            for __k in 0..__len {
+                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                let __l0 = __points0[__k][0usize];
+                                let __l1 = __points0[__k][1usize];
+                                __points1[__k][0usize] = __points1[__k][0usize] + __l0;
+                                __points1[__k][1usize] = __points1[__k][1usize] + __l1;
+                            }
+                            __i0 += __len as __wzvi::core::primitive::isize;
+                        }
+                    }
+                    {
+                        let mut __b0 = [<__S as __wzvi::Scalar>::from_f64(0.0); 64usize];
+                        let mut __b2 = [<__S as __wzvi::Scalar>::from_f64(0.0); 64usize];
+                        let mut __i1: __wzvi::core::primitive::isize = 0;
+                        let __end: __wzvi::core::primitive::isize = ((N
+                            as __wzvi::core::primitive::isize));
+                        while __i1 < __end {
+                            let __low = __i1;
+                            let __len = __wzvi::core::cmp::Ord::min(
+                                (__end - __low) as __wzvi::core::primitive::usize,
+                                64usize,
+                            );
+                            let __points0 = ((2 * __i1) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize);
+                            let __points0 = &__at
+                                .q[__points0..__points0 + 2 * __len]
+                                .as_chunks::<2>()
+                                .0[..__len];
+                            let __points1 = ((2 * __i1) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize);
+                            let __points1 = &mut __by_q[__points1..__points1 + 2 * __len]
+                                .as_chunks_mut::<2>()
+                                .0[..__len];
+                            let __b0 = &mut __b0[..__len];
+                            let __b2 = &mut __b2[..__len];
+                            for __k in 0..__len {
+                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                let __l0 = __at
+                                    .q[((2
+                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)];
+                                let __l1 = __points0[__k][0usize];
+                                let __l2 = __at
+                                    .q[((2
+                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
+                                    + 1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)];
+                                let __l3 = __points0[__k][1usize];
+                                let __x0 = ((__l0 - __l1) * __a0).sin() * __a0;
+                                let __x1 = __l2 - __l3;
+                                __points1[__k][0usize] = __points1[__k][0usize] + -__x0;
+                                __points1[__k][1usize] = __points1[__k][1usize] + -__x1;
+                                __b0[__k] = __x0;
+                                __b2[__k] = __x1;
+                            }
+                            for __k in 0..__len {
+                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                let __at_index = ((2
+                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                __by_q[__at_index] = __by_q[__at_index] + __b0[__k];
+                            }
+                            for __k in 0..__len {
+                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                let __at_index = ((2
+                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
+                                    + 1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                __by_q[__at_index] = __by_q[__at_index] + __b2[__k];
+                            }
+                            __i1 += __len as __wzvi::core::primitive::isize;
+                        }
+                    }
+                }
+                _ => {
+                    __by_q.fill(__nan);
+                    __by_p.fill(__nan);
+                }
+            }
+        }
+        fn invariant(
+            &self,
+            _: __wzvi::core::primitive::usize,
+            _: &__wzvi::State<Self::Vector>,
+        ) -> __wzvi::core::primitive::f64 {
+            __wzvi::core::primitive::f64::NAN
+        }
+        fn energy_rate(
+            &self,
+            __k: __wzvi::core::primitive::usize,
+            __state: &__wzvi::State<Self::Vector>,
+        ) -> __wzvi::core::primitive::f64 {
+            __wzvi::elements::energy_rate(self, __k, __state)
+        }
+    }
+    #[automatically_derived]
+    impl<const N: usize> __wzvi::elements::Elements for Lattice<N> {
+        fn required(
+            &self,
+            __degrees: __wzvi::core::primitive::usize,
+        ) -> __wzvi::core::option::Option<__wzvi::core::primitive::usize> {
+            let __size = (__degrees / 2) as __wzvi::core::primitive::isize;
+            let mut __required = 2usize;
+            if __degrees % 2usize != 0 {
+                return __wzvi::core::option::Option::Some(
+                    (__size as __wzvi::core::primitive::usize + 1) * 2usize,
+                );
+            }
+            __wzvi::core::option::Option::Some(__required)
+        }
+        fn slopes<__S: __wzvi::Scalar>(
+            &self,
+            __terms: __wzvi::elements::Terms,
+            __at: &__wzvi::elements::Point<'_, __S>,
+            __by_q: &mut [__S],
+            __by_p: &mut [__S],
+        ) {
+            let __a0: __wzvi::core::primitive::f64 = self.k;
+            let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
+            let __t = __at.t;
+            if __terms.drift {
+                if __terms.by_p {
+                    {
+                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                        let mut __i0: __wzvi::core::primitive::isize = 0;
+                        let __end: __wzvi::core::primitive::isize = ((N
+                            as __wzvi::core::primitive::isize));
+                        while __i0 < __end {
+                            let __low = __i0;
+                            let __len = (__end - __low)
+                                as __wzvi::core::primitive::usize;
+                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize);
+                            let __points0 = &__at
+                                .p[__points0..__points0 + 2 * __len]
+                                .as_chunks::<2>()
+                                .0[..__len];
+                            let __points1 = ((2 * __i0) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize);
+                            let __points1 = &mut __by_p[__points1..__points1 + 2 * __len]
+                                .as_chunks_mut::<2>()
+                                .0[..__len];
+                            for __k in 0..__len {
+                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                let __l0 = __points0[__k][0usize];
+                                let __l1 = __points0[__k][1usize];
+                                __points1[__k][0usize] = __points1[__k][0usize]
+                                    + __l0 * __c;
+                                __points1[__k][1usize] = __points1[__k][1usize]
+                                    + __l1 * __c;
+                            }
+                            __i0 += __len as __wzvi::core::primitive::isize;
+                        }
+                    }
+                }
+                if __terms.by_q {
+                    {
+                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                        let mut __b0 = [<__S as __wzvi::Scalar>::from_f64(0.0); 64usize];
+                        let mut __b2 = [<__S as __wzvi::Scalar>::from_f64(0.0); 64usize];
+                        let mut __i1: __wzvi::core::primitive::isize = 0;
+                        let __end: __wzvi::core::primitive::isize = ((N
+                            as __wzvi::core::primitive::isize));
+                        while __i1 < __end {
+                            let __low = __i1;
+                            let __len = __wzvi::core::cmp::Ord::min(
+                                (__end - __low) as __wzvi::core::primitive::usize,
+                                64usize,
+                            );
+                            let __points0 = ((2 * __i1) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize);
+                            let __points0 = &__at
+                                .q[__points0..__points0 + 2 * __len]
+                                .as_chunks::<2>()
+                                .0[..__len];
+                            let __points1 = ((2 * __i1) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize);
+                            let __points1 = &mut __by_q[__points1..__points1 + 2 * __len]
+                                .as_chunks_mut::<2>()
+                                .0[..__len];
+                            let __b0 = &mut __b0[..__len];
+                            let __b2 = &mut __b2[..__len];
+                            for __k in 0..__len {
+                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                let __l0 = __at
+                                    .q[((2
+                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)];
+                                let __l1 = __points0[__k][0usize];
+                                let __l2 = __at
+                                    .q[((2
+                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
+                                    + 1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)];
+                                let __l3 = __points0[__k][1usize];
+                                let __x0 = __c * ((__l0 - __l1) * __a0).sin() * __a0;
+                                let __x1 = __c * (__l2 - __l3);
+                                __points1[__k][0usize] = __points1[__k][0usize] + -__x0;
+                                __points1[__k][1usize] = __points1[__k][1usize] + -__x1;
+                                __b0[__k] = __x0;
+                                __b2[__k] = __x1;
+                            }
+                            for __k in 0..__len {
+                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                let __at_index = ((2
+                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                __by_q[__at_index] = __by_q[__at_index] + __b0[__k];
+                            }
+                            for __k in 0..__len {
+                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                let __at_index = ((2
+                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
+                                    + 1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                __by_q[__at_index] = __by_q[__at_index] + __b2[__k];
+                            }
+                            __i1 += __len as __wzvi::core::primitive::isize;
+                        }
+                    }
+                }
+            }
+        }
+        fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
+            &self,
+            __terms: __wzvi::elements::Terms,
+            __at: &__wzvi::elements::Point<'_, __S>,
+            __into: &mut __C,
+        ) {
+            let __a0: __wzvi::core::primitive::f64 = self.k;
+            let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
+            let __t = __at.t;
+            if __terms.drift {
+                if __terms.by_p {
+                    {
+                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                        let mut __i0: __wzvi::core::primitive::isize = 0;
+                        let __end: __wzvi::core::primitive::isize = ((N
+                            as __wzvi::core::primitive::isize));
+                        while __i0 < __end {
+                            let __low = __i0;
+                            let __len = (__end - __low)
+                                as __wzvi::core::primitive::usize;
+                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize);
+                            let __points0 = &__at
+                                .p[__points0..__points0 + 2 * __len]
+                                .as_chunks::<2>()
+                                .0[..__len];
+                            for __k in 0..__len {
+                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                let __l0 = __points0[__k][0usize];
+                                let __l1 = __points0[__k][1usize];
+                                __into
+                                    .add_pp(
+                                        ((2 * __i0) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        ((2 * __i0) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        true,
+                                        __c,
+                                    );
+                                __into
+                                    .add_pp(
+                                        ((2 * __i0 + 1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        ((2 * __i0 + 1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        true,
+                                        __c,
+                                    );
+                            }
+                            __i0 += __len as __wzvi::core::primitive::isize;
+                        }
+                    }
+                }
+                if __terms.by_q {
+                    {
+                        let __x0 = __a0 * __a0;
+                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                        let mut __i1: __wzvi::core::primitive::isize = 0;
+                        let __end: __wzvi::core::primitive::isize = ((N
+                            as __wzvi::core::primitive::isize));
+                        while __i1 < __end {
+                            let __low = __i1;
+                            let __len = (__end - __low)
+                                as __wzvi::core::primitive::usize;
+                            let __points0 = ((2 * __i1) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize);
+                            let __points0 = &__at
+                                .q[__points0..__points0 + 2 * __len]
+                                .as_chunks::<2>()
+                                .0[..__len];
+                            for __k in 0..__len {
+                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                let __l0 = __at
+                                    .q[((2
+                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)];
+                                let __l1 = __points0[__k][0usize];
+                                let __l2 = __at
+                                    .q[((2
+                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
+                                    + 1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)];
+                                let __l3 = __points0[__k][1usize];
+                                let __x1 = __c * ((__l0 - __l1) * __a0).cos() * __x0;
+                                __into
+                                    .add_qq(
+                                        ((2
+                                            * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+                                            as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        ((2
+                                            * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+                                            as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        true,
+                                        __x1,
+                                    );
+                                __into
+                                    .add_qq(
+                                        ((2
+                                            * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+                                            as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        ((2 * __i1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        false,
+                                        -__x1,
+                                    );
+                                __into
+                                    .add_qq(
+                                        ((2 * __i1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        ((2 * __i1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        true,
+                                        __x1,
+                                    );
+                                __into
+                                    .add_qq(
+                                        ((2 * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
+                                            + 1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        ((2 * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
+                                            + 1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        true,
+                                        __c,
+                                    );
+                                __into
+                                    .add_qq(
+                                        ((2 * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
+                                            + 1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        ((2 * __i1 + 1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        false,
+                                        -__c,
+                                    );
+                                __into
+                                    .add_qq(
+                                        ((2 * __i1 + 1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        ((2 * __i1 + 1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        true,
+                                        __c,
+                                    );
+                            }
+                            __i1 += __len as __wzvi::core::primitive::isize;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    const _: () = {
+        const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
+            drift_l: 0f64,
+            noise_l: 0f64,
+            counter: 0f64,
+            unknowns: __wzvi::elements::Unknowns::None,
+            remembers: false,
+            has_noise: false,
+        };
+        #[automatically_derived]
+        impl<const N: usize> __wzvi::Discretized<__wzvi::embedding::DeltaPlus>
+        for Lattice<N> {
+            const PLAN: __wzvi::Plan = __wzvi::Plan {
+                solver: __wzvi::Solver::Explicit,
+                unknowns: 0,
+                noise: __wzvi::NoiseClass::None,
+                consistent: true,
+                conserves_energy: __wzvi::Knowledge::Proven,
+                commuting: __wzvi::Knowledge::Proven,
+            };
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 (i + 1 mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 (i + 1 mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_i)\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral\n";
+            const REMEMBERS: __wzvi::core::primitive::bool = false;
+            const IN_LANES: __wzvi::core::primitive::bool = false;
+            type Prepared = ();
+            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
+            type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
+                __S,
+            >;
+            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
+            fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
+                __wzvi::elements::Memory::new(self, &__SCHEME)
+            }
+            fn forget(
+                __memory: &mut __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
+            ) {
+                __memory.forget();
+            }
+            fn pin(
+                __memory: &mut __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
+                __iteration: __wzvi::elements::Iteration,
+            ) {
+                __memory.pin(__iteration);
+            }
+            fn pinned(
+                __memory: &__wzvi::elements::Memory<__wzvi::core::primitive::f64>,
+            ) -> __wzvi::elements::Iteration {
+                __memory.pinned()
+            }
+            fn adopt(
+                __memory: &mut __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
+                __left: __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
+            ) {
+                __memory.adopt(__left);
+            }
+            fn method(
+                __memory: &__wzvi::elements::Memory<__wzvi::core::primitive::f64>,
+            ) -> __wzvi::core::option::Option<__wzvi::elements::Method> {
+                __wzvi::core::option::Option::Some(__memory.method())
+            }
+            fn prepare(
+                &self,
+                __h: __wzvi::core::primitive::f64,
+            ) -> __wzvi::core::result::Result<(), __wzvi::ConfigError> {
+                if __wzvi::core::primitive::f64::is_nan(self.k) {
+                    return __wzvi::core::result::Result::Err(
+                        __wzvi::ConfigError::Parameter,
+                    );
+                }
+                __wzvi::elements::prepare(self)
+            }
+            fn advance_carrying<
+                __S: __wzvi::Scalar,
+                __C: __wzvi::Carry<__S>,
+                const __CAREFUL: __wzvi::core::primitive::bool,
+            >(
+                &self,
+                __prepared: &(),
+                __t: __wzvi::core::primitive::f64,
+                __h: __wzvi::core::primitive::f64,
+                __q: &mut [__S],
+                __p: &mut [__S],
+                __dw: &[__S],
+                __memory: &mut __wzvi::elements::Memory<__S>,
+                __carry: &mut __C,
+            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
+                __wzvi::elements::advance::<
+                    _,
+                    __S,
+                    __C,
+                    __CAREFUL,
+                >(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
+            }
+            fn discrete_lagrangian(
+                &self,
+                __segment: &__wzvi::Segment<Self::Vector>,
+                __dw: &[__wzvi::core::primitive::f64],
+            ) -> __wzvi::core::primitive::f64 {
+                __wzvi::elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)
+            }
+            fn discrete_lagrangian_gradient(
+                &self,
+                __segment: &__wzvi::Segment<Self::Vector>,
+                __dw: &[__wzvi::core::primitive::f64],
+            ) -> __wzvi::LagrangianGradient<Self::Vector> {
+                __wzvi::elements::discrete_lagrangian_gradient(
+                    self,
+                    &__SCHEME,
+                    __segment,
+                    __dw,
+                )
+            }
+            fn step_momentum(
+                &self,
+                __before: &__wzvi::State<Self::Vector>,
+                _: &__wzvi::State<Self::Vector>,
+                __h: __wzvi::core::primitive::f64,
+                __dw: &[__wzvi::core::primitive::f64],
+            ) -> Self::Vector {
+                __wzvi::elements::step_momentum(self, &__SCHEME, __before, __h, __dw)
+            }
+        }
+    };
+};
+const _: () = {
+    #[allow(
+        warnings,
+        unused,
+        clippy::all,
+        clippy::pedantic,
+        clippy::nursery,
+        clippy::restriction,
+        clippy::cargo
+    )]
+    trait __WzviTypeChecks {
+        fn __wzvi_type_checks(&self);
+    }
+    #[automatically_derived]
+    #[allow(
+        warnings,
+        unused,
+        clippy::all,
+        clippy::pedantic,
+        clippy::nursery,
+        clippy::restriction,
+        clippy::cargo
+    )]
+    impl<const N: usize> __WzviTypeChecks for Lattice<N> {
+        fn __wzvi_type_checks(&self) {
+            fn __wzvi_hamiltonian<
+                const N: usize,
+                F: ::core::ops::Fn(
+                        [[::core::primitive::f64; 2usize]; N],
+                        [[::core::primitive::f64; 2usize]; N],
+                    ) -> ::core::primitive::f64,
+            >(_: F) {}
+            fn __wzvi_hamiltonian_of_time<
+                const N: usize,
+                F: ::core::ops::Fn(
+                        [[::core::primitive::f64; 2usize]; N],
+                        [[::core::primitive::f64; 2usize]; N],
+                        ::core::primitive::f64,
+                    ) -> ::core::primitive::f64,
+            >(_: F) {}
+            fn __wzvi_family<
+                const N: usize,
+                F: ::core::ops::Fn(
+                        [[::core::primitive::f64; 2usize]; N],
+                        [[::core::primitive::f64; 2usize]; N],
+                        ::core::primitive::usize,
+                    ) -> ::core::primitive::f64,
+            >(_: F) {}
+            fn __wzvi_family_of_time<
+                const N: usize,
+                F: ::core::ops::Fn(
+                        [[::core::primitive::f64; 2usize]; N],
+                        [[::core::primitive::f64; 2usize]; N],
+                        ::core::primitive::f64,
+                        ::core::primitive::usize,
+                    ) -> ::core::primitive::f64,
+            >(_: F) {}
+            fn __wzvi_scheme<E>(
+                _: ::core::marker::PhantomData<E>,
+                _: ::core::marker::PhantomData<E>,
+            ) {}
+            __wzvi_scheme(
+                ::core::marker::PhantomData::<::wzvi::embedding::DeltaPlus>,
+                ::core::marker::PhantomData::<DeltaPlus>,
+            );
+            {
+                let k = self.k;
+                __wzvi_hamiltonian::<
+                    N,
+                    _,
+                >(|q: [[f64; 2]; N], p: [[f64; 2]; N]| {
+                    p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum::<f64>()
+                        + (0..N)
+                            .map(|i| {
+                                let [x, y] = [
+                                    q[(i + 1) % N][0] - q[i][0],
+                                    q[(i + 1) % N][1] - q[i][1],
+                                ];
+                                1.0 - (k * x).cos() + 0.5 * y * y
+                            })
+                            .sum::<f64>()
+                });
+            }
+        }
+    }
+};

@@ -1,0 +1,265 @@
+//! Products of the slopes of two sums, added up over the slots that they share.
+
+use std::collections::HashMap;
+
+use super::solve::{Equation, Meeting, Placement, solve};
+use super::{Groups, Half, Space, Sum, Weighted, map_slot, variable};
+use crate::model::index::{Atom, Index, Loop};
+use crate::model::{Element, Local};
+use crate::symbolic::{Expr, Graph, Rational, Symbol};
+
+/// What becomes of the increments of two sums.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Increments {
+    /// The product of two sums with independent increments.
+    Each,
+    /// The product of two sums with the same increments: `ΔW_j ΔW_k` is `ΔW_k ΔW_j`.
+    Together,
+    /// The mean of that over the increments: only where both are of one noise.
+    Diagonal,
+}
+
+/// An element with its loop variables out of the way of another's, and its slopes.
+struct Factor {
+    loops: Vec<Loop>,
+    locals: Vec<Local>,
+    increments: Vec<Index>,
+    value: Expr,
+    slopes: HashMap<Symbol, Expr>,
+}
+
+impl Factor {
+    fn new(weighted: &Weighted, shift: u32) -> Option<Self> {
+        let Weighted { element: Element { loops, locals, value }, increments } = weighted;
+        let moved = |index: &Index| {
+            let mut index = index.clone();
+            for known in loops {
+                index = index.with(known.variable, &variable(known.variable + shift))?;
+            }
+            Some(index)
+        };
+        let range = |known: &Loop| {
+            Some(Loop {
+                variable: known.variable + shift,
+                start: moved(&known.start)?,
+                end: moved(&known.end)?,
+            })
+        };
+        let local =
+            |Local { symbol, slot }: &Local| Some(Local { symbol: *symbol, slot: map_slot(slot, moved)? });
+        Some(Self {
+            locals: locals.iter().map(local).collect::<Option<_>>()?,
+            increments: increments.iter().map(moved).collect::<Option<_>>()?,
+            loops: loops.iter().map(range).collect::<Option<_>>()?,
+            value: *value,
+            slopes: HashMap::new(),
+        })
+    }
+
+    fn slope(&mut self, graph: &mut Graph, symbol: Symbol) -> Expr {
+        let value = self.value;
+        *self.slopes.entry(symbol).or_insert_with(|| graph.derivative(value, symbol))
+    }
+
+    /// The variables of one half of the phase space.
+    fn variables(&self, half: Half) -> Vec<(Symbol, Index)> {
+        let of_half = |local: &Local| Some((local.symbol, half.index(&local.slot)?.clone()));
+        self.locals.iter().filter_map(of_half).collect()
+    }
+}
+
+/// The places at which a sum reads one half of the phase space: those that are known, and those that loops go through.
+#[derive(Default)]
+struct Readers {
+    at: HashMap<i128, Vec<(usize, Symbol)>>,
+    moving: Vec<(usize, Symbol, Index)>,
+    fixed: Vec<(usize, Symbol, Index)>,
+}
+
+impl Readers {
+    fn of(factors: &[Factor], half: Half) -> Self {
+        let mut readers = Self::default();
+        for (number, factor) in factors.iter().enumerate() {
+            for (symbol, index) in factor.variables(half) {
+                match index.as_integer() {
+                    Some(known) => {
+                        readers.at.entry(known).or_default().push((number, symbol));
+                        readers.fixed.push((number, symbol, index));
+                    }
+                    None => readers.moving.push((number, symbol, index)),
+                }
+            }
+        }
+        readers
+    }
+
+    /// Whatever may meet `index`.
+    fn meeting(&self, index: &Index) -> Vec<(usize, Symbol, Index)> {
+        let fixed = match index.as_integer() {
+            Some(known) => {
+                let at = self.at.get(&known).map_or(&[][..], Vec::as_slice);
+                at.iter().map(|&(number, symbol)| (number, symbol, index.clone())).collect()
+            }
+            None => self.fixed.clone(),
+        };
+        [fixed, self.moving.clone()].concat()
+    }
+}
+
+impl Space {
+    /// `Σ_s ∂F/∂x_s ∂G/∂y_s` over all slots `s`, for a half of the phase space each; `None` if an index is beyond this
+    /// arithmetic.
+    pub(crate) fn contract(
+        &mut self,
+        graph: &mut Graph,
+        (first, by): (&Sum, Half),
+        (second, other): (&Sum, Half),
+        increments: Increments,
+    ) -> Option<Sum> {
+        let beyond = self.beyond();
+        let factors =
+            |sum: &Sum, shift: u32| sum.iter().map(|w| Factor::new(w, shift)).collect::<Option<Vec<_>>>();
+        let (mut first, mut second) = (factors(first, beyond)?, factors(second, 2 * beyond)?);
+        let readers = Readers::of(&second, other);
+        let mut groups = Groups::default();
+        for one in &mut first {
+            for (x, place) in one.variables(by) {
+                for (number, y, there) in readers.meeting(&place) {
+                    let two = &mut second[number];
+                    let (slope, speed) = (one.slope(graph, x), two.slope(graph, y));
+                    if graph.is_zero(slope) || graph.is_zero(speed) {
+                        continue;
+                    }
+                    let equation = Equation { difference: place.subtract(&there)?, is_of_slots: true };
+                    self.place(graph, [(one, slope), (two, speed)], equation, increments, &mut groups)?;
+                }
+            }
+        }
+        Some(groups.finish(self, graph))
+    }
+
+    /// Adds the product of two slopes where an equation holds.
+    fn place(
+        &mut self,
+        graph: &mut Graph,
+        [(one, slope), (two, speed)]: [(&Factor, Expr); 2],
+        equation: Equation,
+        increments: Increments,
+        groups: &mut Groups,
+    ) -> Option<()> {
+        let mut equations = vec![equation];
+        if increments == Increments::Diagonal {
+            for (a, b) in one.increments.iter().zip(&two.increments) {
+                equations.push(Equation { difference: a.subtract(b)?, is_of_slots: false });
+            }
+        }
+        if one.loops.is_empty()
+            && two.loops.is_empty()
+            && equations.iter().all(|e| e.difference == Index::default())
+        {
+            let numbers = joined(&one.increments, &two.increments, increments);
+            let product = graph.multiply(slope, speed);
+            groups.add(Vec::new(), numbers, product, Rational::ONE);
+            return Some(());
+        }
+        let loops = [one.loops.as_slice(), &two.loops].concat();
+        let Meeting::At(placement) = solve(self, loops, equations, 3 * self.beyond())? else {
+            return Some(());
+        };
+        // All indices of both, to be moved together.
+        let mut placed = Placed { loops: placement.loops.clone(), by: Vec::new() };
+        let numbers = joined(&one.increments, &two.increments, increments);
+        let numbers = numbers.iter().map(|index| placement.image(self, index)).collect::<Option<Vec<_>>>()?;
+        let read = self.images(&placement, &[one, two])?;
+        placed.settle(self, &read)?;
+        let mut value = Vec::new();
+        for (factor, part) in [(one, slope), (two, speed)] {
+            let mut images = HashMap::new();
+            for local in &factor.locals {
+                let slot = map_slot(&local.slot, |index| placed.moved(&placement.image(self, index)?))?;
+                let symbol = self.symbol(graph, &slot);
+                if symbol != local.symbol {
+                    images.insert(local.symbol, graph.symbol(symbol));
+                }
+            }
+            value.extend(graph.substitute(&[part], &images));
+        }
+        let product = graph.product(&value);
+        let mut numbers = numbers.iter().map(|index| placed.moved(index)).collect::<Option<Vec<_>>>()?;
+        if increments == Increments::Together {
+            numbers.sort();
+        }
+        groups.add(placed.loops, numbers, product, Rational::ONE);
+        Some(())
+    }
+
+    /// The indices of the state that the factors read at a placement.
+    fn images(&self, placement: &Placement, factors: &[&Factor]) -> Option<Vec<Index>> {
+        let halves = [Half::Coordinates, Half::Momenta];
+        let read = factors.iter().flat_map(|factor| halves.map(|half| factor.variables(half)));
+        read.flatten().map(|(_, index)| placement.image(self, &index)).collect()
+    }
+}
+
+fn joined(one: &[Index], two: &[Index], increments: Increments) -> Vec<Index> {
+    let mut numbers = match increments {
+        Increments::Diagonal => Vec::new(),
+        Increments::Each | Increments::Together => [one, two].concat(),
+    };
+    if increments == Increments::Together {
+        numbers.sort();
+    }
+    numbers
+}
+
+/// Loops brought to a form that does not depend on where they came from.
+struct Placed {
+    loops: Vec<Loop>,
+    by: Vec<(u32, Index)>,
+}
+
+impl Placed {
+    /// Moves every loop so that the first point that it reads is its variable, and numbers the variables by depth.
+    fn settle(&mut self, space: &Space, read: &[Index]) -> Option<()> {
+        for at in 0..self.loops.len() {
+            let own = self.loops[at].variable;
+            let offsets = read.iter().map(|index| offset(index, own, space.components));
+            let offsets: Option<Vec<Option<i128>>> = offsets.collect();
+            let first = offsets.and_then(|offsets| offsets.into_iter().flatten().min());
+            let shift = first.unwrap_or(0);
+            let settled = variable(space.variable(at));
+            let known = &mut self.loops[at];
+            known.variable = space.variable(at);
+            known.start = known.start.shifted(shift)?;
+            known.end = known.end.shifted(shift)?;
+            let by = settled.shifted(-shift)?;
+            for inner in &mut self.loops[at + 1..] {
+                inner.start = inner.start.with(own, &by)?;
+                inner.end = inner.end.with(own, &by)?;
+            }
+            self.by.push((own, by));
+        }
+        Some(())
+    }
+
+    fn moved(&self, index: &Index) -> Option<Index> {
+        let mut moved = index.clone();
+        for (own, by) in &self.by {
+            moved = moved.with(*own, by)?;
+        }
+        Some(moved)
+    }
+}
+
+/// By how many points an index is beyond the variable of a loop: `Some(None)` if it does not read it, `None` if it reads it
+/// in another way.
+fn offset(index: &Index, own: u32, components: i128) -> Option<Option<i128>> {
+    match index.slope(own)? {
+        0 => Some(None),
+        slope if slope == components => {
+            let others_are_loops = index.terms.iter().all(|(atom, _)| matches!(atom, Atom::Loop(_)));
+            others_are_loops.then(|| Some(index.constant.div_euclid(components)))
+        }
+        _ => None,
+    }
+}

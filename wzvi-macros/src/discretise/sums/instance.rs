@@ -1,0 +1,192 @@
+//! A sum at a given size, with every placement written out: one expression in one symbol for each slot.
+
+use std::collections::HashMap;
+
+use super::{Increments, Space, Sum, Weighted};
+use crate::model::Slot;
+use crate::model::index::{Atom, Index, Loop};
+use crate::symbolic::{Expr, Graph, Rational, Symbol};
+
+/// Nodes of an expression that is written out.
+const MOST_NODES: usize = 20_000;
+
+/// What an entry of a table of integers is, where the table is arbitrary.
+const SPREAD: i128 = 2_654_435_761;
+
+/// What a sum is at one size.
+pub(super) enum Instance {
+    Value(Expr),
+    /// An index is out of range: no system has this size.
+    OutOfRange,
+    TooLarge,
+}
+
+/// Whether numbers made of loop variables are what they are, or any numbers.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Numbers {
+    Known,
+    Free,
+}
+
+#[derive(Clone, PartialEq, Eq, Hash)]
+enum Place {
+    /// In a slot of constant indices, of one of two states.
+    Slot(Slot, bool),
+    /// The increment of a noise, of one of two paths.
+    Increment(usize, i128),
+}
+
+/// The symbols of a system of one size.
+pub(super) struct Site<'s> {
+    space: &'s Space,
+    size: i128,
+    numbers: Numbers,
+    increments: Increments,
+    symbols: HashMap<Place, Symbol>,
+}
+
+type Values = Vec<(u32, i128)>;
+
+impl<'s> Site<'s> {
+    pub(super) fn new(space: &'s Space, size: i128, numbers: Numbers, increments: Increments) -> Self {
+        Self { space, size, numbers, increments, symbols: HashMap::new() }
+    }
+
+    /// The sum in the symbols of a state, or of another one.
+    pub(super) fn value(&mut self, graph: &mut Graph, sum: &Sum, is_other: bool) -> Instance {
+        let mut terms = Vec::new();
+        let mut nodes = 0;
+        for weighted in sum {
+            let each = graph.reachable(&[weighted.element.value]).len();
+            let Some(placements) = self.placements(&weighted.element.loops, (MOST_NODES - nodes) / each)
+            else {
+                return Instance::TooLarge;
+            };
+            nodes += each * placements.len();
+            if nodes > MOST_NODES {
+                return Instance::TooLarge;
+            }
+            for values in &placements {
+                match self.at(graph, weighted, values, is_other) {
+                    Some(value) => terms.push((value, Rational::ONE)),
+                    None => return Instance::OutOfRange,
+                }
+            }
+        }
+        Instance::Value(graph.linear_combination(&terms))
+    }
+
+    /// All values of the loop variables; `None` if they are more than `most`.
+    fn placements(&self, loops: &[Loop], most: usize) -> Option<Vec<Values>> {
+        let mut all = vec![Values::new()];
+        for known in loops {
+            let mut longer = Vec::new();
+            for values in all {
+                let (start, end) = (self.integer(&known.start, &values)?, self.integer(&known.end, &values)?);
+                for value in start..end {
+                    let mut values = values.clone();
+                    values.push((known.variable, value));
+                    longer.push(values);
+                    if longer.len() > most {
+                        return None;
+                    }
+                }
+            }
+            all = longer;
+        }
+        Some(all)
+    }
+
+    /// One placement; `None` if an index is out of range.
+    fn at(
+        &mut self,
+        graph: &mut Graph,
+        weighted: &Weighted,
+        values: &Values,
+        is_other: bool,
+    ) -> Option<Expr> {
+        let Weighted { element, increments } = weighted;
+        let mut images = HashMap::new();
+        for local in &element.locals {
+            let constant = |index: &Index| self.integer(index, values).map(Index::integer);
+            let slot = super::map_slot(&local.slot, constant)?;
+            let image = self.variable(graph, slot, is_other)?;
+            images.insert(local.symbol, image);
+        }
+        let mut factors = graph.substitute(&[element.value], &images);
+        let mut numbers =
+            increments.iter().map(|index| self.integer(index, values)).collect::<Option<Vec<_>>>()?;
+        if self.increments == Increments::Together {
+            numbers.sort_unstable();
+        }
+        for (position, number) in numbers.into_iter().enumerate() {
+            let symbol =
+                self.symbol(graph, Place::Increment(position, number), || format!("ΔW{}", number + 1));
+            factors.push(graph.symbol(symbol));
+        }
+        Some(graph.product(&factors))
+    }
+
+    fn variable(&mut self, graph: &mut Graph, slot: Slot, is_other: bool) -> Option<Expr> {
+        let (mut is_of_state, mut known) = (false, self.space.symbols.get(&slot).copied());
+        match &slot {
+            Slot::Coordinate(index) | Slot::Momentum(index) => {
+                let components = self.size.checked_mul(self.space.components)?;
+                if !(0..components).contains(&index.constant) {
+                    return None;
+                }
+                is_of_state = true;
+            }
+            Slot::Entry(_, indices) => {
+                if indices.iter().any(|index| index.constant < 0) {
+                    return None;
+                }
+            }
+            Slot::Number(index) if self.numbers == Numbers::Known => {
+                return Some(graph.number(Rational::new(index.constant, 1)?));
+            }
+            Slot::Number(_) => known = None,
+        }
+        let is_other = is_other && is_of_state;
+        if let Some(known) = known.filter(|_| !is_other) {
+            return Some(graph.symbol(known));
+        }
+        let name = self.space.slot_name(&slot);
+        let symbol = self.symbol(graph, Place::Slot(slot, is_other), || name);
+        Some(graph.symbol(symbol))
+    }
+
+    fn symbol(&mut self, graph: &mut Graph, place: Place, name: impl FnOnce() -> String) -> Symbol {
+        *self.symbols.entry(place).or_insert_with(|| graph.new_symbol(name()))
+    }
+
+    /// The index where the loop variables have these values; sizes and counts that are fields are those of the phase space,
+    /// tables are arbitrary.
+    fn integer(&self, index: &Index, values: &Values) -> Option<i128> {
+        let mut sum = index.constant;
+        for (atom, coefficient) in &index.terms {
+            let both = |both: &(Index, Index)| {
+                Some((self.integer(&both.0, values)?, self.integer(&both.1, values)?))
+            };
+            let value = match atom {
+                Atom::Loop(own) => values.iter().find(|(known, _)| known == own)?.1,
+                Atom::Size => self.size,
+                Atom::Given(_, indices) if indices.is_empty() => self.size,
+                Atom::Given(table, indices) => {
+                    let mut entry = i128::from(*table) + 1;
+                    for index in indices {
+                        entry = (entry * SPREAD + self.integer(index, values)?) % (SPREAD - 1);
+                    }
+                    entry.checked_rem_euclid(self.size)?
+                }
+                Atom::Product(operands) => both(operands).and_then(|(a, b)| a.checked_mul(b))?,
+                Atom::Quotient(operands) => both(operands).and_then(|(a, b)| a.checked_div(b))?,
+                Atom::Remainder(operands) => both(operands).and_then(|(a, b)| a.checked_rem(b))?,
+                Atom::Minimum(operands) => both(operands).map(|(a, b)| a.min(b))?,
+                Atom::Maximum(operands) => both(operands).map(|(a, b)| a.max(b))?,
+            };
+            sum = sum.checked_add(value.checked_mul(*coefficient)?)?;
+        }
+        Some(sum)
+    }
+}

@@ -1,0 +1,177 @@
+//! Sums for which a few sizes stand for all of them.
+//!
+//! Let every placement of a sum read points `v + c` near the variable `v` of one loop, points `c` near the first or `n + c`
+//! near the last, all `|c| <= w`, counted around the ring where an index wraps; and let the loops go from `c` or `n + c` to
+//! `n + c`. Write the sum `R_n` as the sum of its parts `R_(n,S)` that depend on exactly the variables at the points `S` and
+//! vanish where one of them is zero (the analysis of variance with base point 0). `R_n` vanishes if and only if all parts
+//! do.
+//!
+//! 1. A part with points beyond `w` of both ends comes from placements within `2 w` of these. If `n > 10 w + 3`, there is a
+//!    point that neither they nor what is at the ends read. Without it the points are those of `n - 1`, and the same
+//!    placements give the same part. So these parts vanish for every such `n` if they do for one.
+//! 2. A part with points at the ends only, or with none, is `a n + b` for `n >= 10 w + 4`: one placement more for each point
+//!    more. So it vanishes for every such `n` if it does for two.
+//!
+//! With `n = 1 .. 10 w + 5` all sizes are decided.
+
+use super::{Space, Sum, Weighted, map_slot};
+use crate::model::index::{Atom, Index, Loop};
+use crate::model::{Element, Slot};
+
+/// Loops up to this length, if it is a literal, count as so many placements.
+const SHORT: i128 = 8;
+
+impl Space {
+    /// The first of two sizes that decide all larger ones; `None` if the sum is not of that kind.
+    pub(super) fn deciding_size(&self, sum: &Sum) -> Option<i128> {
+        let mut width = 1;
+        for Weighted { element, increments } in sum {
+            let form = Form { space: self, loops: &element.loops };
+            if element.loops.iter().filter(|known| form.length(known).is_none()).count() > 1 {
+                return None;
+            }
+            for known in element.loops.iter().filter(|known| form.length(known).is_none()) {
+                width = width.max(form.anchor(&known.start)?).max(form.anchor(&known.end)?);
+            }
+            for local in &element.locals {
+                match &local.slot {
+                    Slot::Coordinate(index) | Slot::Momentum(index) => {
+                        width = width.max(form.distance(index, self.components)?);
+                    }
+                    Slot::Number(index) => width = width.max(form.distance(index, 1)?),
+                    Slot::Entry(_, indices) => {
+                        for index in indices {
+                            width = width.max(form.distance(index, 1)?);
+                        }
+                    }
+                }
+            }
+            for index in increments {
+                form.distance(index, 1)?;
+            }
+        }
+        width.checked_mul(10)?.checked_add(4)
+    }
+
+    /// The sum of a system of literal size `n` as one of a family for all sizes: what is nearer to `n` than to 0 is counted
+    /// from there.
+    pub(super) fn generalised(&self, sum: &Sum, n: i128) -> Option<(Self, Sum)> {
+        let lift = |index: &Index| lifted(index, n, 1);
+        let lift_range =
+            |known: &Loop| Some(Loop { start: lift(&known.start)?, end: lift(&known.end)?, ..known.clone() });
+        let lift_slot = |slot: &Slot| match slot {
+            Slot::Coordinate(_) | Slot::Momentum(_) => {
+                map_slot(slot, |index| lifted(index, n, self.components))
+            }
+            _ => map_slot(slot, lift),
+        };
+        let lift_one = |Weighted { element, increments }: &Weighted| {
+            let locals = element.locals.iter().map(|local| {
+                Some(crate::model::Local { symbol: local.symbol, slot: lift_slot(&local.slot)? })
+            });
+            Some(Weighted {
+                element: Element {
+                    loops: element.loops.iter().map(lift_range).collect::<Option<_>>()?,
+                    locals: locals.collect::<Option<_>>()?,
+                    value: element.value,
+                },
+                increments: increments.iter().map(lift).collect::<Option<_>>()?,
+            })
+        };
+        let sum = sum.iter().map(lift_one).collect::<Option<Sum>>()?;
+        let space = Self {
+            size: Index::atom(Atom::Size),
+            components: self.components,
+            names: self.names.clone(),
+            tables: self.tables.clone(),
+            symbols: std::collections::HashMap::new(),
+            slots: std::collections::HashMap::new(),
+            first: self.first,
+        };
+        Some((space, sum))
+    }
+}
+
+/// The index with `stride (n + c)` for integers that are nearer to that than to 0.
+fn lifted(index: &Index, n: i128, stride: i128) -> Option<Index> {
+    let mut sum = Index::default();
+    for (atom, coefficient) in &index.terms {
+        let atom = match atom {
+            Atom::Remainder(both) => {
+                Index::atom(Atom::Remainder(Box::new((lifted(&both.0, n, 1)?, lifted(&both.1, n, 1)?))))
+            }
+            Atom::Minimum(both) => {
+                Index::atom(Atom::Minimum(Box::new((lifted(&both.0, n, 1)?, lifted(&both.1, n, 1)?))))
+            }
+            Atom::Maximum(both) => {
+                Index::atom(Atom::Maximum(Box::new((lifted(&both.0, n, 1)?, lifted(&both.1, n, 1)?))))
+            }
+            other => Index::atom(other.clone()),
+        };
+        sum = sum.plus(&atom, *coefficient)?;
+    }
+    let whole = n.checked_mul(stride)?;
+    let times =
+        index.constant.checked_mul(2)?.checked_add(whole)?.checked_div_euclid(whole.checked_mul(2)?)?;
+    let size = Index::atom(Atom::Size).multiply(&Index::integer(stride))?;
+    let rest = index.constant.checked_sub(times.checked_mul(whole)?)?;
+    sum.plus(&size, times)?.shifted(rest)
+}
+
+struct Form<'s> {
+    space: &'s Space,
+    loops: &'s [Loop],
+}
+
+impl Form<'_> {
+    /// The length of a loop that is a literal and short.
+    fn length(&self, known: &Loop) -> Option<i128> {
+        let (start, end) = (known.start.as_integer()?, known.end.as_integer()?);
+        let is_short = start >= 0 && end <= SHORT;
+        is_short.then_some(end)
+    }
+
+    /// `c` of the index `c` or `n + c`, as a number of points.
+    fn anchor(&self, index: &Index) -> Option<i128> {
+        let own = self.space.size.terms.first().map(|(atom, _)| atom);
+        match index.terms.as_slice() {
+            [] => Some(index.constant.abs()),
+            [(atom, 1)] if Some(atom) == own => Some(index.constant.abs()),
+            [(Atom::Minimum(both) | Atom::Maximum(both), 1)] => {
+                let inside = self.anchor(&both.0)?.max(self.anchor(&both.1)?);
+                inside.checked_add(index.constant.abs())
+            }
+            _ => None,
+        }
+    }
+
+    /// How far a slot is from the variable of the loop or from an end.
+    fn distance(&self, index: &Index, stride: i128) -> Option<i128> {
+        let own = self.space.size.terms.first().map(|(atom, _)| atom);
+        let mut inside = index.constant.abs();
+        let mut anchors = 0;
+        for (atom, coefficient) in &index.terms {
+            let short = match atom {
+                Atom::Loop(variable) => {
+                    let known = self.loops.iter().find(|known| known.variable == *variable)?;
+                    self.length(known)
+                }
+                _ => None,
+            };
+            match (atom, short) {
+                (_, Some(length)) => inside = inside.checked_add(length.checked_mul(coefficient.abs())?)?,
+                (Atom::Loop(_), None) if *coefficient == stride => anchors += 1,
+                (Atom::Remainder(both), None) if *coefficient == stride && both.1 == self.space.size => {
+                    // Multiples of the size do not count.
+                    let mut wrapped = both.0.clone();
+                    wrapped.terms.retain(|(atom, _)| Some(atom) != own);
+                    inside = inside.checked_add(self.distance(&wrapped, 1)?.checked_mul(stride)?)?;
+                    anchors += 1;
+                }
+                (atom, None) if Some(atom) == own && *coefficient == stride => anchors += 1,
+                _ => return None,
+            }
+        }
+        (anchors <= 1).then(|| inside.div_euclid(stride) + 1)
+    }
+}

@@ -1,0 +1,224 @@
+//! Sums of elements as functions on phase space: derivatives, contractions, and whether one vanishes.
+//!
+//! ```text
+//! F = Σ_e Σ_(loops of e) f_e(locals of e)
+//! Σ_s ∂F/∂p_s ∂G/∂q_s = Σ_(e, e') Σ_(momentum x of e, coordinate y of e') Σ_(loops of e and e': slot of x = slot of y) ∂f_e/∂x ∂g_e'/∂y
+//! ```
+//!
+//! That is a sum of elements again: the equation of the slots is solved for a loop variable ([`solve`]), and what stands in
+//! the same loops is added up ([`contract`]). Brackets, the defect, the counter-term, energy rates and the rates of first
+//! integrals are such sums, at any size. [`vanish`] decides whether one is zero or constant.
+
+mod contract;
+mod display;
+mod instance;
+mod locality;
+mod solve;
+mod vanish;
+
+use std::collections::HashMap;
+
+use crate::model::index::{Atom, Bounds, Index, Loop};
+use crate::model::{Element, Local, Slot};
+use crate::symbolic::{Expr, Graph, Rational, Symbol};
+
+pub(crate) use contract::Increments;
+
+/// Loop variables of a sum that was made here are numbered by their depth.
+const DEEPEST: u32 = 1 << 10;
+
+/// An element, times the increments of the noises that it comes from.
+#[derive(Clone)]
+pub(crate) struct Weighted {
+    pub(crate) element: Element,
+    /// Numbers of noises. Sums with increments vanish if they do for any values of the increments.
+    pub(crate) increments: Vec<Index>,
+}
+
+/// A sum of elements.
+pub(crate) type Sum = Vec<Weighted>;
+
+/// The conjugate halves of the phase space.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Half {
+    Coordinates,
+    Momenta,
+}
+
+impl Half {
+    /// The index of a slot in this half.
+    fn index(self, slot: &Slot) -> Option<&Index> {
+        match (self, slot) {
+            (Self::Coordinates, Slot::Coordinate(index)) | (Self::Momenta, Slot::Momentum(index)) => {
+                Some(index)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The size of the phase space and the variables of its slots: one symbol for each slot.
+pub(crate) struct Space {
+    /// The number of points.
+    size: Index,
+    /// Components of a point.
+    components: i128,
+    names: [String; 2],
+    /// Name and sign of each table.
+    tables: Vec<(String, bool)>,
+    symbols: HashMap<Slot, Symbol>,
+    slots: HashMap<Symbol, Slot>,
+    /// Loop variables of the user are below it.
+    first: u32,
+}
+
+impl Space {
+    pub(crate) fn new<'e>(
+        size: Index,
+        components: i128,
+        names: [String; 2],
+        tables: Vec<(String, bool)>,
+        elements: impl Iterator<Item = &'e Element>,
+    ) -> Self {
+        let mut space = Self {
+            size,
+            components,
+            names,
+            tables,
+            symbols: HashMap::new(),
+            slots: HashMap::new(),
+            first: 0,
+        };
+        for element in elements {
+            for Local { symbol, slot } in &element.locals {
+                space.symbols.insert(slot.clone(), *symbol);
+                space.slots.insert(*symbol, slot.clone());
+            }
+            for known in &element.loops {
+                space.first = space.first.max(known.variable + 1);
+            }
+        }
+        space
+    }
+
+    /// The loop variable at a depth.
+    fn variable(&self, depth: usize) -> u32 {
+        self.first + depth as u32
+    }
+
+    /// What is above every loop variable: numbers for the variables of a second element.
+    fn beyond(&self) -> u32 {
+        self.first + DEEPEST
+    }
+
+    fn is_unsigned(&self, table: u32) -> bool {
+        self.tables.get(table as usize).is_some_and(|(_, is_unsigned)| *is_unsigned)
+    }
+
+    /// Whether `index >= 0` wherever the loops go, for every size; `false` if that is not known.
+    fn is_nonnegative(&self, index: &Index, loops: &[Loop]) -> bool {
+        Bounds { loops, is_unsigned: &|table| self.is_unsigned(table) }.is_nonnegative(index)
+    }
+
+    /// The variable of a slot.
+    fn symbol(&mut self, graph: &mut Graph, slot: &Slot) -> Symbol {
+        if let Some(&known) = self.symbols.get(slot) {
+            return known;
+        }
+        let symbol = graph.new_symbol(self.slot_name(slot));
+        self.symbols.insert(slot.clone(), symbol);
+        self.slots.insert(symbol, slot.clone());
+        symbol
+    }
+
+    /// An element with the locals that its value reads.
+    fn element(&self, graph: &Graph, loops: Vec<Loop>, value: Expr) -> Element {
+        let symbols = graph.reachable(&[value]).into_iter().filter_map(|part| graph.as_symbol(part));
+        let mut locals: Vec<Local> = symbols
+            .filter_map(|symbol| Some(Local { symbol, slot: self.slots.get(&symbol)?.clone() }))
+            .collect();
+        locals.sort_unstable_by_key(|local| local.symbol);
+        Element { loops, value, locals }
+    }
+
+    /// `∂F/∂t`
+    pub(crate) fn partial(&self, graph: &mut Graph, sum: &Sum, t: Symbol) -> Sum {
+        let slopes: Sum = sum
+            .iter()
+            .map(|Weighted { element, increments }| {
+                let value = graph.derivative(element.value, t);
+                Weighted { element: Element { value, ..element.clone() }, increments: increments.clone() }
+            })
+            .collect();
+        self.combine(graph, &[(&slopes, Rational::ONE)])
+    }
+
+    /// `{F, G} = F_p · G_q - F_q · G_p`; `None` if an index is beyond this arithmetic.
+    pub(crate) fn bracket(&mut self, graph: &mut Graph, f: &Sum, g: &Sum) -> Option<Sum> {
+        let (p, q) = (Half::Momenta, Half::Coordinates);
+        let one = self.contract(graph, (f, p), (g, q), Increments::Each)?;
+        let other = self.contract(graph, (f, q), (g, p), Increments::Each)?;
+        Some(self.combine(graph, &[(&one, Rational::ONE), (&other, Rational::MINUS_ONE)]))
+    }
+
+    /// `Σ factor · sum`, with one element for what stands in the same loops.
+    pub(crate) fn combine(&self, graph: &mut Graph, sums: &[(&Sum, Rational)]) -> Sum {
+        let mut groups = Groups::default();
+        for (sum, factor) in sums {
+            for Weighted { element, increments } in *sum {
+                groups.add(element.loops.clone(), increments.clone(), element.value, *factor);
+            }
+        }
+        groups.finish(self, graph)
+    }
+}
+
+/// What stands in the same loops with the same increments, in the order in which it came.
+#[derive(Default)]
+struct Groups {
+    positions: HashMap<(Vec<Loop>, Vec<Index>), usize>,
+    groups: Vec<Group>,
+}
+
+struct Group {
+    loops: Vec<Loop>,
+    increments: Vec<Index>,
+    values: Vec<(Expr, Rational)>,
+}
+
+impl Groups {
+    fn add(&mut self, loops: Vec<Loop>, increments: Vec<Index>, value: Expr, factor: Rational) {
+        let next = self.groups.len();
+        let position = *self.positions.entry((loops.clone(), increments.clone())).or_insert(next);
+        if position == next {
+            self.groups.push(Group { loops, increments, values: Vec::new() });
+        }
+        self.groups[position].values.push((value, factor));
+    }
+
+    fn finish(self, space: &Space, graph: &mut Graph) -> Sum {
+        let mut sum = Sum::new();
+        for Group { loops, increments, values } in self.groups {
+            let value = graph.linear_combination(&values);
+            if !graph.is_zero(value) {
+                sum.push(Weighted { element: space.element(graph, loops, value), increments });
+            }
+        }
+        sum
+    }
+}
+
+/// The slot with its indices mapped.
+fn map_slot(slot: &Slot, map: impl Fn(&Index) -> Option<Index>) -> Option<Slot> {
+    Some(match slot {
+        Slot::Coordinate(index) => Slot::Coordinate(map(index)?),
+        Slot::Momentum(index) => Slot::Momentum(map(index)?),
+        Slot::Number(index) => Slot::Number(map(index)?),
+        Slot::Entry(table, indices) => Slot::Entry(*table, indices.iter().map(map).collect::<Option<_>>()?),
+    })
+}
+
+/// The loop variable as an index.
+fn variable(id: u32) -> Index {
+    Index::atom(Atom::Loop(id))
+}
