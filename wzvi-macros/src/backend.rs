@@ -1,12 +1,16 @@
 //! From the analysed model to code: discretise, describe, emit.
 
+use std::rc::Rc;
+
 use proc_macro2::TokenStream;
 
 use crate::discretise::describe::describe;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
+use crate::discretise::sites::Site;
 use crate::discretise::{Scheme, discretise};
 use crate::elements;
+use crate::elements::plan::{Strategy, strategy};
 use crate::emit::emit;
 use crate::model::{Model, System};
 
@@ -23,7 +27,15 @@ pub(crate) fn back_end(mut model: Model, facts: &Facts) -> TokenStream {
 pub(crate) fn elements_back_end(mut system: Box<System>, facts: &Facts) -> TokenStream {
     let embeddings: Vec<Embedding> =
         system.embeddings.iter().map(|embedding| embedding.value.clone()).collect();
+    let site = Site::of(&mut system).map(Rc::new);
+    let schemes: Vec<(Embedding, Strategy)> = embeddings
+        .into_iter()
+        .map(|embedding| {
+            let strategy = strategy(&mut system, site.as_ref(), facts, &embedding);
+            (embedding, strategy)
+        })
+        .collect();
     let equations: Vec<String> =
-        embeddings.iter().map(|e| elements::describe::describe(&mut system, facts, e)).collect();
-    elements::emit::emit(&mut system, facts, &equations)
+        schemes.iter().map(|(e, s)| elements::describe::describe(&mut system, facts, e, s)).collect();
+    elements::emit::emit(&mut system, facts, &schemes, &equations)
 }
