@@ -144,9 +144,7 @@ const _: () = {
                     {
                         let __x0 = 0.25f64 * __a0;
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
+                            let __l0 = __at.q[0];
                             let __x1 = __l0 * __l0;
                             __total = __total + __x1 * (__x1 * __x0 + 0.5f64);
                         }
@@ -252,11 +250,8 @@ const _: () = {
                     }
                     {
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __at_index = (0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
+                            let __l0 = __at.q[0];
+                            let __at_index = 0;
                             __by_q[__at_index] = __by_q[__at_index]
                                 + __l0 * (__l0 * __l0 * __a0 + 1f64);
                         }
@@ -296,14 +291,7 @@ const _: () = {
                     (__size as __wzvi::core::primitive::usize + 1) * 1usize,
                 );
             }
-            __required = __wzvi::core::cmp::Ord::max(
-                __required,
-                __wzvi::core::convert::TryInto::<
-                    __wzvi::core::primitive::usize,
-                >::try_into(0 as __wzvi::core::primitive::isize)
-                    .ok()?
-                    .checked_add(1)?,
-            );
+            __required = __wzvi::core::cmp::Ord::max(__required, 0.checked_add(1)?);
             __wzvi::core::option::Option::Some(__required)
         }
         fn slopes<__S: __wzvi::Scalar>(
@@ -388,11 +376,8 @@ const _: () = {
                     {
                         let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __at_index = (0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
+                            let __l0 = __at.q[0];
+                            let __at_index = 0;
                             __by_q[__at_index] = __by_q[__at_index]
                                 + __c * (__l0 * (__l0 * __l0 * __a0 + 1f64));
                         }
@@ -498,18 +483,8 @@ const _: () = {
                         let __x0 = 3f64 * __a0;
                         let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            __into
-                                .add_qq(
-                                    (0 as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    (0 as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    true,
-                                    __c * (__l0 * __l0 * __x0 + 1f64),
-                                );
+                            let __l0 = __at.q[0];
+                            __into.add_qq(0, 0, true, __c * (__l0 * __l0 * __x0 + 1f64));
                         }
                     }
                 }

@@ -28,8 +28,10 @@ Step
   solve for v (then Δq): fixed-point iteration while it contracts, else Newton with a banded Jacobian
 
 Facts
-  converges to the Stratonovich system
-  H0 is not known to be a first integral
+  converges to the Stratonovich system; D = 0
+  {H_k, H0} = Σ_(i=0..self . sites - 1) [-sigma p[i]]
+  the noises commute up to a constant
+  H0 is not a first integral
 
 ```
 */
@@ -458,10 +460,10 @@ const _: () = {
                 unknowns: __wzvi::core::primitive::usize::MAX,
                 noise: __wzvi::NoiseClass::Additive,
                 consistent: true,
-                conserves_energy: __wzvi::Knowledge::Unknown,
+                conserves_energy: __wzvi::Knowledge::Refuted,
                 commuting: __wzvi::Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..self . sites - 1) [sigma q[i]]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_{i+1/2}) - Σ_k ΔW_k H_k(P, q_{i+1/2})\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  solve for v (then Δq): fixed-point iteration while it contracts, else Newton with a banded Jacobian\n\nFacts\n  converges to the Stratonovich system\n  H0 is not known to be a first integral\n";
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..self . sites - 1) [sigma q[i]]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_{i+1/2}) - Σ_k ΔW_k H_k(P, q_{i+1/2})\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  solve for v (then Δq): fixed-point iteration while it contracts, else Newton with a banded Jacobian\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..self . sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
             const IN_LANES: __wzvi::core::primitive::bool = false;
             type Prepared = ();

@@ -3,11 +3,15 @@
 use proc_macro2::TokenStream;
 
 use crate::backend::{back_end, elements_back_end};
+use crate::check::check;
 use crate::diagnostics::Diagnostics;
+use crate::discretise::facts::Facts;
+use crate::elements::collect::collect;
 use crate::emit::stubs::Stubs;
 use crate::functions::{self, Library};
-use crate::input::{self, Treatment};
-use crate::lower::{lower, lower_elements};
+use crate::input;
+use crate::lower::lower;
+use crate::unroll::{unroll, written_out};
 
 /// The expansion of `#[hamiltonian(attribute)] item`: the struct with its integrators, or errors at the user's tokens
 /// with the struct and stubs, so that `rustc` adds nothing to them.
@@ -45,42 +49,35 @@ fn compile(
     stubs: &mut Stubs,
     diagnostics: &mut Diagnostics,
 ) -> Option<TokenStream> {
-    let system = input::read_struct(item, diagnostics);
+    // read
+    let container = input::read_struct(item, diagnostics);
     let mut declaration = input::read_attribute(attribute, diagnostics)?;
-    let system = system?;
     declaration.library = library;
-    stubs.recognise(&system.item, &declaration);
-
+    let container = container?;
+    stubs.recognise(&container.item, &declaration);
     let phase_space = input::read_phase_space(&mut declaration, diagnostics)?;
     stubs.set_degrees(phase_space.degrees());
 
-    match phase_space.treatment {
-        Treatment::Unrolled => {}
-        Treatment::Either => {
-            // What elements cannot express is unrolled; only then its mistakes are the user's.
-            let mut trial = Diagnostics::new();
-            let elements = lower_elements(&system, &declaration, &phase_space, &mut trial)
-                .filter(|_| !trial.has_errors())
-                .filter(|model| model.has_loops())
-                .and_then(|model| {
-                    let expansion = elements_back_end(model, &mut trial);
-                    (!trial.has_errors()).then_some(expansion)
-                });
-            drop(trial.finish());
-            if elements.is_some() {
-                return elements;
-            }
-        }
-        Treatment::Sized => {
-            let model = lower_elements(&system, &declaration, &phase_space, diagnostics)?;
-            return (!diagnostics.has_errors()).then(|| elements_back_end(model, diagnostics));
-        }
-    }
-    let model = lower(system, declaration, &phase_space, diagnostics)?;
+    // lower
+    let mut system = lower(container, declaration, &phase_space, diagnostics)?;
+    unroll(&mut system);
+    collect(&mut system, diagnostics);
     if diagnostics.has_errors() {
         return None;
     }
-    Some(back_end(model, diagnostics))
+
+    // analyse
+    let facts = Facts::new(&mut system);
+    check(&mut system, &facts, diagnostics);
+    if diagnostics.has_errors() {
+        return None;
+    }
+
+    // derive, emit: as straight-line code, or in loops
+    Some(match written_out(system) {
+        Ok(model) => back_end(model, &facts),
+        Err(system) => elements_back_end(system, &facts),
+    })
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ mod model;
 #[cfg(test)]
 mod stopwatch;
 mod symbolic;
+mod unroll;
 
 /// Turns the Hamiltonians of a system into variational integrators.
 ///

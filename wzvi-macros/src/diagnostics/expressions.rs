@@ -93,13 +93,6 @@ pub(crate) fn integer_arithmetic(found: impl ToTokens) -> Error {
     at(found, "this integer arithmetic overflows, divides by zero or leaves its type")
 }
 
-pub(crate) fn parameter_integer(found: impl ToTokens) -> Error {
-    at(
-        found,
-        "arithmetic on integers that are not known at compile time is not supported; convert them first, as in `n as f64`",
-    )
-}
-
 pub(crate) fn truncation(found: impl ToTokens) -> Error {
     at(found, "a real number cannot become an integer here: the result would not be differentiable")
 }
@@ -204,14 +197,6 @@ pub(crate) fn too_many_variables(found: impl ToTokens, limit: usize) -> Error {
     at(found, format!("more than {limit} variables are in scope"))
 }
 
-pub(crate) fn stream_not_indexable(found: TokenStream) -> Error {
-    at(
-        found,
-        "the length of this iterator is known at run time only: it can be mapped, zipped, filtered and summed, and its \
-         items cannot be taken one by one here",
-    )
-}
-
 pub(crate) fn no_sum(found: impl ToTokens) -> Error {
     at(
         found,
@@ -221,6 +206,10 @@ pub(crate) fn no_sum(found: impl ToTokens) -> Error {
 
 pub(crate) fn long_for_loop(found: impl ToTokens) -> Error {
     at(found, "a `for` loop whose length is known at run time can only add to its variables: `total += ...`")
+}
+
+pub(crate) fn too_many_cases(found: impl ToTokens, most: usize) -> Error {
+    at(found, format!("the conditions on the indices of this loop part it into more than {most} ranges"))
 }
 
 pub(crate) fn index_beyond(found: impl ToTokens, index: &str, length: &str, excess: i128) -> Error {

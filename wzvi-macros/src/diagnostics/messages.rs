@@ -149,16 +149,12 @@ pub(crate) fn async_closure(token: TokenStream) -> Error {
 pub(crate) fn family_in_list(tokens: TokenStream) -> Error {
     at(
         tokens,
-        "a family of noises `[|q, p, k| ...; N]` is the whole list: it cannot stand beside other closures",
+        "a family of noises beside others stands in brackets of its own: `noise = [[|q, p, k| ...; N], |q, p| ...]`",
     )
 }
 
 pub(crate) fn family_of_invariants(count: impl ToTokens) -> Error {
     at(count, "first integrals are listed one by one: `invariant = [|q, p| ..., |q, p| ...]`")
-}
-
-pub(crate) fn family_count(count: impl ToTokens) -> Error {
-    at(count, "the number of noises of a family on a phase space of fixed size is an integer literal")
 }
 
 pub(crate) fn not_a_scheme(found: impl ToTokens) -> Error {

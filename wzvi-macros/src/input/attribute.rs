@@ -202,18 +202,31 @@ fn hamiltonian_list(input: ParseStream<'_>) -> syn::Result<Vec<Hamiltonian>> {
     syn::bracketed!(content in input);
     let mut list = Vec::new();
     while !content.is_empty() {
-        let mut next = hamiltonian(&content)?;
-        if content.peek(Token![;]) {
-            if !list.is_empty() {
-                return Err(messages::family_in_list(rest(&content)?));
+        if content.peek(token::Bracket) {
+            // A family beside others.
+            let family;
+            syn::bracketed!(family in content);
+            let mut member = hamiltonian(&family)?;
+            family.parse::<Token![;]>()?;
+            member.family = Some(family.parse()?);
+            if !family.is_empty() {
+                return Err(messages::family_in_list(rest(&family)?));
             }
-            content.parse::<Token![;]>()?;
-            next.family = Some(content.parse()?);
-            if !content.is_empty() {
-                return Err(messages::family_in_list(rest(&content)?));
+            list.push(member);
+        } else {
+            let mut next = hamiltonian(&content)?;
+            if content.peek(Token![;]) {
+                if !list.is_empty() {
+                    return Err(messages::family_in_list(rest(&content)?));
+                }
+                content.parse::<Token![;]>()?;
+                next.family = Some(content.parse()?);
+                if !content.is_empty() {
+                    return Err(messages::family_in_list(rest(&content)?));
+                }
             }
+            list.push(next);
         }
-        list.push(next);
         if !content.is_empty() {
             content.parse::<Token![,]>()?;
         }

@@ -171,26 +171,10 @@ impl<'a> Interpreter<'a, '_> {
         let arguments: Vec<Value> = syntax.args.iter().map(|argument| self.evaluate(argument)).collect();
         match receiver {
             Value::Poison => Value::Poison,
+            Value::Stream(stream) => self.sequence_method(stream, arguments, syntax),
+            Value::Index(index) => self.integer_method(&index, &arguments, syntax),
             // A constant that is not a list is a real number: integers have to be cast first.
-            Value::List(_) | Value::Iterator(_) | Value::Range(..) | Value::Array(_) | Value::Stream(_) => {
-                self.sequence_method(receiver, arguments, syntax)
-            }
-            Value::Index(_) => self.index_method(&receiver, &arguments, syntax),
-            Value::Place(ref place) if self.sized.is_some() && place.kind == crate::input::Kind::Integer => {
-                self.index_method(&receiver, &arguments, syntax)
-            }
-            // A known integer beside one that is not.
-            Value::Integer(_)
-                if arguments.iter().any(|argument| matches!(argument, Value::Index(_) | Value::Place(_)))
-                    && self.sized.is_some() =>
-            {
-                self.index_method(&receiver, &arguments, syntax)
-            }
-            Value::Place(ref place) if matches!(place.kind, crate::input::Kind::List(..)) => {
-                self.sequence_method(receiver, arguments, syntax)
-            }
-            Value::Integer(value) => self.integer_method(value, &arguments, syntax),
-            Value::Real(_) | Value::Place(_) => {
+            Value::Real(_) | Value::Constant(_) => {
                 let mut values = vec![receiver];
                 values.extend(arguments);
                 let mut places = vec![&*syntax.receiver];
@@ -202,77 +186,5 @@ impl<'a> Interpreter<'a, '_> {
                 _ => self.report(expressions::unknown_method(&syntax.method, other.describe(), &["clone"])),
             },
         }
-    }
-
-    fn integer_method(&mut self, value: i128, arguments: &[Value], syntax: &ExprMethodCall) -> Value {
-        const KNOWN: [&str; 8] =
-            ["pow", "abs", "abs_diff", "rem_euclid", "div_euclid", "min", "max", "clone"];
-        let name = syntax.method.to_string();
-        let mut known = Vec::new();
-        for (argument, at) in arguments.iter().zip(&syntax.args) {
-            match self.known_integer(argument.clone(), at) {
-                Some(argument) => known.push(argument),
-                None => return Value::Poison,
-            }
-        }
-        let result = match (name.as_str(), known.as_slice()) {
-            ("clone", []) => Some(value),
-            ("abs", []) => value.checked_abs(),
-            ("pow", &[n]) => u32::try_from(n).ok().and_then(|n| value.checked_pow(n)),
-            ("abs_diff", &[other]) => i128::try_from(value.abs_diff(other)).ok(),
-            ("rem_euclid", &[other]) => value.checked_rem_euclid(other),
-            ("div_euclid", &[other]) => value.checked_div_euclid(other),
-            ("min", &[other]) => Some(value.min(other)),
-            ("max", &[other]) => Some(value.max(other)),
-            (name, arguments) if KNOWN.contains(&name) => {
-                let expected = usize::from(!matches!(name, "clone" | "abs"));
-                return self.report(expressions::argument_count(&syntax.method, expected, arguments.len()));
-            }
-            _ if super::floats::is_real_method(&name) => {
-                return self.report(expressions::integer_not_real(&syntax.receiver));
-            }
-            _ => return self.report(expressions::unknown_method(&syntax.method, "integers", &KNOWN)),
-        };
-        result.map(Value::Integer).unwrap_or_else(|| self.report(expressions::integer_arithmetic(syntax)))
-    }
-
-    /// A method of an integer that is not known.
-    fn index_method(&mut self, value: &Value, arguments: &[Value], syntax: &ExprMethodCall) -> Value {
-        const KNOWN: [&str; 4] = ["min", "max", "rem_euclid", "clone"];
-        let name = syntax.method.to_string();
-        if super::floats::is_real_method(&name) && !KNOWN.contains(&name.as_str()) {
-            return self.report(expressions::integer_not_real(&syntax.receiver));
-        }
-        let Some(own) = self.as_index(value, &syntax.receiver) else { return Value::Poison };
-        let mut others = Vec::new();
-        for argument in arguments {
-            match self.as_index(argument, &syntax.args) {
-                Some(argument) => others.push(argument),
-                None => return Value::Poison,
-            }
-        }
-        let result = match (name.as_str(), others.as_slice()) {
-            ("clone", []) => Some(own),
-            ("min", [other]) => Some(own.minimum(other)),
-            ("max", [other]) => Some(own.maximum(other)),
-            ("rem_euclid", [other]) if self.is_nonnegative(&own) => own.remainder(other),
-            // a mod n for a down to -n.
-            ("rem_euclid", [other]) => own.add(other).and_then(|shifted| shifted.remainder(other)),
-            (name, arguments) if KNOWN.contains(&name) => {
-                let expected = usize::from(name != "clone");
-                return self.report(expressions::argument_count(&syntax.method, expected, arguments.len()));
-            }
-            _ => {
-                let known = &KNOWN[..];
-                return self.report(expressions::unknown_method(
-                    &syntax.method,
-                    "integers that are known at run time",
-                    known,
-                ));
-            }
-        };
-        result
-            .map(super::streams::index_value)
-            .unwrap_or_else(|| self.report(expressions::integer_arithmetic(syntax)))
     }
 }

@@ -55,7 +55,7 @@ impl<'a> Interpreter<'a, '_> {
         }
         let tokens = name.to_token_stream();
         if self.system.sizes.contains(name) {
-            return Value::Place(Place::new(name.to_string(), tokens, Kind::Integer).into());
+            return Value::index(self.size(&syn::parse_quote!(#tokens)));
         }
         if let Some(binding) = self.scope.find_from_anywhere(name) {
             return binding.value.borrow().clone();
@@ -65,7 +65,7 @@ impl<'a> Interpreter<'a, '_> {
             return self.report(expressions::unsupported(name, "the struct as a whole", remedy));
         }
         if is_constant_name(name) {
-            return Value::Place(Place::new(name.to_string(), tokens, Kind::Constant).into());
+            return Value::Constant(Place::new(name.to_string(), tokens, Kind::Constant).into());
         }
         let fields = self.field_names();
         let locals = self.scope.names();
@@ -84,7 +84,7 @@ impl<'a> Interpreter<'a, '_> {
         };
         let is_constant = path.path.segments.last().is_some_and(|last| is_constant_name(&last.ident));
         if is_constant {
-            return Value::Place(Place::new(name, path.to_token_stream(), Kind::Constant).into());
+            return Value::Constant(Place::new(name, path.to_token_stream(), Kind::Constant).into());
         }
         match real_function(path) {
             Some(function) => Value::Function(function.into()),

@@ -28,6 +28,14 @@ impl Graph {
         self.number(Rational::integer(value))
     }
 
+    /// An integer of any size, exactly if it fits.
+    pub(crate) fn whole(&mut self, value: i128) -> Expr {
+        match Rational::new(value, 1) {
+            Some(exact) => self.number(exact),
+            None => self.float(value as f64),
+        }
+    }
+
     /// A binary64 constant: exact as a rational where that is small, else opaque. The sign goes to the coefficient.
     pub(crate) fn float(&mut self, value: f64) -> Expr {
         match Rational::from_f64(value).filter(|rational| rational.denominator() <= SMALL_DENOMINATOR) {
@@ -354,29 +362,46 @@ impl Graph {
     }
 
     pub(crate) fn and(&mut self, a: Expr, b: Expr) -> Expr {
-        if a == b { a } else { self.intern(Node::And(a, b)) }
+        match (self.truth(a), self.truth(b)) {
+            (Some(true), _) | (_, Some(false)) => b,
+            (Some(false), _) | (_, Some(true)) => a,
+            _ if a == b => a,
+            _ => self.intern(Node::And(a, b)),
+        }
     }
 
     pub(crate) fn or(&mut self, a: Expr, b: Expr) -> Expr {
-        if a == b { a } else { self.intern(Node::Or(a, b)) }
+        match (self.truth(a), self.truth(b)) {
+            (Some(false), _) | (_, Some(true)) => b,
+            (Some(true), _) | (_, Some(false)) => a,
+            _ if a == b => a,
+            _ => self.intern(Node::Or(a, b)),
+        }
+    }
+
+    /// Whether a condition holds, if it compares numbers.
+    fn truth(&self, condition: Expr) -> Option<bool> {
+        match *self.node(condition) {
+            Node::Compare(relation, a, b) => {
+                let (a, b) = (self.as_number(a)?, self.as_number(b)?);
+                Some(match relation {
+                    Relation::Less => a < b,
+                    Relation::LessEqual => a <= b,
+                    Relation::Equal => a == b,
+                })
+            }
+            Node::Not(inner) => self.truth(inner).map(|holds| !holds),
+            _ => None,
+        }
     }
 
     pub(crate) fn select(&mut self, condition: Expr, then: Expr, otherwise: Expr) -> Expr {
-        match *self.node(condition) {
+        match (self.truth(condition), self.node(condition)) {
             _ if then == otherwise => then,
-            Node::Not(opposite) => self.select(opposite, otherwise, then),
-            Node::Compare(relation, a, b) => match (self.as_number(a), self.as_number(b)) {
-                (Some(a), Some(b)) => {
-                    let holds = match relation {
-                        Relation::Less => a < b,
-                        Relation::LessEqual => a <= b,
-                        Relation::Equal => a == b,
-                    };
-                    if holds { then } else { otherwise }
-                }
-                _ => self.intern(Node::Select { condition, then, otherwise }),
-            },
-            _ => self.intern(Node::Select { condition, then, otherwise }),
+            (Some(true), _) => then,
+            (Some(false), _) => otherwise,
+            (None, &Node::Not(opposite)) => self.select(opposite, otherwise, then),
+            (None, _) => self.intern(Node::Select { condition, then, otherwise }),
         }
     }
 }

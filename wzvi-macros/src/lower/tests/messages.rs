@@ -57,10 +57,7 @@ fn keys() {
     attribute("5, drift = |q, p| q, embedding = Midpoint", &[("5,", "expected `key = value`")]);
     attribute("drift = q + p, embedding = Midpoint", &[("q", "expected a closure")]);
     attribute("drift = |q, p| q, noise = [], embedding = Midpoint", &[("[]", "leave `noise` out")]);
-    attribute(
-        "drift = |q, p| q, noise = [|q, p, k| q; N], embedding = Midpoint",
-        &[("N", "integer literal")],
-    );
+    attribute("drift = |q, p| q, noise = [|q, p, k| q; 2.5], embedding = Midpoint", &[("2.5", "an integer")]);
     attribute("drift = |q, p| q * , embedding = Midpoint", &[("*", "expected an expression")]);
 }
 
@@ -132,10 +129,10 @@ fn phase_spaces() {
         attribute(&format!("drift = {closure}, embedding = Midpoint"), &[(span, text)]);
     }
     attribute(
-        "drift = |q: [f64; 2], p: [f64; 2]| 0.0, noise = [|_, p| 1.0, |q, _| 1.0], embedding = Midpoint",
+        "drift = |q: [f64; 2], p: [f64; 2]| 0.0, noise = [|_, p: f64| 1.0, |q: f64, _| 1.0], embedding = Midpoint",
         &[
-            ("p", "this is `f64`, but the phase space of the drift is `[f64; 2]`"),
-            ("q", "this is `f64`, but the phase space of the drift is `[f64; 2]`"),
+            ("p: f64", "this is `f64`, but the phase space of the drift is `[f64; 2]`"),
+            ("q: f64", "this is `f64`, but the phase space of the drift is `[f64; 2]`"),
         ],
     );
 }
@@ -187,11 +184,14 @@ fn lists() {
     body("[q, p][2]", &[("2", "out of range")]);
     body("(0..3).map(|i| [q, p][i]).sum::<f64>()", &[("i", "index 2 is out of range")]);
     body("[q, p][n]", &[("n", "known at compile time")]);
-    body("(0..N).map(|i| q * i as f64).sum::<f64>()", &[("N", "known at compile time")]);
-    body("table.iter().sum::<f64>() * q", &[("table", "length of this list is not known")]);
+    body("(0..N).map(|i| [q, p][i]).sum::<f64>()", &[("i", "known at compile time")]);
+    body("{ let [x, y] = table; x + y + q }", &[("[x, y]", "length of this list is not known")]);
     body("(0..).map(|i| q * i as f64).sum::<f64>()", &[("(0..)", "has no end")]);
-    body("(0..300_000).map(|_| q).sum::<f64>()", &[("(0..300_000)", "more than 200000 operations")]);
-    body("[q, p].iter().filter(|x| **x > 0.0).sum::<f64>()", &[("|x| **x > 0.0", "known at compile time")]);
+    body("(0..300_000).map(|_| q).product::<f64>()", &[("(0..300_000)", "more than 200000 operations")]);
+    body(
+        "[q, p].iter().filter(|x| **x > 0.0).product::<f64>()",
+        &[("|x| **x > 0.0", "known at compile time")],
+    );
     body("[q, p].iter().positions().sum::<f64>()", &[("positions", "not supported on lists")]);
 }
 
