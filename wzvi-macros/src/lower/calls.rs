@@ -17,6 +17,7 @@ impl<'a> Interpreter<'a, '_> {
             Some(_) => self.scope.snapshot(),
             None => self.scope.clone(),
         };
+        self.has_mutation |= super::control::assigns_captured(syntax);
         self.closures.push(Closure { syntax, scope });
         Value::Closure(self.closures.len() - 1)
     }
@@ -64,12 +65,13 @@ impl<'a> Interpreter<'a, '_> {
         if !self.spend(1 + captured.len() / 16, &at.to_token_stream()) {
             return Value::Poison;
         }
+        let frame = std::mem::replace(&mut self.frame, captured.len());
         let caller = std::mem::replace(&mut self.scope, captured);
         for (pattern, argument) in syntax.inputs.iter().zip(arguments) {
             self.bind(pattern, argument);
         }
         let value = self.evaluate(&syntax.body);
-        self.scope = caller;
+        (self.scope, self.frame) = (caller, frame);
         value
     }
 

@@ -89,9 +89,12 @@ impl<'a> Interpreter<'a, '_> {
         };
         let error = match name.and_then(|name| self.scope.find_from_anywhere(name)) {
             Some(binding) if binding.branch == self.branch => {
-                let (binding, loops) = (binding.clone(), self.loop_depth());
-                if binding.loops == loops || value.is_poison() {
-                    *binding.value.borrow_mut() = value;
+                let binding = binding.clone();
+                if self.is_abandoned() {
+                    return;
+                }
+                if binding.loops == self.loop_depth() || value.is_poison() {
+                    self.scope.assign(&binding, value, self.frame);
                 } else if !self.request_turns(|_| true) {
                     self.report(expressions::long_for_loop(target));
                 }
@@ -206,7 +209,7 @@ impl<'a> Interpreter<'a, '_> {
                 Added::All(values) => {
                     for ((binding, before), added) in totals.iter().zip(values) {
                         let total = self.graph.add(*before, added);
-                        binding.value.replace(Value::Real(total));
+                        self.scope.assign(binding, Value::Real(total), self.frame);
                     }
                     return Value::unit();
                 }
@@ -318,6 +321,17 @@ enum Added {
     NoSum,
     /// A mistake was reported.
     Failed,
+}
+
+/// Whether a closure assigns to a variable that is not its own.
+pub(super) fn assigns_captured(closure: &syn::ExprClosure) -> bool {
+    let (mut assigned, mut own) = (Assigned::default(), Names::default());
+    assigned.visit_expr(&closure.body);
+    if assigned.0.is_empty() {
+        return false;
+    }
+    own.visit_expr_closure(closure);
+    assigned.0.iter().any(|name| !own.0.contains(name))
 }
 
 /// The variables that a block assigns to.
