@@ -16,10 +16,7 @@ macro_rules! at_every_size {
     };
     ($name:ident, $n:literal, $mass:ident, $sites:ident, |$q:ident, $p:ident| $body:expr) => {
         const _: () = {
-            #[hamiltonian(
-                                                drift = |$q: [f64; $n], $p: [f64; $n]| $body,
-                                                embedding = Midpoint,
-                                            )]
+            #[hamiltonian(drift = |$q: [f64; $n], $p: [f64; $n]| $body, embedding = DeltaPlus)]
             struct System {
                 $mass: [f64; 3],
                 $sites: usize,
