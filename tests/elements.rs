@@ -8,6 +8,7 @@ mod elements {
     mod integrals;
     mod long;
     mod ranges;
+    mod sites;
     mod tables;
     mod wide;
 }

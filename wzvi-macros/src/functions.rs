@@ -10,10 +10,10 @@
 mod calls;
 mod define;
 
-use proc_macro2::{Delimiter, TokenStream, TokenTree};
-use quote::{ToTokens, quote};
+use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
+use quote::{ToTokens, format_ident, quote};
 use syn::parse::{Parse, ParseStream};
-use syn::{Block, ImplItem, ItemFn, ItemImpl, Path, Signature, braced};
+use syn::{Block, ImplItem, Item, ItemFn, ItemImpl, Path, Signature, braced};
 
 use crate::diagnostics::Diagnostics;
 use crate::input;
@@ -40,7 +40,7 @@ pub(crate) struct Function {
 
 /// An expansion that waits for definitions: `{kind} {crate path} {attribute} {item} {asked paths} {answers}`.
 pub(super) struct Question {
-    pub(super) kind: proc_macro2::Ident,
+    pub(super) kind: Ident,
     pub(super) crate_path: Path,
     pub(super) attribute: TokenStream,
     pub(super) item: TokenStream,
@@ -53,11 +53,27 @@ impl Question {
     pub(super) fn ask(&self) -> TokenStream {
         let Some(path) = self.asked.get(self.answers.len()) else { return TokenStream::new() };
         let Self { kind, crate_path, attribute, item, asked, answers } = self;
+        let state = quote! {
+            { { #kind } { #crate_path } { #attribute } { #item } { #( { #asked } )* } { #( { #answers } )* } }
+        };
+        let callback = quote! { { #crate_path::__private::__continue } };
+        let (Some(last), false) = (path.segments.last(), is_owner(path)) else {
+            return quote! { #path! { #callback #state } };
+        };
+        // `rustc` can only say that there is no such macro: its name tells what is missing.
+        let (name, position) = (&last.ident, answers.len());
+        let asker = asker(item).map_or_else(String::new, |asker| format!("_to_be_called_by_{asker}"));
+        let alias = match position {
+            0 => format_ident!("{name}_needs_the_attribute_hamiltonian_fn{asker}", span = name.span()),
+            _ => format_ident!(
+                "{name}_needs_the_attribute_hamiltonian_fn{asker}_{position}",
+                span = name.span()
+            ),
+        };
         quote! {
-            #path! {
-                { #crate_path::__private::__continue }
-                { { #kind } { #crate_path } { #attribute } { #item } { #( { #asked } )* } { #( { #answers } )* } }
-            }
+            #[allow(unused_imports)]
+            use #path as #alias;
+            #alias! { #callback #state }
         }
     }
 
@@ -158,6 +174,26 @@ impl Parse for Answer {
     }
 }
 
+/// The name of the item that asks.
+fn asker(item: &TokenStream) -> Option<Ident> {
+    match syn::parse2::<Item>(item.clone()).ok()? {
+        Item::Struct(item) => Some(item.ident),
+        Item::Fn(item) => Some(item.sig.ident),
+        _ => None,
+    }
+}
+
+const OWNER: &str = "_needs_an_impl_with_the_attribute_hamiltonian_fn";
+
+/// The macro that has the methods of a struct: it is found in the module of both.
+fn owner(name: &Ident, span: Span) -> Path {
+    format_ident!("{name}{OWNER}", span = span).into()
+}
+
+fn is_owner(path: &Path) -> bool {
+    path.get_ident().is_some_and(|name| name.to_string().ends_with(OWNER))
+}
+
 /// A path as calls are compared: without spaces.
 pub(crate) fn key(path: &impl ToTokens) -> String {
     path.to_token_stream().to_string().replace(' ', "")
@@ -174,8 +210,8 @@ pub(crate) fn questions(attribute: &TokenStream, item: &TokenStream) -> Option<T
     if has_mistakes {
         return None;
     }
-    let owner = Path::from(system.item.ident.clone());
-    let asked = calls::of_closures(declaration.closures().map(|hamiltonian| &hamiltonian.closure), &owner);
+    let closures = declaration.closures().map(|hamiltonian| &hamiltonian.closure);
+    let asked = calls::of_closures(closures, &system.item.ident);
     if asked.is_empty() {
         return None;
     }

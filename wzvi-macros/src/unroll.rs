@@ -227,19 +227,6 @@ pub(crate) fn written_out(system: System) -> Result<Model, Box<System>> {
     })
 }
 
-/// [`written_out`], whatever the size.
-pub(crate) fn written_out_whole(mut system: Box<System>) -> Result<Model, Box<System>> {
-    let before = (system.drift.clone(), system.noise.clone(), system.invariants.clone());
-    if unroll_all(&mut system) {
-        system = match written_out(*system) {
-            Ok(model) => return Ok(model),
-            Err(system) => system,
-        };
-    }
-    (system.drift, system.noise, system.invariants) = before;
-    Err(system)
-}
-
 /// The local variables of a system that straight-line code can stand for.
 fn known_locals(system: &System) -> Option<Vec<Local>> {
     let is_single = |noise: &Noise| noise.family.is_none();

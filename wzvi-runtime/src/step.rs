@@ -206,7 +206,9 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
                 }
                 Err(cause) => {
                     if let Some(left) = left {
-                        (self.memory, self.carry, self.clock, self.before, self.strain) = left;
+                        let memory;
+                        (memory, self.carry, self.clock, self.before, self.strain) = left;
+                        H::adopt(&mut self.memory, memory);
                     }
                     Err(self.error(state, dw, cause))
                 }

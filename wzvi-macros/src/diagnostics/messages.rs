@@ -163,8 +163,18 @@ pub(crate) fn not_a_scheme(found: impl ToTokens) -> Error {
 
 pub(crate) fn unknown_embedding(name: &syn::Ident) -> Error {
     let names = ["DeltaPlus", "Midpoint", "DeltaMinus", "Lambda", "Mixed", "Corrected", "Uncorrected"];
-    let suggestion = closest(&name.to_string(), names);
+    let suggestion = scheme_synonym(&name.to_string()).or_else(|| closest(&name.to_string(), names));
     at(name, suggest(format!("unknown embedding `{name}`; there are {SCHEMES}"), suggestion))
+}
+
+/// What other texts call the same scheme.
+fn scheme_synonym(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "ImplicitMidpoint" | "MidPoint" | "ImplicitMidpointRule" | "Gauss2" => "Midpoint",
+        "SymplecticEuler" | "SymplecticEulerA" | "SemiImplicitEuler" | "EulerA" => "DeltaPlus",
+        "SymplecticEulerB" | "EulerB" => "DeltaMinus",
+        _ => return None,
+    })
 }
 
 pub(crate) fn duplicate_embedding(found: impl ToTokens, embedding: &Embedding) -> Error {
@@ -228,6 +238,18 @@ pub(crate) fn no_degrees(found: impl ToTokens) -> Error {
 
 pub(crate) fn too_many_degrees(found: impl ToTokens, limit: usize) -> Error {
     at(found, format!("at most {limit} degrees of freedom are supported: each is a variable of its own"))
+}
+
+pub(crate) fn tuple_phase_pattern(pattern: &syn::PatTuple) -> Error {
+    let parts: Vec<String> = pattern.elems.iter().map(|part| part.to_token_stream().to_string()).collect();
+    at(
+        pattern,
+        format!(
+            "coordinates and momenta are two parameters, not a tuple: write `|q, p|` for one degree of freedom, or \
+             `|[{}], ...|` if these are several coordinates",
+            parts.join(", ")
+        ),
+    )
 }
 
 pub(crate) fn unsupported_phase_pattern(pattern: impl ToTokens) -> Error {

@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
-use super::plan::{Unknowns, unknowns};
+use super::plan::{Strategy, Unknowns};
 use crate::diagnostics::internal::Promised;
-use crate::discretise::describe::properties;
+use crate::discretise::Scheme;
+use crate::discretise::describe::{derivation, properties};
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::model::index::{Atom, Index};
@@ -108,13 +109,37 @@ pub(crate) fn noise_numbers(model: &System) -> Vec<String> {
 }
 
 /// The text of one scheme.
-pub(crate) fn describe(model: &mut System, facts: &Facts, embedding: &Embedding) -> String {
-    let [q, p] = &model.names;
+pub(crate) fn describe(
+    model: &mut System,
+    facts: &Facts,
+    embedding: &Embedding,
+    strategy: &Strategy,
+) -> String {
     let mut text = format!("{embedding}\n\nHamiltonians, as sums of elements\n");
     let _ = writeln!(text, "  H0 = {}", term(model, &model.drift.elements));
     for (number, noise) in noise_numbers(model).iter().zip(&model.noise) {
         let _ = writeln!(text, "  H{number} = {}", term(model, &noise.term.elements));
     }
+    match strategy {
+        Strategy::Sweep(unknowns) => sweep(model, facts, embedding, *unknowns, &mut text),
+        Strategy::Sites(_, scheme) => sites(model, scheme, &mut text),
+    }
+    properties(&mut model.graph, facts, embedding, &mut text);
+    text
+}
+
+/// The equations of one site, which are those of all.
+fn sites(model: &mut System, scheme: &Scheme, text: &mut String) {
+    let last = model.size.shifted(-1).promised("sizes are integers");
+    let table = |id: u32| model.tables.get(id as usize).map_or("?", |table| table.name.as_str());
+    let last = index(&last, &table, &|_| "k");
+    let _ = writeln!(text, "\nThe sites k = 0..{last} are not coupled: each is a system of its own");
+    derivation(&mut model.graph, scheme, text);
+}
+
+/// The equations of all sites at once.
+fn sweep(model: &System, facts: &Facts, embedding: &Embedding, unknowns: Unknowns, text: &mut String) {
+    let [q, p] = &model.names;
     let (drift_l, noise_l) = embedding.quadrature();
     let point = |l: Rational| if l.is_zero() { format!("{q}_i") } else { format!("{q}_{{i+{l}}}") };
     let noise = match model.noise.is_empty() {
@@ -137,11 +162,9 @@ pub(crate) fn describe(model: &mut System, facts: &Facts, embedding: &Embedding)
     let _ = writeln!(text, "  {p}_{{i+1}} = D2 L_d:  {p}_{{i+1}} - {p}_i = v - Σ_m l_m c_m ∂H_m/∂{q}");
     let _ = writeln!(text, "\nStep");
     let iteration = "fixed-point iteration while it contracts, else Newton with a banded Jacobian";
-    let _ = match unknowns(model, facts, embedding) {
+    let _ = match unknowns {
         Unknowns::None => writeln!(text, "  assign v, Δ{q}"),
         Unknowns::Momenta => writeln!(text, "  solve for v (then Δ{q}): {iteration}"),
         Unknowns::Both => writeln!(text, "  solve for Δ{q}, v: {iteration}"),
     };
-    properties(&mut model.graph, facts, embedding, &mut text);
-    text
 }

@@ -2,6 +2,8 @@
 
 use std::collections::HashSet;
 
+use proc_macro2::{Ident, Span};
+use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 use syn::{Expr, ExprCall, ExprClosure, ExprMethodCall, ExprPath, Path};
 
@@ -13,21 +15,19 @@ use crate::lower::{is_real_method, is_self, real_function};
 pub(super) struct Calls {
     bound: HashSet<String>,
     pub(super) called: Vec<ExprPath>,
-    /// Whether methods of the struct are called.
-    pub(super) has_methods: bool,
+    /// Where a method of the struct is called.
+    pub(super) method: Option<Span>,
     /// Constants by paths that mean something else elsewhere.
     pub(super) constants: Vec<ExprPath>,
 }
 
 impl Calls {
-    /// The distinct paths, and `owner` for methods.
-    pub(super) fn paths(self, owner: Option<&Path>) -> Vec<Path> {
+    /// The distinct paths, and that of the methods of the struct `name`.
+    pub(super) fn paths(self, name: Option<&Ident>) -> Vec<Path> {
         let mut seen = HashSet::new();
+        let methods = name.zip(self.method).map(|(name, span)| super::owner(name, span));
         let paths = self.called.into_iter().map(|call| call.path);
-        paths
-            .chain(owner.filter(|_| self.has_methods).cloned())
-            .filter(|path| seen.insert(key(path)))
-            .collect()
+        paths.chain(methods).filter(|path| seen.insert(key(path))).collect()
     }
 
     fn is_bound(&self, path: &Path) -> bool {
@@ -35,16 +35,16 @@ impl Calls {
     }
 }
 
-pub(super) fn of_closures<'a>(closures: impl Iterator<Item = &'a ExprClosure>, owner: &Path) -> Vec<Path> {
+pub(super) fn of_closures<'a>(closures: impl Iterator<Item = &'a ExprClosure>, name: &Ident) -> Vec<Path> {
     let mut all = Calls::default();
     for closure in closures {
         let mut calls = Calls::default();
         Bound(&mut calls.bound).visit_expr_closure(closure);
         calls.visit_expr_closure(closure);
         all.called.extend(calls.called);
-        all.has_methods |= calls.has_methods;
+        all.method = all.method.or(calls.method);
     }
-    all.paths(Some(owner))
+    all.paths(Some(name))
 }
 
 /// The calls of a function with these parameters.
@@ -64,7 +64,7 @@ impl<'s> Visit<'s> for Calls {
             {
                 let segments = &path.path.segments;
                 if segments.first().is_some_and(|first| first.ident == "Self") {
-                    self.has_methods = true;
+                    self.method.get_or_insert(path.path.span());
                 } else if segments.len() > 1
                     || !segments.iter().any(|only| is_real_method(&only.ident.to_string()))
                 {
@@ -78,7 +78,9 @@ impl<'s> Visit<'s> for Calls {
     }
 
     fn visit_expr_method_call(&mut self, call: &'s ExprMethodCall) {
-        self.has_methods |= is_self(&call.receiver);
+        if is_self(&call.receiver) {
+            self.method.get_or_insert(call.method.span());
+        }
         visit::visit_expr_method_call(self, call);
     }
 

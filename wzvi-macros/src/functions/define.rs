@@ -107,7 +107,7 @@ pub(super) fn carrier(question: &Question) -> TokenStream {
         }
         Ok(Item::Impl(methods)) => match &*methods.self_ty {
             Type::Path(path) => match path.path.segments.last() {
-                Some(last) => (last.ident.clone(), Visibility::Inherited, methods.to_token_stream()),
+                Some(last) => (methods_name(&last.ident), Visibility::Inherited, methods.to_token_stream()),
                 None => return TokenStream::new(),
             },
             _ => return TokenStream::new(),
@@ -130,6 +130,10 @@ pub(super) fn carrier(question: &Question) -> TokenStream {
         #[allow(unused_imports)]
         #visibility use #hidden as #name;
     }
+}
+
+fn methods_name(name: &Ident) -> Ident {
+    format_ident!("{name}{}", super::OWNER, span = Span::call_site())
 }
 
 /// A name that no other function of the crate has: exported macros live at its root.

@@ -215,6 +215,20 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.report(expressions::unsupported(at, what, remedy))
     }
 
+    /// The value of a Hamiltonian.
+    pub(super) fn energy(&mut self, value: Value, at: &dyn ToTokens) -> Option<Expr> {
+        let is_vector = match &value {
+            Value::Tuple(parts) => !parts.items.is_empty(),
+            Value::Stream(stream) => matches!(**stream, Stream::Array(_) | Stream::Known(_)),
+            _ => false,
+        };
+        if is_vector {
+            self.report(expressions::vector_as_energy(at.to_token_stream(), value.describe()));
+            return None;
+        }
+        self.real(value, at)
+    }
+
     /// `value` as a real number; what it is instead is reported at `at`.
     pub(super) fn real(&mut self, value: Value, at: &dyn ToTokens) -> Option<Expr> {
         let error = match value {

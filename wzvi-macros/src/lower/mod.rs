@@ -191,7 +191,7 @@ impl<'s> Space<'s> {
                 interpreter.bind(pattern, value);
             }
             let value = interpreter.evaluate(&closure.body);
-            interpreter.real(value, interpreter::result_of(&closure.body))
+            interpreter.energy(value, interpreter::result_of(&closure.body))
         })
     }
 }

@@ -349,7 +349,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             let is_slow = last < f64::INFINITY && ratio > CONTRACTS;
             let stagnates = is_slow && ratio > 0.5;
             let mut settles = false;
-            if stagnates || is_misled {
+            if stagnates && !is_misled {
                 let beyond = self.beyond_rounding(memory);
                 if beyond == 0.0 {
                     let before = std::mem::replace(&mut variation, self.variation(&memory.work));

@@ -69,8 +69,8 @@ impl<S> Default for Work<S> {
 }
 
 impl<S: Scalar> Work<S> {
-    /// Scratch for steps of a system of so many degrees of freedom.
-    pub(super) fn new(scheme: &Scheme, degrees: usize) -> Self {
+    /// Scratch for the equations of a step of a system of so many degrees of freedom.
+    pub(super) fn of_equations(scheme: &Scheme, degrees: usize) -> Self {
         let zeros = |length: usize| vec![S::from_f64(0.0); length];
         let unknowns = match scheme.unknowns {
             Unknowns::None => 0,
@@ -81,14 +81,24 @@ impl<S: Scalar> Work<S> {
         Self {
             x: zeros(unknowns),
             correction: zeros(unknowns),
-            previous: zeros(unknowns),
+            previous: Vec::new(),
             u: zeros(degrees),
             momentum: zeros(degrees),
             stage: [zeros(degrees), zeros(second)],
             by_q: [zeros(degrees), zeros(second)],
             by_p: zeros(degrees),
-            diagonal: zeros(if scheme.unknowns == Unknowns::Momenta { degrees } else { 0 }),
+            diagonal: Vec::new(),
         }
+    }
+
+    /// Scratch for their solution.
+    fn of_solution(scheme: &Scheme, degrees: usize) -> Self {
+        let mut work = Self::of_equations(scheme, degrees);
+        work.previous.clone_from(&work.correction);
+        if scheme.unknowns == Unknowns::Momenta {
+            work.diagonal.clone_from(&work.u);
+        }
+        work
     }
 }
 
@@ -115,7 +125,7 @@ impl<S: Scalar> std::fmt::Debug for Memory<S> {
             .debug_struct("Memory")
             .field("degrees", degrees)
             .field("iteration", iteration)
-            .field("past", past)
+            .field("past", &&past[..usize::from(*known).min(past.len())])
             .field("known", known)
             .field("prefers_newton", prefers_newton)
             .finish_non_exhaustive()
@@ -175,7 +185,7 @@ impl<S: Scalar> Memory<S> {
     /// Takes what a step left that was solved in another memory.
     pub fn adopt(&mut self, left: Self) {
         (self.past, self.known, self.prefers_newton) = (left.past, left.known, left.prefers_newton);
-        if self.work.x.is_empty() {
+        if self.degrees == 0 {
             (self.degrees, self.work, self.linear) = (left.degrees, left.work, left.linear);
         }
         let unknowns = self.work.x.len();
@@ -212,7 +222,7 @@ impl<S: Scalar> Memory<S> {
     }
 
     fn allocate<H: Elements>(&mut self, system: &H, scheme: &Scheme, degrees: usize) {
-        self.work = Work::new(scheme, degrees);
+        self.work = Work::of_solution(scheme, degrees);
         self.rounding = None;
         let unknowns = self.work.x.len();
         let is_implicit = scheme.unknowns != Unknowns::None;
@@ -288,6 +298,11 @@ impl<S: Scalar> Carry<S> for CompensationVec<S> {
     #[inline(always)]
     fn add(base: S, increment: S, carried: S) -> (S, S) {
         Compensation::<S, 1>::add(base, increment, carried)
+    }
+    type Part<const D: usize> = Compensation<S, D>;
+    #[inline(always)]
+    fn part<const D: usize>(&self, first: usize) -> Compensation<S, D> {
+        Compensation::of(self, first)
     }
     fn keep(&mut self, coordinates: &[S], momenta: &[S]) {
         let zero = S::from_f64(0.0);

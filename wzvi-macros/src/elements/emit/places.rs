@@ -100,8 +100,9 @@ impl Places<'_> {
             .collect();
         let slots = slots.into_iter().map(|slot| match slot {
             Slot::Coordinate(index) | Slot::Momentum(index) => {
+                let is_natural = bounds.is_nonnegative(index);
                 let index = self.index(index, element);
-                quote!(__places::Slot::State(#index),)
+                quote!(__places::Slot::State { index: #index, is_natural: #is_natural },)
             }
             Slot::Entry(table, indices) => {
                 let positions = self.positions(*table, indices, element, None);
