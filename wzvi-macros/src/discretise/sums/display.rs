@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::{Space, Sum};
+use crate::diagnostics::internal::Promised;
 use crate::elements::describe::index as index_text;
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::{Element, Slot};
@@ -79,7 +80,7 @@ impl Space {
         if is_condition {
             return format!("(where {} > 0) ", self.index(&known.end));
         }
-        let last = known.end.shifted(-1).unwrap_or_default();
+        let last = known.end.shifted(-1).promised("ends of loops are integers");
         let letter = self.index(&super::variable(known.variable));
         format!("Σ_({letter}={}..{}) ", self.index(&known.start), self.index(&last))
     }
