@@ -51,8 +51,8 @@ pub(crate) struct Failure {
 pub(crate) struct Hamiltonians {
     space: Space,
     t: Symbol,
-    drift: Sum,
-    noise: Vec<Sum>,
+    pub(crate) drift: Sum,
+    pub(crate) noise: Vec<Sum>,
     /// What stands behind the `H` of each noise.
     numbers: Vec<String>,
     invariants: Vec<(Extent, Sum)>,

@@ -100,7 +100,9 @@ impl Loops {
 impl<'a> Interpreter<'a, '_> {
     /// The outermost size of the phase space, as it was written.
     pub(super) fn size(&mut self, expr: &syn::Expr) -> Index {
-        let id = self.loops().table(&source(expr), &expr.to_token_stream(), true);
+        let name = source(expr).replace(" . ", ".");
+        let name = name.strip_prefix("self.").unwrap_or(&name);
+        let id = self.loops().table(name, &expr.to_token_stream(), true);
         Index::atom(Atom::Given(id, Vec::new()))
     }
 
