@@ -25,11 +25,11 @@ Discrete Euler-Lagrange equations
   p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of
     -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2
     -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1
-    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at i = 0
+    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0
   p' = D2 L_d:  p'[i] = P[i] + the sum of
     -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2
     -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1
-    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at i = 0
+    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0
 
 Step
   solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide
@@ -158,9 +158,7 @@ const _: () = {
                     {
                         let __x0 = 0.25f64 * __a0;
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
+                            let __l0 = __at.q[0];
                             let __x1 = __l0 * __l0;
                             __total = __total + __x1 * (__x1 * __x0 + 0.5f64);
                         }
@@ -266,11 +264,8 @@ const _: () = {
                     }
                     {
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __at_index = (0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
+                            let __l0 = __at.q[0];
+                            let __at_index = 0;
                             __by_q[__at_index] = __by_q[__at_index]
                                 + __l0 * (__l0 * __l0 * __a0 + 1f64);
                         }
@@ -414,11 +409,8 @@ const _: () = {
                     {
                         let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __at_index = (0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
+                            let __l0 = __at.q[0];
+                            let __at_index = 0;
                             __by_q[__at_index] = __by_q[__at_index]
                                 + __c * (__l0 * (__l0 * __l0 * __a0 + 1f64));
                         }
@@ -524,18 +516,8 @@ const _: () = {
                         let __x0 = 3f64 * __a0;
                         let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            __into
-                                .add_qq(
-                                    (0 as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    (0 as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    true,
-                                    __c * (__l0 * __l0 * __x0 + 1f64),
-                                );
+                            let __l0 = __at.q[0];
+                            __into.add_qq(0, 0, true, __c * (__l0 * __l0 * __x0 + 1f64));
                         }
                     }
                 }
@@ -561,7 +543,7 @@ const _: () = {
                 conserves_energy: __wzvi::Knowledge::Proven,
                 commuting: __wzvi::Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at i = 0\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at i = 0\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral\n";
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
             const IN_LANES: __wzvi::core::primitive::bool = false;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<

@@ -7,11 +7,11 @@
 
 use std::fmt::Debug;
 
-use crate::numbers::Numbers;
+use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
 
 /// What rounding took from a state, or nothing at all.
-pub trait Carry<S>: Clone + Debug + Default + Numbers<S> {
+pub trait Carry<S>: Clone + Debug + Default + Numbers {
     /// Whether it holds anything.
     const CARRIES: bool;
     /// What is still to be added to coordinate `i`, which is less than the degrees of freedom.
@@ -56,8 +56,8 @@ impl<S: Scalar> Carry<S> for Plain {
     }
 }
 
-impl<S> Numbers<S> for Plain {
-    fn visit(&mut self, _visit: &mut dyn FnMut(&mut S)) {}
+impl Numbers for Plain {
+    fn pass(&mut self, _tape: &mut Tape) {}
 }
 
 /// Sums that carry what rounding takes, for `D` degrees of freedom.
@@ -120,10 +120,11 @@ impl<S: Scalar, const D: usize> Compensation<S, D> {
     }
 }
 
-impl<S, const D: usize> Numbers<S> for Compensation<S, D> {
-    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
+impl<S: Numbers, const D: usize> Numbers for Compensation<S, D> {
+    fn pass(&mut self, tape: &mut Tape) {
         let Self { coordinates, momenta } = self;
-        coordinates.iter_mut().chain(momenta).for_each(visit);
+        coordinates.pass(tape);
+        momenta.pass(tape);
     }
 }
 

@@ -101,7 +101,12 @@ impl fmt::Display for StepFailure {
                 write!(f, "the new state is not finite; take a smaller step or check the domain of H")
             }
             Self::Increments { expected, got } => {
-                write!(f, "the system has {expected} noises, but {got} increments were given")
+                write!(
+                    f,
+                    "the system has {expected} noise{}, but {got} increment{} given",
+                    if *expected == 1 { "" } else { "s" },
+                    if *got == 1 { " was" } else { "s were" },
+                )
             }
             Self::Dimension { expected, got } => {
                 write!(f, "the system has {expected} degrees of freedom, but the state has {got}")

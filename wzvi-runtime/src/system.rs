@@ -233,7 +233,7 @@ pub trait Discretized<E>: Hamiltonian {
     type Prepared: Clone + Debug;
 
     /// What one step leaves for the starting value of the next; `()` where nothing is iterated.
-    type Memory<S: Scalar>: Clone + Debug + Default + Numbers<S>;
+    type Memory<S: Scalar>: Clone + Debug + Default + Numbers;
 
     /// Compensated sums of the state's increments: [`Compensation`](crate::carry::Compensation).
     type Compensated<S: Scalar>: Carry<S>;

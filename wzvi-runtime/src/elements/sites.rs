@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use super::Elements;
 use crate::carry::Carry;
 use crate::error::{ConfigError, StepFailure};
-use crate::numbers::Numbers;
+use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::system::Solution;
@@ -20,7 +20,7 @@ pub trait Sites<E, const D: usize, const K: usize>: Elements {
     type SitePrepared: Clone + Debug;
 
     /// What one step leaves for the starting value of the next.
-    type SiteMemory<S: Scalar>: Clone + Debug + Default + Numbers<S>;
+    type SiteMemory<S: Scalar>: Clone + Debug + Default + Numbers;
 
     /// Computes what does not change from step to step at one of `sites` sites.
     ///
@@ -72,15 +72,12 @@ impl<S, M, P> Default for Memory<S, M, P> {
     }
 }
 
-impl<S: Scalar, M: Numbers<S> + Default, P> Numbers<S> for Memory<S, M, P> {
-    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
-        // Exact: a small integer.
-        let mut length = S::from_f64(if size_of::<M>() == 0 { 0 } else { self.sites.len() } as f64);
-        visit(&mut length);
-        let length = length.magnitude() as usize;
+impl<S: Scalar, M: Numbers + Default, P> Numbers for Memory<S, M, P> {
+    fn pass(&mut self, tape: &mut Tape) {
+        let length = tape.length(if size_of::<M>() == 0 { 0 } else { self.sites.len() });
         if length != 0 {
             self.sites.resize_with(length, M::default);
-            self.sites.iter_mut().for_each(|site| site.visit(visit));
+            self.sites.iter_mut().for_each(|site| site.pass(tape));
         }
     }
 }

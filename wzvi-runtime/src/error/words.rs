@@ -1,7 +1,7 @@
 //! Why a step failed, as words: for checkpoints and messages.
 
 use super::{IndexError, IndexLimit, StepFailure};
-use crate::checkpoint::Tape;
+use crate::numbers::Tape;
 
 impl StepFailure {
     pub(crate) fn pass(&mut self, tape: &mut Tape) {

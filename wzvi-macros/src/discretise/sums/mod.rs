@@ -15,6 +15,8 @@ mod instance;
 mod locality;
 mod slopes;
 mod solve;
+#[cfg(test)]
+mod tests;
 mod vanish;
 
 use std::collections::HashMap;

@@ -100,7 +100,7 @@ impl Space {
         Some(Slope { part: Weighted { element, increments }, at: variable(own), is_by_point: true })
     }
 
-    /// `factor · slope` and where it stands.
+    /// The slope and where it is one: `V'(q[i] - q[i - 1])   for i = 1..n - 1`.
     pub(crate) fn display_slope(&self, graph: &Graph, slope: &Slope) -> String {
         let Slope { part: Weighted { element, .. }, at, is_by_point } = slope;
         let (points, sums) = element.loops.split_at(usize::from(*is_by_point));
@@ -112,7 +112,7 @@ impl Space {
                 let last = known.end.shifted(-1).unwrap_or_default();
                 format!("{value}   for i = {}..{}", self.index(&known.start), self.index(&last))
             }
-            _ => format!("{value}   at i = {}", self.index(at)),
+            _ => format!("{value}   at point {}", self.index(at)),
         }
     }
 }

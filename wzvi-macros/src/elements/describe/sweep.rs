@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::discretise::embedding::Embedding;
-use crate::discretise::facts::{Facts, Hamiltonians};
+use crate::discretise::facts::{Facts, drift_and_noise};
 use crate::discretise::sums::{Half, Slope, Space, Sum};
 use crate::elements::plan::Unknowns;
 use crate::model::System;
@@ -26,14 +26,14 @@ pub(super) fn sweep(
     unknowns: Unknowns,
     text: &mut String,
 ) {
-    let Hamiltonians { drift, noise, .. } = Hamiltonians::of_system(system);
+    let [drift, noise] = drift_and_noise(system);
     let (drift_l, noise_l) = embedding.quadrature();
     let counter = facts.counter_of(embedding).to_vec();
     let defect = Rational::HALF.add(noise_l.negate()).unwrap_or(Rational::ZERO);
     let has_noise = !noise.is_empty();
     let parts = [
         Part { sum: drift, l: drift_l, factor: Rational::ONE, is_drift: true },
-        Part { sum: noise.concat(), l: noise_l, factor: Rational::ONE, is_drift: false },
+        Part { sum: noise, l: noise_l, factor: Rational::ONE, is_drift: false },
         Part { sum: counter.clone(), l: noise_l, factor: defect, is_drift: false },
     ];
     let [q, p] = system.names.clone();

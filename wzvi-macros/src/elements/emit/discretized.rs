@@ -183,6 +183,7 @@ fn plan(model: &System, facts: &Facts, embedding: &Embedding, chosen: Unknowns) 
     let components = usize::try_from(model.components).unwrap_or(1);
     let unknowns = match (&model.shape, per_degree) {
         (_, 0) => quote!(0),
+        (Shape::Real, _) => quote!(#per_degree),
         (Shape::Array(_, Length::Literal(len)), _) => {
             let unknowns = len * components * per_degree;
             quote!(#unknowns)

@@ -160,7 +160,7 @@ pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
 /// The arm of one noise, or of the members of a family, after `offset` others.
 fn noise_arm(model: &mut System, noise: &Noise, offset: &Index, wanted: Wanted) -> TokenStream {
     let (isize, usize) = (quote!(__wzvi::core::primitive::isize), quote!(__wzvi::core::primitive::usize));
-    let indices = Indices { tables: &model.tables };
+    let indices = Indices { tables: &model.tables, checked: false };
     let before = indices.value(offset);
     let Some(Family { variable: id, count }) = &noise.family else {
         let pattern = match offset.as_integer().and_then(|offset| usize::try_from(offset).ok()) {

@@ -43,7 +43,7 @@ pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Exp
     if outputs.is_empty() {
         return TokenStream::new();
     }
-    let indices = Indices { tables: context.tables };
+    let indices = Indices { tables: context.tables, checked: false };
     let (outer, inner) = match element.loops.split_last() {
         Some((inner, outer)) => (outer, Some(inner)),
         None => (&[][..], None),

@@ -13,7 +13,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use self::combine::Combined;
-use self::indices::Indices;
+pub(crate) use self::indices::Indices;
 use self::kernel::{Context, Target};
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
@@ -51,7 +51,7 @@ pub(crate) fn emit(
 fn vector_type(model: &System) -> TokenStream {
     let f64 = f64_type();
     let dynamic = quote!(__wzvi::DVector<#f64>);
-    let Shape::Array(_, length) = &model.shape else { return dynamic };
+    let Shape::Array(_, length) = &model.shape else { return quote!(__wzvi::SVector<#f64, 1>) };
     let components = usize::try_from(model.components).unwrap_or(1);
     match length {
         Length::Literal(len) => {
@@ -88,7 +88,7 @@ fn degrees(model: &System) -> TokenStream {
     if model.size == Index::atom(Atom::Size) {
         return quote!(0);
     }
-    let indices = Indices { tables: &model.tables };
+    let indices = Indices { tables: &model.tables, checked: false };
     let (size, components) = (indices.value(&model.size), usize::try_from(model.components).unwrap_or(1));
     quote!((#size as __wzvi::core::primitive::usize) * #components)
 }
@@ -98,7 +98,7 @@ fn noise_count(model: &System) -> TokenStream {
     match count.as_integer().and_then(|count| usize::try_from(count).ok()) {
         Some(count) => quote!(#count),
         None => {
-            let count = Indices { tables: &model.tables }.value(&count);
+            let count = Indices { tables: &model.tables, checked: false }.value(&count);
             quote!((#count as __wzvi::core::primitive::isize as __wzvi::core::primitive::usize))
         }
     }
@@ -207,7 +207,7 @@ fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
 
 /// The elements of every noise with the increment that weighs it.
 fn noise_elements(model: &System) -> Vec<(Element, TokenStream)> {
-    let indices = Indices { tables: &model.tables };
+    let indices = Indices { tables: &model.tables, checked: false };
     let weigh = |(noise, offset): (&Noise, Index)| {
         // Where the family is the innermost loop, its increments are an input like any other.
         let number = match &noise.family {
@@ -226,7 +226,7 @@ fn noise_elements(model: &System) -> Vec<(Element, TokenStream)> {
 
 /// The elements of the counter-term, if a scheme adds it, with their weights.
 fn counter_elements(model: &System, facts: &Facts) -> Vec<(Element, TokenStream)> {
-    let indices = Indices { tables: &model.tables };
+    let indices = Indices { tables: &model.tables, checked: false };
     let increment = |number: &Index| {
         let position = match number.as_integer().and_then(|number| usize::try_from(number).ok()) {
             Some(number) => quote!(#number),

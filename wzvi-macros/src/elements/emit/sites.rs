@@ -16,7 +16,7 @@ use crate::model::{Slot, System};
 
 /// How an entry of a field is read at a site: that of the nearest site where it is not there.
 pub(crate) fn site_entry(system: &System, site: &Site, entry: &Entry) -> TokenStream {
-    let (indices, f64) = (Indices { tables: &system.tables }, f64_type());
+    let (indices, f64) = (Indices { tables: &system.tables, checked: false }, f64_type());
     let value = match &entry.slot {
         Slot::Entry(table, at) => indices.entry(*table, at),
         Slot::Number(index) | Slot::Coordinate(index) | Slot::Momentum(index) => {
@@ -41,7 +41,7 @@ pub(crate) fn site_entry(system: &System, site: &Site, entry: &Entry) -> TokenSt
 pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Scheme) -> Road {
     let Kernel { items, prepare, momentum_factors, .. } =
         site.with_model(system, site_entry, |model| Kernel::new(model, facts, scheme));
-    let indices = Indices { tables: &system.tables };
+    let indices = Indices { tables: &system.tables, checked: false };
     let own = variable(site.variable);
     let option = quote!(__wzvi::core::option::Option);
     let increments = site.increments().map(|Increment { number, acts }| {
