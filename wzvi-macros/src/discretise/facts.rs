@@ -114,6 +114,12 @@ impl Hamiltonians {
     }
 }
 
+/// The drift, and the noises times their increments.
+pub(crate) fn drift_and_noise(system: &System) -> [Sum; 2] {
+    let Hamiltonians { drift, noise, .. } = Hamiltonians::of(system);
+    [drift, noise.concat()]
+}
+
 fn sum_of(term: &Term, increments: &[Index]) -> Sum {
     let weigh = |element: &Element| Weighted { element: element.clone(), increments: increments.to_vec() };
     term.values.iter().map(weigh).collect()

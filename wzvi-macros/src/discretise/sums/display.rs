@@ -13,7 +13,7 @@ const LETTERS: [&str; 6] = ["i", "j", "k", "l", "m", "n"];
 
 impl Space {
     /// Where loop variables of depth 0, 1, ... are `i`, `j`, ...
-    fn index(&self, index: &Index) -> String {
+    pub(crate) fn index(&self, index: &Index) -> String {
         let letter = |variable: u32| {
             let depth = variable.saturating_sub(self.first) as usize;
             LETTERS[depth.min(LETTERS.len() - 1)]
@@ -73,7 +73,7 @@ impl Space {
         parts.join(" + ")
     }
 
-    fn range(&self, known: &Loop) -> String {
+    pub(super) fn range(&self, known: &Loop) -> String {
         let is_condition = known.start == Index::default()
             && matches!(known.end.terms.as_slice(), [(Atom::Minimum(both), 1)]
                 if known.end.constant == 0 && (both.0 == Index::integer(1) || both.1 == Index::integer(1)));
