@@ -39,6 +39,9 @@
 //! * **System.** With drift `H_0` and noises `H_k`, in the sense of Stratonovich,
 //!   `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = -Σ_m ∂H_m/∂q ∘ dX_m` with `X_0 = t`, `X_k = W_k`. The struct implements
 //!   [`Hamiltonian`](system::Hamiltonian): energies, gradients, proven first integrals.
+//! * **Shared functions.** Hamiltonians see through calls of functions that carry [`#[hamiltonian_fn]`](hamiltonian_fn), and of
+//!   methods of an `impl` that carries it: potentials can live in modules and crates of their own, and facts and
+//!   derivatives are those of the inlined expression.
 //! * **Schemes** are types, the [embeddings](embedding): where the discrete antiderivative reads `q`. For each one
 //!   listed the struct implements [`Discretized`](system::Discretized); its [`PLAN`](plan::Plan) says what the compiler
 //!   found out (how the step is solved, whether the scheme is consistent, whether the energy is kept) and its
@@ -56,7 +59,7 @@
 //! * **Long runs**: with the feature `serde`, `checkpoint::Checkpoint` lets a run that was stopped go on, bit for bit.
 //! * **Errors** are values that say where, why and what to do; [`Error`] is the sum of them all.
 
-pub use wzvi_macros::hamiltonian;
+pub use wzvi_macros::{hamiltonian, hamiltonian_fn};
 #[cfg(feature = "serde")]
 pub use wzvi_runtime::checkpoint;
 pub use wzvi_runtime::error::Error;
@@ -79,7 +82,7 @@ pub use wzvi_runtime::{ensemble, lanes};
 
 /// Everything that a scene needs: `use wzvi::prelude::*`.
 pub mod prelude {
-    pub use wzvi_macros::hamiltonian;
+    pub use wzvi_macros::{hamiltonian, hamiltonian_fn};
     #[cfg(feature = "serde")]
     pub use wzvi_runtime::checkpoint::Checkpoint;
     pub use wzvi_runtime::elements::Iteration;
@@ -104,6 +107,8 @@ pub mod prelude {
 #[doc(hidden)]
 pub mod __private {
     pub use core;
+
+    pub use wzvi_macros::__continue;
 
     pub use wzvi_runtime::carry::{Carry, Compensation, Plain};
     pub use wzvi_runtime::elements;

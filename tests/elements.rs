@@ -7,7 +7,9 @@ mod elements {
     mod digits;
     mod integrals;
     mod long;
+    mod lowering;
     mod ranges;
+    mod sites;
     mod tables;
     mod wide;
 }

@@ -13,6 +13,7 @@ use quote::ToTokens;
 
 use self::index::{Index, Loop};
 use self::symbols::Symbols;
+use crate::diagnostics::internal::Promised;
 use crate::discretise::embedding::Embedding;
 use crate::input::Shape;
 use crate::symbolic::{Expr, Graph, Symbol};
@@ -131,6 +132,15 @@ impl Element {
         })
     }
 
+    /// The places in the state that it reads.
+    pub(crate) fn state(&self) -> Vec<&Index> {
+        let places = self.locals.iter().filter_map(|local| match &local.slot {
+            Slot::Coordinate(index) | Slot::Momentum(index) => Some(index),
+            Slot::Entry(..) | Slot::Number(_) => None,
+        });
+        places.collect()
+    }
+
     pub(crate) fn reads(&self) -> Reads {
         match (self.coordinates().next().is_some(), self.momenta().next().is_some()) {
             (false, false) => Reads::Nothing,
@@ -209,8 +219,9 @@ impl System {
         let mut total = Index::default();
         for noise in &self.noise {
             let count = noise.family.as_ref().map_or(Index::integer(1), |family| family.count.clone());
-            // A count beyond all integers is refused where it is lowered.
-            total = total.add(&count).unwrap_or_default();
+            total = total
+                .add(&count)
+                .promised("counts of noises beyond all integers are refused where they are lowered");
             offsets.push(total.clone());
         }
         offsets

@@ -195,6 +195,13 @@ impl<'a> Writer<'a> {
 /// The system with each degree of freedom a variable of its own; as it was, if loops are left, or indices that only the
 /// running program knows.
 pub(crate) fn written_out(system: System) -> Result<Model, Box<System>> {
+    match system.size.as_integer() {
+        Some(points) if points <= TURNS => model(system),
+        _ => Err(Box::new(system)),
+    }
+}
+
+fn model(system: System) -> Result<Model, Box<System>> {
     let Some(locals) = known_locals(&system) else { return Err(Box::new(system)) };
     let System { graph, symbols, tables, mut parameters, t, drift, noise, invariants, .. } = system;
     let indices = Indices { tables: &tables, checked: true };
@@ -225,19 +232,6 @@ pub(crate) fn written_out(system: System) -> Result<Model, Box<System>> {
         crate_path: system.crate_path,
         type_checks: system.type_checks,
     })
-}
-
-/// [`written_out`], whatever the size.
-pub(crate) fn written_out_whole(mut system: Box<System>) -> Result<Model, Box<System>> {
-    let before = (system.drift.clone(), system.noise.clone(), system.invariants.clone());
-    if unroll_all(&mut system) {
-        system = match written_out(*system) {
-            Ok(model) => return Ok(model),
-            Err(system) => system,
-        };
-    }
-    (system.drift, system.noise, system.invariants) = before;
-    Err(system)
 }
 
 /// The local variables of a system that straight-line code can stand for.

@@ -26,6 +26,8 @@ mod passes;
 #[doc(hidden)]
 pub mod places;
 mod rounding;
+#[doc(hidden)]
+pub mod sites;
 
 pub use iterate::{Scheme, Unknowns, advance};
 pub use memory::{CompensationVec, Memory};

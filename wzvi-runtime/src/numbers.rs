@@ -256,6 +256,6 @@ mod tests {
         for nonsense in [[256, 0, 0], [0, 1 << 32, 0], [0, 0, 2]] {
             assert_eq!(read(nonsense.to_vec()), None);
         }
-        assert_eq!((byte, count, flag), (0, 0, true));
+        assert_eq!((byte, count, flag), (0, 0, false));
     }
 }

@@ -3,9 +3,10 @@
 
 use super::embedding::{Correction, Embedding};
 use super::sums::{Half, Increments, Space, Sum, Weighted};
+use crate::diagnostics::internal::Promised;
 use crate::elements::describe::noise_numbers;
 use crate::model::index::{Atom, Index};
-use crate::model::{Element, Extent, Local, Model, Reads, Slot, System, Term};
+use crate::model::{Element, Extent, Reads, System, Term};
 use crate::symbolic::zero::Witness;
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
@@ -48,7 +49,7 @@ pub(crate) struct Failure {
 }
 
 /// What facts are about: every Hamiltonian as a sum, a noise times its increment.
-pub(crate) struct Hamiltonians {
+struct Hamiltonians {
     space: Space,
     t: Symbol,
     drift: Sum,
@@ -87,16 +88,17 @@ pub(crate) struct Facts {
 }
 
 impl Hamiltonians {
-    pub(crate) fn of_system(system: &System) -> Self {
+    fn of(system: &System) -> Self {
         let terms = [&system.drift].into_iter().chain(system.noise.iter().map(|noise| &noise.term));
-        let elements = terms.chain(&system.invariants).flat_map(|term| &term.elements);
+        let elements = terms.chain(&system.invariants).flat_map(|term| &term.values);
         let tables = system.tables.iter().map(|table| (table.name.clone(), table.is_unsigned)).collect();
         let space =
             Space::new(system.size.clone(), system.components, system.names.clone(), tables, elements);
         let noise = system.noise.iter().zip(system.noise_offsets()).map(|(noise, offset)| {
-            // Numbers of noises beyond all integers are refused where they are lowered.
             let number = match &noise.family {
-                Some(family) => offset.add(&Index::atom(Atom::Loop(family.variable))).unwrap_or_default(),
+                Some(family) => offset
+                    .add(&Index::atom(Atom::Loop(family.variable)))
+                    .promised("numbers of noises are integers"),
                 None => offset,
             };
             sum_of(&noise.term, &[number])
@@ -110,47 +112,24 @@ impl Hamiltonians {
             invariants: system.invariants.iter().map(|term| (term.extent, sum_of(term, &[]))).collect(),
         }
     }
+}
 
-    pub(crate) fn of_model(model: &Model) -> Self {
-        let slots = |symbols: &[Symbol], slot: fn(Index) -> Slot| -> Vec<Local> {
-            let numbered = symbols.iter().zip(0i128..);
-            numbered.map(|(&symbol, i)| Local { symbol, slot: slot(Index::integer(i)) }).collect()
-        };
-        let locals =
-            [slots(&model.phase.q, Slot::Coordinate), slots(&model.phase.p, Slot::Momentum)].concat();
-        let graph = &model.graph;
-        let element = |value: Expr| {
-            let parts = graph.reachable(&[value]);
-            let mut read: Vec<Symbol> = parts.into_iter().filter_map(|part| graph.as_symbol(part)).collect();
-            read.sort_unstable();
-            let locals = locals.iter().filter(|local| read.binary_search(&local.symbol).is_ok()).cloned();
-            Element { loops: Vec::new(), value, locals: locals.collect() }
-        };
-        let sum = |value: Expr, increments: &[Index]| {
-            vec![Weighted { element: element(value), increments: increments.to_vec() }]
-        };
-        let size = Index::integer(model.phase.q.len() as i128);
-        let all = Element { loops: Vec::new(), value: model.drift.value, locals: locals.clone() };
-        let names = ["q".to_owned(), "p".to_owned()];
-        Self {
-            space: Space::new(size, 1, names, Vec::new(), [&all].into_iter()),
-            t: model.phase.t,
-            drift: sum(model.drift.value, &[]),
-            noise: model.noise.iter().zip(0i128..).map(|(h, k)| sum(h.value, &[Index::integer(k)])).collect(),
-            numbers: (1..=model.noise.len()).map(|k| k.to_string()).collect(),
-            invariants: model.invariants.iter().map(|f| (f.extent, sum(f.value, &[]))).collect(),
-        }
-    }
+/// The drift, and the noises times their increments.
+pub(crate) fn drift_and_noise(system: &System) -> [Sum; 2] {
+    let Hamiltonians { drift, noise, .. } = Hamiltonians::of(system);
+    [drift, noise.concat()]
 }
 
 fn sum_of(term: &Term, increments: &[Index]) -> Sum {
     let weigh = |element: &Element| Weighted { element: element.clone(), increments: increments.to_vec() };
-    term.elements.iter().map(weigh).collect()
+    term.values.iter().map(weigh).collect()
 }
 
 impl Facts {
-    pub(crate) fn new(graph: &mut Graph, hamiltonians: Hamiltonians) -> Self {
-        let Hamiltonians { mut space, t, drift, noise, numbers, invariants } = hamiltonians;
+    pub(crate) fn new(system: &mut System) -> Self {
+        let Hamiltonians { mut space, t, drift, noise, numbers, invariants } = Hamiltonians::of(system);
+        let System { graph, drift: Term { elements, .. }, noise: parted, .. } = system;
+        let parted = parted.iter().flat_map(|noise| &noise.term.elements);
         let all_noise: Sum = noise.concat();
         let (q, p) = (Half::Coordinates, Half::Momenta);
         let half_defect_sum =
@@ -169,17 +148,13 @@ impl Facts {
             conserves_energy.push(rate.known(|sum| space.vanishes(graph, sum, Increments::Each)));
             energy_rates.push(rate.sum);
         }
-        let is_separable =
-            drift.iter().chain(&all_noise).all(|weighted| weighted.element.reads() != Reads::Both);
-        let has_diagonal_kinetic_energy = drift
-            .iter()
-            .chain(&all_noise)
-            .filter(|weighted| weighted.element.reads() == Reads::Momenta)
-            .all(|weighted| is_diagonal(graph, &weighted.element));
+        let all_parted = || elements.iter().chain(parted.clone());
         Self {
-            noise: noise_class(graph, &all_noise),
-            is_separable,
-            has_diagonal_kinetic_energy,
+            noise: noise_class(graph, &parted.clone().collect::<Vec<_>>(), noise.is_empty()),
+            is_separable: all_parted().all(|element| element.reads() != Reads::Both),
+            has_diagonal_kinetic_energy: all_parted()
+                .filter(|element| element.reads() == Reads::Momenta)
+                .all(|element| is_diagonal(graph, element)),
             half_defect_sum: half_defect_sum.sum,
             defect_is_constant,
             counter_term,
@@ -222,7 +197,7 @@ impl Facts {
 
     /// `D = (1/2 - l) Σ_k ∂H_k/∂q · ∂H_k/∂p`, as text.
     pub(crate) fn defect(&self, graph: &mut Graph, l: Rational) -> String {
-        let weight = Rational::HALF.add(l.negate()).unwrap_or(Rational::ZERO);
+        let weight = Rational::HALF.add(l.negate()).promised("quadrature points are fractions of 32 bits");
         if weight.is_zero() {
             return "0".to_owned();
         }
@@ -304,12 +279,11 @@ fn is_diagonal(graph: &mut Graph, element: &Element) -> bool {
     })
 }
 
-fn noise_class(graph: &mut Graph, noise: &Sum) -> NoiseClass {
-    let reads_only =
-        |reads: Reads| noise.iter().all(|w| [reads, Reads::Nothing].contains(&w.element.reads()));
-    if noise.is_empty() {
+fn noise_class(graph: &mut Graph, noise: &[&Element], is_absent: bool) -> NoiseClass {
+    let reads_only = |reads: Reads| noise.iter().all(|e| [reads, Reads::Nothing].contains(&e.reads()));
+    if is_absent {
         NoiseClass::None
-    } else if noise.iter().all(|weighted| is_affine(graph, &weighted.element)) {
+    } else if noise.iter().all(|element| is_affine(graph, element)) {
         NoiseClass::Additive
     } else if reads_only(Reads::Coordinates) {
         NoiseClass::Position

@@ -66,7 +66,12 @@ pub struct Loop {
 #[derive(Debug)]
 pub enum Slot {
     /// A component of the coordinates or momenta.
-    State(Index),
+    State {
+        /// Which one.
+        index: Index,
+        /// Whether the compiler has shown that it is not negative.
+        is_natural: bool,
+    },
     /// An entry of a list of real numbers.
     Entry(usize, &'static [Position]),
     /// An integer as a real number.
@@ -219,9 +224,10 @@ pub(super) fn check<H: Elements>(system: &H, degrees: usize) -> Result<(), StepF
     let survey = Survey { system, degrees };
     match survey.fault() {
         None => Ok(()),
-        Some(Fault { needs_degrees: true, .. }) => {
-            Err(StepFailure::Dimension { expected: survey.required(), got: degrees })
-        }
+        Some(Fault { needs_degrees: true, .. }) => Err(match survey.required() {
+            Ok(expected) => StepFailure::Dimension { expected, got: degrees },
+            Err(Fault { error, .. }) => StepFailure::Index(error),
+        }),
         Some(Fault { error, .. }) => Err(StepFailure::Index(error)),
     }
 }
@@ -272,14 +278,11 @@ impl<H: Elements> Survey<'_, H> {
             Next::Inside(inner) => self.slots(nest, Some(&inner)),
             Next::Nothing => Ok(()),
             Next::Body => nest.slots.iter().try_for_each(|slot| match slot {
-                Slot::State(index) => {
+                Slot::State { index, is_natural } => {
                     let Span { low, high } = self.span(index, fixed)?;
-                    let is_inside = low >= 0 && high < self.degrees as i128;
-                    if is_inside {
-                        Ok(())
-                    } else {
-                        Err(self.outside(index, if low < 0 { low } else { high }, fixed))
-                    }
+                    let outlier = if low < 0 && !is_natural { low } else { high };
+                    let is_inside = outlier >= 0 && high < self.degrees as i128;
+                    if is_inside { Ok(()) } else { Err(self.outside(index, outlier, fixed)) }
                 }
                 Slot::Entry(table, positions) => self.given(*table, positions, fixed).map(drop),
                 Slot::Number(index) => self.span(index, fixed).map(drop),
@@ -430,45 +433,54 @@ impl<H: Elements> Survey<'_, H> {
 
     /// The degrees of freedom that the loops ask for.
     #[cold]
-    fn required(&self) -> usize {
+    fn required(&self) -> Result<usize, Fault> {
         let mut most = -1;
         for nest in H::PLACES.nests {
             for slot in nest.slots {
-                if let Slot::State(index) = slot
+                if let Slot::State { index, .. } = slot
                     && !index.reads_lists()
                 {
-                    self.largest(nest, index, None, &mut most);
+                    self.largest(nest, index, None, &mut most)?;
                 }
             }
         }
         let degrees = usize::try_from(most.saturating_add(1)).unwrap_or(usize::MAX);
-        degrees.checked_next_multiple_of(H::PLACES.components).unwrap_or(degrees)
+        Ok(degrees.checked_next_multiple_of(H::PLACES.components).unwrap_or(degrees))
     }
 
     /// Raises `most` to the largest value of `index`: halves of intervals that cannot beat it are left out.
-    fn largest(&self, nest: &Nest, index: &Index, fixed: Option<&Bounds<'_>>, most: &mut i128) {
-        let Some(bound) = self.bound(nest, index, fixed).filter(|bound| bound > most) else { return };
+    fn largest(
+        &self,
+        nest: &Nest,
+        index: &Index,
+        fixed: Option<&Bounds<'_>>,
+        most: &mut i128,
+    ) -> Result<(), Fault> {
+        let bound = self.bound(nest, index, fixed);
+        if bound.as_ref().is_ok_and(|bound| *bound <= *most) {
+            return Ok(());
+        }
         if let Some(last) = fixed.filter(|last| !last.span.is_single()) {
             let halves = last.span.halves().map(|span| Bounds { span, ..*last });
-            let bounds = halves.map(|half| self.bound(nest, index, Some(&half)));
+            let bounds = halves.map(|half| self.bound(nest, index, Some(&half)).unwrap_or(i128::MAX));
             let [first, second] = if bounds[0] > bounds[1] { [0, 1] } else { [1, 0] };
-            self.largest(nest, index, Some(&halves[first]), most);
-            self.largest(nest, index, Some(&halves[second]), most);
-            return;
+            self.largest(nest, index, Some(&halves[first]), most)?;
+            return self.largest(nest, index, Some(&halves[second]), most);
         }
-        match self.next(nest, fixed) {
-            Ok(Next::Inside(inner)) => self.largest(nest, index, Some(&inner), most),
-            Ok(Next::Body) => *most = bound,
-            Ok(Next::Nothing) | Err(_) => {}
+        match self.next(nest, fixed)? {
+            Next::Inside(inner) => self.largest(nest, index, Some(&inner), most)?,
+            Next::Body => *most = bound?,
+            Next::Nothing => {}
         }
+        Ok(())
     }
 
-    /// What `index` is not above inside of `fixed`; none if it is nowhere, or out of range itself.
-    fn bound(&self, nest: &Nest, index: &Index, fixed: Option<&Bounds<'_>>) -> Option<i128> {
-        match self.next(nest, fixed).ok()? {
+    /// What `index` is not above inside of `fixed`, -1 at least.
+    fn bound(&self, nest: &Nest, index: &Index, fixed: Option<&Bounds<'_>>) -> Result<i128, Fault> {
+        match self.next(nest, fixed)? {
             Next::Inside(inner) => self.bound(nest, index, Some(&inner)),
-            Next::Body => Some(self.span(index, fixed).ok()?.high),
-            Next::Nothing => None,
+            Next::Body => Ok(self.span(index, fixed)?.high.max(-1)),
+            Next::Nothing => Ok(-1),
         }
     }
 }

@@ -3,10 +3,12 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use crate::diagnostics::Diagnostics;
-use crate::discretise::facts::{Facts, Hamiltonians, Knowledge, NoiseClass};
-use crate::input::{self, Treatment};
-use crate::lower::{lower, lower_elements};
+use crate::discretise::facts::{Facts, Knowledge, NoiseClass};
+use crate::elements::collect::collect;
+use crate::input;
+use crate::lower::lower;
 use crate::symbolic::{Graph, Rational};
+use crate::unroll::unroll;
 
 use Knowledge::{Proven, Refuted};
 use NoiseClass::{Additive, Multiplicative, Position};
@@ -27,19 +29,14 @@ fn facts_of(attribute: &str) -> (Graph, Facts) {
 }
 
 fn find(attribute: &str, diagnostics: &mut Diagnostics) -> Option<(Graph, Facts)> {
-    let system = input::read_struct(ITEM.parse().unwrap(), diagnostics)?;
+    let container = input::read_struct(ITEM.parse().unwrap(), diagnostics)?;
     let mut declaration = input::read_attribute(attribute.parse().unwrap(), diagnostics)?;
     let phase_space = input::read_phase_space(&mut declaration, diagnostics)?;
-    if phase_space.treatment != Treatment::Unrolled {
-        let mut system = lower_elements(&system, &declaration, &phase_space, diagnostics)?;
-        let hamiltonians = Hamiltonians::of_system(&system);
-        let facts = Facts::new(&mut system.graph, hamiltonians);
-        return Some((system.graph, facts));
-    }
-    let mut model = lower(system, declaration, &phase_space, diagnostics)?;
-    let hamiltonians = Hamiltonians::of_model(&model);
-    let facts = Facts::new(&mut model.graph, hamiltonians);
-    Some((model.graph, facts))
+    let mut system = lower(container, declaration, &phase_space, diagnostics)?;
+    unroll(&mut system);
+    collect(&mut system, diagnostics);
+    let facts = Facts::new(&mut system);
+    Some((system.graph, facts))
 }
 
 /// Every spelling of a size that is at least `least`: a list of `point` and the number of points.

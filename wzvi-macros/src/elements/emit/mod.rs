@@ -7,6 +7,7 @@ mod hamiltonian;
 mod indices;
 mod kernel;
 mod places;
+mod sites;
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
@@ -14,22 +15,34 @@ use quote::{format_ident, quote};
 use self::combine::Combined;
 pub(crate) use self::indices::Indices;
 use self::kernel::{Context, Target};
+use crate::diagnostics::internal::Promised;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::sums::Weighted;
+use crate::elements::plan::Strategy;
 use crate::emit::{f64_type, wrapped};
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, Noise, Reads, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
+pub(crate) use self::sites::site_entry;
+
 /// Everything that `#[hamiltonian]` stands for. `equations` has the text of each scheme, in their order.
-pub(crate) fn emit(model: &mut System, facts: &Facts, equations: &[String]) -> TokenStream {
+pub(crate) fn emit(
+    model: &mut System,
+    facts: &Facts,
+    schemes: &[(Embedding, Strategy)],
+    equations: &[String],
+) -> TokenStream {
     let mut generated = hamiltonian::emit(model);
     generated.extend(elements(model, facts));
-    let embeddings: Vec<Embedding> = model.embeddings.iter().map(|known| known.value.clone()).collect();
-    for (embedding, text) in embeddings.iter().zip(equations) {
-        generated.extend(discretized::emit(model, facts, embedding, text));
+    for ((embedding, strategy), text) in schemes.iter().zip(equations) {
+        let road = match strategy {
+            Strategy::Sites(site, scheme) => sites::emit(model, facts, site, scheme),
+            Strategy::Sweep(unknowns) => discretized::sweep(model, facts, embedding, *unknowns),
+        };
+        generated.extend(discretized::emit(model, facts, embedding, &road, text));
     }
     let System { item, crate_path, type_checks, .. } = model;
     wrapped(item, crate_path, &generated, type_checks, equations)
@@ -82,7 +95,7 @@ fn degrees(model: &System) -> TokenStream {
 }
 
 fn noise_count(model: &System) -> TokenStream {
-    let count = model.noise_offsets().pop().unwrap_or_default();
+    let count = model.noise_offsets().pop().promised("the last offset is the number of noises");
     match count.as_integer().and_then(|count| usize::try_from(count).ok()) {
         Some(count) => quote!(#count),
         None => {
@@ -199,7 +212,9 @@ fn noise_elements(model: &System) -> Vec<(Element, TokenStream)> {
     let weigh = |(noise, offset): (&Noise, Index)| {
         // Where the family is the innermost loop, its increments are an input like any other.
         let number = match &noise.family {
-            Some(family) => offset.add(&Index::atom(Atom::Loop(family.variable))).unwrap_or_default(),
+            Some(family) => offset
+                .add(&Index::atom(Atom::Loop(family.variable)))
+                .promised("numbers of noises are integers"),
             None => offset,
         };
         let position = match number.as_integer().and_then(|number| usize::try_from(number).ok()) {
