@@ -356,7 +356,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 if beyond == 0.0 {
                     let before = std::mem::replace(&mut variation, self.variation(&memory.work));
                     // Derivatives that a number carries converge after it.
-                    if size_of::<S>() == size_of::<f64>() || !(variation < 0.5 * before) {
+                    let vary = size_of::<S>() != size_of::<f64>() && variation < 0.5 * before;
+                    if !vary {
                         return Ok(solved);
                     }
                 }

@@ -201,7 +201,8 @@ impl Progress {
             return Verdict::Converged;
         }
         // False for NaN, too: one comparison on the way that is taken.
-        if !(relative < 0.5 * self.last) {
+        let contracts = relative < 0.5 * self.last;
+        if !contracts {
             if relative.is_nan() {
                 return Verdict::Straying;
             }
@@ -211,12 +212,13 @@ impl Progress {
             }
             // What is rounding may have been the larger part of the correction before.
             let last = if self.is_beyond_rounding { self.last } else { self.last.max(relative) };
-            if !(beyond < 0.5 * last) {
-                return Verdict::Straying;
+            // False for NaN, too.
+            if beyond < 0.5 * last {
+                self.is_beyond_rounding = true;
+                self.expect(beyond);
+                return Verdict::Contracting;
             }
-            self.is_beyond_rounding = true;
-            self.expect(beyond);
-            return Verdict::Contracting;
+            return Verdict::Straying;
         }
         self.expect(relative);
         Verdict::Contracting
