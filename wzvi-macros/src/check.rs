@@ -1,17 +1,16 @@
 //! What the mathematics forbids: inconsistent schemes that were not asked for, first integrals that are none.
 
-use crate::diagnostics::facts as messages;
+use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::embedding::{Correction, Embedding};
 use crate::discretise::facts::{Facts, Failure, Invariant};
-use crate::model::Located;
+use crate::model::{Located, System};
 use crate::symbolic::{Graph, Rational};
 
-/// What speaks against the declared schemes and first integrals.
-pub(crate) fn check(graph: &mut Graph, embeddings: &[Located<Embedding>], facts: &Facts) -> Vec<syn::Error> {
-    let mut objections = Vec::new();
-    check_consistency(graph, embeddings, facts, &mut objections);
-    check_invariants(graph, facts, &mut objections);
-    objections
+/// Every check, in order; all of them report.
+pub(crate) fn check(system: &mut System, facts: &Facts, diagnostics: &mut Diagnostics) {
+    let System { graph, embeddings, .. } = system;
+    check_consistency(graph, embeddings, facts, diagnostics);
+    check_invariants(graph, facts, diagnostics);
 }
 
 /// A bare scheme must converge to the Stratonovich system (MATH section 3); a corrected one needs its counter-term.
@@ -19,17 +18,17 @@ fn check_consistency(
     graph: &mut Graph,
     embeddings: &[Located<Embedding>],
     facts: &Facts,
-    objections: &mut Vec<syn::Error>,
+    diagnostics: &mut Diagnostics,
 ) {
     for embedding in embeddings {
         let noise_l = embedding.value.quadrature().1;
         match embedding.value.correction() {
             Correction::Bare if !facts.is_consistent(noise_l) => {
                 let defect = facts.defect(graph, noise_l);
-                objections.push(messages::inconsistent(embedding, &defect, &facts.defect_is_constant));
+                diagnostics.report(messages::inconsistent(embedding, &defect, &facts.defect_is_constant));
             }
             Correction::Corrected if facts.counter_term_acts(noise_l) && facts.counter_term.is_none() => {
-                objections.push(messages::counter_term_of_elements(embedding));
+                diagnostics.report(messages::counter_term_of_elements(embedding));
             }
             _ => {}
         }
@@ -37,12 +36,12 @@ fn check_consistency(
 }
 
 /// `{H_m, F}` must vanish for every term, with `∂F/∂t` for the drift.
-fn check_invariants(graph: &mut Graph, facts: &Facts, objections: &mut Vec<syn::Error>) {
+fn check_invariants(graph: &mut Graph, facts: &Facts, diagnostics: &mut Diagnostics) {
     for Invariant { extent, failure, .. } in &facts.invariants {
         if let Some(Failure { term, rate, knowledge }) = failure {
             let number = term.checked_sub(1).and_then(|k| facts.numbers.get(k)).cloned();
             let rate = facts.space.display(graph, rate, Rational::ONE);
-            objections.push(messages::no_invariant(*extent, &number, &rate, knowledge, graph));
+            diagnostics.report(messages::no_invariant(*extent, &number, &rate, knowledge, graph));
         }
     }
 }

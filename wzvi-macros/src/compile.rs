@@ -3,19 +3,30 @@
 use proc_macro2::TokenStream;
 
 use crate::backend::{back_end, elements_back_end};
+use crate::check::check;
 use crate::diagnostics::Diagnostics;
+use crate::discretise::facts::Facts;
 use crate::elements::collect::collect;
 use crate::emit::stubs::Stubs;
+use crate::functions::{self, Library};
 use crate::input;
 use crate::lower::lower;
-use crate::unroll::{unroll, written_out, written_out_whole};
+use crate::unroll::{unroll, written_out};
 
 /// The expansion of `#[hamiltonian(attribute)] item`: the struct with its integrators, or errors at the user's tokens
 /// with the struct and stubs, so that `rustc` adds nothing to them.
 pub(crate) fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
+    match functions::questions(&attribute, &item) {
+        Some(questions) => questions,
+        None => expand_with(attribute, item, Library::default()),
+    }
+}
+
+/// The same where the functions that the Hamiltonians call are known.
+pub(crate) fn expand_with(attribute: TokenStream, item: TokenStream, library: Library) -> TokenStream {
     let mut diagnostics = Diagnostics::new();
     let mut stubs = Stubs::unrecognised(item.clone());
-    let expansion = compile(attribute, item, &mut stubs, &mut diagnostics);
+    let expansion = compile(attribute, item, library, &mut stubs, &mut diagnostics);
     match diagnostics.finish() {
         Ok(()) => expansion.unwrap_or_default(),
         Err(errors) => stubs.with_errors(&errors),
@@ -26,12 +37,14 @@ pub(crate) fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
 fn compile(
     attribute: TokenStream,
     item: TokenStream,
+    library: Library,
     stubs: &mut Stubs,
     diagnostics: &mut Diagnostics,
 ) -> Option<TokenStream> {
     // read
     let container = input::read_struct(item, diagnostics);
     let mut declaration = input::read_attribute(attribute, diagnostics)?;
+    declaration.library = library;
     let container = container?;
     stubs.recognise(&container.item, &declaration);
     let phase_space = input::read_phase_space(&mut declaration, diagnostics)?;
@@ -45,22 +58,18 @@ fn compile(
         return None;
     }
 
-    // derive, analyse, emit: in loops, or as straight-line code
-    let model = match written_out(system) {
-        Ok(model) => model,
-        Err(system) => match elements_back_end(system) {
-            Ok(expansion) => return Some(expansion),
-            // What cannot be decided element by element may be decided of the whole.
-            Err((system, objections)) => match written_out_whole(system) {
-                Ok(model) => model,
-                Err(_) => {
-                    objections.into_iter().for_each(|objection| diagnostics.report(objection));
-                    return None;
-                }
-            },
-        },
-    };
-    Some(back_end(model, diagnostics))
+    // analyse
+    let facts = Facts::new(&mut system);
+    check(&mut system, &facts, diagnostics);
+    if diagnostics.has_errors() {
+        return None;
+    }
+
+    // derive, emit: as straight-line code, or in loops
+    Some(match written_out(system) {
+        Ok(model) => back_end(model, &facts),
+        Err(system) => elements_back_end(system, &facts),
+    })
 }
 
 #[cfg(test)]

@@ -131,6 +131,15 @@ impl Element {
         })
     }
 
+    /// The places in the state that it reads.
+    pub(crate) fn state(&self) -> Vec<&Index> {
+        let places = self.locals.iter().filter_map(|local| match &local.slot {
+            Slot::Coordinate(index) | Slot::Momentum(index) => Some(index),
+            Slot::Entry(..) | Slot::Number(_) => None,
+        });
+        places.collect()
+    }
+
     pub(crate) fn reads(&self) -> Reads {
         match (self.coordinates().next().is_some(), self.momenta().next().is_some()) {
             (false, false) => Reads::Nothing,

@@ -19,10 +19,6 @@ pub mod cluster;
 #[cfg(feature = "columnar")]
 mod columnar;
 mod control;
-// The part of `cluster` that can be tested without MPI.
-#[cfg(all(test, not(feature = "mpi")))]
-#[path = "ensemble/cluster/desk.rs"]
-mod desk;
 mod dispatch;
 mod draws;
 mod histogram;
@@ -37,14 +33,11 @@ mod multilevel;
 mod origin;
 mod passage;
 mod paths;
-mod progress;
 mod quantiles;
-mod schedule;
 mod statistics;
 mod table;
 
 use std::marker::PhantomData;
-use std::num::NonZero;
 
 use account::Account;
 use control::Control;
@@ -67,6 +60,7 @@ use crate::noise::{Truncation, clip_bound};
 pub use crate::persist::FileError;
 pub use crate::persist::table::{Column, Table};
 use crate::plan::Plan;
+use crate::schedule::threads;
 use crate::simulate::{End, checked, count, steps_between};
 use crate::state::{State, Vector};
 use crate::system::Discretized;
@@ -433,15 +427,6 @@ fn clip(truncation: Truncation, plan: &Plan, h: f64) -> Result<f64, ConfigError>
         Truncation::On(k) => Err(ConfigError::Setting(format!("truncation with k = {k}: take at least 1"))),
         Truncation::Unset if plan.truncates_increments() => Ok(clip_bound(h, Truncation::DEFAULT)),
         Truncation::Unset => Ok(f64::INFINITY),
-    }
-}
-
-/// All cores if none are asked for.
-fn threads(asked: Option<usize>) -> Result<usize, ConfigError> {
-    match asked {
-        Some(0) => Err(ConfigError::Setting("0 threads: take at least 1".into())),
-        Some(threads) => Ok(threads),
-        None => Ok(std::thread::available_parallelism().map_or(1, NonZero::get)),
     }
 }
 

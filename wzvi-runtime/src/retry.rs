@@ -169,6 +169,7 @@ fn is_curable(cause: StepFailure) -> bool {
         StepFailure::Unresolved { .. }
         | StepFailure::Increments { .. }
         | StepFailure::Dimension { .. }
+        | StepFailure::Index(_)
         | StepFailure::NonFiniteInput => false,
     }
 }

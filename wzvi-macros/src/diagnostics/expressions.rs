@@ -63,6 +63,16 @@ pub(crate) fn integer_not_real(found: impl ToTokens) -> Error {
     at(found, format!("expected an `f64`, found an integer; {remedy}"))
 }
 
+pub(crate) fn vector_as_energy(found: impl ToTokens, actual: &str) -> Error {
+    at(
+        found,
+        format!(
+            "a Hamiltonian is one number, the energy; this is {actual}. The equations of motion are derived from it: \
+             `|q, p| 0.5 * (p * p + q * q)` has the vector field `[p, -q]`"
+        ),
+    )
+}
+
 pub(crate) fn expected(found: impl ToTokens, expected: &str, actual: &str) -> Error {
     at(found, format!("expected {expected}, found {actual}"))
 }
@@ -158,8 +168,8 @@ pub(crate) fn missing_else(found: impl ToTokens) -> Error {
 pub(crate) fn assignment_in_branch(found: impl ToTokens) -> Error {
     at(
         found,
-        "an assignment inside a branch that depends on the state or on parameters is not supported; write \
-         `let x = if condition { ... } else { ... };`",
+        "an assignment inside a branch whose condition is not known to the compiler (it reads the state, a parameter or an \
+         index of a loop) is not supported; write `let x = if condition { ... } else { ... };`",
     )
 }
 

@@ -7,9 +7,10 @@ use syn::parse::{ParseStream, Parser};
 use syn::punctuated::Punctuated;
 use syn::{ExprClosure, Path, Token, token};
 
-use super::{embeddings, nesting};
+use super::{embeddings, groups, nesting};
 use crate::diagnostics::{Diagnostics, messages};
 use crate::discretise::embedding::Embedding;
+use crate::functions::Library;
 use crate::model::Located;
 
 pub(super) const KEYS: [&str; 5] = ["drift", "noise", "embedding", "invariant", "crate"];
@@ -25,6 +26,8 @@ pub(crate) struct Declaration {
     /// Whether there are no others than `embeddings`: none was misspelled.
     pub(crate) all_embeddings_known: bool,
     pub(crate) crate_path: Path,
+    /// The shared functions that the closures call.
+    pub(crate) library: Library,
 }
 
 impl Declaration {
@@ -55,6 +58,7 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
         diagnostics.report(messages::nested_too_deeply(token));
         return None;
     }
+    let attribute = groups::without_single(attribute);
     let mut declaration = Declaration {
         drift: None,
         noise: Vec::new(),
@@ -63,6 +67,7 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
         embedding_types: Vec::new(),
         all_embeddings_known: false,
         crate_path: syn::parse_quote!(::wzvi),
+        library: Library::default(),
     };
     let mut seen: Vec<String> = Vec::new();
     for entry in split_entries(attribute, diagnostics) {

@@ -206,6 +206,7 @@ fn parameters(closure: &Hamiltonian) -> syn::Result<(&Pat, &Pat, Option<&Pat>)> 
     match *inputs.as_slice() {
         [q, p] => Ok((q, p, None)),
         [q, p, t] => Ok((q, p, Some(t))),
+        [Pat::Tuple(tuple)] => Err(messages::tuple_phase_pattern(tuple)),
         _ => {
             let (begin, end) = (&closure.closure.inputs_begin, &closure.closure.inputs_end);
             let inputs = &closure.closure.inputs;
@@ -251,6 +252,7 @@ fn shape(pattern: &Pat) -> syn::Result<Option<Shape>> {
                 }
             }
         }
+        Pat::Tuple(tuple) => Err(messages::tuple_phase_pattern(tuple)),
         _ => Err(messages::unsupported_phase_pattern(pattern)),
     }
 }

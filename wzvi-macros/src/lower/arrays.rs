@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 use syn::{ExprIndex, ExprRange, RangeLimits};
 
@@ -39,7 +40,12 @@ pub(super) struct Array {
 impl<'a> Interpreter<'a, '_> {
     /// A size of the phase space or of a family, as it was written.
     pub(super) fn size(&mut self, expr: &syn::Expr) -> Index {
-        let id = self.tables.add(&source(expr), &expr.to_token_stream(), true, Vec::new());
+        self.named_size(&source(expr), &expr.to_token_stream())
+    }
+
+    /// What is not negative and known by `name` to a reader.
+    pub(super) fn named_size(&mut self, name: &str, tokens: &TokenStream) -> Index {
+        let id = self.tables.add(name, tokens, true, Vec::new());
         Index::atom(Atom::Given(id, Vec::new()))
     }
 

@@ -1,12 +1,14 @@
 //! Calls: local closures and the functions of `f64`.
 
 use quote::ToTokens;
-use syn::{Expr as Syntax, ExprCall, ExprClosure, ExprMethodCall};
+use syn::punctuated::Punctuated;
+use syn::{Expr as Syntax, ExprCall, ExprClosure, ExprMethodCall, FnArg, Token};
 
 use super::interpreter::{Closure, Interpreter};
 use super::names::{is_self, real_function};
 use super::value::Value;
-use crate::diagnostics::expressions;
+use crate::diagnostics::{expressions, messages};
+use crate::functions::{Function, key};
 
 impl<'a> Interpreter<'a, '_> {
     pub(super) fn closure(&mut self, syntax: &'a ExprClosure) -> Value {
@@ -23,6 +25,9 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     pub(super) fn call(&mut self, syntax: &'a ExprCall) -> Value {
+        if let Some(function) = self.shared(&syntax.func) {
+            return self.apply_shared(function, &syntax.args, syntax);
+        }
         let function = match &*syntax.func {
             // A single name is a variable; as a function it is not one that can be seen into.
             Syntax::Path(path) => match path.path.get_ident() {
@@ -45,6 +50,70 @@ impl<'a> Interpreter<'a, '_> {
             }
             _ => self.apply(&function, arguments, syntax),
         }
+    }
+
+    /// The shared function behind a path that no variable has.
+    fn shared(&self, function: &Syntax) -> Option<&'a Function> {
+        let Syntax::Path(path) = function else { return None };
+        if path.path.get_ident().is_some_and(|name| self.scope.find_from_anywhere(name).is_some()) {
+            return None;
+        }
+        let name = key(&path.path);
+        match name.strip_prefix("Self::") {
+            Some(method) => self.method(method),
+            None => self.library?.functions.iter().find(|function| function.name == name),
+        }
+    }
+
+    fn method(&self, name: &str) -> Option<&'a Function> {
+        self.root?.methods.iter().find(|function| function.name == name)
+    }
+
+    /// The body of a shared function at the place of its call: it sees its parameters, and what its author's names mean.
+    fn apply_shared(
+        &mut self,
+        function: &'a Function,
+        arguments: &'a Punctuated<Syntax, Token![,]>,
+        at: &dyn ToTokens,
+    ) -> Value {
+        let mut arguments: Vec<Value> = arguments.iter().map(|argument| self.evaluate(argument)).collect();
+        let inputs = &function.signature.inputs;
+        // A method by its path gets `self` as an argument.
+        let has_receiver = matches!(inputs.first(), Some(FnArg::Receiver(_)));
+        let parameters: Vec<&'a syn::Pat> = inputs
+            .iter()
+            .filter_map(|input| match input {
+                FnArg::Typed(typed) => Some(&*typed.pat),
+                FnArg::Receiver(_) => None,
+            })
+            .collect();
+        if has_receiver && arguments.len() == parameters.len() + 1 {
+            arguments.remove(0);
+        }
+        if parameters.len() != arguments.len() {
+            return self.report(expressions::argument_count(
+                at.to_token_stream(),
+                parameters.len(),
+                arguments.len(),
+            ));
+        }
+        if self.calls.iter().any(|active| std::ptr::eq(*active, function)) {
+            return self.report(messages::recursion(at.to_token_stream()));
+        }
+        if !self.spend(1, &at.to_token_stream()) {
+            return Value::Poison;
+        }
+        let (scope, frame) = (std::mem::take(&mut self.scope), std::mem::take(&mut self.frame));
+        let library = self.library.replace(&function.library);
+        self.calls.push(function);
+        for (pattern, argument) in parameters.into_iter().zip(arguments) {
+            self.bind(pattern, argument);
+        }
+        let value = self.block(&function.block);
+        self.calls.pop();
+        self.library = library;
+        (self.scope, self.frame) = (scope, frame);
+        value
     }
 
     /// The value of a function at `arguments`.
@@ -77,6 +146,9 @@ impl<'a> Interpreter<'a, '_> {
 
     pub(super) fn method_call(&mut self, syntax: &'a ExprMethodCall) -> Value {
         if is_self(&syntax.receiver) {
+            if let Some(method) = self.method(&syntax.method.to_string()) {
+                return self.apply_shared(method, &syntax.args, syntax);
+            }
             return self.report(expressions::function_call(&syntax.method));
         }
         let receiver = self.evaluate(&syntax.receiver);

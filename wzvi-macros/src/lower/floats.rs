@@ -31,7 +31,7 @@ fn arity(name: &str) -> Option<usize> {
     elementary.or_else(|| COMPOSED.iter().find(|(known, _)| *known == name).map(|&(_, arity)| arity))
 }
 
-pub(super) fn is_real_method(name: &str) -> bool {
+pub(crate) fn is_real_method(name: &str) -> bool {
     arity(name).is_some()
 }
 

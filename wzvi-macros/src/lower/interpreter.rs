@@ -11,6 +11,7 @@ use super::sequences::Stream;
 use super::tables::Tables;
 use super::value::{Place, Value};
 use crate::diagnostics::{Diagnostics, expressions};
+use crate::functions::{Function, Library};
 use crate::input::{Container, Kind};
 use crate::model::symbols::Symbols;
 use crate::model::{Parameter, Table};
@@ -39,6 +40,11 @@ pub(super) struct Interpreter<'a, 'd> {
     pub(super) frame: usize,
     /// Whether a closure assigns to what it captured: the items of what it maps have to be made in their order.
     pub(super) has_mutation: bool,
+    /// The shared functions of the declaration, and of the shared function that is being evaluated.
+    pub(super) root: Option<&'a Library>,
+    pub(super) library: Option<&'a Library>,
+    /// The shared functions around the current expression.
+    pub(super) calls: Vec<&'a Function>,
     /// Number of undecided branches around the current expression.
     pub(super) branch: u32,
     pub(super) symbols: Symbols,
@@ -65,6 +71,9 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             closures: Vec::new(),
             frame: 0,
             has_mutation: false,
+            root: None,
+            library: None,
+            calls: Vec::new(),
             branch: 0,
             symbols,
             tables: Tables::default(),
@@ -82,6 +91,8 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.closures.clear();
         self.loops = Loops::default();
         (self.frame, self.has_mutation) = (0, false);
+        self.calls.clear();
+        self.library = self.root;
         (self.branch, self.steps, self.depth, self.exhausted) = (0, 0, 0, false);
     }
 
@@ -209,6 +220,20 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             _ => syntax.to_token_stream(),
         };
         self.report(expressions::unsupported(at, what, remedy))
+    }
+
+    /// The value of a Hamiltonian.
+    pub(super) fn energy(&mut self, value: Value, at: &dyn ToTokens) -> Option<Expr> {
+        let is_vector = match &value {
+            Value::Tuple(parts) => !parts.items.is_empty(),
+            Value::Stream(stream) => matches!(**stream, Stream::Array(_) | Stream::Known(_)),
+            _ => false,
+        };
+        if is_vector {
+            self.report(expressions::vector_as_energy(at.to_token_stream(), value.describe()));
+            return None;
+        }
+        self.real(value, at)
     }
 
     /// `value` as a real number; what it is instead is reported at `at`.

@@ -24,7 +24,7 @@ mod value;
 use syn::{Expr as Syntax, Lit, ReturnType};
 
 use crate::diagnostics::{Diagnostics, expressions, messages};
-use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Shape};
+use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Shape, peeled};
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::symbols::Symbols;
 use crate::model::{Extent, Family, Noise, System, Term};
@@ -34,6 +34,9 @@ use arrays::{Array, Origin};
 use interpreter::Interpreter;
 use sequences::Stream;
 use value::Value;
+
+pub(crate) use floats::is_real_method;
+pub(crate) use names::{is_self, real_function};
 
 /// Lowers every closure. `None` only after an error was reported.
 pub(crate) fn lower(
@@ -47,6 +50,7 @@ pub(crate) fn lower(
     symbols.declare_phase(&mut graph, &phase_space.q, &phase_space.p);
     let t = graph.new_symbol(&phase_space.t);
     let mut interpreter = Interpreter::new(graph, symbols, &container, diagnostics);
+    interpreter.root = Some(&declaration.library);
     let space = Space::new(&mut interpreter, &phase_space.shape, t);
 
     let drift = declaration.drift.as_ref().map(|drift| space.term(&mut interpreter, drift, None));
@@ -187,7 +191,7 @@ impl<'s> Space<'s> {
                 interpreter.bind(pattern, value);
             }
             let value = interpreter.evaluate(&closure.body);
-            interpreter.real(value, interpreter::result_of(&closure.body))
+            interpreter.energy(value, interpreter::result_of(&closure.body))
         })
     }
 }
@@ -200,14 +204,21 @@ enum Member<'l> {
 
 /// The number of noises of a family: an integer literal, a constant, a size, a field, or what is made of them.
 fn family_count<'a>(interpreter: &mut Interpreter<'a, '_>, count: &'a Syntax) -> Option<Index> {
+    let count = peeled(count);
     let known = match count {
         Syntax::Lit(literal) => match &literal.lit {
             Lit::Int(count) => count.base10_parse::<u32>().ok().map(|n| Index::integer(n.into())),
             _ => None,
         },
-        Syntax::Path(_) => Some(interpreter.size(count)),
+        Syntax::Path(path) => {
+            let field = path.path.get_ident().and_then(|name| interpreter.own_field(name));
+            Some(match field {
+                Some((name, tokens)) => interpreter.named_size(&name, &tokens),
+                None => interpreter.size(count),
+            })
+        }
         Syntax::Field(field) if names::is_self(&field.base) => Some(interpreter.size(count)),
-        Syntax::MethodCall(_) | Syntax::Binary(_) | Syntax::Paren(_) => {
+        Syntax::MethodCall(_) | Syntax::Binary(_) | Syntax::Cast(_) => {
             interpreter.start();
             let value = interpreter.evaluate(count);
             return interpreter.as_index(&value, count);

@@ -135,13 +135,23 @@ impl<'a> Interpreter<'a, '_> {
         self.place(Place::new(name, quote! { self.#member }, field.kind.clone()), at)
     }
 
+    /// The field that a bare name means, as it is displayed and read: no size and no variable has the name.
+    pub(super) fn own_field(&self, name: &Ident) -> Option<(String, TokenStream)> {
+        if self.system.sizes.contains(name) {
+            return None;
+        }
+        let field = self.find_field(|member| matches!(member, Member::Named(known) if known == name))?;
+        let member = &field.member;
+        Some((name.unraw().to_string(), quote! { self.#member }))
+    }
+
     fn field_names(&self) -> Vec<String> {
         self.system.fields.iter().map(|field| field.member.to_token_stream().to_string()).collect()
     }
 }
 
 /// `self`, in parentheses or not.
-pub(super) fn is_self(syntax: &Syntax) -> bool {
+pub(crate) fn is_self(syntax: &Syntax) -> bool {
     match syntax {
         Syntax::Path(path) => path.path.is_ident("self"),
         Syntax::Paren(inner) => is_self(&inner.expr),
@@ -152,7 +162,7 @@ pub(super) fn is_self(syntax: &Syntax) -> bool {
 }
 
 /// The method behind a path such as `f64::sin`.
-pub(super) fn real_function(path: &ExprPath) -> Option<String> {
+pub(crate) fn real_function(path: &ExprPath) -> Option<String> {
     let segments = &path.path.segments;
     let name = segments.last()?.ident.to_string();
     let of_f64 = match &path.qself {

@@ -42,7 +42,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         lift(self.p, p, Rounded::exact);
         lift(self.dw, dw, Rounded::exact);
         if work.x.len() != x.len() {
-            *work = Work::new(self.scheme, self.q.len());
+            *work = Work::of_equations(self.scheme, self.q.len());
         }
         lift(x, &mut work.x, Rounded::nearest);
         let Self { system, scheme, t, h, .. } = *self;

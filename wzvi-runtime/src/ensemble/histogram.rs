@@ -1,8 +1,8 @@
 //! Counts in fixed bins.
 
-#[cfg(feature = "serde")]
-use crate::checkpoint::Tape;
 use crate::error::ConfigError;
+#[cfg(feature = "serde")]
+use crate::numbers::Tape;
 
 /// How many samples fell into each of several bins of equal width, `[lower, upper)` in all.
 #[derive(Clone, Debug, PartialEq)]

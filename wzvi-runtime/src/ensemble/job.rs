@@ -4,9 +4,9 @@ use std::ops::{ControlFlow, Range};
 
 use super::block::{Block, PATHS};
 use super::dispatch::InstructionSet;
-use super::schedule::in_order;
 use super::statistics::{Statistics, Wanted};
 use crate::lanes::Lanes;
+use crate::schedule::in_order;
 use crate::state::State;
 use crate::system::Discretized;
 

@@ -4,7 +4,7 @@
 //! pairwise algorithm for computing sample variances", 1979.
 
 #[cfg(feature = "serde")]
-use crate::checkpoint::Tape;
+use crate::numbers::Tape;
 
 /// Mean and variance of one quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -33,13 +33,13 @@ use pairs::{Pairs, block_size};
 use super::control::Control;
 use super::dispatch::InstructionSet;
 use super::job::Job;
-use super::progress::Progress;
-use super::schedule::in_order;
-use super::{Ensemble, clip, threads};
+use super::{Ensemble, clip};
 use crate::error::{ConfigError, Error};
 use crate::interrupt::Interrupt;
 use crate::noise::Truncation;
 use crate::plan::NoiseClass;
+use crate::progress::Progress;
+use crate::schedule::{in_order, threads};
 use crate::system::Discretized;
 
 /// The part `θ` of the squared error that is left to the bias.

@@ -6,11 +6,11 @@ use super::origin::Origin;
 use super::passage::{Passages, Watch};
 use super::paths::Paths;
 use super::quantiles::Quantiles;
-#[cfg(feature = "serde")]
-use crate::checkpoint::Tape;
 use crate::error::StepError;
 #[cfg(feature = "serde")]
 use crate::error::StepFailure;
+#[cfg(feature = "serde")]
+use crate::numbers::Tape;
 
 /// Failed paths that are kept with their errors; further ones are only counted.
 const MOST_FAILURES: usize = 1000;

@@ -14,6 +14,8 @@ mod display;
 mod instance;
 mod locality;
 mod solve;
+#[cfg(test)]
+mod tests;
 mod vanish;
 
 use std::collections::HashMap;

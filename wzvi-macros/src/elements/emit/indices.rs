@@ -1,4 +1,4 @@
-//! Integer expressions as Rust: `isize` arithmetic, checked where nothing has been checked yet.
+//! Integer expressions as Rust: `isize` arithmetic, which [`super::places`] has checked, or checked on the way.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};

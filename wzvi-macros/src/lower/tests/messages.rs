@@ -62,6 +62,21 @@ fn keys() {
 }
 
 #[test]
+fn habits_from_elsewhere_are_recognised() {
+    body("[p, -q]", &[("[p, -q]", "a Hamiltonian is one number, the energy")]);
+    body("(p, -q)", &[("(p, -q)", "a Hamiltonian is one number, the energy")]);
+    attribute("drift = |(q, p)| p, embedding = Midpoint", &[("(q, p)", "two parameters, not a tuple")]);
+    attribute(
+        "drift = |q, p| p, embedding = ImplicitMidpoint",
+        &[("ImplicitMidpoint", "did you mean `Midpoint`?")],
+    );
+    attribute(
+        "drift = |q, p| p, embedding = SymplecticEuler",
+        &[("SymplecticEuler", "did you mean `DeltaPlus`?")],
+    );
+}
+
+#[test]
 fn schemes() {
     let cases = [
         ("midpoint", "midpoint", "did you mean `Midpoint`?"),
@@ -101,7 +116,7 @@ fn phase_spaces() {
     let patterns = [
         ("|q| q", "|q|", "this takes 1 parameter:"),
         ("|q, mut p| q", "mut p", "cannot declare a phase space"),
-        ("|(x, y), p| x", "(x, y)", "cannot declare a phase space"),
+        ("|(x, y), p| x", "(x, y)", "two parameters, not a tuple"),
         ("|[x, y], p| x", "p", "the momenta are `f64`, but the coordinates are `[f64; 2]`"),
         ("|q: [[f64; N]; 2], p: [[f64; N]; 2]| 0.0", "[f64; N]", "only the outermost size"),
         ("|q: Vec<f64>, p: Vec<f64>| 0.0", "Vec<f64>", "arrays of them or `&[f64]`"),

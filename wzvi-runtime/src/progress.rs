@@ -9,7 +9,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 const PAUSE: Duration = Duration::from_millis(100);
 
 /// A line that shows how far a run is; it goes when this is dropped.
-pub(super) struct Progress {
+pub(crate) struct Progress {
     /// What is counted.
     unit: &'static str,
     began: Instant,
@@ -19,14 +19,14 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    pub(super) fn new(unit: &'static str, is_quiet: bool) -> Self {
+    pub(crate) fn new(unit: &'static str, is_quiet: bool) -> Self {
         let began = Instant::now();
         let is_silent = is_quiet || !stderr().is_terminal();
         Self { unit, began, next: began + PATIENCE, is_shown: false, is_silent }
     }
 
     /// So many are done, of so many.
-    pub(super) fn show(&mut self, done: u64, all: u64) {
+    pub(crate) fn show(&mut self, done: u64, all: u64) {
         if self.is_silent || Instant::now() < self.next {
             return;
         }
