@@ -14,17 +14,25 @@ Midpoint
 Hamiltonians, as sums of elements
   H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]
 
-Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P · Δq - h H0(P, q_{i+1/2})
-  q_{i+l} = q_i + l Δq
+Discrete Lagrangian of the step from t to t + h, from q, p to q', p'
+  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})
+  Δq = q' - q
+  q_{1/2} = q + 1/2 Δq
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p
-  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q
-  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q
+  ∂L_d/∂P = 0:  Δq[i] is the sum of
+    P[i] h   for i = 0..n - 1
+  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of
+    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2
+    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1
+    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0
+  p' = D2 L_d:  p'[i] = P[i] + the sum of
+    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2
+    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1
+    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0
 
 Step
-  solve for v (then Δq): fixed-point iteration while it contracts, else Newton with a banded Jacobian
+  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide
 
 Facts
   H0 is a first integral
@@ -49,6 +57,12 @@ const _: () = {
         type Vector = __wzvi::DVector<__wzvi::core::primitive::f64>;
         fn degrees(&self) -> __wzvi::core::primitive::usize {
             0
+        }
+        fn check(
+            &self,
+            __degrees: __wzvi::core::primitive::usize,
+        ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
+            __wzvi::elements::check(self, __degrees)
         }
         fn noises(&self) -> __wzvi::core::primitive::usize {
             0usize
@@ -280,19 +294,38 @@ const _: () = {
     }
     #[automatically_derived]
     impl __wzvi::elements::Elements for Chain {
-        fn required(
-            &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<__wzvi::core::primitive::usize> {
-            let __size = (__degrees / 1) as __wzvi::core::primitive::isize;
-            let mut __required = 1usize;
-            if __degrees % 1usize != 0 {
-                return __wzvi::core::option::Option::Some(
-                    (__size as __wzvi::core::primitive::usize + 1) * 1usize,
-                );
+        const PLACES: __wzvi::elements::places::Places = {
+            use __wzvi::elements::places as __places;
+            __places::Places {
+                components: 1usize,
+                tables: &[],
+                nests: &[
+                    __places::Nest {
+                        loops: &[],
+                        slots: &[
+                            __places::Slot::State {
+                                index: __places::Index {
+                                    terms: &[],
+                                    constant: 0,
+                                    text: "0",
+                                },
+                                is_natural: true,
+                            },
+                        ],
+                    },
+                ],
             }
-            __required = __wzvi::core::cmp::Ord::max(__required, 0.checked_add(1)?);
-            __wzvi::core::option::Option::Some(__required)
+        };
+        fn entries(
+            &self,
+            __table: __wzvi::core::primitive::usize,
+            __outer: &[__wzvi::core::primitive::usize],
+            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
+        ) -> __wzvi::elements::places::Entries {
+            use __wzvi::elements::places as __places;
+            match (__table, __outer) {
+                _ => __places::Entries::of_length(0),
+            }
         }
         fn slopes<__S: __wzvi::Scalar>(
             &self,
@@ -510,15 +543,15 @@ const _: () = {
                 conserves_energy: __wzvi::Knowledge::Proven,
                 commuting: __wzvi::Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_{i+1/2})\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  solve for v (then Δq): fixed-point iteration while it contracts, else Newton with a banded Jacobian\n\nFacts\n  H0 is a first integral\n";
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
             const IN_LANES: __wzvi::core::primitive::bool = false;
-            type Prepared = ();
-            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
                 __S,
             >;
             type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
+            type Prepared = ();
+            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
             fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
                 __wzvi::elements::Memory::new(self, &__SCHEME)
             }
@@ -604,7 +637,7 @@ const _: () = {
             fn step_momentum(
                 &self,
                 __before: &__wzvi::State<Self::Vector>,
-                _: &__wzvi::State<Self::Vector>,
+                __after: &__wzvi::State<Self::Vector>,
                 __h: __wzvi::core::primitive::f64,
                 __dw: &[__wzvi::core::primitive::f64],
             ) -> Self::Vector {

@@ -195,6 +195,13 @@ impl<'a> Writer<'a> {
 /// The system with each degree of freedom a variable of its own; as it was, if loops are left, or indices that only the
 /// running program knows.
 pub(crate) fn written_out(system: System) -> Result<Model, Box<System>> {
+    match system.size.as_integer() {
+        Some(points) if points <= TURNS => model(system),
+        _ => Err(Box::new(system)),
+    }
+}
+
+fn model(system: System) -> Result<Model, Box<System>> {
     let Some(locals) = known_locals(&system) else { return Err(Box::new(system)) };
     let System { graph, symbols, tables, mut parameters, t, drift, noise, invariants, .. } = system;
     let indices = Indices { tables: &tables, checked: true };

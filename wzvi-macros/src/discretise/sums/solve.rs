@@ -15,6 +15,7 @@
 //! runs once where it holds and not at all where it does not.
 
 use super::{Space, variable};
+use crate::diagnostics::internal::Promised;
 use crate::model::index::{Atom, Index, Loop};
 
 /// The loops of two elements where their slots meet.
@@ -365,8 +366,9 @@ fn in_order(mut loops: Vec<Loop>) -> Vec<Loop> {
             read.extend(own.end.loops());
             !loops.iter().any(|other| read.contains(&other.variable))
         };
-        // Ranges of loops read outer ones only, and solutions never read what depends on them: there is a free one.
-        let at = loops.iter().position(is_free).unwrap_or(0);
+        let at = loops.iter().position(is_free);
+        let at = at
+            .promised("ranges of loops read outer ones only, and solutions never read what depends on them");
         ordered.push(loops.remove(at));
     }
     ordered
