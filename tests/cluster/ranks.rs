@@ -126,7 +126,7 @@ fn rank() {
             }
             stops
         }),
-        Plan::Dies => kept().first_passage(|state| {
+        Plan::Dies => kept().first_passage("event0", |state| {
             if last && state.t > 0.0 {
                 at_each_block(&|| {
                     if blocks(&file) >= 10 {
@@ -136,15 +136,15 @@ fn rank() {
             }
             1.0
         }),
-        Plan::Survives => kept().first_passage(|_| 1.0),
-        Plan::Panics | Plan::RootPanics => run(paths).observe(move |state| {
+        Plan::Survives => kept().first_passage("event0", |_| 1.0),
+        Plan::Panics | Plan::RootPanics => run(paths).observe("observable0", move |state| {
             assert!(state.t == 0.0 || (plan == Plan::RootPanics) != (rank == 0), "an observable that fails");
             0.0
         }),
         Plan::OtherSeed => run(paths).seed(if last { 8 } else { 7 }),
         Plan::Mistaken => run(if last { 0 } else { paths }),
         Plan::Unwritable => run(paths).checkpoint(Checkpoint::to(folder.join("missing").join("file"))),
-        Plan::Taken => kept().first_passage(|state| {
+        Plan::Taken => kept().first_passage("event0", |state| {
             if last && state.t > 0.0 {
                 at_each_block(&|| {
                     if blocks(&file) >= 10 {

@@ -8,6 +8,8 @@ pub mod checkpoint;
 #[path = "checkpoint/absent.rs"]
 mod checkpoint;
 mod checksum;
+#[cfg(feature = "ensemble")]
+mod clock;
 pub mod elements;
 pub mod embedding;
 #[cfg(feature = "ensemble")]

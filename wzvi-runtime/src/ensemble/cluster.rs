@@ -86,7 +86,10 @@ where
                 Ok(())
             }
         };
-        let statistics = ended.and_then(|()| account.map(Account::close).transpose());
+        let statistics = ended.and_then(|()| match job.failed_noise.get() {
+            Some(error) => Err(error.clone().into()),
+            None => account.map(Account::close).transpose(),
+        });
         let statistics = agree(&world, statistics);
         drop(guard);
         statistics

@@ -106,7 +106,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
             return Err(missing("a scheme: add `.scheme::<Midpoint>()`"));
         }
         if self.steps.is_empty() {
-            return Err(missing("step sizes: add `.steps([...])`"));
+            return Err(missing("step sizes: add `.step_sizes([...])`"));
         }
         if self.paths == 0 {
             return Err(ConfigError::Setting("no paths: `.paths(0)` leaves nothing to measure".into()));
@@ -182,7 +182,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
                     let outcome = scheme.run(self.system, &given, &mut |_| {})?;
                     progress.advance(plan.reference_steps);
                     match outcome.failure {
-                        Some(error) => return Err(error.into()),
+                        Some(error) => return Err(error),
                         None => outcome.last,
                     }
                 }
