@@ -56,7 +56,7 @@
 //! * **Long runs**: with the feature `serde`, `checkpoint::Checkpoint` lets a run that was stopped go on, bit for bit.
 //! * **Errors** are values that say where, why and what to do; [`Error`] is the sum of them all.
 
-pub use wzvi_macros::hamiltonian;
+pub use wzvi_macros::{hamiltonian, hamiltonian_fn};
 #[cfg(feature = "serde")]
 pub use wzvi_runtime::checkpoint;
 pub use wzvi_runtime::error::Error;
@@ -79,7 +79,7 @@ pub use wzvi_runtime::{ensemble, lanes};
 
 /// Everything that a scene needs: `use wzvi::prelude::*`.
 pub mod prelude {
-    pub use wzvi_macros::hamiltonian;
+    pub use wzvi_macros::{hamiltonian, hamiltonian_fn};
     #[cfg(feature = "serde")]
     pub use wzvi_runtime::checkpoint::Checkpoint;
     pub use wzvi_runtime::elements::Iteration;
@@ -104,6 +104,8 @@ pub mod prelude {
 #[doc(hidden)]
 pub mod __private {
     pub use core;
+
+    pub use wzvi_macros::__continue;
 
     pub use wzvi_runtime::carry::{Carry, Compensation, Plain};
     pub use wzvi_runtime::elements;

@@ -10,8 +10,8 @@ use wzvi::simulate::{Node, Simulation};
 
 use crate::Row;
 use crate::systems::{
-    DoubleWell, HenonHeiles, Kepler, Kubo, LennardJones, Oscillator, Pendulum, PolarSpring, Spring, Squeeze,
-    TwoMasses,
+    DoubleWell, HenonHeiles, Kepler, Kubo, LennardJones, MixedChain, Oscillator, Pendulum, PolarSpring,
+    ScaledWell, Spring, Squeeze, TwoMasses, Well,
 };
 
 /// One degree of freedom.
@@ -25,7 +25,8 @@ pub(crate) fn all() -> Result<Vec<Table>, Error> {
         ("3. Singular and chaotic motion", singular()?),
         ("4. Multiplicative noise", noise()?),
         ("5. Scales", scales()?),
-        ("6. Long runs", long()?),
+        ("6. At rest, and nearly", rest()?),
+        ("7. Long runs", long()?),
     ])
 }
 
@@ -268,6 +269,49 @@ fn scales() -> Result<Vec<Row>, Error> {
     let run = || Pendulum.simulate::<Midpoint>(0.1).steps(100_000);
     rows.push(energy_row("pendulum of 1e-9 rad".into(), "Midpoint", &Pendulum, &start, scale, run)?);
     Ok(rows)
+}
+
+/// The drift is the largest move from the start, in units of the scale: rounding of the place where there is no motion.
+fn rest() -> Result<Vec<Row>, Error> {
+    let mut rows = Vec::new();
+    for a in [0.5_f64, 2.0, 5.5] {
+        let (well, bottom) = (Well { a }, a.sqrt());
+        for amplitude in [0.0, 1e-10, 1e-8] {
+            let start = State::new([bottom + amplitude], [0.0]);
+            let run = || well.simulate::<Midpoint>(0.05).start(start).steps(200_000);
+            let moved = |state: &Point| (state.q[0] - bottom).abs();
+            rows.push(row(format!("well at √{a}, {amplitude:e} off"), "Midpoint", "|dq|", run, moved)?);
+        }
+    }
+    for scale in [1e-6, 1e6, 1e100] {
+        let well = ScaledWell { scale };
+        for amplitude in [0.0, 1e-12] {
+            let start = State::new([scale], [amplitude * scale]);
+            let run = || well.simulate::<Midpoint>(0.1).start(start).steps(200_000);
+            let moved = |state: &Point| (state.q[0] / scale - 1.0).abs();
+            rows.push(row(format!("well at {scale:e}, p = {amplitude:e}"), "Midpoint", "|dq|", run, moved)?);
+        }
+    }
+    let bottom = 2.0_f64.powf(1.0 / 6.0);
+    for h in [1e-3, 1e-2] {
+        let start = State::new([bottom], [0.0]);
+        let run = || LennardJones.simulate::<Midpoint>(h).start(start).steps(200_000);
+        let moved = |state: &Point| (state.q[0] - bottom).abs();
+        rows.push(row(format!("Lennard-Jones minimum, h = {h}"), "Midpoint", "|dq|", run, moved)?);
+    }
+    let chain = MixedChain { mass: (0..7).map(|i| 10.0_f64.powi(5 * i - 15)).collect(), k: 1e-15 };
+    for scale in [1e-280, 1.0, 1e280] {
+        // Energies underflow, or overflow, at both ends: the largest coordinate will do.
+        let start = State::new(vec![scale; 7], vec![0.0; 7]);
+        let run = || chain.simulate::<Midpoint>(0.1).start(start.clone()).steps(10_000);
+        let size = |state: &State<_>| largest(state) / scale;
+        rows.push(row(format!("masses 1e-15 to 1e15 at {scale:e}"), "Midpoint", "|q|", run, size)?);
+    }
+    Ok(rows)
+}
+
+fn largest(state: &State<wzvi::nalgebra::DVector<f64>>) -> f64 {
+    state.q.iter().fold(0.0, |most, q| q.abs().max(most))
 }
 
 /// Steps of the long runs.

@@ -88,3 +88,34 @@ pub(crate) struct TwoMasses {
     pub(crate) light: f64,
     pub(crate) heavy: f64,
 }
+
+/// Two minima at `±√a`.
+#[hamiltonian(drift = |q, p| 0.5 * p * p + 0.25 * q * q * q * q - 0.5 * a * q * q, embedding = Midpoint)]
+pub(crate) struct Well {
+    pub(crate) a: f64,
+}
+
+/// Two minima at `±scale`, in any unit of length.
+#[hamiltonian(
+    drift = |q, p| {
+        let x = q / scale;
+        0.5 * p * p + 0.25 * scale * scale * (x * x - 1.0) * (x * x - 1.0)
+    },
+    embedding = Midpoint,
+)]
+pub(crate) struct ScaledWell {
+    pub(crate) scale: f64,
+}
+
+/// A chain of masses, each on a spring to the next, of a size that is known at run time.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        (0..q.len()).map(|i| p[i] * p[i] / (2.0 * mass[i]) + 0.5 * mass[i] * q[i] * q[i]).sum::<f64>()
+            + (1..q.len()).map(|i| 0.5 * k * (q[i] - q[i - 1]) * (q[i] - q[i - 1])).sum::<f64>()
+    },
+    embedding = Midpoint,
+)]
+pub(crate) struct MixedChain {
+    pub(crate) mass: Vec<f64>,
+    pub(crate) k: f64,
+}

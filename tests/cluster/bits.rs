@@ -1,6 +1,6 @@
 //! On any number of ranks, the bits of one process.
 
-use super::ranks::{Plan, TARGET, blocks, on_ranks, run, run_with_paths};
+use super::ranks::{Plan, STALL, TARGET, blocks, on_ranks, run, run_with_paths, took};
 use crate::systems::{bits, folder};
 
 /// Many blocks and a part of one.
@@ -51,6 +51,33 @@ fn until_an_error_is_small_enough() {
     assert!(on_ranks(3, Plan::Target, paths, &folder).well() == bits(&expected));
 }
 
+/// A rank that sleeps holds up nobody: others do its blocks, and the statistics are those of one process.
+#[test]
+fn of_a_run_in_which_a_rank_stalls() {
+    let folder = folder("cluster-stalls");
+    let paths = 1000 * 512;
+    let ended = on_ranks(2, Plan::Stalls, paths, &folder);
+    let error = String::from_utf8_lossy(&ended.output.stderr).into_owned();
+    assert!(
+        error.contains("rank 1 of 2 has not answered for") && error.contains("ends without it"),
+        "{error}"
+    );
+    assert!(took(&folder, 0) < STALL, "rank 0 returned after {:?}", took(&folder, 0));
+    assert!(took(&folder, 1) >= STALL);
+    let event = |_: &_| 1.0;
+    assert!(ended.well() == bits(&run(paths).first_passage(event).run().unwrap()));
+}
+
+/// It does not hold up whoever stops the run either.
+#[test]
+fn of_a_run_that_is_stopped_while_a_rank_stalls() {
+    let folder = folder("cluster-stalls-stops");
+    let ended = on_ranks(2, Plan::StallsAndStops, 100_000 * 512, &folder);
+    // Stopped after two seconds, and waited one more for those that are about to answer.
+    assert!(took(&folder, 0) < STALL / 2, "rank 0 returned after {:?}", took(&folder, 0));
+    assert!(ended.well().contains("is_partial: true"));
+}
+
 /// What is done when one rank stops is that of the first paths, and a restart goes on from there.
 #[test]
 fn of_a_run_that_was_stopped() {
@@ -59,8 +86,9 @@ fn of_a_run_that_was_stopped() {
     let part = on_ranks(2, Plan::Stops, paths, &folder).well();
     let done = blocks(&folder.join("checkpoint"));
     assert!((10..1000).contains(&done), "{done}");
-    let partial =
-        format!("{:?}", run(512 * done).run().unwrap()).replace("is_partial: false", "is_partial: true");
+    let partial = format!("{:?}", run(512 * done).run().unwrap())
+        .replace("is_partial: false", "is_partial: true")
+        .replace(&format!("paths: {} }})", 512 * done), &format!("paths: {paths} }})"));
     assert!(part == partial);
     assert!(on_ranks(2, Plan::Kept, paths, &folder).well() == bits(&run(paths).run().unwrap()));
 }

@@ -19,6 +19,9 @@ const ORDERS: &str = "WZVI_TEST_CLUSTER";
 /// A run that takes longer than this hangs. On an idle machine it takes a second.
 const LONGEST: Duration = Duration::from_secs(180);
 
+/// How long a rank sleeps that stalls.
+pub(crate) const STALL: Duration = Duration::from_secs(15);
+
 /// A standard error, which some hundred blocks reach.
 pub(crate) const TARGET: f64 = 1e-3;
 
@@ -52,9 +55,13 @@ pub(crate) enum Plan {
     Taken,
     /// MPI is told that there are no threads.
     Single,
+    /// The last rank sleeps in the middle of a block.
+    Stalls,
+    /// It does, and rank 0 stops the run.
+    StallsAndStops,
 }
 
-const PLANS: [Plan; 14] = [
+const PLANS: [Plan; 16] = [
     Plan::Plain,
     Plan::Threads,
     Plan::Kept,
@@ -69,6 +76,8 @@ const PLANS: [Plan; 14] = [
     Plan::Unwritable,
     Plan::Taken,
     Plan::Single,
+    Plan::Stalls,
+    Plan::StallsAndStops,
 ];
 
 /// The run of all plans.
@@ -137,6 +146,18 @@ fn rank() {
             1.0
         }),
         Plan::Survives => kept().first_passage("event0", |_| 1.0),
+        Plan::Stalls | Plan::StallsAndStops => {
+            let began = Instant::now();
+            let stops = move || rank == 0 && began.elapsed() > Duration::from_secs(2);
+            let ensemble = run(paths).first_passage("event0", move |state| {
+                // In some block of its own, and once.
+                if last && state.t > 0.0 && calls.fetch_add(1, Ordering::Relaxed) == 20 * 2560 {
+                    sleep(STALL);
+                }
+                1.0
+            });
+            if plan == Plan::StallsAndStops { ensemble.stop_when(stops) } else { ensemble }
+        }
         Plan::Panics | Plan::RootPanics => run(paths).observe("observable0", move |state| {
             assert!(state.t == 0.0 || (plan == Plan::RootPanics) != (rank == 0), "an observable that fails");
             0.0
@@ -155,12 +176,20 @@ fn rank() {
             1.0
         }),
     };
+    let began = Instant::now();
     let text = match ensemble.run_on(&world) {
         Ok(Some(statistics)) => bits(&statistics),
         Ok(None) => "nothing".to_owned(),
         Err(error) => format!("{error:?}: {error}"),
     };
+    fs::write(folder.join(format!("took-{rank}")), began.elapsed().as_millis().to_string()).unwrap();
     fs::write(said(folder, rank), text).unwrap();
+}
+
+/// How long a rank was in its run.
+pub(crate) fn took(folder: &Path, rank: i32) -> Duration {
+    let text = fs::read_to_string(folder.join(format!("took-{rank}"))).unwrap();
+    Duration::from_millis(text.parse().unwrap())
 }
 
 /// Where a rank writes what it got.

@@ -39,9 +39,11 @@ fn memory_is_a_few_vectors() {
     // Ten million sites in 4 GB are 400 bytes each, 16 of them the state.
     let n = 100_000;
     let explicit = bytes_per_site::<DeltaPlus>(n, 0.05);
+    println!("DeltaPlus: {explicit:.0} bytes per site");
     assert!(explicit < 60.0, "{explicit}");
     for h in [0.05, 2.0] {
         let implicit = bytes_per_site::<Midpoint>(n, h);
+        println!("Midpoint, h = {h}: {implicit:.0} bytes per site");
         assert!(implicit < 220.0, "h = {h}: {implicit}");
     }
     let long = Long { beta: 0.3 };

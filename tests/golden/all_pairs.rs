@@ -51,6 +51,12 @@ const _: () = {
         fn degrees(&self) -> __wzvi::core::primitive::usize {
             0
         }
+        fn check(
+            &self,
+            __degrees: __wzvi::core::primitive::usize,
+        ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
+            __wzvi::elements::check(self, __degrees)
+        }
         fn noises(&self) -> __wzvi::core::primitive::usize {
             0usize
         }
@@ -333,48 +339,125 @@ const _: () = {
     }
     #[automatically_derived]
     impl __wzvi::elements::Elements for Bodies {
-        fn required(
+        const PLACES: __wzvi::elements::places::Places = {
+            use __wzvi::elements::places as __places;
+            __places::Places {
+                components: 2usize,
+                tables: &[
+                    __places::Table {
+                        name: "",
+                        suffix: "",
+                    },
+                    __places::Table {
+                        name: "mass",
+                        suffix: "",
+                    },
+                ],
+                nests: &[
+                    __places::Nest {
+                        loops: &[
+                            __places::Loop {
+                                start: __places::Index {
+                                    terms: &[],
+                                    constant: 0,
+                                    text: "0",
+                                },
+                                end: __places::Index {
+                                    terms: &[(__places::Atom::Size, 1)],
+                                    constant: 0,
+                                    text: "n",
+                                },
+                            },
+                        ],
+                        slots: &[
+                            __places::Slot::Entry(
+                                1usize,
+                                &[
+                                    __places::Position {
+                                        index: __places::Index {
+                                            terms: &[(__places::Atom::Loop(0usize), 1)],
+                                            constant: 0,
+                                            text: "i",
+                                        },
+                                        is_inside: false,
+                                    },
+                                ],
+                            ),
+                        ],
+                    },
+                    __places::Nest {
+                        loops: &[
+                            __places::Loop {
+                                start: __places::Index {
+                                    terms: &[],
+                                    constant: 0,
+                                    text: "0",
+                                },
+                                end: __places::Index {
+                                    terms: &[(__places::Atom::Size, 1)],
+                                    constant: 0,
+                                    text: "n",
+                                },
+                            },
+                            __places::Loop {
+                                start: __places::Index {
+                                    terms: &[],
+                                    constant: 0,
+                                    text: "0",
+                                },
+                                end: __places::Index {
+                                    terms: &[(__places::Atom::Loop(0usize), 1)],
+                                    constant: 0,
+                                    text: "i",
+                                },
+                            },
+                        ],
+                        slots: &[
+                            __places::Slot::Entry(
+                                1usize,
+                                &[
+                                    __places::Position {
+                                        index: __places::Index {
+                                            terms: &[(__places::Atom::Loop(0usize), 1)],
+                                            constant: 0,
+                                            text: "i",
+                                        },
+                                        is_inside: false,
+                                    },
+                                ],
+                            ),
+                            __places::Slot::Entry(
+                                1usize,
+                                &[
+                                    __places::Position {
+                                        index: __places::Index {
+                                            terms: &[(__places::Atom::Loop(1usize), 1)],
+                                            constant: 0,
+                                            text: "j",
+                                        },
+                                        is_inside: false,
+                                    },
+                                ],
+                            ),
+                        ],
+                    },
+                ],
+            }
+        };
+        fn entries(
             &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<__wzvi::core::primitive::usize> {
-            let __size = (__degrees / 2) as __wzvi::core::primitive::isize;
-            let mut __required = 2usize;
-            if __degrees % 2usize != 0 {
-                return __wzvi::core::option::Option::Some(
-                    (__size as __wzvi::core::primitive::usize + 1) * 2usize,
-                );
-            }
-            for __i0 in (0 as __wzvi::core::primitive::isize)..(__size) {
-                let _ = (*self
-                    .mass
-                    .get(
-                        __wzvi::core::convert::TryInto::<
-                            __wzvi::core::primitive::usize,
-                        >::try_into((__i0) as __wzvi::core::primitive::isize)
-                            .ok()?,
-                    )?);
-            }
-            for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
-                for __i2 in (0 as __wzvi::core::primitive::isize)..(__i1) {
-                    let _ = (*self
-                        .mass
-                        .get(
-                            __wzvi::core::convert::TryInto::<
-                                __wzvi::core::primitive::usize,
-                            >::try_into((__i1) as __wzvi::core::primitive::isize)
-                                .ok()?,
-                        )?);
-                    let _ = (*self
-                        .mass
-                        .get(
-                            __wzvi::core::convert::TryInto::<
-                                __wzvi::core::primitive::usize,
-                            >::try_into((__i2) as __wzvi::core::primitive::isize)
-                                .ok()?,
-                        )?);
+            __table: __wzvi::core::primitive::usize,
+            __outer: &[__wzvi::core::primitive::usize],
+            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
+        ) -> __wzvi::elements::places::Entries {
+            use __wzvi::elements::places as __places;
+            match (__table, __outer) {
+                (1usize, &[]) => {
+                    let __list = &self.mass[..];
+                    __places::Entries::of_length(__list.len())
                 }
+                _ => __places::Entries::of_length(0),
             }
-            __wzvi::core::option::Option::Some(__required)
         }
         fn slopes<__S: __wzvi::Scalar>(
             &self,
@@ -732,12 +815,12 @@ const _: () = {
             const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_i)\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
             const IN_LANES: __wzvi::core::primitive::bool = false;
-            type Prepared = ();
-            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
                 __S,
             >;
             type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
+            type Prepared = ();
+            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
             fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
                 __wzvi::elements::Memory::new(self, &__SCHEME)
             }
@@ -823,7 +906,7 @@ const _: () = {
             fn step_momentum(
                 &self,
                 __before: &__wzvi::State<Self::Vector>,
-                _: &__wzvi::State<Self::Vector>,
+                __after: &__wzvi::State<Self::Vector>,
                 __h: __wzvi::core::primitive::f64,
                 __dw: &[__wzvi::core::primitive::f64],
             ) -> Self::Vector {

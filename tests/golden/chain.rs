@@ -50,6 +50,12 @@ const _: () = {
         fn degrees(&self) -> __wzvi::core::primitive::usize {
             0
         }
+        fn check(
+            &self,
+            __degrees: __wzvi::core::primitive::usize,
+        ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
+            __wzvi::elements::check(self, __degrees)
+        }
         fn noises(&self) -> __wzvi::core::primitive::usize {
             0usize
         }
@@ -144,9 +150,7 @@ const _: () = {
                     {
                         let __x0 = 0.25f64 * __a0;
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
+                            let __l0 = __at.q[0];
                             let __x1 = __l0 * __l0;
                             __total = __total + __x1 * (__x1 * __x0 + 0.5f64);
                         }
@@ -252,11 +256,8 @@ const _: () = {
                     }
                     {
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __at_index = (0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
+                            let __l0 = __at.q[0];
+                            let __at_index = 0;
                             __by_q[__at_index] = __by_q[__at_index]
                                 + __l0 * (__l0 * __l0 * __a0 + 1f64);
                         }
@@ -285,26 +286,38 @@ const _: () = {
     }
     #[automatically_derived]
     impl __wzvi::elements::Elements for Chain {
-        fn required(
-            &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<__wzvi::core::primitive::usize> {
-            let __size = (__degrees / 1) as __wzvi::core::primitive::isize;
-            let mut __required = 1usize;
-            if __degrees % 1usize != 0 {
-                return __wzvi::core::option::Option::Some(
-                    (__size as __wzvi::core::primitive::usize + 1) * 1usize,
-                );
+        const PLACES: __wzvi::elements::places::Places = {
+            use __wzvi::elements::places as __places;
+            __places::Places {
+                components: 1usize,
+                tables: &[],
+                nests: &[
+                    __places::Nest {
+                        loops: &[],
+                        slots: &[
+                            __places::Slot::State {
+                                index: __places::Index {
+                                    terms: &[],
+                                    constant: 0,
+                                    text: "0",
+                                },
+                                is_natural: true,
+                            },
+                        ],
+                    },
+                ],
             }
-            __required = __wzvi::core::cmp::Ord::max(
-                __required,
-                __wzvi::core::convert::TryInto::<
-                    __wzvi::core::primitive::usize,
-                >::try_into(0 as __wzvi::core::primitive::isize)
-                    .ok()?
-                    .checked_add(1)?,
-            );
-            __wzvi::core::option::Option::Some(__required)
+        };
+        fn entries(
+            &self,
+            __table: __wzvi::core::primitive::usize,
+            __outer: &[__wzvi::core::primitive::usize],
+            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
+        ) -> __wzvi::elements::places::Entries {
+            use __wzvi::elements::places as __places;
+            match (__table, __outer) {
+                _ => __places::Entries::of_length(0),
+            }
         }
         fn slopes<__S: __wzvi::Scalar>(
             &self,
@@ -388,11 +401,8 @@ const _: () = {
                     {
                         let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __at_index = (0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
+                            let __l0 = __at.q[0];
+                            let __at_index = 0;
                             __by_q[__at_index] = __by_q[__at_index]
                                 + __c * (__l0 * (__l0 * __l0 * __a0 + 1f64));
                         }
@@ -498,18 +508,8 @@ const _: () = {
                         let __x0 = 3f64 * __a0;
                         let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
                         {
-                            let __l0 = __at
-                                .q[(0 as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            __into
-                                .add_qq(
-                                    (0 as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    (0 as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    true,
-                                    __c * (__l0 * __l0 * __x0 + 1f64),
-                                );
+                            let __l0 = __at.q[0];
+                            __into.add_qq(0, 0, true, __c * (__l0 * __l0 * __x0 + 1f64));
                         }
                     }
                 }
@@ -538,12 +538,12 @@ const _: () = {
             const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_{i+1/2})\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  solve for v (then Δq): fixed-point iteration while it contracts, else Newton with a banded Jacobian\n\nFacts\n  H0 is a first integral\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
             const IN_LANES: __wzvi::core::primitive::bool = false;
-            type Prepared = ();
-            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
                 __S,
             >;
             type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
+            type Prepared = ();
+            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
             fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
                 __wzvi::elements::Memory::new(self, &__SCHEME)
             }
@@ -629,7 +629,7 @@ const _: () = {
             fn step_momentum(
                 &self,
                 __before: &__wzvi::State<Self::Vector>,
-                _: &__wzvi::State<Self::Vector>,
+                __after: &__wzvi::State<Self::Vector>,
                 __h: __wzvi::core::primitive::f64,
                 __dw: &[__wzvi::core::primitive::f64],
             ) -> Self::Vector {

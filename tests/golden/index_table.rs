@@ -50,6 +50,12 @@ const _: () = {
         fn degrees(&self) -> __wzvi::core::primitive::usize {
             0
         }
+        fn check(
+            &self,
+            __degrees: __wzvi::core::primitive::usize,
+        ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
+            __wzvi::elements::check(self, __degrees)
+        }
         fn noises(&self) -> __wzvi::core::primitive::usize {
             0usize
         }
@@ -271,70 +277,137 @@ const _: () = {
     }
     #[automatically_derived]
     impl __wzvi::elements::Elements for Bonds {
-        fn required(
+        const PLACES: __wzvi::elements::places::Places = {
+            use __wzvi::elements::places as __places;
+            __places::Places {
+                components: 1usize,
+                tables: &[
+                    __places::Table {
+                        name: "bonds.len()",
+                        suffix: "",
+                    },
+                    __places::Table {
+                        name: "",
+                        suffix: "",
+                    },
+                    __places::Table {
+                        name: "bonds",
+                        suffix: ".0",
+                    },
+                    __places::Table {
+                        name: "bonds",
+                        suffix: ".1",
+                    },
+                    __places::Table {
+                        name: "",
+                        suffix: "",
+                    },
+                ],
+                nests: &[
+                    __places::Nest {
+                        loops: &[
+                            __places::Loop {
+                                start: __places::Index {
+                                    terms: &[],
+                                    constant: 0,
+                                    text: "0",
+                                },
+                                end: __places::Index {
+                                    terms: &[(__places::Atom::Given(0usize, &[]), 1)],
+                                    constant: 0,
+                                    text: "bonds.len()",
+                                },
+                            },
+                        ],
+                        slots: &[
+                            __places::Slot::State {
+                                index: __places::Index {
+                                    terms: &[
+                                        (
+                                            __places::Atom::Given(
+                                                2usize,
+                                                &[
+                                                    __places::Position {
+                                                        index: __places::Index {
+                                                            terms: &[(__places::Atom::Loop(0usize), 1)],
+                                                            constant: 0,
+                                                            text: "i",
+                                                        },
+                                                        is_inside: true,
+                                                    },
+                                                ],
+                                            ),
+                                            1,
+                                        ),
+                                    ],
+                                    constant: 0,
+                                    text: "bonds.0[i]",
+                                },
+                                is_natural: false,
+                            },
+                            __places::Slot::State {
+                                index: __places::Index {
+                                    terms: &[
+                                        (
+                                            __places::Atom::Given(
+                                                3usize,
+                                                &[
+                                                    __places::Position {
+                                                        index: __places::Index {
+                                                            terms: &[(__places::Atom::Loop(0usize), 1)],
+                                                            constant: 0,
+                                                            text: "i",
+                                                        },
+                                                        is_inside: true,
+                                                    },
+                                                ],
+                                            ),
+                                            1,
+                                        ),
+                                    ],
+                                    constant: 0,
+                                    text: "bonds.1[i]",
+                                },
+                                is_natural: false,
+                            },
+                        ],
+                    },
+                ],
+            }
+        };
+        fn entries(
             &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<__wzvi::core::primitive::usize> {
-            let __size = (__degrees / 1) as __wzvi::core::primitive::isize;
-            let mut __required = 1usize;
-            if __degrees % 1usize != 0 {
-                return __wzvi::core::option::Option::Some(
-                    (__size as __wzvi::core::primitive::usize + 1) * 1usize,
-                );
+            __table: __wzvi::core::primitive::usize,
+            __outer: &[__wzvi::core::primitive::usize],
+            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
+        ) -> __wzvi::elements::places::Entries {
+            use __wzvi::elements::places as __places;
+            match (__table, __outer) {
+                (0usize, []) => {
+                    __places::Entries::of_integer(
+                        (self.bonds.len()) as __wzvi::core::primitive::i128,
+                    )
+                }
+                (2usize, &[]) => {
+                    let __list = &self.bonds[..];
+                    __places::Entries::of_list(
+                        __list,
+                        __range,
+                        |__entry| (*__entry).0,
+                        |__integer| __integer as __wzvi::core::primitive::i128,
+                    )
+                }
+                (3usize, &[]) => {
+                    let __list = &self.bonds[..];
+                    __places::Entries::of_list(
+                        __list,
+                        __range,
+                        |__entry| (*__entry).1,
+                        |__integer| __integer as __wzvi::core::primitive::i128,
+                    )
+                }
+                _ => __places::Entries::of_length(0),
             }
-            for __i1 in (0
-                as __wzvi::core::primitive::isize)..((self.bonds.len()
-                as __wzvi::core::primitive::isize))
-            {
-                let _ = self
-                    .bonds
-                    .get(
-                        __wzvi::core::convert::TryInto::<
-                            __wzvi::core::primitive::usize,
-                        >::try_into((__i1) as __wzvi::core::primitive::isize)
-                            .ok()?,
-                    )?
-                    .2;
-                __required = __wzvi::core::cmp::Ord::max(
-                    __required,
-                    __wzvi::core::convert::TryInto::<
-                        __wzvi::core::primitive::usize,
-                    >::try_into(
-                            ((self
-                                .bonds
-                                .get(
-                                    __wzvi::core::convert::TryInto::<
-                                        __wzvi::core::primitive::usize,
-                                    >::try_into((__i1) as __wzvi::core::primitive::isize)
-                                        .ok()?,
-                                )?
-                                .0 as __wzvi::core::primitive::isize))
-                                as __wzvi::core::primitive::isize,
-                        )
-                        .ok()?
-                        .checked_add(1)?,
-                );
-                __required = __wzvi::core::cmp::Ord::max(
-                    __required,
-                    __wzvi::core::convert::TryInto::<
-                        __wzvi::core::primitive::usize,
-                    >::try_into(
-                            ((self
-                                .bonds
-                                .get(
-                                    __wzvi::core::convert::TryInto::<
-                                        __wzvi::core::primitive::usize,
-                                    >::try_into((__i1) as __wzvi::core::primitive::isize)
-                                        .ok()?,
-                                )?
-                                .1 as __wzvi::core::primitive::isize))
-                                as __wzvi::core::primitive::isize,
-                        )
-                        .ok()?
-                        .checked_add(1)?,
-                );
-            }
-            __wzvi::core::option::Option::Some(__required)
         }
         fn slopes<__S: __wzvi::Scalar>(
             &self,
@@ -576,12 +649,12 @@ const _: () = {
             const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..bonds.len() - 1) [bonds.2[i] (q[bonds.0[i]] - q[bonds.1[i]])²/2]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_i)\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
             const IN_LANES: __wzvi::core::primitive::bool = false;
-            type Prepared = ();
-            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
                 __S,
             >;
             type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
+            type Prepared = ();
+            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
             fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
                 __wzvi::elements::Memory::new(self, &__SCHEME)
             }
@@ -662,7 +735,7 @@ const _: () = {
             fn step_momentum(
                 &self,
                 __before: &__wzvi::State<Self::Vector>,
-                _: &__wzvi::State<Self::Vector>,
+                __after: &__wzvi::State<Self::Vector>,
                 __h: __wzvi::core::primitive::f64,
                 __dw: &[__wzvi::core::primitive::f64],
             ) -> Self::Vector {

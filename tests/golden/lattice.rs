@@ -12,7 +12,7 @@ use wzvi::prelude::*;
 DeltaPlus
 
 Hamiltonians, as sums of elements
-  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 (i + 1 mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 (i + 1 mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]
+  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]
 
 Discrete Lagrangian of the step from t_i to t_i + h
   L_d = P · Δq - h H0(P, q_i)
@@ -50,6 +50,12 @@ const _: () = {
         fn degrees(&self) -> __wzvi::core::primitive::usize {
             (((N as __wzvi::core::primitive::isize)) as __wzvi::core::primitive::usize)
                 * 2usize
+        }
+        fn check(
+            &self,
+            __degrees: __wzvi::core::primitive::usize,
+        ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
+            __wzvi::elements::check(self, __degrees)
         }
         fn noises(&self) -> __wzvi::core::primitive::usize {
             0usize
@@ -314,18 +320,29 @@ const _: () = {
     }
     #[automatically_derived]
     impl<const N: usize> __wzvi::elements::Elements for Lattice<N> {
-        fn required(
-            &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<__wzvi::core::primitive::usize> {
-            let __size = (__degrees / 2) as __wzvi::core::primitive::isize;
-            let mut __required = 2usize;
-            if __degrees % 2usize != 0 {
-                return __wzvi::core::option::Option::Some(
-                    (__size as __wzvi::core::primitive::usize + 1) * 2usize,
-                );
+        const PLACES: __wzvi::elements::places::Places = {
+            use __wzvi::elements::places as __places;
+            __places::Places {
+                components: 2usize,
+                tables: &[
+                    __places::Table {
+                        name: "",
+                        suffix: "",
+                    },
+                ],
+                nests: &[],
             }
-            __wzvi::core::option::Option::Some(__required)
+        };
+        fn entries(
+            &self,
+            __table: __wzvi::core::primitive::usize,
+            __outer: &[__wzvi::core::primitive::usize],
+            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
+        ) -> __wzvi::elements::places::Entries {
+            use __wzvi::elements::places as __places;
+            match (__table, __outer) {
+                _ => __places::Entries::of_length(0),
+            }
         }
         fn slopes<__S: __wzvi::Scalar>(
             &self,
@@ -618,15 +635,15 @@ const _: () = {
                 conserves_energy: __wzvi::Knowledge::Proven,
                 commuting: __wzvi::Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 (i + 1 mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 (i + 1 mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_i)\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral\n";
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_i)\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
             const IN_LANES: __wzvi::core::primitive::bool = false;
-            type Prepared = ();
-            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
                 __S,
             >;
             type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
+            type Prepared = ();
+            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
             fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
                 __wzvi::elements::Memory::new(self, &__SCHEME)
             }
@@ -712,7 +729,7 @@ const _: () = {
             fn step_momentum(
                 &self,
                 __before: &__wzvi::State<Self::Vector>,
-                _: &__wzvi::State<Self::Vector>,
+                __after: &__wzvi::State<Self::Vector>,
                 __h: __wzvi::core::primitive::f64,
                 __dw: &[__wzvi::core::primitive::f64],
             ) -> Self::Vector {

@@ -147,6 +147,88 @@ const _: () = {
     const _: () = {
         type __Prepared = ([__wzvi::core::primitive::f64; 3usize],);
         type __Memory<__S> = (__wzvi::Extrapolation<__S, 2usize>,);
+        /// The equations of a block, and their Jacobian by rows.
+        #[inline(always)]
+        fn __equations0<__S: __wzvi::Scalar>(
+            (
+                [__q0,
+                __q1,
+                __p0,
+                __p1,
+                ],
+                [],
+                [__c0,
+                __c1,
+                __c2,
+                ],
+                [],
+            ): (
+                [__S; 4usize],
+                [__S::Mask; 0usize],
+                [__wzvi::core::primitive::f64; 3usize],
+                [__wzvi::core::primitive::bool; 0usize],
+            ),
+            [__v0,
+            __v1,
+            ]: [__S; 2usize],
+        ) -> ([__S; 2usize], [[__S; 2usize]; 2usize]) {
+            let __stage_q1 = __q1 + (__p1 + __v1) * __c0;
+            let __x0 = __stage_q1 * 2f64;
+            let __x1 = __x0 + 1f64;
+            let __stage_q0 = __q0 + (__p0 + __v0) * __c0;
+            let __x2 = __stage_q0 * __c2;
+            (
+                [
+                    __v0 + __x1 * __stage_q0 * __c0,
+                    __v1
+                        + (__stage_q1 * (-__stage_q1 + 1f64) + __stage_q0 * __stage_q0)
+                            * __c0,
+                ],
+                [[__x1 * __c1 + 1f64, __x2], [__x2, (-__x0 + 1f64) * __c1 + 1f64]],
+            )
+        }
+        /// The equations of a block at all numbers that round to `__x`.
+        #[cold]
+        #[inline(never)]
+        fn __rounded0(
+            (
+                [__q0,
+                __q1,
+                __p0,
+                __p1,
+                ],
+                [],
+                [__c0,
+                __c1,
+                __c2,
+                ],
+                [],
+            ): (
+                [__wzvi::core::primitive::f64; 4usize],
+                [__wzvi::core::primitive::bool; 0usize],
+                [__wzvi::core::primitive::f64; 3usize],
+                [__wzvi::core::primitive::bool; 0usize],
+            ),
+            __x: [__wzvi::core::primitive::f64; 2usize],
+        ) -> [__wzvi::Rounded; 2usize] {
+            __equations0::<
+                __wzvi::Rounded,
+            >(
+                    (
+                        [
+                            __wzvi::Rounded::exact(__q0),
+                            __wzvi::Rounded::exact(__q1),
+                            __wzvi::Rounded::exact(__p0),
+                            __wzvi::Rounded::exact(__p1),
+                        ],
+                        [],
+                        [__c0, __c1, __c2],
+                        [],
+                    ),
+                    __x.map(__wzvi::Rounded::nearest),
+                )
+                .0
+        }
         #[inline(always)]
         fn __solve<
             __S: __wzvi::Scalar,
@@ -170,32 +252,37 @@ const _: () = {
             __wzvi::StepFailure,
         > {
             let [__c0, __c1, __c2] = __prepared.0;
-            let ([__v0, __v1], __effort0) = __wzvi::newton_symmetric::<
+            let ([__v0, __v1], __effort0) = __wzvi::newton::<
                 __S,
                 2usize,
+                true,
                 true,
                 __CAREFUL,
             >(
                 __memory.0.guess::<true>(),
-                [__p0, __p1],
-                |&[__v0, __v1]: &[__S; 2usize]| {
-                    let __stage_q1 = __q1 + (__p1 + __v1) * __c0;
-                    let __x0 = __stage_q1 * 2f64;
-                    let __x1 = __x0 + 1f64;
-                    let __stage_q0 = __q0 + (__p0 + __v0) * __c0;
-                    let __x2 = __stage_q0 * __c2;
-                    (
-                        [
-                            __v0 + __x1 * __stage_q0 * __c0,
-                            __v1
-                                + (__stage_q1 * (-__stage_q1 + 1f64)
-                                    + __stage_q0 * __stage_q0) * __c0,
-                        ],
-                        [
-                            [__x1 * __c1 + 1f64, __x2],
-                            [__x2, (-__x0 + 1f64) * __c1 + 1f64],
-                        ],
-                    )
+                __wzvi::Block {
+                    evaluate: move |__x: &[__S; 2usize]| __equations0::<
+                        __S,
+                    >(([__q0, __q1, __p0, __p1], [], [__c0, __c1, __c2], []), *__x),
+                    rounded: move |
+                        __x: &[__S; 2usize],
+                        __lane: __wzvi::core::primitive::usize|
+                    {
+                        __rounded0(
+                            (
+                                [
+                                    __wzvi::Scalar::lane(__q0, __lane),
+                                    __wzvi::Scalar::lane(__q1, __lane),
+                                    __wzvi::Scalar::lane(__p0, __lane),
+                                    __wzvi::Scalar::lane(__p1, __lane),
+                                ],
+                                [],
+                                [__c0, __c1, __c2],
+                                [],
+                            ),
+                            __x.map(|__x| __wzvi::Scalar::lane(__x, __lane)),
+                        )
+                    },
                 },
             )?;
             let __momentum1 = __p1 + __v1;

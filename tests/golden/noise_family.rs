@@ -15,21 +15,26 @@ Hamiltonians, as sums of elements
   H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]
   H_k = Σ_(i=0..self . sites - 1) [sigma q[i]]
 
+The sites k = 0..n - 1 are not coupled: each is a system of its own
+
 Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P · Δq - h H0(P, q_{i+1/2}) - Σ_k ΔW_k H_k(P, q_{i+1/2})
-  q_{i+l} = q_i + l Δq
+  L_d = P Δq[k] - h (q[k]_{i+1/2}²/2 + P²/2) - sigma q[k]_{i+1/2} ΔW
+  Δq[k] = q[k]_{i+1} - q[k]_i
+  q[k]_{i+1/2} = Δq[k]/2 + q[k]_i
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p
-  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q
-  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q
+  ∂L_d/∂P = 0:  Δq[k] = P h
+  p[k]_i = -D1 L_d:  P = p[k]_i + δp[k],  δp[k] = (-q[k]_{i+1/2} h - sigma ΔW)/2
+  p[k]_{i+1} = D2 L_d:  p[k]_{i+1} - p[k]_i = 2 δp[k]
 
 Step
-  solve for v (then Δq): fixed-point iteration while it contracts, else Newton with a banded Jacobian
+  solve for δp[k]: linear (then Δq[k])
 
 Facts
-  converges to the Stratonovich system
-  H0 is not known to be a first integral
+  converges to the Stratonovich system; D = 0
+  {H_k, H0} = Σ_(i=0..self . sites - 1) [-sigma p[i]]
+  the noises commute up to a constant
+  H0 is not a first integral
 
 ```
 */
@@ -52,6 +57,12 @@ const _: () = {
         type Vector = __wzvi::DVector<__wzvi::core::primitive::f64>;
         fn degrees(&self) -> __wzvi::core::primitive::usize {
             0
+        }
+        fn check(
+            &self,
+            __degrees: __wzvi::core::primitive::usize,
+        ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
+            __wzvi::elements::check(self, __degrees)
         }
         fn noises(&self) -> __wzvi::core::primitive::usize {
             (((self.sites as __wzvi::core::primitive::isize))
@@ -252,31 +263,61 @@ const _: () = {
     }
     #[automatically_derived]
     impl __wzvi::elements::Elements for Bath {
-        fn required(
+        const PLACES: __wzvi::elements::places::Places = {
+            use __wzvi::elements::places as __places;
+            __places::Places {
+                components: 1usize,
+                tables: &[
+                    __places::Table {
+                        name: "self . sites",
+                        suffix: "",
+                    },
+                ],
+                nests: &[
+                    __places::Nest {
+                        loops: &[
+                            __places::Loop {
+                                start: __places::Index {
+                                    terms: &[],
+                                    constant: 0,
+                                    text: "0",
+                                },
+                                end: __places::Index {
+                                    terms: &[(__places::Atom::Given(0usize, &[]), 1)],
+                                    constant: 0,
+                                    text: "self . sites",
+                                },
+                            },
+                        ],
+                        slots: &[
+                            __places::Slot::State {
+                                index: __places::Index {
+                                    terms: &[(__places::Atom::Loop(0usize), 1)],
+                                    constant: 0,
+                                    text: "i",
+                                },
+                                is_natural: true,
+                            },
+                        ],
+                    },
+                ],
+            }
+        };
+        fn entries(
             &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<__wzvi::core::primitive::usize> {
-            let __size = (__degrees / 1) as __wzvi::core::primitive::isize;
-            let mut __required = 1usize;
-            if __degrees % 1usize != 0 {
-                return __wzvi::core::option::Option::Some(
-                    (__size as __wzvi::core::primitive::usize + 1) * 1usize,
-                );
+            __table: __wzvi::core::primitive::usize,
+            __outer: &[__wzvi::core::primitive::usize],
+            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
+        ) -> __wzvi::elements::places::Entries {
+            use __wzvi::elements::places as __places;
+            match (__table, __outer) {
+                (0usize, []) => {
+                    __places::Entries::of_integer(
+                        (self.sites) as __wzvi::core::primitive::i128,
+                    )
+                }
+                _ => __places::Entries::of_length(0),
             }
-            for __i1 in (0
-                as __wzvi::core::primitive::isize)..((self.sites
-                as __wzvi::core::primitive::isize))
-            {
-                __required = __wzvi::core::cmp::Ord::max(
-                    __required,
-                    __wzvi::core::convert::TryInto::<
-                        __wzvi::core::primitive::usize,
-                    >::try_into((__i1) as __wzvi::core::primitive::isize)
-                        .ok()?
-                        .checked_add(1)?,
-                );
-            }
-            __wzvi::core::option::Option::Some(__required)
         }
         fn slopes<__S: __wzvi::Scalar>(
             &self,
@@ -447,69 +488,175 @@ const _: () = {
             drift_l: 0.5f64,
             noise_l: 0.5f64,
             counter: 0f64,
-            unknowns: __wzvi::elements::Unknowns::Momenta,
+            unknowns: __wzvi::elements::Unknowns::Both,
             remembers: false,
             has_noise: true,
         };
+        type __Prepared = (
+            [__wzvi::core::primitive::f64; 4usize],
+            [__wzvi::core::primitive::bool; 1usize],
+        );
+        type __Memory<__S> = __wzvi::core::marker::PhantomData<__S>;
+        #[inline(always)]
+        fn __solve<
+            __S: __wzvi::Scalar,
+            __C: __wzvi::Carry<__S>,
+            const __CAREFUL: __wzvi::core::primitive::bool,
+        >(
+            __prepared: &__Prepared,
+            __t: __wzvi::core::primitive::f64,
+            __h: __wzvi::core::primitive::f64,
+            [__q0,
+            ]: [__S; 1usize],
+            [__p0,
+            ]: [__S; 1usize],
+            [__dw0,
+            ]: [__S; 1usize],
+            __memory: &mut __Memory<__S>,
+            __carry: &__C,
+        ) -> __wzvi::core::result::Result<
+            __wzvi::Solution<__S, 1usize>,
+            __wzvi::StepFailure,
+        > {
+            let [__c0, __c1, __c2, __c3] = __prepared.0;
+            let [__b0] = __prepared.1;
+            let __x0 = __dw0 * __c0;
+            let __x1 = __x0 + (__q0 + __p0 * __c2) * __h;
+            let __momentum0 = (if __b0 {
+                (__p0 - (__x0 + __q0 * __h) * 0.5f64) * __c1
+            } else {
+                __p0 - __x1 * __c3
+            });
+            let __next = __wzvi::Solution::new(
+                __carry,
+                [[__q0], [__p0]],
+                [[__momentum0 * __h], [-(__x1 * __c1)]],
+                [__momentum0],
+                __wzvi::Effort::fast(0),
+            );
+            if !__next.is_finite() {
+                return __wzvi::core::result::Result::Err(__wzvi::StepFailure::NonFinite);
+            }
+            __wzvi::core::result::Result::Ok(__next)
+        }
         #[automatically_derived]
-        impl __wzvi::Discretized<__wzvi::embedding::Midpoint> for Bath {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Newton,
-                unknowns: __wzvi::core::primitive::usize::MAX,
-                noise: __wzvi::NoiseClass::Additive,
-                consistent: true,
-                conserves_energy: __wzvi::Knowledge::Unknown,
-                commuting: __wzvi::Knowledge::Proven,
-            };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..self . sites - 1) [sigma q[i]]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_{i+1/2}) - Σ_k ΔW_k H_k(P, q_{i+1/2})\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  solve for v (then Δq): fixed-point iteration while it contracts, else Newton with a banded Jacobian\n\nFacts\n  converges to the Stratonovich system\n  H0 is not known to be a first integral\n";
-            const REMEMBERS: __wzvi::core::primitive::bool = false;
-            const IN_LANES: __wzvi::core::primitive::bool = false;
-            type Prepared = ();
-            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
-                __S,
-            >;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
-            fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
-                __wzvi::elements::Memory::new(self, &__SCHEME)
-            }
-            fn forget(
-                __memory: &mut __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-            ) {
-                __memory.forget();
-            }
-            fn pin(
-                __memory: &mut __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-                __iteration: __wzvi::elements::Iteration,
-            ) {
-                __memory.pin(__iteration);
-            }
-            fn pinned(
-                __memory: &__wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-            ) -> __wzvi::elements::Iteration {
-                __memory.pinned()
-            }
-            fn adopt(
-                __memory: &mut __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-                __left: __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-            ) {
-                __memory.adopt(__left);
-            }
-            fn method(
-                __memory: &__wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-            ) -> __wzvi::core::option::Option<__wzvi::elements::Method> {
-                __wzvi::core::option::Option::Some(__memory.method())
-            }
-            fn prepare(
+        impl __wzvi::elements::sites::Sites<__wzvi::embedding::Midpoint, 1usize, 1usize>
+        for Bath {
+            const IS_UNIFORM: __wzvi::core::primitive::bool = true;
+            type SitePrepared = __Prepared;
+            type SiteMemory<__S: __wzvi::Scalar> = __Memory<__S>;
+            fn prepare_site(
                 &self,
                 __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<(), __wzvi::ConfigError> {
-                if __wzvi::core::primitive::f64::is_nan(self.sigma) {
+                __site: __wzvi::core::primitive::usize,
+                __sites: __wzvi::core::primitive::usize,
+            ) -> __wzvi::core::result::Result<__Prepared, __wzvi::ConfigError> {
+                let __i2 = __site as __wzvi::core::primitive::isize;
+                let __size = ((__sites * 1usize) / 1) as __wzvi::core::primitive::isize;
+                let __a0: __wzvi::core::primitive::f64 = self.sigma;
+                if __a0.is_nan() {
                     return __wzvi::core::result::Result::Err(
                         __wzvi::ConfigError::Parameter,
                     );
                 }
-                __wzvi::elements::prepare(self)
+                let __x0 = 1f64 + __h * __h * 0.25f64;
+                let __x1 = __wzvi::prepared(__h, __wzvi::reciprocal(__x0))?;
+                __wzvi::core::result::Result::Ok((
+                    [__a0, __x1, 0.5f64 * __h, 0.5f64 * __x1],
+                    [(2f64 < __x0)],
+                ))
+            }
+            #[inline(always)]
+            fn increments(
+                &self,
+                __site: __wzvi::core::primitive::usize,
+                __sites: __wzvi::core::primitive::usize,
+            ) -> [__wzvi::core::option::Option<__wzvi::core::primitive::usize>; 1usize] {
+                let __i2 = __site as __wzvi::core::primitive::isize;
+                let __size = ((__sites * 1usize) / 1) as __wzvi::core::primitive::isize;
+                [
+                    if __i2 >= 0
+                        && __i2 < ((self.sites as __wzvi::core::primitive::isize))
+                    {
+                        __wzvi::core::option::Option::Some(
+                            ((__i2) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize),
+                        )
+                    } else {
+                        __wzvi::core::option::Option::None
+                    },
+                ]
+            }
+            #[inline(always)]
+            fn solve_site<
+                __S: __wzvi::Scalar,
+                __C: __wzvi::Carry<__S>,
+                const __CAREFUL: __wzvi::core::primitive::bool,
+            >(
+                __prepared: &__Prepared,
+                __t: __wzvi::core::primitive::f64,
+                __h: __wzvi::core::primitive::f64,
+                __q: [__S; 1usize],
+                __p: [__S; 1usize],
+                __dw: [__S; 1usize],
+                __memory: &mut __Memory<__S>,
+                __carry: &__C,
+            ) -> __wzvi::core::result::Result<
+                __wzvi::Solution<__S, 1usize>,
+                __wzvi::StepFailure,
+            > {
+                __solve::<
+                    __S,
+                    __C,
+                    __CAREFUL,
+                >(__prepared, __t, __h, __q, __p, __dw, __memory, __carry)
+            }
+        }
+        #[automatically_derived]
+        impl __wzvi::Discretized<__wzvi::embedding::Midpoint> for Bath {
+            const PLAN: __wzvi::Plan = __wzvi::Plan {
+                solver: __wzvi::Solver::Linear,
+                unknowns: 1usize,
+                noise: __wzvi::NoiseClass::Additive,
+                consistent: true,
+                conserves_energy: __wzvi::Knowledge::Refuted,
+                commuting: __wzvi::Knowledge::Proven,
+            };
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..self . sites - 1) [sigma q[i]]\n\nThe sites k = 0..n - 1 are not coupled: each is a system of its own\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq[k] - h (q[k]_{i+1/2}²/2 + P²/2) - sigma q[k]_{i+1/2} ΔW\n  Δq[k] = q[k]_{i+1} - q[k]_i\n  q[k]_{i+1/2} = Δq[k]/2 + q[k]_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[k] = P h\n  p[k]_i = -D1 L_d:  P = p[k]_i + δp[k],  δp[k] = (-q[k]_{i+1/2} h - sigma ΔW)/2\n  p[k]_{i+1} = D2 L_d:  p[k]_{i+1} - p[k]_i = 2 δp[k]\n\nStep\n  solve for δp[k]: linear (then Δq[k])\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..self . sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
+            const REMEMBERS: __wzvi::core::primitive::bool = false;
+            const IN_LANES: __wzvi::core::primitive::bool = false;
+            type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
+                __S,
+            >;
+            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
+            type Prepared = __wzvi::elements::sites::Prepared<__Prepared>;
+            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::sites::Memory<
+                __S,
+                __Memory<__S>,
+                __Prepared,
+            >;
+            fn memory(&self) -> Self::Memory<__wzvi::core::primitive::f64> {
+                __wzvi::elements::sites::Memory::new(self, 1usize)
+            }
+            fn forget(__memory: &mut Self::Memory<__wzvi::core::primitive::f64>) {
+                __memory.forget();
+            }
+            fn adopt(
+                __memory: &mut Self::Memory<__wzvi::core::primitive::f64>,
+                __left: Self::Memory<__wzvi::core::primitive::f64>,
+            ) {
+                __memory.adopt(__left);
+            }
+            fn prepare(
+                &self,
+                __h: __wzvi::core::primitive::f64,
+            ) -> __wzvi::core::result::Result<Self::Prepared, __wzvi::ConfigError> {
+                __wzvi::elements::sites::prepare::<
+                    _,
+                    __wzvi::embedding::Midpoint,
+                    1usize,
+                    1usize,
+                >(self, __h)
             }
             fn advance_carrying<
                 __S: __wzvi::Scalar,
@@ -517,21 +664,24 @@ const _: () = {
                 const __CAREFUL: __wzvi::core::primitive::bool,
             >(
                 &self,
-                __prepared: &(),
+                __prepared: &Self::Prepared,
                 __t: __wzvi::core::primitive::f64,
                 __h: __wzvi::core::primitive::f64,
                 __q: &mut [__S],
                 __p: &mut [__S],
                 __dw: &[__S],
-                __memory: &mut __wzvi::elements::Memory<__S>,
+                __memory: &mut Self::Memory<__S>,
                 __carry: &mut __C,
             ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                __wzvi::elements::advance::<
+                __wzvi::elements::sites::advance::<
                     _,
+                    __wzvi::embedding::Midpoint,
                     __S,
                     __C,
                     __CAREFUL,
-                >(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
+                    1usize,
+                    1usize,
+                >(self, __prepared, __t, __h, __q, __p, __dw, __memory, __carry)
             }
             fn discrete_lagrangian(
                 &self,
@@ -555,11 +705,11 @@ const _: () = {
             fn step_momentum(
                 &self,
                 __before: &__wzvi::State<Self::Vector>,
-                _: &__wzvi::State<Self::Vector>,
+                __after: &__wzvi::State<Self::Vector>,
                 __h: __wzvi::core::primitive::f64,
                 __dw: &[__wzvi::core::primitive::f64],
             ) -> Self::Vector {
-                __wzvi::elements::step_momentum(self, &__SCHEME, __before, __h, __dw)
+                __wzvi::elements::sites::step_momentum(&__before.p, &__after.p, [0.5f64])
             }
         }
     };

@@ -1,6 +1,6 @@
 //! What is measured, against closed forms.
 
-use std::cell::Cell;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use wzvi::error::{ConfigError, Error};
 use wzvi::prelude::*;
@@ -173,17 +173,34 @@ fn failures_are_counted_and_told() {
 
 #[test]
 fn an_interruption_keeps_what_was_measured() {
-    let asked = Cell::new(0);
-    let stop = move || {
-        asked.set(asked.get() + 1);
-        asked.get() > 1000
-    };
+    // Once for the references, then for each block of paths: some of the fifteen cells are not reached.
+    let asked = AtomicU32::new(0);
+    let stop = move || asked.fetch_add(1, Ordering::Relaxed) > 12;
     let report: Report = kubo().stop_when(stop).run().unwrap();
     assert!(report.interrupted);
     assert!(!report.cells.is_empty() && report.cells.iter().all(|cell| cell.paths > 0));
-    assert!(report.cells.iter().map(|cell| cell.paths).sum::<usize>() < 1000);
+    assert!(report.cells.iter().map(|cell| cell.paths).sum::<usize>() < 15 * 400);
     assert!(report.text().contains("interrupted"));
     assert!(!kubo().stop_when(|| false).run().unwrap().interrupted);
+}
+
+/// Errors are those of the paths, whatever threads there are; a time that was not measured has its place in the CSV.
+#[test]
+fn threads_do_not_show_in_the_numbers() {
+    let cells = |threads: usize| {
+        let report = kubo().paths(1200).observe("q", |state| state.q[0]).repetitions(0).threads(threads);
+        let report = report.run().unwrap();
+        let csv = String::from_utf8(report.csv()).unwrap();
+        let commas = |line: &str| line.matches(',').count();
+        assert!(csv.lines().all(|line| commas(line) == 18), "{csv}");
+        assert!(csv.contains(",NaN,NaN,"), "{csv}");
+        report.cells
+    };
+    let one = cells(1);
+    assert!(one.iter().all(|cell| cell.path_numbers == (0..1200).collect::<Vec<_>>()));
+    for threads in [2, 5] {
+        assert_eq!(format!("{:?}", cells(threads)), format!("{one:?}"));
+    }
 }
 
 #[test]

@@ -3,16 +3,12 @@
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::embedding::{Correction, Embedding};
 use crate::discretise::facts::{Facts, Failure, Invariant};
-use crate::model::Located;
+use crate::model::{Located, System};
 use crate::symbolic::{Graph, Rational};
 
 /// Every check, in order; all of them report.
-pub(crate) fn check(
-    graph: &mut Graph,
-    embeddings: &[Located<Embedding>],
-    facts: &Facts,
-    diagnostics: &mut Diagnostics,
-) {
+pub(crate) fn check(system: &mut System, facts: &Facts, diagnostics: &mut Diagnostics) {
+    let System { graph, embeddings, .. } = system;
     check_consistency(graph, embeddings, facts, diagnostics);
     check_invariants(graph, facts, diagnostics);
 }

@@ -10,12 +10,14 @@ mod diagnostics;
 mod discretise;
 mod elements;
 mod emit;
+mod functions;
 mod input;
 mod lower;
 mod model;
 #[cfg(test)]
 mod stopwatch;
 mod symbolic;
+mod unroll;
 
 /// Turns the Hamiltonians of a system into variational integrators.
 ///
@@ -41,4 +43,42 @@ pub fn hamiltonian(
     item: proc_macro::TokenStream,
 ) -> proc_macro::TokenStream {
     compile::expand(attribute.into(), item.into()).into()
+}
+
+/// Makes a function, or the methods of an `impl` of the struct, callable from Hamiltonians.
+///
+/// ```text
+/// #[hamiltonian_fn]
+/// pub fn morse(r: f64, d: f64) -> f64 {
+///     let e = 1.0 - (-r).exp();
+///     d * e * e
+/// }
+///
+/// #[hamiltonian(drift = |q, p| 0.5 * p * p + morse(q, d) + self.wall(q), embedding = Midpoint)]
+/// struct Molecule { d: f64 }
+///
+/// #[hamiltonian_fn]
+/// impl Molecule {
+///     fn wall(&self, q: f64) -> f64 { self.d * q.powi(4) }
+/// }
+/// ```
+///
+/// The function stays what it was. In a Hamiltonian its body stands at the place of the call, as that of a local closure
+/// would: facts and derivatives are those of the inlined expression. It may come from another module or crate, by a path or
+/// an import (of the function, by its own name), and call other such functions, not itself. Its parameters are numbers,
+/// arrays and slices. Constants are named from a root (`crate::units::KB`, `std::f64::consts::PI`) or declared inside.
+/// Methods stand in one `impl` in the module of the struct. `#[hamiltonian_fn(crate = path)]` names the facade crate.
+#[proc_macro_attribute]
+pub fn hamiltonian_fn(
+    attribute: proc_macro::TokenStream,
+    item: proc_macro::TokenStream,
+) -> proc_macro::TokenStream {
+    functions::define(attribute.into(), item.into()).into()
+}
+
+/// An expansion goes on with the tokens of a shared function: called by generated code only.
+#[doc(hidden)]
+#[proc_macro]
+pub fn __continue(tokens: proc_macro::TokenStream) -> proc_macro::TokenStream {
+    functions::proceed(tokens.into()).into()
 }

@@ -12,11 +12,13 @@ use proc_macro2::{Ident, Span, TokenStream, TokenTree};
 use quote::ToTokens;
 
 use self::index::{Index, Loop};
+use self::symbols::Symbols;
 use crate::discretise::embedding::Embedding;
 use crate::input::Shape;
 use crate::symbolic::{Expr, Graph, Symbol};
 
 pub(crate) mod index;
+pub(crate) mod symbols;
 
 /// The phase space: one symbol per coordinate and momentum, in the order of the state vector, and time.
 pub(crate) struct Phase {
@@ -72,6 +74,8 @@ pub(crate) struct Table {
     pub(crate) suffix: TokenStream,
     /// Whether its entries are known not to be negative.
     pub(crate) is_unsigned: bool,
+    /// The lengths of the list and of those inside of it, where they are literals.
+    pub(crate) lengths: Vec<Option<usize>>,
 }
 
 /// Where the value of a local variable is.
@@ -127,6 +131,15 @@ impl Element {
         })
     }
 
+    /// The places in the state that it reads.
+    pub(crate) fn state(&self) -> Vec<&Index> {
+        let places = self.locals.iter().filter_map(|local| match &local.slot {
+            Slot::Coordinate(index) | Slot::Momentum(index) => Some(index),
+            Slot::Entry(..) | Slot::Number(_) => None,
+        });
+        places.collect()
+    }
+
     pub(crate) fn reads(&self) -> Reads {
         match (self.coordinates().next().is_some(), self.momenta().next().is_some()) {
             (false, false) => Reads::Nothing,
@@ -137,9 +150,11 @@ impl Element {
     }
 }
 
-/// A Hamiltonian as elements.
+/// A Hamiltonian.
 #[derive(Clone)]
 pub(crate) struct Term {
+    /// As the user wrote it, with a symbol for each sum.
+    pub(crate) expression: Expr,
     /// Each reads only coordinates, only momenta, or what cannot be parted: for derivatives.
     pub(crate) elements: Vec<Element>,
     /// The same sum as the user wrote it: for values, which keep its digits.
@@ -172,6 +187,8 @@ pub(crate) struct System {
     pub(crate) components: i128,
     /// Names of coordinates and momenta.
     pub(crate) names: [String; 2],
+    /// What the symbols in it stand for, besides time and parameters.
+    pub(crate) symbols: Symbols,
     pub(crate) t: Symbol,
     pub(crate) parameters: Vec<Parameter>,
     pub(crate) tables: Vec<Table>,
@@ -189,15 +206,10 @@ pub(crate) struct System {
 }
 
 impl System {
-    /// Whether any sum is left to be a loop.
-    pub(crate) fn has_loops(&self) -> bool {
-        let mut elements = self.drift.elements.iter().chain(self.noise_elements());
-        elements.any(|element| !element.loops.is_empty())
-    }
-
-    /// The elements of every noise.
-    pub(crate) fn noise_elements(&self) -> impl Iterator<Item = &Element> {
-        self.noise.iter().flat_map(|noise| &noise.term.elements)
+    /// The drift, the noises, the first integrals.
+    pub(crate) fn terms(&self) -> impl Iterator<Item = &Term> {
+        let noise = self.noise.iter().map(|noise| &noise.term);
+        [&self.drift].into_iter().chain(noise).chain(&self.invariants)
     }
 
     /// For each noise the number of noises before it, members of families counted one by one; at last the number of all.

@@ -7,11 +7,11 @@
 
 use std::fmt::Debug;
 
-use crate::numbers::Numbers;
+use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
 
 /// What rounding took from a state, or nothing at all.
-pub trait Carry<S>: Clone + Debug + Default + Numbers<S> {
+pub trait Carry<S>: Clone + Debug + Default + Numbers {
     /// Whether it holds anything.
     const CARRIES: bool;
     /// What is still to be added to coordinate `i`, which is less than the degrees of freedom.
@@ -22,6 +22,10 @@ pub trait Carry<S>: Clone + Debug + Default + Numbers<S> {
     fn add(base: S, increment: S, carried: S) -> (S, S);
     /// Takes what rounding took from a step that succeeded.
     fn keep(&mut self, coordinates: &[S], momenta: &[S]);
+    /// The same for `D` degrees of freedom among others.
+    type Part<const D: usize>: Carry<S>;
+    /// What is carried for the `D` degrees of freedom from `first` on.
+    fn part<const D: usize>(&self, first: usize) -> Self::Part<D>;
 }
 
 /// Plain sums.
@@ -45,10 +49,15 @@ impl<S: Scalar> Carry<S> for Plain {
     }
     #[inline(always)]
     fn keep(&mut self, _coordinates: &[S], _momenta: &[S]) {}
+    type Part<const D: usize> = Self;
+    #[inline(always)]
+    fn part<const D: usize>(&self, _first: usize) -> Self {
+        Self
+    }
 }
 
-impl<S> Numbers<S> for Plain {
-    fn visit(&mut self, _visit: &mut dyn FnMut(&mut S)) {}
+impl Numbers for Plain {
+    fn pass(&mut self, _tape: &mut Tape) {}
 }
 
 /// Sums that carry what rounding takes, for `D` degrees of freedom.
@@ -93,12 +102,29 @@ impl<S: Scalar, const D: usize> Carry<S> for Compensation<S, D> {
             *carried = *lost;
         }
     }
+    type Part<const N: usize> = Compensation<S, N>;
+    #[inline(always)]
+    fn part<const N: usize>(&self, first: usize) -> Compensation<S, N> {
+        Compensation::of(self, first)
+    }
 }
 
-impl<S, const D: usize> Numbers<S> for Compensation<S, D> {
-    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
+impl<S: Scalar, const D: usize> Compensation<S, D> {
+    /// What `all` carries for the degrees of freedom from `first` on.
+    #[inline(always)]
+    pub(crate) fn of(all: &impl Carry<S>, first: usize) -> Self {
+        Self {
+            coordinates: std::array::from_fn(|i| all.of_coordinate(first + i)),
+            momenta: std::array::from_fn(|i| all.of_momentum(first + i)),
+        }
+    }
+}
+
+impl<S: Numbers, const D: usize> Numbers for Compensation<S, D> {
+    fn pass(&mut self, tape: &mut Tape) {
         let Self { coordinates, momenta } = self;
-        coordinates.iter_mut().chain(momenta).for_each(visit);
+        coordinates.pass(tape);
+        momenta.pass(tape);
     }
 }
 

@@ -23,7 +23,11 @@ mod iterate;
 mod jacobian;
 mod memory;
 mod passes;
+#[doc(hidden)]
+pub mod places;
 mod rounding;
+#[doc(hidden)]
+pub mod sites;
 
 pub use iterate::{Scheme, Unknowns, advance};
 pub use memory::{CompensationVec, Memory};
@@ -106,9 +110,13 @@ pub trait Curvature<S> {
 
 /// A system whose Hamiltonians are sums of elements.
 pub trait Elements: Hamiltonian {
-    /// Number of degrees of freedom that the indices ask for; `None` if one is negative or beyond the end of a table.
-    /// Indices that the compiler has shown to be in range are not looked at.
-    fn required(&self, degrees: usize) -> Option<usize>;
+    /// What the elements read and the compiler has not shown to be there.
+    #[doc(hidden)]
+    const PLACES: places::Places;
+
+    /// A part of the list `table` of [`Elements::PLACES`], or of the list inside of it at the indices `outer`.
+    #[doc(hidden)]
+    fn entries(&self, table: usize, outer: &[usize], range: std::ops::Range<usize>) -> places::Entries;
 
     /// Adds the weighted slopes to `by_q` and `by_p`. All slices have the degrees of freedom that were checked.
     fn slopes<S: Scalar>(&self, terms: Terms, at: &Point<'_, S>, by_q: &mut [S], by_p: &mut [S]);
@@ -120,27 +128,25 @@ pub trait Elements: Hamiltonian {
 /// Whether a state of `got` degrees of freedom fits the system.
 ///
 /// # Errors
-/// [`StepFailure::Dimension`] if it does not, [`StepFailure::NonFinite`] if an index is beyond a table.
+/// [`StepFailure::Dimension`] if it does not, [`StepFailure::Index`] if an integer of the system is out of range.
 pub fn check<H: Elements>(system: &H, got: usize) -> Result<(), StepFailure> {
     let expected = system.degrees();
     if expected != 0 && expected != got {
         return Err(StepFailure::Dimension { expected, got });
     }
-    match system.required(got) {
-        Some(required) if required <= got => Ok(()),
-        Some(required) => Err(StepFailure::Dimension { expected: required, got }),
-        None => Err(StepFailure::NonFinite),
-    }
+    places::check(system, got)
 }
 
 /// The check that the making of a stepper does.
 ///
 /// # Errors
-/// [`ConfigError::Parameter`] if an index is out of range.
+/// [`ConfigError::Index`] if an index is out of range.
 pub fn prepare<H: Elements>(system: &H) -> Result<(), ConfigError> {
     match system.degrees() {
         0 => Ok(()),
-        degrees => check(system, degrees).map_err(|_| ConfigError::Parameter),
+        degrees => {
+            places::index_error(system, degrees).map_or(Ok(()), |error| Err(ConfigError::Index(error)))
+        }
     }
 }
 

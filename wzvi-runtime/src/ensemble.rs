@@ -21,10 +21,6 @@ pub mod cluster;
 #[cfg(feature = "columnar")]
 mod columnar;
 mod control;
-// The part of `cluster` that can be tested without MPI.
-#[cfg(all(test, not(feature = "mpi")))]
-#[path = "ensemble/cluster/desk.rs"]
-mod desk;
 mod dispatch;
 mod draws;
 mod error;
@@ -41,16 +37,13 @@ mod origin;
 mod pace;
 mod passage;
 mod paths;
-mod progress;
 mod quantiles;
 mod replay;
-mod schedule;
 mod source;
 mod statistics;
 mod table;
 
 use std::marker::PhantomData;
-use std::num::NonZero;
 use std::sync::OnceLock;
 
 use account::Account;
@@ -77,6 +70,7 @@ use crate::noise::{Paths as PathsOfNoise, StepNormals, Truncation};
 pub use crate::persist::FileError;
 pub use crate::persist::table::{Column, Table};
 use crate::retry::Retry;
+use crate::schedule::threads;
 use crate::simulate::{End, checked, chosen_steps, count};
 use crate::state::{State, Vector};
 use crate::system::Discretized;
@@ -498,15 +492,6 @@ const GIVEN: &str = "`.retry(...)` needs increments between the nodes, which the
 /// There is no observable of this name.
 fn unknown(name: String, names: &[String]) -> ConfigError {
     ConfigError::Setting(UnknownName { kind: "observable", name, known: names.to_vec() }.to_string())
-}
-
-/// All cores if none are asked for.
-fn threads(asked: Option<usize>) -> Result<usize, ConfigError> {
-    match asked {
-        Some(0) => Err(ConfigError::Setting("0 threads: take at least 1".into())),
-        Some(threads) => Ok(threads),
-        None => Ok(std::thread::available_parallelism().map_or(1, NonZero::get)),
-    }
 }
 
 /// The steps before each recorded node, in order: 0, those asked for, all.

@@ -3,12 +3,15 @@
 #[cfg(feature = "serde")]
 mod words;
 
+mod index;
+
 use std::fmt;
 
 pub use crate::calculus::DomainError;
 pub use crate::increments::NoiseError;
 #[cfg(any(feature = "ensemble", feature = "serde", feature = "report"))]
 pub use crate::persist::FileError;
+pub use index::{IndexError, IndexLimit};
 
 /// Why the equations of one step have no (usable) solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,8 +59,17 @@ pub enum StepFailure {
         /// Components given.
         got: usize,
     },
+    /// An integer of the system is out of range.
+    Index(IndexError),
     /// The state or an increment that was given is NaN or infinite.
     NonFiniteInput,
+}
+
+impl StepFailure {
+    /// Whether no way to solve the step would change it: the system, the state and the increments do not belong together.
+    pub(crate) fn is_of_arguments(&self) -> bool {
+        matches!(self, Self::Increments { .. } | Self::Dimension { .. } | Self::Index(_))
+    }
 }
 
 impl fmt::Display for StepFailure {
@@ -89,11 +101,17 @@ impl fmt::Display for StepFailure {
                 write!(f, "the new state is not finite; take a smaller step or check the domain of H")
             }
             Self::Increments { expected, got } => {
-                write!(f, "the system has {expected} noises, but {got} increments were given")
+                write!(
+                    f,
+                    "the system has {expected} noise{}, but {got} increment{} given",
+                    if *expected == 1 { "" } else { "s" },
+                    if *got == 1 { " was" } else { "s were" },
+                )
             }
             Self::Dimension { expected, got } => {
                 write!(f, "the system has {expected} degrees of freedom, but the state has {got}")
             }
+            Self::Index(error) => error.fmt(f),
             Self::NonFiniteInput => write!(f, "the state or an increment is NaN or infinite before the step"),
         }
     }
@@ -125,8 +143,10 @@ impl std::error::Error for StepError {}
 pub enum ConfigError {
     /// The step size is zero, NaN or infinite.
     StepSize(f64),
-    /// A parameter of the system is NaN, or a Hamiltonian reads an element that its `Vec` does not have.
+    /// A parameter of the system is NaN, or a small system reads an element that its `Vec` does not have.
     Parameter,
+    /// An integer of the system is out of range.
+    Index(IndexError),
     /// A matrix that does not change from step to step is singular.
     Singular {
         /// Step size.
@@ -163,6 +183,7 @@ impl fmt::Display for ConfigError {
                     "a parameter of the system is NaN, or a Hamiltonian reads an element that its `Vec` does not have"
                 )
             }
+            Self::Index(error) => error.fmt(f),
             Self::Singular { h, pivot, scale } => write!(
                 f,
                 "the matrix of the step is singular for h = {h} (pivot {pivot:.1e} at scale {scale:.1e}); \

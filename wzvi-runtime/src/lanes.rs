@@ -23,6 +23,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Index, Mul, Neg, Not, Sub};
 
 use elementary::{Binary, Unary};
 
+use crate::numbers::{Numbers, Tape};
 use crate::scalar::{Mask, Scalar};
 use crate::solve::LaneByLane;
 
@@ -217,6 +218,12 @@ macro_rules! by_lane {
             Self(elementary::$function::of(self.0))
         }
     )*};
+}
+
+impl<const L: usize> Numbers for Lanes<L> {
+    fn pass(&mut self, tape: &mut Tape) {
+        self.0.pass(tape);
+    }
 }
 
 impl<const L: usize> Scalar for Lanes<L> {

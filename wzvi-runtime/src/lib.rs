@@ -2,13 +2,8 @@
 
 pub mod calculus;
 pub mod carry;
-#[cfg(feature = "serde")]
-pub mod checkpoint;
-#[cfg(not(feature = "serde"))]
-#[path = "checkpoint/absent.rs"]
-mod checkpoint;
 mod checksum;
-#[cfg(feature = "ensemble")]
+#[cfg(any(feature = "ensemble", feature = "report"))]
 mod clock;
 pub mod elements;
 pub mod embedding;
@@ -29,14 +24,17 @@ mod names;
 #[cfg(feature = "noise")]
 pub mod noise;
 pub mod numbers;
-#[cfg(any(feature = "ensemble", feature = "serde", feature = "report"))]
 mod persist;
 pub mod plan;
+#[cfg(any(feature = "ensemble", feature = "report"))]
+mod progress;
 #[cfg(feature = "report")]
 pub mod report;
 mod rescue;
 pub mod retry;
 pub mod scalar;
+#[cfg(any(feature = "ensemble", feature = "report"))]
+mod schedule;
 pub mod simulate;
 pub mod solve;
 pub mod state;
@@ -48,3 +46,7 @@ pub mod trajectory;
 #[cfg(feature = "mpi")]
 pub use mpi;
 pub use nalgebra;
+#[cfg(feature = "serde")]
+pub use persist::checkpoint;
+#[cfg(not(feature = "serde"))]
+use persist::checkpoint;

@@ -2,48 +2,52 @@
 
 use std::marker::PhantomData;
 
-use crate::scalar::Scalar;
-
-/// What a step leaves for the next one, as a list of numbers: a checkpoint keeps it to the last bit.
+/// What a step leaves for the next one, to the last bit: a checkpoint keeps it, and ranks send what they found out.
 ///
 /// One method serves both directions, so that reading cannot disagree with writing.
-pub trait Numbers<S> {
-    /// Calls `visit` with every number, in an order that depends on nothing but the type and the numbers before. A
-    /// number that `visit` replaces is taken over, so that the numbers of one value make another one equal to it.
-    fn visit(&mut self, visit: &mut dyn FnMut(&mut S));
+pub trait Numbers {
+    /// Shows everything to a tape, in an order that depends on nothing but the type and what was shown before. A tape that is read
+    /// replaces what it is shown, so that the words of one value make another one equal to it.
+    fn pass(&mut self, tape: &mut Tape);
 }
 
-impl<S> Numbers<S> for () {
-    fn visit(&mut self, _visit: &mut dyn FnMut(&mut S)) {}
+impl Numbers for () {
+    fn pass(&mut self, _tape: &mut Tape) {}
 }
 
-impl<S> Numbers<S> for PhantomData<S> {
-    fn visit(&mut self, _visit: &mut dyn FnMut(&mut S)) {}
+impl<S> Numbers for PhantomData<S> {
+    fn pass(&mut self, _tape: &mut Tape) {}
+}
+
+impl Numbers for f64 {
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.number(self);
+    }
+}
+
+impl<T: Numbers, const N: usize> Numbers for [T; N] {
+    fn pass(&mut self, tape: &mut Tape) {
+        self.iter_mut().for_each(|part| part.pass(tape));
+    }
 }
 
 /// Its length comes first, so that a vector of any other length becomes equal to it.
-impl<S: Scalar> Numbers<S> for Vec<S> {
-    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
-        let mut length = S::from_f64(self.len() as f64);
-        visit(&mut length);
-        // Exact: lengths are below 2^53. One that does not fit in memory is not taken over, which whoever counts the
-        // numbers finds out.
-        let length = length.magnitude() as usize;
-        if self.try_reserve_exact(length.saturating_sub(self.len())).is_ok() {
-            self.resize(length, S::from_f64(0.0));
-        }
-        self.iter_mut().for_each(visit);
+impl<T: Numbers + Default> Numbers for Vec<T> {
+    fn pass(&mut self, tape: &mut Tape) {
+        let length = tape.length(self.len());
+        self.resize_with(length, T::default);
+        self.iter_mut().for_each(|part| part.pass(tape));
     }
 }
 
 /// As long as those for which the standard library has `Default` and `Debug`, which a memory needs as well.
 macro_rules! tuples {
     ($(($($part:ident)+))+) => {$(
-        impl<Scalar, $($part: Numbers<Scalar>),+> Numbers<Scalar> for ($($part,)+) {
-            fn visit(&mut self, visit: &mut dyn FnMut(&mut Scalar)) {
+        impl<$($part: Numbers),+> Numbers for ($($part,)+) {
+            fn pass(&mut self, tape: &mut Tape) {
                 #[allow(non_snake_case, reason = "each part is named like its type")]
                 let ($($part,)+) = self;
-                $($part.visit(visit);)+
+                $($part.pass(tape);)+
             }
         }
     )+};
@@ -64,25 +68,133 @@ tuples! {
     (A B C D E F G H I J K L)
 }
 
+/// A list of 64-bit words. A number is its bits, so that zeros keep their sign and NaN its payload.
+#[derive(Debug)]
+pub enum Tape {
+    /// Takes down what it is shown.
+    Writing(Vec<u64>),
+    /// Replaces what it is shown.
+    Reading {
+        /// What was taken down.
+        words: std::vec::IntoIter<u64>,
+        /// Whether it was shown more than was taken down, or what was makes no sense.
+        short: bool,
+    },
+}
+
+impl Tape {
+    /// The words of everything that `pass` shows.
+    #[cfg(any(test, feature = "serde", feature = "mpi"))]
+    pub(crate) fn write(pass: impl FnOnce(&mut Self)) -> Vec<u64> {
+        let mut tape = Self::Writing(Vec::new());
+        pass(&mut tape);
+        match tape {
+            Self::Writing(words) => words,
+            Self::Reading { words, .. } => words.collect(),
+        }
+    }
+
+    /// Replaces everything that `pass` shows by the words; `None` if there are more or fewer of them.
+    #[cfg(any(test, feature = "serde", feature = "mpi"))]
+    pub(crate) fn read(words: Vec<u64>, pass: impl FnOnce(&mut Self)) -> Option<()> {
+        let mut tape = Self::Reading { words: words.into_iter(), short: false };
+        pass(&mut tape);
+        match tape {
+            Self::Reading { words, short } => (!short && words.len() == 0).then_some(()),
+            Self::Writing(_) => None,
+        }
+    }
+
+    /// Takes down or replaces a word.
+    pub fn word(&mut self, word: &mut u64) {
+        match self {
+            Self::Writing(words) => words.push(*word),
+            Self::Reading { words, short } => match words.next() {
+                Some(read) => *word = read,
+                None => *short = true,
+            },
+        }
+    }
+
+    /// Takes down a length, or reads one that no more words can follow than there are.
+    pub fn length(&mut self, length: usize) -> usize {
+        let mut word = length as u64;
+        self.word(&mut word);
+        match self {
+            Self::Writing(_) => length,
+            Self::Reading { words, short } => {
+                let read = usize::try_from(word).ok().filter(|&read| read <= words.len());
+                *short |= read.is_none();
+                read.unwrap_or(0)
+            }
+        }
+    }
+
+    /// Whether it replaces what it is shown.
+    pub fn is_reading(&self) -> bool {
+        matches!(self, Self::Reading { .. })
+    }
+
+    /// What was read makes no sense: [`Tape::read`] gives nothing.
+    pub fn refuse(&mut self) {
+        if let Self::Reading { short, .. } = self {
+            *short = true;
+        }
+    }
+
+    /// Takes down or replaces a count that has fewer bits than a word; one that is too large makes no sense.
+    pub fn count<T: Copy + Into<u64> + TryFrom<u64>>(&mut self, count: &mut T) {
+        let mut word = (*count).into();
+        self.word(&mut word);
+        match T::try_from(word) {
+            Ok(read) => *count = read,
+            Err(_) => self.refuse(),
+        }
+    }
+
+    /// Takes down or replaces a truth: 0 or 1.
+    pub fn flag(&mut self, flag: &mut bool) {
+        let mut word = u8::from(*flag);
+        self.count(&mut word);
+        match word {
+            0 | 1 => *flag = word == 1,
+            _ => self.refuse(),
+        }
+    }
+
+    /// Takes down or replaces several words.
+    pub fn words<'x>(&mut self, words: impl IntoIterator<Item = &'x mut u64>) {
+        words.into_iter().for_each(|word| self.word(word));
+    }
+
+    /// Takes down or replaces a number.
+    pub fn number(&mut self, number: &mut f64) {
+        let mut word = number.to_bits();
+        self.word(&mut word);
+        *number = f64::from_bits(word);
+    }
+
+    /// Takes down or replaces several numbers.
+    pub fn numbers<'x>(&mut self, numbers: impl IntoIterator<Item = &'x mut f64>) {
+        numbers.into_iter().for_each(|number| self.number(number));
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Numbers;
+    use super::{Numbers, Tape};
     use crate::carry::{Carry, Compensation};
     use crate::solve::Extrapolation;
 
-    fn numbers(value: &mut impl Numbers<f64>) -> Vec<u64> {
-        let mut numbers = Vec::new();
-        value.visit(&mut |number| numbers.push(number.to_bits()));
-        numbers
+    fn words(value: &mut impl Numbers) -> Vec<u64> {
+        Tape::write(|tape| value.pass(tape))
     }
 
-    /// The numbers of one value make another one equal to it.
-    fn copied<T: Numbers<f64>>(mut value: T, mut other: T) -> T {
-        let expected = numbers(&mut value);
-        let mut list = expected.iter();
-        other.visit(&mut |number| *number = f64::from_bits(*list.next().unwrap()));
-        assert_eq!(list.len(), 0);
-        assert_eq!(numbers(&mut other), expected);
+    /// The words of one value make another one equal to it.
+    fn copied<T: Numbers>(mut value: T, mut other: T) -> T {
+        let expected = words(&mut value);
+        assert_eq!(Tape::read(expected.clone(), |tape| other.pass(tape)), Some(()));
+        assert_eq!(words(&mut other), expected);
         other
     }
 
@@ -103,5 +215,47 @@ mod tests {
             carry.keep(&[x], &[-x]);
         }
         assert_eq!(copied(vec![1.0, -0.0], vec![3.0; 9]), [1.0, -0.0]);
+    }
+
+    #[test]
+    fn every_bit_comes_back() {
+        let payload = f64::from_bits(0x7FF8_0000_DEAD_BEEF);
+        let values = [0.0, -0.0, 1.5, f64::MIN_POSITIVE / 8.0, f64::INFINITY, payload];
+        let mut numbers = values;
+        let words = Tape::write(|tape| tape.numbers(&mut numbers));
+        assert_eq!(numbers.map(f64::to_bits), values.map(f64::to_bits));
+        let mut read = [1.0; 6];
+        assert_eq!(Tape::read(words.clone(), |tape| tape.numbers(&mut read)), Some(()));
+        assert_eq!(read.map(f64::to_bits), values.map(f64::to_bits));
+        assert_eq!(Tape::read(words.clone(), |tape| tape.numbers(&mut [0.0; 5])), None);
+        assert_eq!(Tape::read(words, |tape| tape.numbers(&mut [0.0; 7])), None);
+        let words = Tape::write(|tape| assert_eq!(tape.length(3), 3));
+        assert_eq!(words, [3]);
+        assert_eq!(Tape::read(words, |tape| assert_eq!(tape.length(1), 0)), None);
+        assert_eq!(Tape::read(vec![0], |tape| assert_eq!(tape.length(1), 0)), Some(()));
+        assert_eq!(Tape::read(vec![], Tape::refuse), None);
+    }
+
+    #[test]
+    fn counts_and_flags_are_integers() {
+        let words = Tape::write(|tape| {
+            tape.count(&mut 200_u8);
+            tape.count(&mut u32::MAX.clone());
+            tape.flag(&mut true.clone());
+        });
+        assert_eq!(words, [200, u64::from(u32::MAX), 1]);
+        let (mut byte, mut count, mut flag) = (0_u8, 0_u32, false);
+        let mut read = |words: Vec<u64>| {
+            Tape::read(words, |tape| {
+                tape.count(&mut byte);
+                tape.count(&mut count);
+                tape.flag(&mut flag);
+            })
+        };
+        assert_eq!(read(words), Some(()));
+        for nonsense in [[256, 0, 0], [0, 1 << 32, 0], [0, 0, 2]] {
+            assert_eq!(read(nonsense.to_vec()), None);
+        }
+        assert_eq!((byte, count, flag), (0, 0, false));
     }
 }

@@ -1,7 +1,14 @@
-//! What goes to the disk: files that appear complete or not at all, and tables as text.
+//! What goes to the disk: files that appear complete or not at all, tables as text, and checkpoints.
 
+#[cfg(feature = "serde")]
+pub mod checkpoint;
+#[cfg(not(feature = "serde"))]
+#[path = "persist/checkpoint/absent.rs"]
+pub(crate) mod checkpoint;
+#[cfg(any(feature = "ensemble", feature = "serde", feature = "report"))]
 pub(crate) mod file;
 #[cfg(any(feature = "ensemble", feature = "report"))]
 pub(crate) mod table;
 
+#[cfg(any(feature = "ensemble", feature = "serde", feature = "report"))]
 pub use file::FileError;

@@ -14,6 +14,7 @@
 
 use crate::carry::Carry;
 use crate::error::StepFailure;
+use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::Vector;
 use crate::system::{Discretized, Hamiltonian};
@@ -63,7 +64,7 @@ pub(crate) fn rescue<H: Discretized<E>, E, C: Carry<f64>>(
     cause: StepFailure,
 ) -> Outcome<H, E, C> {
     let inputs = hard.q.components().iter().chain(hard.p.components()).chain(hard.dw).chain([&hard.t]);
-    let is_hopeless = matches!(cause, StepFailure::Increments { .. } | StepFailure::Dimension { .. });
+    let is_hopeless = cause.is_of_arguments();
     if is_hopeless || inputs.into_iter().any(|x| !x.is_finite()) {
         return Err(cause);
     }
@@ -223,9 +224,9 @@ impl<V: Vector> Moves<V> {
         for ((end, longest), start) in self.from.iter().zip(&self.longest).zip(start) {
             let components = end.components().iter().zip(longest.components()).zip(start.components());
             for ((end, longest), start) in components {
-                // Components that hardly move do not count.
-                let way = (end - start).abs() + 1e-9 * start.abs() + f64::MIN_POSITIVE;
-                most = most.max(longest / way);
+                // A part is the difference of two states, and as uncertain as they are.
+                let rounding = f64::EPSILON * (end.abs() + start.abs());
+                most = most.max((longest - rounding).max(0.0).relative_to((end - start).abs()));
             }
         }
         most

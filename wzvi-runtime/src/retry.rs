@@ -170,6 +170,7 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         StepFailure::Unresolved { .. }
         | StepFailure::Increments { .. }
         | StepFailure::Dimension { .. }
+        | StepFailure::Index(_)
         | StepFailure::NonFiniteInput => false,
     }
 }

@@ -11,6 +11,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 pub use dual::Dual;
 pub use rounded::Rounded;
 
+use crate::numbers::Numbers;
 use crate::solve::{Solve, Together};
 
 /// The truth of a comparison: `bool` for one number, a mask for several at once.
@@ -43,7 +44,7 @@ impl Mask for bool {
 /// Functions have the meaning and the domain of the methods of `f64` with the same name.
 #[rustfmt::skip]
 pub trait Scalar:
-    Copy + Debug + 'static + Neg<Output = Self>
+    Copy + Debug + Numbers + 'static + Neg<Output = Self>
     + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
     + Add<f64, Output = Self> + Sub<f64, Output = Self> + Mul<f64, Output = Self> + Div<f64, Output = Self>
 {

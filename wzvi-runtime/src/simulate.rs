@@ -366,6 +366,7 @@ pub(crate) fn checked<H: Discretized<E>, E>(
             return Err(ConfigError::Start(StepFailure::Dimension { expected, got }));
         }
     }
+    system.check(q.len()).map_err(ConfigError::Start)?;
     if q.iter().chain(p).chain([&state.t]).all(|x| x.is_finite()) {
         Ok(state)
     } else {

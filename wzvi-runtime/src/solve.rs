@@ -77,13 +77,7 @@ impl<S: Scalar> Solve<S> for Together {}
 /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless `CAREFUL`, of any
 /// iteration whose corrections do not shrink fast. Lanes have NaN instead.
 #[inline(always)]
-pub fn newton<
-    S: Scalar,
-    const N: usize,
-    const SYMMETRIC: bool,
-    const GUESS: bool,
-    const CAREFUL: bool,
->(
+pub fn newton<S: Scalar, const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
     start: [S; N],
     equations: impl Equations<S, N>,
 ) -> Result<([S; N], Effort), StepFailure> {

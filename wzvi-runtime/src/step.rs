@@ -182,7 +182,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         // What the last step left is no guide from another state; it comes back if the step fails.
         let left = if state.t != self.clock.now || self.jumped(state) {
             cold();
-            let left = (self.memory.clone(), self.carry.clone(), self.clock, self.before);
+            let left = (self.memory.clone(), self.carry.clone(), self.clock, self.before, self.strain);
             if !self.restart(state.t) {
                 return Err(self.error(state, dw, StepFailure::NonFinite));
             }
@@ -206,7 +206,9 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
                 }
                 Err(cause) => {
                     if let Some(left) = left {
-                        (self.memory, self.carry, self.clock, self.before) = left;
+                        let memory;
+                        (memory, self.carry, self.clock, self.before, self.strain) = left;
+                        H::adopt(&mut self.memory, memory);
                     }
                     Err(self.error(state, dw, cause))
                 }
@@ -289,11 +291,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     fn error(&self, state: &State<H::Vector>, dw: &[f64], cause: StepFailure) -> StepError {
         cold();
         let inputs = || state.q.components().iter().chain(state.p.components()).chain(dw).chain([&state.t]);
-        let cause = match cause {
-            StepFailure::Increments { .. } | StepFailure::Dimension { .. } => cause,
-            _ if inputs().all(|x| x.is_finite()) => cause,
-            _ => StepFailure::NonFiniteInput,
-        };
+        let is_good = cause.is_of_arguments() || inputs().all(|x| x.is_finite());
+        let cause = if is_good { cause } else { StepFailure::NonFiniteInput };
         StepError { step: self.steps(), t: state.t, h: self.h, cause }
     }
 }

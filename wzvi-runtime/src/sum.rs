@@ -27,7 +27,7 @@ impl Sum {
 #[cfg(feature = "serde")]
 impl Sum {
     /// What a checkpoint keeps.
-    pub(crate) fn pass(&mut self, tape: &mut crate::checkpoint::Tape) {
+    pub(crate) fn pass(&mut self, tape: &mut crate::numbers::Tape) {
         let Self { rounded, lost } = self;
         tape.numbers([rounded, lost]);
     }
@@ -61,7 +61,7 @@ impl Sums {
 #[cfg(feature = "serde")]
 impl Sums {
     /// What a checkpoint keeps.
-    pub(crate) fn pass(&mut self, tape: &mut crate::checkpoint::Tape) {
+    pub(crate) fn pass(&mut self, tape: &mut crate::numbers::Tape) {
         for (sum, total) in self.sums.iter_mut().zip(&mut self.totals) {
             sum.pass(tape);
             *total = sum.total();

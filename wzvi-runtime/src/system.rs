@@ -33,6 +33,16 @@ pub trait Hamiltonian {
         matches!(self.degrees(), 0 if degrees > 0) || degrees == self.degrees()
     }
 
+    /// Whether a state with this many degrees of freedom can be evaluated, or why not.
+    ///
+    /// # Errors
+    /// [`StepFailure::Dimension`] unless it [fits](Hamiltonian::fits); [`StepFailure::Index`] if an integer of the system
+    /// is out of range.
+    fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+        let (expected, got) = (self.degrees(), degrees);
+        if self.fits(got) { Ok(()) } else { Err(StepFailure::Dimension { expected, got }) }
+    }
+
     /// Number of noise Hamiltonians.
     fn noises(&self) -> usize;
 
@@ -223,7 +233,7 @@ pub trait Discretized<E>: Hamiltonian {
     type Prepared: Clone + Debug;
 
     /// What one step leaves for the starting value of the next; `()` where nothing is iterated.
-    type Memory<S: Scalar>: Clone + Debug + Default + Numbers<S>;
+    type Memory<S: Scalar>: Clone + Debug + Default + Numbers;
 
     /// Compensated sums of the state's increments: [`Compensation`](crate::carry::Compensation).
     type Compensated<S: Scalar>: Carry<S>;

@@ -63,6 +63,16 @@ pub(crate) fn integer_not_real(found: impl ToTokens) -> Error {
     at(found, format!("expected an `f64`, found an integer; {remedy}"))
 }
 
+pub(crate) fn vector_as_energy(found: impl ToTokens, actual: &str) -> Error {
+    at(
+        found,
+        format!(
+            "a Hamiltonian is one number, the energy; this is {actual}. The equations of motion are derived from it: \
+             `|q, p| 0.5 * (p * p + q * q)` has the vector field `[p, -q]`"
+        ),
+    )
+}
+
 pub(crate) fn expected(found: impl ToTokens, expected: &str, actual: &str) -> Error {
     at(found, format!("expected {expected}, found {actual}"))
 }
@@ -81,13 +91,6 @@ pub(crate) fn index_out_of_range(found: impl ToTokens, index: i128, len: usize) 
 
 pub(crate) fn integer_arithmetic(found: impl ToTokens) -> Error {
     at(found, "this integer arithmetic overflows, divides by zero or leaves its type")
-}
-
-pub(crate) fn parameter_integer(found: impl ToTokens) -> Error {
-    at(
-        found,
-        "arithmetic on integers that are not known at compile time is not supported; convert them first, as in `n as f64`",
-    )
 }
 
 pub(crate) fn truncation(found: impl ToTokens) -> Error {
@@ -165,8 +168,8 @@ pub(crate) fn missing_else(found: impl ToTokens) -> Error {
 pub(crate) fn assignment_in_branch(found: impl ToTokens) -> Error {
     at(
         found,
-        "an assignment inside a branch that depends on the state or on parameters is not supported; write \
-         `let x = if condition { ... } else { ... };`",
+        "an assignment inside a branch whose condition is not known to the compiler (it reads the state, a parameter or an \
+         index of a loop) is not supported; write `let x = if condition { ... } else { ... };`",
     )
 }
 
@@ -194,14 +197,6 @@ pub(crate) fn too_many_variables(found: impl ToTokens, limit: usize) -> Error {
     at(found, format!("more than {limit} variables are in scope"))
 }
 
-pub(crate) fn stream_not_indexable(found: TokenStream) -> Error {
-    at(
-        found,
-        "the length of this iterator is known at run time only: it can be mapped, zipped, filtered and summed, and its \
-         items cannot be taken one by one here",
-    )
-}
-
 pub(crate) fn no_sum(found: impl ToTokens) -> Error {
     at(
         found,
@@ -211,6 +206,10 @@ pub(crate) fn no_sum(found: impl ToTokens) -> Error {
 
 pub(crate) fn long_for_loop(found: impl ToTokens) -> Error {
     at(found, "a `for` loop whose length is known at run time can only add to its variables: `total += ...`")
+}
+
+pub(crate) fn too_many_cases(found: impl ToTokens, most: usize) -> Error {
+    at(found, format!("the conditions on the indices of this loop part it into more than {most} ranges"))
 }
 
 pub(crate) fn index_beyond(found: impl ToTokens, index: &str, length: &str, excess: i128) -> Error {

@@ -41,6 +41,41 @@ pub(crate) fn not_a_struct(item: &Item) -> Error {
     }
 }
 
+pub(crate) fn not_a_function(item: &Item) -> Error {
+    at(item, "`#[hamiltonian_fn]` goes on a function, or on the `impl` of a struct for its methods")
+}
+
+pub(crate) fn methods_of_trait(path: impl ToTokens) -> Error {
+    at(path, "`#[hamiltonian_fn]` goes on an `impl` of the struct itself, not of a trait")
+}
+
+pub(crate) fn generic_function(parameter: impl ToTokens) -> Error {
+    at(
+        parameter,
+        "a function of Hamiltonians takes numbers, arrays and slices: it has no generic parameters; the length of a slice \
+         is `x.len()`",
+    )
+}
+
+pub(crate) fn special_function(found: impl ToTokens) -> Error {
+    at(found, "a function of Hamiltonians is a plain function of its arguments, or takes `&self`")
+}
+
+pub(crate) fn relative_constant(path: impl ToTokens) -> Error {
+    at(
+        path,
+        "the body of this function is compiled where it is called, and this name may mean something else there: name the \
+         constant from a root, as in `crate::units::KB` or `std::f64::consts::PI`, declare it inside with `const`, or pass it",
+    )
+}
+
+pub(crate) fn recursion(call: impl ToTokens) -> Error {
+    at(
+        call,
+        "this function calls itself: its derivative would never end; write the sum or product with an iterator",
+    )
+}
+
 pub(crate) fn expected_key(tokens: TokenStream) -> Error {
     at(tokens, format!("expected `key = value`; the keys are {KEYS}"))
 }
@@ -114,16 +149,12 @@ pub(crate) fn async_closure(token: TokenStream) -> Error {
 pub(crate) fn family_in_list(tokens: TokenStream) -> Error {
     at(
         tokens,
-        "a family of noises `[|q, p, k| ...; N]` is the whole list: it cannot stand beside other closures",
+        "a family of noises beside others stands in brackets of its own: `noise = [[|q, p, k| ...; N], |q, p| ...]`",
     )
 }
 
 pub(crate) fn family_of_invariants(count: impl ToTokens) -> Error {
     at(count, "first integrals are listed one by one: `invariant = [|q, p| ..., |q, p| ...]`")
-}
-
-pub(crate) fn family_count(count: impl ToTokens) -> Error {
-    at(count, "the number of noises of a family on a phase space of fixed size is an integer literal")
 }
 
 pub(crate) fn not_a_scheme(found: impl ToTokens) -> Error {
@@ -132,8 +163,18 @@ pub(crate) fn not_a_scheme(found: impl ToTokens) -> Error {
 
 pub(crate) fn unknown_embedding(name: &syn::Ident) -> Error {
     let names = ["DeltaPlus", "Midpoint", "DeltaMinus", "Lambda", "Mixed", "Corrected", "Uncorrected"];
-    let suggestion = closest(&name.to_string(), names);
+    let suggestion = scheme_synonym(&name.to_string()).or_else(|| closest(&name.to_string(), names));
     at(name, suggest(format!("unknown embedding `{name}`; there are {SCHEMES}"), suggestion))
+}
+
+/// What other texts call the same scheme.
+fn scheme_synonym(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "ImplicitMidpoint" | "MidPoint" | "ImplicitMidpointRule" | "Gauss2" => "Midpoint",
+        "SymplecticEuler" | "SymplecticEulerA" | "SemiImplicitEuler" | "EulerA" => "DeltaPlus",
+        "SymplecticEulerB" | "EulerB" => "DeltaMinus",
+        _ => return None,
+    })
 }
 
 pub(crate) fn duplicate_embedding(found: impl ToTokens, embedding: &Embedding) -> Error {
@@ -197,6 +238,18 @@ pub(crate) fn no_degrees(found: impl ToTokens) -> Error {
 
 pub(crate) fn too_many_degrees(found: impl ToTokens, limit: usize) -> Error {
     at(found, format!("at most {limit} degrees of freedom are supported: each is a variable of its own"))
+}
+
+pub(crate) fn tuple_phase_pattern(pattern: &syn::PatTuple) -> Error {
+    let parts: Vec<String> = pattern.elems.iter().map(|part| part.to_token_stream().to_string()).collect();
+    at(
+        pattern,
+        format!(
+            "coordinates and momenta are two parameters, not a tuple: write `|q, p|` for one degree of freedom, or \
+             `|[{}], ...|` if these are several coordinates",
+            parts.join(", ")
+        ),
+    )
 }
 
 pub(crate) fn unsupported_phase_pattern(pattern: impl ToTokens) -> Error {

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use crate::discretise::Scheme;
-use crate::discretise::equations::MomentumUpdate;
 use crate::discretise::embedding::Embedding;
+use crate::discretise::equations::MomentumUpdate;
 use crate::discretise::facts::{Facts, Knowledge, NoiseClass};
 use crate::discretise::lagrangian::StepSymbols;
 use crate::discretise::structure::{Block, Solution, Unknown};
@@ -15,11 +15,16 @@ use crate::symbolic::{Expr, Graph, Rational, Symbol};
 pub(crate) fn describe(model: &mut Model, facts: &Facts, scheme: &Scheme) -> String {
     let mut text = format!("{}\n", scheme.embedding);
     hamiltonians(model, &mut text);
-    lagrangian(&mut model.graph, scheme, &mut text);
-    equations(&mut model.graph, scheme, &mut text);
-    step(&model.graph, scheme, &mut text);
+    derivation(&mut model.graph, scheme, &mut text);
     properties(&mut model.graph, facts, &scheme.embedding, &mut text);
     text
+}
+
+/// From the discrete Lagrangian to the step.
+pub(crate) fn derivation(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
+    lagrangian(graph, scheme, text);
+    equations(graph, scheme, text);
+    step(graph, scheme, text);
 }
 
 /// Writing to a `String` cannot fail.

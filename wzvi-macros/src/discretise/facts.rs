@@ -5,7 +5,7 @@ use super::embedding::{Correction, Embedding};
 use super::sums::{Half, Increments, Space, Sum, Weighted};
 use crate::elements::describe::noise_numbers;
 use crate::model::index::{Atom, Index};
-use crate::model::{Element, Extent, Local, Model, Reads, Slot, System, Term};
+use crate::model::{Element, Extent, Reads, System, Term};
 use crate::symbolic::zero::Witness;
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
@@ -48,7 +48,7 @@ pub(crate) struct Failure {
 }
 
 /// What facts are about: every Hamiltonian as a sum, a noise times its increment.
-pub(crate) struct Hamiltonians {
+struct Hamiltonians {
     space: Space,
     t: Symbol,
     drift: Sum,
@@ -87,9 +87,9 @@ pub(crate) struct Facts {
 }
 
 impl Hamiltonians {
-    pub(crate) fn of_system(system: &System) -> Self {
+    fn of(system: &System) -> Self {
         let terms = [&system.drift].into_iter().chain(system.noise.iter().map(|noise| &noise.term));
-        let elements = terms.chain(&system.invariants).flat_map(|term| &term.elements);
+        let elements = terms.chain(&system.invariants).flat_map(|term| &term.values);
         let tables = system.tables.iter().map(|table| (table.name.clone(), table.is_unsigned)).collect();
         let space =
             Space::new(system.size.clone(), system.components, system.names.clone(), tables, elements);
@@ -110,55 +110,27 @@ impl Hamiltonians {
             invariants: system.invariants.iter().map(|term| (term.extent, sum_of(term, &[]))).collect(),
         }
     }
-
-    pub(crate) fn of_model(model: &Model) -> Self {
-        let slots = |symbols: &[Symbol], slot: fn(Index) -> Slot| -> Vec<Local> {
-            let numbered = symbols.iter().zip(0i128..);
-            numbered.map(|(&symbol, i)| Local { symbol, slot: slot(Index::integer(i)) }).collect()
-        };
-        let locals =
-            [slots(&model.phase.q, Slot::Coordinate), slots(&model.phase.p, Slot::Momentum)].concat();
-        let graph = &model.graph;
-        let element = |value: Expr| {
-            let parts = graph.reachable(&[value]);
-            let mut read: Vec<Symbol> = parts.into_iter().filter_map(|part| graph.as_symbol(part)).collect();
-            read.sort_unstable();
-            let locals = locals.iter().filter(|local| read.binary_search(&local.symbol).is_ok()).cloned();
-            Element { loops: Vec::new(), value, locals: locals.collect() }
-        };
-        let sum = |value: Expr, increments: &[Index]| {
-            vec![Weighted { element: element(value), increments: increments.to_vec() }]
-        };
-        let size = Index::integer(model.phase.q.len() as i128);
-        let all = Element { loops: Vec::new(), value: model.drift.value, locals: locals.clone() };
-        let names = ["q".to_owned(), "p".to_owned()];
-        Self {
-            space: Space::new(size, 1, names, Vec::new(), [&all].into_iter()),
-            t: model.phase.t,
-            drift: sum(model.drift.value, &[]),
-            noise: model.noise.iter().zip(0i128..).map(|(h, k)| sum(h.value, &[Index::integer(k)])).collect(),
-            numbers: (1..=model.noise.len()).map(|k| k.to_string()).collect(),
-            invariants: model.invariants.iter().map(|f| (f.extent, sum(f.value, &[]))).collect(),
-        }
-    }
 }
 
 fn sum_of(term: &Term, increments: &[Index]) -> Sum {
     let weigh = |element: &Element| Weighted { element: element.clone(), increments: increments.to_vec() };
-    term.elements.iter().map(weigh).collect()
+    term.values.iter().map(weigh).collect()
 }
 
 impl Facts {
-    pub(crate) fn new(graph: &mut Graph, hamiltonians: Hamiltonians) -> Self {
-        let Hamiltonians { mut space, t, drift, noise, numbers, invariants } = hamiltonians;
+    pub(crate) fn new(system: &mut System) -> Self {
+        let Hamiltonians { mut space, t, drift, noise, numbers, invariants } = Hamiltonians::of(system);
+        let System { graph, drift: Term { elements, .. }, noise: parted, .. } = system;
+        let parted = parted.iter().flat_map(|noise| &noise.term.elements);
         let all_noise: Sum = noise.concat();
         let (q, p) = (Half::Coordinates, Half::Momenta);
-        let half_defect_sum = Rate::of(space.contract(graph, (&all_noise, q), (&all_noise, p), Increments::Diagonal));
+        let half_defect_sum =
+            Rate::of(space.contract(graph, (&all_noise, q), (&all_noise, p), Increments::Diagonal));
         let defect_is_constant =
             half_defect_sum.known(|sum| space.is_constant(graph, sum, Increments::Diagonal));
         let counter_term = space.contract(graph, (&all_noise, q), (&all_noise, p), Increments::Together);
-        let counter_term_is_constant = Rate::of(counter_term.clone())
-            .known(|sum| space.is_constant(graph, sum, Increments::Together));
+        let counter_term_is_constant =
+            Rate::of(counter_term.clone()).known(|sum| space.is_constant(graph, sum, Increments::Together));
 
         let explicit_rate = space.partial(graph, &drift, t);
         let mut conserves_energy = vec![space.vanishes(graph, &explicit_rate, Increments::Each)];
@@ -168,16 +140,13 @@ impl Facts {
             conserves_energy.push(rate.known(|sum| space.vanishes(graph, sum, Increments::Each)));
             energy_rates.push(rate.sum);
         }
-        let is_separable = drift.iter().chain(&all_noise).all(|weighted| weighted.element.reads() != Reads::Both);
-        let has_diagonal_kinetic_energy = drift
-            .iter()
-            .chain(&all_noise)
-            .filter(|weighted| weighted.element.reads() == Reads::Momenta)
-            .all(|weighted| is_diagonal(graph, &weighted.element));
+        let all_parted = || elements.iter().chain(parted.clone());
         Self {
-            noise: noise_class(graph, &all_noise),
-            is_separable,
-            has_diagonal_kinetic_energy,
+            noise: noise_class(graph, &parted.clone().collect::<Vec<_>>(), noise.is_empty()),
+            is_separable: all_parted().all(|element| element.reads() != Reads::Both),
+            has_diagonal_kinetic_energy: all_parted()
+                .filter(|element| element.reads() == Reads::Momenta)
+                .all(|element| is_diagonal(graph, element)),
             half_defect_sum: half_defect_sum.sum,
             defect_is_constant,
             counter_term,
@@ -302,11 +271,11 @@ fn is_diagonal(graph: &mut Graph, element: &Element) -> bool {
     })
 }
 
-fn noise_class(graph: &mut Graph, noise: &Sum) -> NoiseClass {
-    let reads_only = |reads: Reads| noise.iter().all(|w| [reads, Reads::Nothing].contains(&w.element.reads()));
-    if noise.is_empty() {
+fn noise_class(graph: &mut Graph, noise: &[&Element], is_absent: bool) -> NoiseClass {
+    let reads_only = |reads: Reads| noise.iter().all(|e| [reads, Reads::Nothing].contains(&e.reads()));
+    if is_absent {
         NoiseClass::None
-    } else if noise.iter().all(|weighted| is_affine(graph, &weighted.element)) {
+    } else if noise.iter().all(|element| is_affine(graph, element)) {
         NoiseClass::Additive
     } else if reads_only(Reads::Coordinates) {
         NoiseClass::Position

@@ -10,6 +10,7 @@ pub(crate) mod embedding;
 pub(crate) mod equations;
 pub(crate) mod facts;
 pub(crate) mod lagrangian;
+pub(crate) mod sites;
 pub(crate) mod structure;
 pub(crate) mod sums;
 

@@ -4,151 +4,169 @@
 //! Derivatives are taken of elements that are parted by what of the state they read, values of those that are not: taken
 //! apart, `k (1 - cos d)` would be the difference of two sums of large numbers.
 
-use std::collections::HashMap;
-
-use crate::lower::Sum;
+use crate::diagnostics::{Diagnostics, expressions};
 use crate::model::index::Loop;
-use crate::model::{Element, Extent, Local, Reads, Term};
+use crate::model::symbols::{Sum, Symbols};
+use crate::model::{Element, Family, Reads, System, Table, Term};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
+use crate::unroll::{NotWrittenOut, Writer};
 
-/// The sum is an argument of a nonlinear function.
-#[derive(Debug)]
-pub(crate) struct Nonlinear;
-
-/// What expressions are made of besides parameters.
-pub(crate) struct Parts {
-    sums: HashMap<Symbol, (Loop, Expr)>,
-    locals: Vec<Local>,
+/// Makes the elements of every term; reports what is no sum of elements.
+pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
+    let System { graph, symbols, tables, drift, noise, invariants, .. } = system;
+    let mut parts = Parts { graph, symbols, tables };
+    let singles = [drift].into_iter().chain(invariants).map(|term| (term, Vec::new()));
+    let noise = noise.iter_mut().map(|noise| {
+        let member = noise.family.as_ref().map(|Family { variable, count }| Loop {
+            variable: *variable,
+            start: Default::default(),
+            end: count.clone(),
+        });
+        (&mut noise.term, member.into_iter().collect())
+    });
+    for (term, loops) in singles.chain(noise) {
+        if let Err(NotWrittenOut) = parts.collect(term, &loops) {
+            diagnostics.report(expressions::nonlinear_sum(term.extent));
+        }
+    }
 }
 
-impl Parts {
-    pub(crate) fn new(sums: Vec<Sum>, locals: Vec<Local>) -> Self {
-        Self { sums: sums.into_iter().map(|sum| (sum.symbol, (sum.range, sum.body))).collect(), locals }
-    }
+/// What expressions are made of besides parameters.
+struct Parts<'s> {
+    graph: &'s mut Graph,
+    symbols: &'s mut Symbols,
+    tables: &'s [Table],
+}
 
-    /// The Hamiltonian `expr` inside of `loops`.
-    pub(crate) fn term(
-        &self,
-        graph: &mut Graph,
-        expr: Expr,
-        loops: &[Loop],
-        extent: Extent,
-    ) -> Result<Term, Nonlinear> {
+impl Parts<'_> {
+    /// The elements of a Hamiltonian inside of `loops`.
+    fn collect(&mut self, term: &mut Term, loops: &[Loop]) -> Result<(), NotWrittenOut> {
         let mut values = Vec::new();
-        self.decompose(graph, expr, loops, &mut values)?;
-        let elements = values.iter().flat_map(|element| self.parted(graph, element)).collect();
-        Ok(Term { elements, values, extent })
-    }
-
-    fn decompose(
-        &self,
-        graph: &mut Graph,
-        expr: Expr,
-        loops: &[Loop],
-        into: &mut Vec<Element>,
-    ) -> Result<(), Nonlinear> {
-        let present: Vec<Symbol> = self.symbols(graph, expr).filter(|s| self.sums.contains_key(s)).collect();
-        if present.is_empty() {
-            self.place(graph, expr, loops, into);
-            return Ok(());
-        }
-        for &symbol in &present {
-            let factor = graph.derivative(expr, symbol);
-            if graph.depends_on(factor, &present) {
-                return Err(Nonlinear);
-            }
-            let Some((range, body)) = self.sums.get(&symbol) else { continue };
-            let body = graph.multiply(factor, *body);
-            let mut inner = loops.to_vec();
-            inner.push(range.clone());
-            self.decompose(graph, body, &inner, into)?;
-        }
-        let zero = graph.integer(0);
-        let rest = present.iter().map(|&symbol| (symbol, zero)).collect();
-        let rest = graph.substitute(&[expr], &rest)[0];
-        self.place(graph, rest, loops, into);
+        self.decompose(term.expression, loops, &mut values)?;
+        term.elements = values.iter().flat_map(|element| self.parted(element)).collect();
+        term.values = values;
         Ok(())
     }
 
-    fn place(&self, graph: &Graph, value: Expr, loops: &[Loop], into: &mut Vec<Element>) {
-        if !graph.is_zero(value) {
-            into.push(self.element(graph, value, loops));
+    fn decompose(
+        &mut self,
+        expr: Expr,
+        loops: &[Loop],
+        into: &mut Vec<Element>,
+    ) -> Result<(), NotWrittenOut> {
+        let (expr, present) = self.linear_in_sums(expr)?;
+        for (symbol, Sum { range, body }) in &present {
+            let factor = self.graph.derivative(expr, *symbol);
+            let body = self.graph.multiply(factor, *body);
+            let mut inner = loops.to_vec();
+            inner.push(range.clone());
+            self.decompose(body, &inner, into)?;
+        }
+        let zero = self.graph.integer(0);
+        let rest = present.iter().map(|(symbol, _)| (*symbol, zero)).collect();
+        let rest = self.graph.substitute(&[expr], &rest)[0];
+        if !self.graph.is_zero(rest) {
+            let element = self.element(rest, loops);
+            into.push(element);
+        }
+        Ok(())
+    }
+
+    /// `expr` with every sum written out that a nonlinear function reads, and the other sums in it.
+    fn linear_in_sums(&mut self, mut expr: Expr) -> Result<(Expr, Vec<(Symbol, Sum)>), NotWrittenOut> {
+        loop {
+            let symbols = self.symbols_in(expr).into_iter();
+            let present: Vec<(Symbol, Sum)> =
+                symbols.filter_map(|symbol| Some((symbol, self.symbols.sum_of(symbol)?.clone()))).collect();
+            let names: Vec<Symbol> = present.iter().map(|(symbol, _)| *symbol).collect();
+            let nonlinear: Vec<&(Symbol, Sum)> = present
+                .iter()
+                .filter(|(symbol, _)| {
+                    let factor = self.graph.derivative(expr, *symbol);
+                    self.graph.depends_on(factor, &names)
+                })
+                .collect();
+            if nonlinear.is_empty() {
+                return Ok((expr, present));
+            }
+            let mut images = std::collections::HashMap::new();
+            for (symbol, sum) in nonlinear {
+                let written = Writer::new(self.graph, self.symbols, self.tables).written_out(sum)?;
+                images.insert(*symbol, written);
+            }
+            expr = self.graph.substitute(&[expr], &images)[0];
         }
     }
 
-    fn symbols(&self, graph: &Graph, expr: Expr) -> impl Iterator<Item = Symbol> {
-        let parts = graph.reachable(&[expr]);
-        let symbols: Vec<Symbol> = parts.into_iter().filter_map(|part| graph.as_symbol(part)).collect();
-        symbols.into_iter()
+    fn symbols_in(&self, expr: Expr) -> Vec<Symbol> {
+        let parts = self.graph.reachable(&[expr]);
+        parts.into_iter().filter_map(|part| self.graph.as_symbol(part)).collect()
     }
 
     /// One element for the terms that read coordinates, one for those that read momenta, one for those that read both.
-    fn parted(&self, graph: &mut Graph, element: &Element) -> Vec<Element> {
+    fn parted(&mut self, element: &Element) -> Vec<Element> {
         let mut groups: Vec<(Reads, Vec<(Expr, Rational)>)> = Vec::new();
-        for (term, coefficient) in self.split(graph, element.value) {
-            let reads = self.element(graph, term, &[]).reads();
+        for (term, coefficient) in self.split(element.value) {
+            let reads = self.reads(term);
             match groups.iter_mut().find(|(known, _)| *known == reads) {
                 Some((_, terms)) => terms.push((term, coefficient)),
                 None => groups.push((reads, vec![(term, coefficient)])),
             }
         }
-        let values = groups.iter().map(|(_, terms)| graph.linear_combination(terms));
+        let values = groups.iter().map(|(_, terms)| self.graph.linear_combination(terms));
         let values: Vec<Expr> = values.collect();
-        let parts = values.into_iter().filter(|&value| !graph.is_zero(value));
-        parts.map(|value| self.element(graph, value, &element.loops)).collect()
+        let parts = values.into_iter().filter(|&value| !self.graph.is_zero(value));
+        parts.map(|value| self.element(value, &element.loops)).collect()
     }
 
-    fn element(&self, graph: &Graph, value: Expr, loops: &[Loop]) -> Element {
-        let present: Vec<Symbol> = self.symbols(graph, value).collect();
-        let locals = self.locals.iter().filter(|local| present.contains(&local.symbol)).cloned().collect();
+    fn element(&self, value: Expr, loops: &[Loop]) -> Element {
+        let locals = self.symbols.locals_among(self.symbols_in(value).into_iter());
         Element { loops: loops.to_vec(), value, locals }
     }
 
+    fn reads(&self, value: Expr) -> Reads {
+        self.element(value, &[]).reads()
+    }
+
     /// The terms of a sum; a factor that reads no state is multiplied out.
-    fn split(&self, graph: &mut Graph, expr: Expr) -> Vec<(Expr, Rational)> {
-        match graph.node(expr).clone() {
+    fn split(&mut self, expr: Expr) -> Vec<(Expr, Rational)> {
+        match self.graph.node(expr).clone() {
             Node::Sum { terms, constant } => {
                 let mut all = Vec::new();
                 for (term, coefficient) in terms {
-                    for (inner, weight) in self.split(graph, term) {
+                    for (inner, weight) in self.split(term) {
                         match weight.multiply(coefficient) {
                             Some(weight) => all.push((inner, weight)),
-                            None => all.push((graph.scale(inner, weight), coefficient)),
+                            None => all.push((self.graph.scale(inner, weight), coefficient)),
                         }
                     }
                 }
                 if !constant.is_zero() {
-                    all.push((graph.integer(1), constant));
+                    all.push((self.graph.integer(1), constant));
                 }
                 all
             }
-            Node::Product(factors) => self.multiply_out(graph, expr, &factors),
+            Node::Product(factors) => self.multiply_out(expr, &factors),
             _ => vec![(expr, Rational::ONE)],
         }
     }
 
-    fn multiply_out(
-        &self,
-        graph: &mut Graph,
-        expr: Expr,
-        factors: &[(Expr, Rational)],
-    ) -> Vec<(Expr, Rational)> {
-        let reads_state =
-            |graph: &Graph, part: Expr| self.element(graph, part, &[]).reads() != Reads::Nothing;
-        let moving: Vec<usize> = (0..factors.len()).filter(|&i| reads_state(graph, factors[i].0)).collect();
+    fn multiply_out(&mut self, expr: Expr, factors: &[(Expr, Rational)]) -> Vec<(Expr, Rational)> {
+        let reads_state = |part: Expr| self.reads(part) != Reads::Nothing;
+        let moving: Vec<usize> = (0..factors.len()).filter(|&i| reads_state(factors[i].0)).collect();
         let &[only] = moving.as_slice() else { return vec![(expr, Rational::ONE)] };
         let (base, exponent) = factors[only];
-        if !exponent.is_one() || !matches!(graph.node(base), Node::Sum { .. }) {
+        if !exponent.is_one() || !matches!(self.graph.node(base), Node::Sum { .. }) {
             return vec![(expr, Rational::ONE)];
         }
         let others: Vec<Expr> = factors
             .iter()
             .enumerate()
             .filter(|&(i, _)| i != only)
-            .map(|(_, &(base, exponent))| graph.power(base, exponent))
+            .map(|(_, &(base, exponent))| self.graph.power(base, exponent))
             .collect();
-        let factor = graph.product(&others);
-        let terms = self.split(graph, base);
-        terms.into_iter().map(|(term, weight)| (graph.multiply(factor, term), weight)).collect()
+        let factor = self.graph.product(&others);
+        let terms = self.split(base);
+        terms.into_iter().map(|(term, weight)| (self.graph.multiply(factor, term), weight)).collect()
     }
 }

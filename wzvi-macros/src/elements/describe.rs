@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
-use super::plan::{Unknowns, unknowns};
+use super::plan::{Strategy, Unknowns};
+use crate::discretise::Scheme;
+use crate::discretise::describe::{derivation, properties};
 use crate::discretise::embedding::Embedding;
-use crate::discretise::describe::properties;
 use crate::discretise::facts::Facts;
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, System, Table};
@@ -20,28 +21,25 @@ pub(crate) fn index<'a>(
 ) -> String {
     let mut text = String::new();
     for (atom, coefficient) in &index.terms {
-        let two = |both: &(Index, Index), sign: &str| {
-            let inner = |part: &Index| self::index(part, table, letter);
-            format!("({}){sign}({})", inner(&both.0), inner(&both.1))
+        let inner = |part: &Index| self::index(part, table, letter);
+        let operand = |part: &Index| match (part.terms.as_slice(), part.constant) {
+            ([(_, 1)], 0) | ([], 0..) => inner(part),
+            _ => format!("({})", inner(part)),
         };
-        let two_of = |both: &(Index, Index), name: &str| {
-            let inner = |part: &Index| self::index(part, table, letter);
-            format!("{name}({}, {})", inner(&both.0), inner(&both.1))
-        };
+        let two =
+            |both: &(Index, Index), sign: &str| format!("{}{sign}{}", operand(&both.0), operand(&both.1));
+        let two_of =
+            |both: &(Index, Index), name: &str| format!("{name}({}, {})", inner(&both.0), inner(&both.1));
         let atom = match atom {
             Atom::Loop(variable) => letter(*variable).to_owned(),
             Atom::Size => "n".to_owned(),
             Atom::Given(id, indices) => {
-                let indices: Vec<String> =
-                    indices.iter().map(|i| format!("[{}]", self::index(i, table, letter))).collect();
+                let indices: Vec<String> = indices.iter().map(|i| format!("[{}]", inner(i))).collect();
                 format!("{}{}", table(*id), indices.concat())
             }
-            Atom::Product(both) => two(both, " "),
-            Atom::Quotient(both) => two(both, "/"),
-            Atom::Remainder(both) => {
-                let inner = |part: &Index| self::index(part, table, letter);
-                format!("({} mod {})", inner(&both.0), inner(&both.1))
-            }
+            Atom::Product(both) => two(both, " * "),
+            Atom::Quotient(both) => format!("({})", two(both, " / ")),
+            Atom::Remainder(both) => format!("({} mod {})", operand(&both.0), operand(&both.1)),
             Atom::Minimum(both) => two_of(both, "min"),
             Atom::Maximum(both) => two_of(both, "max"),
         };
@@ -64,19 +62,26 @@ pub(crate) fn index<'a>(
     text
 }
 
+/// The name of a loop variable of `element`, by its nesting.
+fn letter(element: &Element, variable: u32) -> &'static str {
+    let depth = element.loops.iter().position(|known| known.variable == variable);
+    depth.map_or("k", |depth| LETTERS[depth.min(LETTERS.len() - 1)])
+}
+
+/// An index in the loops of `element`.
+pub(crate) fn index_in(system: &System, element: &Element, index: &Index) -> String {
+    let tables: &[Table] = &system.tables;
+    let table = |id: u32| tables.get(id as usize).map_or("?", |table| table.name.as_str());
+    self::index(index, &table, &|variable| letter(element, variable))
+}
+
 /// `Σ_{i=0}^{n-1} (...)`
 fn element(model: &System, element: &Element) -> String {
-    let tables: &[Table] = &model.tables;
-    let table = |id: u32| tables.get(id as usize).map_or("?", |table| table.name.as_str());
-    let letter = |variable: u32| {
-        let depth = element.loops.iter().position(|known| known.variable == variable);
-        depth.map_or("k", |depth| LETTERS[depth.min(LETTERS.len() - 1)])
-    };
     let mut text = String::new();
     for known in &element.loops {
         let last = known.end.shifted(-1).unwrap_or_default();
-        let (start, last) = (index(&known.start, &table, &letter), index(&last, &table, &letter));
-        let _ = write!(text, "Σ_({}={start}..{last}) ", letter(known.variable));
+        let (start, last) = (index_in(model, element, &known.start), index_in(model, element, &last));
+        let _ = write!(text, "Σ_({}={start}..{last}) ", letter(element, known.variable));
     }
     let _ = write!(text, "[{}]", model.graph.display(element.value));
     text
@@ -103,13 +108,37 @@ pub(crate) fn noise_numbers(model: &System) -> Vec<String> {
 }
 
 /// The text of one scheme.
-pub(crate) fn describe(model: &mut System, facts: &Facts, embedding: &Embedding) -> String {
-    let [q, p] = &model.names;
+pub(crate) fn describe(
+    model: &mut System,
+    facts: &Facts,
+    embedding: &Embedding,
+    strategy: &Strategy,
+) -> String {
     let mut text = format!("{embedding}\n\nHamiltonians, as sums of elements\n");
     let _ = writeln!(text, "  H0 = {}", term(model, &model.drift.elements));
     for (number, noise) in noise_numbers(model).iter().zip(&model.noise) {
         let _ = writeln!(text, "  H{number} = {}", term(model, &noise.term.elements));
     }
+    match strategy {
+        Strategy::Sweep(unknowns) => sweep(model, facts, embedding, *unknowns, &mut text),
+        Strategy::Sites(_, scheme) => sites(model, scheme, &mut text),
+    }
+    properties(&mut model.graph, facts, embedding, &mut text);
+    text
+}
+
+/// The equations of one site, which are those of all.
+fn sites(model: &mut System, scheme: &Scheme, text: &mut String) {
+    let last = model.size.shifted(-1).unwrap_or_default();
+    let table = |id: u32| model.tables.get(id as usize).map_or("?", |table| table.name.as_str());
+    let last = index(&last, &table, &|_| "k");
+    let _ = writeln!(text, "\nThe sites k = 0..{last} are not coupled: each is a system of its own");
+    derivation(&mut model.graph, scheme, text);
+}
+
+/// The equations of all sites at once.
+fn sweep(model: &System, facts: &Facts, embedding: &Embedding, unknowns: Unknowns, text: &mut String) {
+    let [q, p] = &model.names;
     let (drift_l, noise_l) = embedding.quadrature();
     let point = |l: Rational| if l.is_zero() { format!("{q}_i") } else { format!("{q}_{{i+{l}}}") };
     let noise = match model.noise.is_empty() {
@@ -132,11 +161,9 @@ pub(crate) fn describe(model: &mut System, facts: &Facts, embedding: &Embedding)
     let _ = writeln!(text, "  {p}_{{i+1}} = D2 L_d:  {p}_{{i+1}} - {p}_i = v - Σ_m l_m c_m ∂H_m/∂{q}");
     let _ = writeln!(text, "\nStep");
     let iteration = "fixed-point iteration while it contracts, else Newton with a banded Jacobian";
-    let _ = match unknowns(model, facts, embedding) {
+    let _ = match unknowns {
         Unknowns::None => writeln!(text, "  assign v, Δ{q}"),
         Unknowns::Momenta => writeln!(text, "  solve for v (then Δ{q}): {iteration}"),
         Unknowns::Both => writeln!(text, "  solve for Δ{q}, v: {iteration}"),
     };
-    properties(&mut model.graph, facts, embedding, &mut text);
-    text
 }

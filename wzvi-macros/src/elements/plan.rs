@@ -12,7 +12,11 @@
 //! | otherwise | `u` and `v` |
 
 use crate::discretise::embedding::Embedding;
+use std::rc::Rc;
+
 use crate::discretise::facts::Facts;
+use crate::discretise::sites::Site;
+use crate::discretise::{Scheme, discretise};
 use crate::model::{Element, Reads, System};
 use crate::symbolic::Rational;
 
@@ -23,7 +27,33 @@ pub(crate) enum Unknowns {
     Both,
 }
 
-pub(crate) fn unknowns(model: &System, facts: &Facts, embedding: &Embedding) -> Unknowns {
+/// How the steps of a scheme are solved.
+pub(crate) enum Strategy {
+    /// For all unknowns at once, in loops.
+    Sweep(Unknowns),
+    /// Site by site: what a small system does at each of them.
+    Sites(Rc<Site>, Box<Scheme>),
+}
+
+/// A sweep where nothing is iterated; else site by site, if the sites are not coupled.
+pub(crate) fn strategy(
+    system: &mut System,
+    site: Option<&Rc<Site>>,
+    facts: &Facts,
+    embedding: &Embedding,
+) -> Strategy {
+    match (unknowns(system, facts, embedding), site) {
+        (Unknowns::None, _) => Strategy::Sweep(Unknowns::None),
+        (_, Some(site)) => {
+            let scheme =
+                site.with_model(system, super::emit::site_entry, |model| discretise(model, facts, embedding));
+            Strategy::Sites(site.clone(), Box::new(scheme))
+        }
+        (unknowns, None) => Strategy::Sweep(unknowns),
+    }
+}
+
+fn unknowns(model: &System, facts: &Facts, embedding: &Embedding) -> Unknowns {
     let (drift_l, noise_l) = embedding.quadrature();
     let reads_q = |elements: &[Element]| {
         elements.iter().any(|element| matches!(element.reads(), Reads::Coordinates | Reads::Both))

@@ -4,7 +4,7 @@ mod lagrangian;
 pub(crate) mod plan;
 mod print;
 mod program;
-mod step;
+pub(crate) mod step;
 pub(crate) mod stubs;
 mod system;
 

@@ -18,19 +18,46 @@ mod flow;
 
 use flow::{Flow, Solve};
 
+/// A step as code that reads no system but what is prepared of it.
+pub(crate) struct Kernel {
+    /// `__Prepared`, `__Memory<__S>` and the function `__solve`.
+    pub(crate) items: TokenStream,
+    /// The body of a method that makes a `__Prepared` of `self` and `__h`.
+    pub(crate) prepare: TokenStream,
+    /// `(P - p_i) / (p_{i+1} - p_i)` of each degree of freedom, if that is a number.
+    pub(crate) momentum_factors: Option<Vec<f64>>,
+    affords_compensation: bool,
+}
+
+impl Kernel {
+    pub(crate) fn new(model: &mut Model, facts: &Facts, scheme: &Scheme) -> Self {
+        let flow = Flow::new(&mut model.graph, &model.parameters, scheme, facts.noise == NoiseClass::None);
+        let step = Step::new(&flow, scheme);
+        let (prepared_type, memory_type) = (step.prepared_type(), step.memory_type());
+        let (prepare, solve) = (step.prepare(model), step.solve());
+        let items = quote! {
+            type __Prepared = #prepared_type;
+            type __Memory<__S> = #memory_type;
+
+            #solve
+        };
+        Self {
+            items,
+            prepare,
+            momentum_factors: flow.momentum_factors(scheme),
+            affords_compensation: flow.affords_compensation(),
+        }
+    }
+}
+
 /// The implementation of one scheme.
 pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str) -> TokenStream {
     let lagrangian = lagrangian::emit(model, scheme);
     let plan = plan(facts, scheme);
-    let flow = Flow::new(&mut model.graph, &model.parameters, scheme, facts.noise == NoiseClass::None);
-    let step = Step::new(&flow, scheme);
-    let prepared_type = step.prepared_type();
-    let memory_type = step.memory_type();
-    let prepare = step.prepare(model);
-    let solve = step.solve();
-    let momentum = momentum(&flow, scheme);
-    let carry =
-        if flow.affords_compensation() { quote!(Self::Compensated<__S>) } else { quote!(__wzvi::Plain) };
+    let kernel = Kernel::new(model, facts, scheme);
+    let momentum = momentum(&kernel, scheme);
+    let Kernel { items, prepare, affords_compensation, .. } = kernel;
+    let carry = if affords_compensation { quote!(Self::Compensated<__S>) } else { quote!(__wzvi::Plain) };
 
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
@@ -40,10 +67,7 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
     let noises = scheme.lagrangian.symbols.dw.len();
     quote! {
         const _: () = {
-            type __Prepared = #prepared_type;
-            type __Memory<__S> = #memory_type;
-
-            #solve
+            #items
 
             #[automatically_derived]
             impl #generics __wzvi::Discretized<#embedding> for #name #arguments #filter {
@@ -95,7 +119,7 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
 }
 
 /// `step_momentum`: `P = p_i + (p_{i+1} - p_i) / factor` where the update is a multiple of `v`, else from the step.
-fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
+fn momentum(kernel: &Kernel, scheme: &Scheme) -> TokenStream {
     let f64 = f64_type();
     let signature = quote! {
         fn step_momentum(
@@ -106,7 +130,7 @@ fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
             __dw: &[#f64],
         ) -> Self::Vector
     };
-    if let Some(factors) = flow.momentum_factors(scheme) {
+    if let Some(factors) = &kernel.momentum_factors {
         let components = factors
             .iter()
             .enumerate()
@@ -134,7 +158,8 @@ fn momentum(flow: &Flow, scheme: &Scheme) -> TokenStream {
     }
 }
 
-fn plan(facts: &Facts, scheme: &Scheme) -> TokenStream {
+/// `PLAN` of a step that is solved block by block.
+pub(crate) fn plan(facts: &Facts, scheme: &Scheme) -> TokenStream {
     let hardest = scheme.structure.blocks.iter().map(|block| match block.solution {
         Solution::Assigned | Solution::Isolated(_) => 0,
         Solution::Linear { .. } => 1,

@@ -7,9 +7,10 @@ use syn::parse::{ParseStream, Parser};
 use syn::punctuated::Punctuated;
 use syn::{ExprClosure, Path, Token, token};
 
-use super::{embeddings, nesting};
+use super::{embeddings, groups, nesting};
 use crate::diagnostics::{Diagnostics, messages};
 use crate::discretise::embedding::Embedding;
+use crate::functions::Library;
 use crate::model::Located;
 
 pub(super) const KEYS: [&str; 5] = ["drift", "noise", "embedding", "invariant", "crate"];
@@ -25,6 +26,8 @@ pub(crate) struct Declaration {
     /// Whether there are no others than `embeddings`: none was misspelled.
     pub(crate) all_embeddings_known: bool,
     pub(crate) crate_path: Path,
+    /// The shared functions that the closures call.
+    pub(crate) library: Library,
 }
 
 impl Declaration {
@@ -55,6 +58,7 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
         diagnostics.report(messages::nested_too_deeply(token));
         return None;
     }
+    let attribute = groups::without_single(attribute);
     let mut declaration = Declaration {
         drift: None,
         noise: Vec::new(),
@@ -63,6 +67,7 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
         embedding_types: Vec::new(),
         all_embeddings_known: false,
         crate_path: syn::parse_quote!(::wzvi),
+        library: Library::default(),
     };
     let mut seen: Vec<String> = Vec::new();
     for entry in split_entries(attribute, diagnostics) {
@@ -197,18 +202,31 @@ fn hamiltonian_list(input: ParseStream<'_>) -> syn::Result<Vec<Hamiltonian>> {
     syn::bracketed!(content in input);
     let mut list = Vec::new();
     while !content.is_empty() {
-        let mut next = hamiltonian(&content)?;
-        if content.peek(Token![;]) {
-            if !list.is_empty() {
-                return Err(messages::family_in_list(rest(&content)?));
+        if content.peek(token::Bracket) {
+            // A family beside others.
+            let family;
+            syn::bracketed!(family in content);
+            let mut member = hamiltonian(&family)?;
+            family.parse::<Token![;]>()?;
+            member.family = Some(family.parse()?);
+            if !family.is_empty() {
+                return Err(messages::family_in_list(rest(&family)?));
             }
-            content.parse::<Token![;]>()?;
-            next.family = Some(content.parse()?);
-            if !content.is_empty() {
-                return Err(messages::family_in_list(rest(&content)?));
+            list.push(member);
+        } else {
+            let mut next = hamiltonian(&content)?;
+            if content.peek(Token![;]) {
+                if !list.is_empty() {
+                    return Err(messages::family_in_list(rest(&content)?));
+                }
+                content.parse::<Token![;]>()?;
+                next.family = Some(content.parse()?);
+                if !content.is_empty() {
+                    return Err(messages::family_in_list(rest(&content)?));
+                }
             }
+            list.push(next);
         }
-        list.push(next);
         if !content.is_empty() {
             content.parse::<Token![,]>()?;
         }

@@ -3,12 +3,15 @@
 
 mod attribute;
 mod embeddings;
+mod groups;
 mod nesting;
 mod phase_space;
 mod spelling;
 mod system;
 
 pub(crate) use attribute::{Declaration, Hamiltonian, read_attribute};
-pub(crate) use phase_space::{Length, PhaseSpace, Shape, Treatment, read_phase_space};
+pub(crate) use groups::peeled;
+pub(crate) use nesting::too_deep;
+pub(crate) use phase_space::{Length, PhaseSpace, Shape, read_phase_space};
 pub(crate) use spelling::closest;
 pub(crate) use system::{Container, Field, Kind, is_integer_type, read_struct, source};

@@ -16,7 +16,7 @@ const ANGLE: usize = 50;
 const PREFIX: usize = 6;
 
 /// The innermost token at which `tokens` nest too deeply, if they do.
-pub(super) fn too_deep(tokens: &TokenStream) -> Option<TokenTree> {
+pub(crate) fn too_deep(tokens: &TokenStream) -> Option<TokenTree> {
     // An explicit stack: this function has to survive what the others are guarded from.
     let mut pending = vec![(tokens.clone(), 0)];
     while let Some((stream, outer)) = pending.pop() {

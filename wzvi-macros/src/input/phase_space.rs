@@ -10,12 +10,7 @@ use syn::{Pat, Type};
 use super::attribute::{Declaration, Hamiltonian};
 use super::system::{literal, source};
 use crate::diagnostics::{Diagnostics, messages};
-
-/// Largest number of degrees of freedom that are variables of their own in the symbolic graph.
-const MAX_DEGREES: usize = 1024;
-
-/// Arrays of literal length up to this one are taken apart; sums over longer ones stay loops where that is possible.
-const LONGEST_UNROLLED: usize = 16;
+use crate::unroll::DEGREES;
 
 /// How coordinates (and momenta) are arranged.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -47,22 +42,12 @@ impl PartialEq for Length {
 
 impl Eq for Length {}
 
-/// How the compiler treats the degrees of freedom.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Treatment {
-    /// Each is a variable: sums are unrolled.
-    Unrolled,
-    /// Sums stay loops if the Hamiltonians allow it, else they are unrolled.
-    Either,
-    /// Sums stay loops: the size is not known to the compiler, or too large.
-    Sized,
-}
-
 /// The arrangement and the names of coordinates, momenta and time.
 pub(crate) struct PhaseSpace {
     pub(crate) shape: Shape,
-    pub(crate) treatment: Treatment,
-    /// Names in the order of the state vector (row-major); of a sized system only that of the array.
+    /// Names of the coordinates and the momenta as a whole.
+    pub(crate) names: [String; 2],
+    /// Names in the order of the state vector (row-major), if the compiler knows the size.
     pub(crate) q: Vec<String>,
     pub(crate) p: Vec<String>,
     pub(crate) t: String,
@@ -97,16 +82,6 @@ impl Shape {
                     Length::RunTime => quote! { &[#element] },
                 }
             }
-        }
-    }
-
-    /// How arrays of this shape are treated.
-    fn treatment(&self) -> Treatment {
-        match (self, self.size()) {
-            (_, None) => Treatment::Sized,
-            (_, Some(size)) if size > MAX_DEGREES => Treatment::Sized,
-            (Self::Array(_, Length::Literal(len)), _) if *len > LONGEST_UNROLLED => Treatment::Either,
-            _ => Treatment::Unrolled,
         }
     }
 }
@@ -158,18 +133,13 @@ fn declared(drift: &Hamiltonian) -> syn::Result<PhaseSpace> {
         (Some(shape), _) | (None, Some(shape)) => shape,
         (None, None) => Shape::Real,
     };
-    let mut treatment = shape.treatment();
-    if !(is_named_array(q) && is_named_array(p)) {
-        if treatment == Treatment::Sized {
-            return Err(messages::too_many_degrees(q, MAX_DEGREES));
-        }
-        // Patterns take the array apart.
-        treatment = Treatment::Unrolled;
+    let has_names = shape.size().is_some_and(|size| size <= DEGREES);
+    if !has_names && !(is_named_array(q) && is_named_array(p)) {
+        return Err(messages::too_many_degrees(q, DEGREES));
     }
-    let mut names = PhaseSpace { shape, treatment, q: Vec::new(), p: Vec::new(), t: "t".to_owned() };
-    if treatment == Treatment::Sized {
-        (names.q, names.p) = (vec![array_name(q, "q")], vec![array_name(p, "p")]);
-    } else {
+    let whole = [array_name(q, "q"), array_name(p, "p")];
+    let mut names = PhaseSpace { shape, names: whole, q: Vec::new(), p: Vec::new(), t: "t".to_owned() };
+    if has_names {
         name(q, &names.shape, "q", &mut names.q);
         name(p, &names.shape, "p", &mut names.p);
     }
@@ -203,10 +173,9 @@ pub(super) fn array_name(pattern: &Pat, fallback: &str) -> String {
 fn repeats(closure: &Hamiltonian, known: &PhaseSpace) -> syn::Result<()> {
     let (q, p, t) = parameters(closure)?;
     let expected = &known.shape;
-    // The members of a family, and closures over arrays that are not taken apart, name them without a type.
-    let may_omit_type = closure.family.is_some() || known.treatment != Treatment::Unrolled;
     for pattern in [q, p] {
-        if may_omit_type && is_bare_name(pattern) {
+        // What is an array was said once.
+        if is_bare_name(pattern) {
             continue;
         }
         match shape(pattern)? {
@@ -237,6 +206,7 @@ fn parameters(closure: &Hamiltonian) -> syn::Result<(&Pat, &Pat, Option<&Pat>)> 
     match *inputs.as_slice() {
         [q, p] => Ok((q, p, None)),
         [q, p, t] => Ok((q, p, Some(t))),
+        [Pat::Tuple(tuple)] => Err(messages::tuple_phase_pattern(tuple)),
         _ => {
             let (begin, end) = (&closure.closure.inputs_begin, &closure.closure.inputs_end);
             let inputs = &closure.closure.inputs;
@@ -282,6 +252,7 @@ fn shape(pattern: &Pat) -> syn::Result<Option<Shape>> {
                 }
             }
         }
+        Pat::Tuple(tuple) => Err(messages::tuple_phase_pattern(tuple)),
         _ => Err(messages::unsupported_phase_pattern(pattern)),
     }
 }

@@ -1,12 +1,14 @@
 //! Calls: local closures and the functions of `f64`.
 
 use quote::ToTokens;
-use syn::{Expr as Syntax, ExprCall, ExprClosure, ExprMethodCall};
+use syn::punctuated::Punctuated;
+use syn::{Expr as Syntax, ExprCall, ExprClosure, ExprMethodCall, FnArg, Token};
 
 use super::interpreter::{Closure, Interpreter};
 use super::names::{is_self, real_function};
 use super::value::Value;
-use crate::diagnostics::expressions;
+use crate::diagnostics::{expressions, messages};
+use crate::functions::{Function, key};
 
 impl<'a> Interpreter<'a, '_> {
     pub(super) fn closure(&mut self, syntax: &'a ExprClosure) -> Value {
@@ -22,6 +24,9 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     pub(super) fn call(&mut self, syntax: &'a ExprCall) -> Value {
+        if let Some(function) = self.shared(&syntax.func) {
+            return self.apply_shared(function, &syntax.args, syntax);
+        }
         let function = match &*syntax.func {
             // A single name is a variable; as a function it is not one that can be seen into.
             Syntax::Path(path) => match path.path.get_ident() {
@@ -44,6 +49,70 @@ impl<'a> Interpreter<'a, '_> {
             }
             _ => self.apply(&function, arguments, syntax),
         }
+    }
+
+    /// The shared function behind a path that no variable has.
+    fn shared(&self, function: &Syntax) -> Option<&'a Function> {
+        let Syntax::Path(path) = function else { return None };
+        if path.path.get_ident().is_some_and(|name| self.scope.find_from_anywhere(name).is_some()) {
+            return None;
+        }
+        let name = key(&path.path);
+        match name.strip_prefix("Self::") {
+            Some(method) => self.method(method),
+            None => self.library?.functions.iter().find(|function| function.name == name),
+        }
+    }
+
+    fn method(&self, name: &str) -> Option<&'a Function> {
+        self.root?.methods.iter().find(|function| function.name == name)
+    }
+
+    /// The body of a shared function at the place of its call: it sees its parameters, and what its author's names mean.
+    fn apply_shared(
+        &mut self,
+        function: &'a Function,
+        arguments: &'a Punctuated<Syntax, Token![,]>,
+        at: &dyn ToTokens,
+    ) -> Value {
+        let mut arguments: Vec<Value> = arguments.iter().map(|argument| self.evaluate(argument)).collect();
+        let inputs = &function.signature.inputs;
+        // A method by its path gets `self` as an argument.
+        let has_receiver = matches!(inputs.first(), Some(FnArg::Receiver(_)));
+        let parameters: Vec<&'a syn::Pat> = inputs
+            .iter()
+            .filter_map(|input| match input {
+                FnArg::Typed(typed) => Some(&*typed.pat),
+                FnArg::Receiver(_) => None,
+            })
+            .collect();
+        if has_receiver && arguments.len() == parameters.len() + 1 {
+            arguments.remove(0);
+        }
+        if parameters.len() != arguments.len() {
+            return self.report(expressions::argument_count(
+                at.to_token_stream(),
+                parameters.len(),
+                arguments.len(),
+            ));
+        }
+        if self.calls.iter().any(|active| std::ptr::eq(*active, function)) {
+            return self.report(messages::recursion(at.to_token_stream()));
+        }
+        if !self.spend(1, &at.to_token_stream()) {
+            return Value::Poison;
+        }
+        let scope = std::mem::take(&mut self.scope);
+        let library = self.library.replace(&function.library);
+        self.calls.push(function);
+        for (pattern, argument) in parameters.into_iter().zip(arguments) {
+            self.bind(pattern, argument);
+        }
+        let value = self.block(&function.block);
+        self.calls.pop();
+        self.library = library;
+        self.scope = scope;
+        value
     }
 
     /// The value of a function at `arguments`.
@@ -75,32 +144,19 @@ impl<'a> Interpreter<'a, '_> {
 
     pub(super) fn method_call(&mut self, syntax: &'a ExprMethodCall) -> Value {
         if is_self(&syntax.receiver) {
+            if let Some(method) = self.method(&syntax.method.to_string()) {
+                return self.apply_shared(method, &syntax.args, syntax);
+            }
             return self.report(expressions::function_call(&syntax.method));
         }
         let receiver = self.evaluate(&syntax.receiver);
         let arguments: Vec<Value> = syntax.args.iter().map(|argument| self.evaluate(argument)).collect();
         match receiver {
             Value::Poison => Value::Poison,
+            Value::Stream(stream) => self.sequence_method(stream, arguments, syntax),
+            Value::Index(index) => self.integer_method(&index, &arguments, syntax),
             // A constant that is not a list is a real number: integers have to be cast first.
-            Value::List(_) | Value::Iterator(_) | Value::Range(..) | Value::Array(_) | Value::Stream(_) => {
-                self.sequence_method(receiver, arguments, syntax)
-            }
-            Value::Index(_) => self.index_method(&receiver, &arguments, syntax),
-            Value::Place(ref place) if self.sized.is_some() && place.kind == crate::input::Kind::Integer => {
-                self.index_method(&receiver, &arguments, syntax)
-            }
-            // A known integer beside one that is not.
-            Value::Integer(_)
-                if arguments.iter().any(|argument| matches!(argument, Value::Index(_) | Value::Place(_)))
-                    && self.sized.is_some() =>
-            {
-                self.index_method(&receiver, &arguments, syntax)
-            }
-            Value::Place(ref place) if matches!(place.kind, crate::input::Kind::List(..)) => {
-                self.sequence_method(receiver, arguments, syntax)
-            }
-            Value::Integer(value) => self.integer_method(value, &arguments, syntax),
-            Value::Real(_) | Value::Place(_) => {
+            Value::Real(_) | Value::Constant(_) => {
                 let mut values = vec![receiver];
                 values.extend(arguments);
                 let mut places = vec![&*syntax.receiver];
@@ -112,77 +168,5 @@ impl<'a> Interpreter<'a, '_> {
                 _ => self.report(expressions::unknown_method(&syntax.method, other.describe(), &["clone"])),
             },
         }
-    }
-
-    fn integer_method(&mut self, value: i128, arguments: &[Value], syntax: &ExprMethodCall) -> Value {
-        const KNOWN: [&str; 8] =
-            ["pow", "abs", "abs_diff", "rem_euclid", "div_euclid", "min", "max", "clone"];
-        let name = syntax.method.to_string();
-        let mut known = Vec::new();
-        for (argument, at) in arguments.iter().zip(&syntax.args) {
-            match self.known_integer(argument.clone(), at) {
-                Some(argument) => known.push(argument),
-                None => return Value::Poison,
-            }
-        }
-        let result = match (name.as_str(), known.as_slice()) {
-            ("clone", []) => Some(value),
-            ("abs", []) => value.checked_abs(),
-            ("pow", &[n]) => u32::try_from(n).ok().and_then(|n| value.checked_pow(n)),
-            ("abs_diff", &[other]) => i128::try_from(value.abs_diff(other)).ok(),
-            ("rem_euclid", &[other]) => value.checked_rem_euclid(other),
-            ("div_euclid", &[other]) => value.checked_div_euclid(other),
-            ("min", &[other]) => Some(value.min(other)),
-            ("max", &[other]) => Some(value.max(other)),
-            (name, arguments) if KNOWN.contains(&name) => {
-                let expected = usize::from(!matches!(name, "clone" | "abs"));
-                return self.report(expressions::argument_count(&syntax.method, expected, arguments.len()));
-            }
-            _ if super::floats::is_real_method(&name) => {
-                return self.report(expressions::integer_not_real(&syntax.receiver));
-            }
-            _ => return self.report(expressions::unknown_method(&syntax.method, "integers", &KNOWN)),
-        };
-        result.map(Value::Integer).unwrap_or_else(|| self.report(expressions::integer_arithmetic(syntax)))
-    }
-
-    /// A method of an integer that is not known.
-    fn index_method(&mut self, value: &Value, arguments: &[Value], syntax: &ExprMethodCall) -> Value {
-        const KNOWN: [&str; 4] = ["min", "max", "rem_euclid", "clone"];
-        let name = syntax.method.to_string();
-        if super::floats::is_real_method(&name) && !KNOWN.contains(&name.as_str()) {
-            return self.report(expressions::integer_not_real(&syntax.receiver));
-        }
-        let Some(own) = self.as_index(value, &syntax.receiver) else { return Value::Poison };
-        let mut others = Vec::new();
-        for argument in arguments {
-            match self.as_index(argument, &syntax.args) {
-                Some(argument) => others.push(argument),
-                None => return Value::Poison,
-            }
-        }
-        let result = match (name.as_str(), others.as_slice()) {
-            ("clone", []) => Some(own),
-            ("min", [other]) => Some(own.minimum(other)),
-            ("max", [other]) => Some(own.maximum(other)),
-            ("rem_euclid", [other]) if self.is_nonnegative(&own) => own.remainder(other),
-            // a mod n for a down to -n.
-            ("rem_euclid", [other]) => own.add(other).and_then(|shifted| shifted.remainder(other)),
-            (name, arguments) if KNOWN.contains(&name) => {
-                let expected = usize::from(name != "clone");
-                return self.report(expressions::argument_count(&syntax.method, expected, arguments.len()));
-            }
-            _ => {
-                let known = &KNOWN[..];
-                return self.report(expressions::unknown_method(
-                    &syntax.method,
-                    "integers that are known at run time",
-                    known,
-                ));
-            }
-        };
-        result
-            .map(super::streams::index_value)
-            .unwrap_or_else(|| self.report(expressions::integer_arithmetic(syntax)))
     }
 }

@@ -1,11 +1,14 @@
 //! Blocks, variables, branches and loops.
 
+use std::rc::Rc;
+
 use syn::visit::Visit;
 use syn::{BinOp, Block, Expr as Syntax, ExprBinary, ExprForLoop, ExprIf, ExprRepeat, Ident, Item, Stmt};
 
 use super::interpreter::{Interpreter, last_expression};
 use super::patterns::Names;
-use super::streams::Stream;
+use super::scope::Binding;
+use super::sequences::Stream;
 use super::value::{Sequence, Value};
 use crate::diagnostics::expressions;
 use crate::symbolic::{Expr, Symbol};
@@ -86,7 +89,12 @@ impl<'a> Interpreter<'a, '_> {
         };
         let error = match name.and_then(|name| self.scope.find_from_anywhere(name)) {
             Some(binding) if binding.branch == self.branch => {
-                *binding.value.borrow_mut() = value;
+                let (binding, loops) = (binding.clone(), self.loop_depth());
+                if binding.loops == loops || value.is_poison() {
+                    *binding.value.borrow_mut() = value;
+                } else if !self.request_turns(|_| true) {
+                    self.report(expressions::long_for_loop(target));
+                }
                 return;
             }
             Some(_) => expressions::assignment_in_branch(target),
@@ -148,7 +156,7 @@ impl<'a> Interpreter<'a, '_> {
     fn select(&mut self, condition: Expr, then: &Value, otherwise: &Value) -> Option<Value> {
         Some(match (then, otherwise) {
             (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
-            (Value::Integer(a), Value::Integer(b)) if a == b => Value::Integer(*a),
+            (Value::Index(a), Value::Index(b)) if a == b => Value::Index(a.clone()),
             (Value::Known(a), Value::Known(b)) if a == b => Value::Known(*a),
             (Value::Known(true), Value::Known(false)) => Value::Condition(condition),
             (Value::Known(false), Value::Known(true)) => Value::Condition(self.graph.not(condition)),
@@ -157,7 +165,11 @@ impl<'a> Interpreter<'a, '_> {
                 let (then, otherwise) = (self.graph.and(condition, *a), self.graph.and(negated, *b));
                 Value::Condition(self.graph.or(then, otherwise))
             }
-            (Value::List(a), Value::List(b)) => Value::List(self.select_all(condition, a, b)?),
+            (Value::Stream(a), Value::Stream(b)) => {
+                let at = proc_macro2::TokenStream::new();
+                let (a, b) = (self.known_list(a, &at)?, self.known_list(b, &at)?);
+                Value::list(self.select_all(condition, &a, &b)?.items.to_vec())
+            }
             (Value::Tuple(a), Value::Tuple(b)) => Value::Tuple(self.select_all(condition, a, b)?),
             _ => {
                 let (then, otherwise) = (self.as_constant(then)?, self.as_constant(otherwise)?);
@@ -170,9 +182,7 @@ impl<'a> Interpreter<'a, '_> {
     fn as_constant(&mut self, value: &Value) -> Option<Expr> {
         match value {
             Value::Real(expr) => Some(*expr),
-            Value::Place(place) if place.kind == crate::input::Kind::Constant => {
-                Some(self.parameter(&place.name, place.value()))
-            }
+            Value::Constant(place) => Some(self.parameter(&place.name, place.tokens.clone())),
             _ => None,
         }
     }
@@ -186,68 +196,104 @@ impl<'a> Interpreter<'a, '_> {
         items.map(Sequence::new)
     }
 
+    /// A loop that only adds to its variables is a sum for each of them; another goes item by item.
     pub(super) fn for_loop(&mut self, syntax: &'a ExprForLoop) -> Value {
         let value = self.evaluate(&syntax.expr);
-        if let Some(stream) = self.as_stream(&value) {
-            return self.summing_loop(&stream, syntax).unwrap_or(Value::Poison);
+        let Some(stream) = self.as_stream(&value, &syntax.expr) else { return Value::Poison };
+        let Some(totals) = self.totals(&syntax.body) else { return Value::Poison };
+        if let Some(totals) = &totals {
+            match self.summing_loop(&stream, totals, syntax) {
+                Added::All(values) => {
+                    for ((binding, before), added) in totals.iter().zip(values) {
+                        let total = self.graph.add(*before, added);
+                        binding.value.replace(Value::Real(total));
+                    }
+                    return Value::unit();
+                }
+                Added::Failed => return Value::Poison,
+                Added::NoSum => {}
+            }
         }
-        let Some(items) = self.items(&value, None, &syntax.expr) else { return Value::Poison };
+        if !self.has_known_items(&stream) {
+            return self.report(expressions::long_for_loop(syntax.for_token));
+        }
+        let Some(items) = self.items(&stream, None, &syntax.expr) else { return Value::Poison };
         for item in items {
             if !self.spend(1, &syntax.for_token) {
                 return Value::Poison;
             }
-            let outer = self.scope.len();
-            self.bind(&syntax.pat, item);
-            self.block(&syntax.body);
-            self.scope.leave(outer);
+            self.turn(syntax, item);
         }
         Value::unit()
     }
 
-    /// A loop whose length only the running program knows: what it adds to each variable is a sum.
-    fn summing_loop(&mut self, stream: &Stream, syntax: &'a ExprForLoop) -> Option<Value> {
+    fn turn(&mut self, syntax: &'a ExprForLoop, item: Value) {
+        let outer = self.scope.len();
+        self.bind(&syntax.pat, item);
+        self.block(&syntax.body);
+        self.scope.leave(outer);
+    }
+
+    /// The variables from outside that a block assigns to, with what they hold: `None` inside if that is not real numbers.
+    fn totals(&mut self, body: &Block) -> Option<Option<Vec<(Rc<Binding>, Expr)>>> {
         let mut targets = Assigned::default();
-        targets.visit_block(&syntax.body);
-        let mut totals: Vec<(Ident, Expr)> = Vec::new();
+        targets.visit_block(body);
+        let mut totals: Vec<(Rc<Binding>, Expr)> = Vec::new();
         for name in targets.0 {
-            let Some(binding) = self.scope.find_from_anywhere(&name) else { continue };
-            let value = binding.value.borrow().clone();
-            if !totals.iter().any(|(known, _)| *known == name) {
-                totals.push((name.clone(), self.real(value, &name)?));
+            let Some(binding) = self.scope.find_from_anywhere(&name).cloned() else { continue };
+            if totals.iter().any(|(known, _)| Rc::ptr_eq(known, &binding)) {
+                continue;
             }
+            let value = match &*binding.value.borrow() {
+                Value::Real(value) => *value,
+                Value::Poison => return None,
+                _ => return Some(None),
+            };
+            totals.push((binding, value));
         }
+        Some(Some(totals))
+    }
+
+    /// What a loop adds to each of `totals`.
+    fn summing_loop(
+        &mut self,
+        stream: &Stream,
+        totals: &[(Rc<Binding>, Expr)],
+        syntax: &'a ExprForLoop,
+    ) -> Added {
         let placeholders: Vec<Symbol> =
-            totals.iter().map(|(name, _)| self.graph.new_symbol(name.to_string())).collect();
+            totals.iter().map(|(binding, _)| self.graph.new_symbol(binding.name.to_string())).collect();
         let mut added = Vec::new();
         // One pass for each total, so that each has sums of its own.
         for (wanted, &placeholder) in placeholders.iter().enumerate() {
-            let at = &syntax.for_token;
-            added.push(self.accumulate(stream, at, &mut |this, item| {
-                for ((name, _), &placeholder) in totals.iter().zip(&placeholders) {
-                    let total = Value::Real(this.graph.symbol(placeholder));
-                    this.scope.find_from_anywhere(name)?.value.replace(total);
-                }
+            let mut is_sum = true;
+            let sum = self.accumulate(stream, &syntax.for_token, &mut |this, item| {
                 let outer = this.scope.len();
-                this.bind(&syntax.pat, item);
-                this.block(&syntax.body);
+                // The body has the totals for itself.
+                for ((binding, _), &placeholder) in totals.iter().zip(&placeholders) {
+                    let total = Value::Real(this.graph.symbol(placeholder));
+                    this.declare(binding.name.clone(), total);
+                }
+                let own = this.scope.get(outer + wanted);
+                this.turn(syntax, item);
                 this.scope.leave(outer);
-                let name = &totals[wanted].0;
-                let value = this.scope.find_from_anywhere(name)?.value.borrow().clone();
-                let next = this.real(value, name)?;
+                let value = own.map_or(Value::Poison, |own| own.value.borrow().clone());
+                let Value::Real(next) = value else {
+                    is_sum &= value.is_poison();
+                    return None;
+                };
                 let total = this.graph.symbol(placeholder);
                 let added = this.graph.subtract(next, total);
-                if this.graph.depends_on(added, &placeholders) {
-                    this.report(expressions::long_for_loop(at));
-                    return None;
-                }
-                Some(added)
-            })?);
+                is_sum &= !this.graph.depends_on(added, &placeholders);
+                is_sum.then_some(added)
+            });
+            match sum {
+                Some(sum) => added.push(sum),
+                None if is_sum => return Added::Failed,
+                None => return Added::NoSum,
+            }
         }
-        for ((name, before), added) in totals.iter().zip(added) {
-            let total = self.graph.add(*before, added);
-            self.scope.find_from_anywhere(name)?.value.replace(Value::Real(total));
-        }
-        Some(Value::unit())
+        Added::All(added)
     }
 
     /// `[value; n]`
@@ -263,6 +309,15 @@ impl<'a> Interpreter<'a, '_> {
         }
         self.bounded(Value::list(vec![value; len]), syntax)
     }
+}
+
+/// What a loop adds to its variables.
+enum Added {
+    All(Vec<Expr>),
+    /// It does something else.
+    NoSum,
+    /// A mistake was reported.
+    Failed,
 }
 
 /// The variables that a block assigns to.

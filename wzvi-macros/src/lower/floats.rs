@@ -7,7 +7,6 @@ use syn::Expr as Syntax;
 use super::interpreter::Interpreter;
 use super::value::Value;
 use crate::diagnostics::expressions;
-use crate::input::Kind;
 use crate::symbolic::{Expr, Function, Rational};
 
 /// Functions that are made of others, and those with an integer argument.
@@ -32,7 +31,7 @@ fn arity(name: &str) -> Option<usize> {
     elementary.or_else(|| COMPOSED.iter().find(|(known, _)| *known == name).map(|&(_, arity)| arity))
 }
 
-pub(super) fn is_real_method(name: &str) -> bool {
+pub(crate) fn is_real_method(name: &str) -> bool {
     arity(name).is_some()
 }
 
@@ -119,11 +118,7 @@ impl Interpreter<'_, '_> {
     /// `f64::from(x)`
     fn number_as_real(&mut self, value: &Value, at: &dyn ToTokens) -> Value {
         match value {
-            Value::Integer(value) => self.integer_as_real(*value),
-            Value::Index(index) => Value::Real(self.index_as_real(&index.clone())),
-            Value::Place(place) if place.kind == Kind::Integer => {
-                Value::Real(self.parameter(&place.name, place.as_real()))
-            }
+            Value::Index(index) => Value::Real(self.index_as_real(index)),
             value => self.real(value.clone(), at).map_or(Value::Poison, Value::Real),
         }
     }
@@ -132,8 +127,12 @@ impl Interpreter<'_, '_> {
     fn integer_power(&mut self, x: &Value, n: &Value, x_at: &dyn ToTokens, n_at: &dyn ToTokens) -> Value {
         let x = self.real(x.clone(), x_at);
         let n = match n {
-            Value::Place(place) if matches!(place.kind, Kind::Integer | Kind::Constant) => {
+            Value::Constant(place) => {
                 let n = self.parameter(&place.name, place.as_real());
+                return x.map_or(Value::Poison, |x| Value::Real(self.graph.apply(Function::Powf, &[x, n])));
+            }
+            Value::Index(index) if index.as_integer().is_none() && index.loops().is_empty() => {
+                let n = self.index_as_real(index);
                 return x.map_or(Value::Poison, |x| Value::Real(self.graph.apply(Function::Powf, &[x, n])));
             }
             n => self.known_integer(n.clone(), n_at),

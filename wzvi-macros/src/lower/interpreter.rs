@@ -4,14 +4,18 @@ use proc_macro2::TokenStream;
 use quote::ToTokens;
 use syn::{Block, Expr as Syntax, Stmt};
 
+use super::loops::Loops;
 use super::names::Parameters;
 use super::scope::Scope;
-use super::sized::Loops;
+use super::sequences::Stream;
+use super::tables::Tables;
 use super::value::{Place, Value};
 use crate::diagnostics::{Diagnostics, expressions};
+use crate::functions::{Function, Library};
 use crate::input::{Container, Kind};
-use crate::model::Parameter;
-use crate::symbolic::{Expr, Graph, Rational};
+use crate::model::symbols::Symbols;
+use crate::model::{Parameter, Table};
+use crate::symbolic::{Expr, Graph};
 
 /// Operations that one Hamiltonian may unroll to.
 const MAX_STEPS: usize = 200_000;
@@ -32,12 +36,16 @@ pub(super) struct Interpreter<'a, 'd> {
     pub(super) parameters: Parameters,
     pub(super) scope: Scope,
     pub(super) closures: Vec<Closure<'a>>,
+    /// The shared functions of the declaration, and of the shared function that is being evaluated.
+    pub(super) root: Option<&'a Library>,
+    pub(super) library: Option<&'a Library>,
+    /// The shared functions around the current expression.
+    pub(super) calls: Vec<&'a Function>,
     /// Number of undecided branches around the current expression.
     pub(super) branch: u32,
-    /// In a system of elements: its loops, tables and local variables.
-    pub(super) sized: Option<Loops>,
-    /// Names of coordinates and momenta, for display.
-    pub(super) names: [String; 2],
+    pub(super) symbols: Symbols,
+    pub(super) tables: Tables,
+    pub(super) loops: Loops,
     diagnostics: &'d mut Diagnostics,
     steps: usize,
     depth: usize,
@@ -45,16 +53,25 @@ pub(super) struct Interpreter<'a, 'd> {
 }
 
 impl<'a, 'd> Interpreter<'a, 'd> {
-    pub(super) fn new(graph: Graph, system: &'a Container, diagnostics: &'d mut Diagnostics) -> Self {
+    pub(super) fn new(
+        graph: Graph,
+        symbols: Symbols,
+        system: &'a Container,
+        diagnostics: &'d mut Diagnostics,
+    ) -> Self {
         Self {
             graph,
             system,
             parameters: Parameters::default(),
             scope: Scope::default(),
             closures: Vec::new(),
+            root: None,
+            library: None,
+            calls: Vec::new(),
             branch: 0,
-            sized: None,
-            names: ["q".to_owned(), "p".to_owned()],
+            symbols,
+            tables: Tables::default(),
+            loops: Loops::default(),
             diagnostics,
             steps: 0,
             depth: 0,
@@ -62,27 +79,39 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         }
     }
 
-    /// Forgets everything but the graph and the parameters: the next Hamiltonian starts.
+    /// Forgets everything but the graph and what its symbols stand for: the next Hamiltonian starts.
     pub(super) fn start(&mut self) {
         self.scope = Scope::default();
         self.closures.clear();
+        self.loops = Loops::default();
+        self.calls.clear();
+        self.library = self.root;
         (self.branch, self.steps, self.depth, self.exhausted) = (0, 0, 0, false);
     }
 
-    pub(super) fn into_parts(self) -> (Graph, Vec<Parameter>) {
-        (self.graph, self.parameters.into_list())
+    pub(super) fn into_parts(self) -> (Graph, Symbols, Vec<Table>, Vec<Parameter>) {
+        (self.graph, self.symbols, self.tables.into_list(), self.parameters.into_list())
     }
 
+    /// Reports a mistake, unless it may be none: in a loop that can be evaluated turn by turn, what a variable cannot stand
+    /// for is looked at again with the values of that variable.
     pub(super) fn report(&mut self, error: syn::Error) -> Value {
-        self.diagnostics.report(error);
+        if !self.request_turns(|_| true) {
+            self.diagnostics.report(error);
+        }
         Value::Poison
+    }
+
+    /// Number of mistakes so far.
+    pub(super) fn mistakes(&self) -> usize {
+        self.diagnostics.count()
     }
 
     /// Takes `steps` from the budget; `false` once it is spent.
     pub(super) fn spend(&mut self, steps: usize, at: &dyn ToTokens) -> bool {
         self.steps = self.steps.saturating_add(steps);
         if self.steps > MAX_STEPS && !std::mem::replace(&mut self.exhausted, true) {
-            self.report(expressions::too_many_steps(at.to_token_stream(), MAX_STEPS));
+            self.diagnostics.report(expressions::too_many_steps(at.to_token_stream(), MAX_STEPS));
         }
         !self.exhausted
     }
@@ -92,11 +121,12 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             self.report(expressions::too_many_variables(&name, MAX_VARIABLES));
             return;
         }
-        self.scope.declare(name, value, self.branch);
+        let loops = self.loop_depth();
+        self.scope.declare(name, value, self.branch, loops);
     }
 
     pub(super) fn evaluate(&mut self, syntax: &'a Syntax) -> Value {
-        if !self.spend(1, syntax) {
+        if self.is_abandoned() || !self.spend(1, syntax) {
             return Value::Poison;
         }
         if self.depth >= MAX_DEPTH {
@@ -148,11 +178,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
 
     /// `value`, unless it is a list too deep to be dropped safely.
     pub(super) fn bounded(&mut self, value: Value, at: &dyn ToTokens) -> Value {
-        let depth = match &value {
-            Value::List(sequence) | Value::Tuple(sequence) | Value::Iterator(sequence) => sequence.depth,
-            _ => 0,
-        };
-        match depth as usize > MAX_DEPTH {
+        match value.depth() as usize > MAX_DEPTH {
             true => self.report(expressions::too_deep(at.to_token_stream(), MAX_DEPTH)),
             false => value,
         }
@@ -189,40 +215,33 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.report(expressions::unsupported(at, what, remedy))
     }
 
+    /// The value of a Hamiltonian.
+    pub(super) fn energy(&mut self, value: Value, at: &dyn ToTokens) -> Option<Expr> {
+        let is_vector = match &value {
+            Value::Tuple(parts) => !parts.items.is_empty(),
+            Value::Stream(stream) => matches!(**stream, Stream::Array(_) | Stream::Known(_)),
+            _ => false,
+        };
+        if is_vector {
+            self.report(expressions::vector_as_energy(at.to_token_stream(), value.describe()));
+            return None;
+        }
+        self.real(value, at)
+    }
+
     /// `value` as a real number; what it is instead is reported at `at`.
     pub(super) fn real(&mut self, value: Value, at: &dyn ToTokens) -> Option<Expr> {
         let error = match value {
             Value::Real(expr) => return Some(expr),
             Value::Poison => return None,
-            Value::Index(_) => expressions::integer_not_real(at.to_token_stream()),
-            Value::Place(place) if matches!(place.kind, Kind::Constant | Kind::Real) => {
-                return Some(self.parameter(&place.name, place.value()));
+            Value::Constant(place) => {
+                return Some(self.parameter(&place.name, place.tokens.clone()));
             }
-            value if value.is_integer() => expressions::integer_not_real(at.to_token_stream()),
+            Value::Index(_) => expressions::integer_not_real(at.to_token_stream()),
             value => expressions::expected(at.to_token_stream(), "an `f64`", value.describe()),
         };
         self.report(error);
         None
-    }
-
-    /// `value` as an integer that is known, for an index or a bound.
-    pub(super) fn known_integer(&mut self, value: Value, at: &dyn ToTokens) -> Option<i128> {
-        let error = match value {
-            Value::Integer(value) => return Some(value),
-            Value::Poison => return None,
-            Value::Place(_) | Value::Index(_) => expressions::index_not_known(at.to_token_stream()),
-            value => expressions::expected(at.to_token_stream(), "an integer", value.describe()),
-        };
-        self.report(error);
-        None
-    }
-
-    /// The exact real number of an integer.
-    pub(super) fn integer_as_real(&mut self, value: i128) -> Value {
-        Value::Real(match Rational::new(value, 1) {
-            Some(exact) => self.graph.number(exact),
-            None => self.graph.float(value as f64),
-        })
     }
 
     /// A symbol that stands for the `f64` expression `tokens`.
@@ -234,11 +253,16 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     /// What a place holds: a real number is read at once, the rest waits for its use.
     pub(super) fn place(&mut self, place: Place, at: &dyn ToTokens) -> Value {
         match &place.kind {
-            Kind::Real => Value::Real(self.parameter(&place.name, place.value())),
+            Kind::Real => Value::Real(self.parameter(&place.name, place.tokens.clone())),
+            Kind::Integer => Value::index(self.given(&place)),
+            Kind::List(element, length) => {
+                let array = self.table(&place, element, *length);
+                Value::Stream(Stream::Array(array.into()).into())
+            }
+            Kind::Constant => Value::Constant(place.into()),
             Kind::Other(ty) | Kind::Tuple(_, ty) => {
                 self.report(expressions::field_type(at.to_token_stream(), &place.name, ty))
             }
-            _ => Value::Place(place.into()),
         }
     }
 }

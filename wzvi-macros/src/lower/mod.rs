@@ -1,200 +1,234 @@
-//! From closures to expressions: an abstract interpreter of `syn::Expr`. Loops are unrolled, local closures inlined,
-//! and what depends on the state or on parameters becomes symbolic. Only this module reads Rust expressions.
+//! From closures to expressions: an abstract interpreter of `syn::Expr`. Local closures are inlined, what depends on the state
+//! or on parameters becomes symbolic, sums become symbols. Only this module reads Rust expressions.
 
+mod arrays;
 mod calls;
 mod control;
 mod dereference;
 mod floats;
-mod indices;
+mod integers;
 mod interpreter;
-mod iterators;
+mod loops;
+mod methods;
 mod names;
 mod operators;
 mod patterns;
 mod scope;
-mod sized;
-mod streams;
+mod sequences;
+mod tables;
 #[cfg(test)]
 mod tests;
 mod type_checks;
 mod value;
 
-use syn::ReturnType;
+use syn::{Expr as Syntax, Lit, ReturnType};
 
 use crate::diagnostics::{Diagnostics, expressions, messages};
-use crate::elements::collect::Parts;
-use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Shape};
+use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Shape, peeled};
 use crate::model::index::{Atom, Index, Loop};
-use crate::model::{Extent, Family, Located, Model, Noise, Phase, System, Term};
+use crate::model::symbols::Symbols;
+use crate::model::{Extent, Family, Noise, System, Term};
 use crate::symbolic::{Expr, Graph, Symbol};
 
+use arrays::{Array, Origin};
 use interpreter::Interpreter;
-use sized::Loops;
-use streams::{Array, Source};
+use sequences::Stream;
 use value::Value;
 
-pub(crate) use sized::Sum;
+pub(crate) use floats::is_real_method;
+pub(crate) use names::{is_self, real_function};
 
 /// Lowers every closure. `None` only after an error was reported.
 pub(crate) fn lower(
-    system: Container,
+    container: Container,
     declaration: Declaration,
     phase_space: &PhaseSpace,
     diagnostics: &mut Diagnostics,
-) -> Option<Model> {
+) -> Option<System> {
     let mut graph = Graph::new();
-    let phase = symbols(&mut graph, phase_space);
-    let mut interpreter = Interpreter::new(graph, &system, diagnostics);
-    let mut wrong_count = None;
-    let shape = &phase_space.shape;
-    let mut lower_one = |hamiltonian, k| lower_closure(&mut interpreter, hamiltonian, shape, &phase, k);
+    let mut symbols = Symbols::new(phase_space.names.clone());
+    symbols.declare_phase(&mut graph, &phase_space.q, &phase_space.p);
+    let t = graph.new_symbol(&phase_space.t);
+    let mut interpreter = Interpreter::new(graph, symbols, &container, diagnostics);
+    interpreter.root = Some(&declaration.library);
+    let space = Space::new(&mut interpreter, &phase_space.shape, t);
 
-    let drift = declaration.drift.as_ref().map(|drift| lower_one(drift, None));
-    let mut noise = Vec::new();
-    for closure in &declaration.noise {
-        match &closure.family {
-            None => noise.push(lower_one(closure, None)),
-            Some(count) => match family_members(count) {
-                Some(members) => noise.extend((0..members).map(|k| lower_one(closure, Some(k)))),
-                None => wrong_count = Some(count),
-            },
-        }
-    }
-    let invariants: Vec<_> =
-        declaration.invariants.iter().map(|invariant| lower_one(invariant, None)).collect();
-    if let Some(count) = wrong_count {
-        interpreter.report(messages::family_count(count));
-        return None;
-    }
+    let drift = declaration.drift.as_ref().map(|drift| space.term(&mut interpreter, drift, None));
+    let noise: Vec<_> = declaration.noise.iter().map(|noise| space.noise(&mut interpreter, noise)).collect();
+    let invariants: Vec<_> = declaration
+        .invariants
+        .iter()
+        .map(|invariant| space.term(&mut interpreter, invariant, None))
+        .collect();
 
-    let (graph, parameters) = interpreter.into_parts();
-    let type_checks = type_checks::type_checks(&system, &declaration, &phase_space.shape);
-    Some(Model {
+    let (graph, symbols, tables, parameters) = interpreter.into_parts();
+    let type_checks = type_checks::type_checks(&container, &declaration, &phase_space.shape);
+    let noise: Vec<Vec<Noise>> = noise.into_iter().collect::<Option<_>>()?;
+    Some(System {
         graph,
-        phase,
+        shape: phase_space.shape.clone(),
+        size: space.size,
+        components: space.inner.iter().product(),
+        names: phase_space.names.clone(),
+        symbols,
+        t,
         parameters,
+        tables,
         drift: drift.flatten()?,
-        noise: noise.into_iter().collect::<Option<_>>()?,
+        noise: noise.into_iter().flatten().collect(),
         invariants: invariants.into_iter().collect::<Option<_>>()?,
         embeddings: declaration.embeddings,
-        item: system.item,
+        item: container.item,
         crate_path: declaration.crate_path,
         type_checks,
     })
 }
 
-/// The number of noises that a family stands for.
-fn family_members(count: &syn::Expr) -> Option<i128> {
-    let syn::Expr::Lit(literal) = count else { return None };
-    let syn::Lit::Int(count) = &literal.lit else { return None };
-    count.base10_parse::<u16>().ok().map(i128::from)
+/// The phase space as closures see it.
+struct Space<'s> {
+    shape: &'s Shape,
+    /// The outermost size.
+    size: Index,
+    /// The lengths of the arrays inside of a point.
+    inner: Vec<i128>,
+    t: Symbol,
 }
 
-fn symbols(graph: &mut Graph, phase_space: &PhaseSpace) -> Phase {
-    let q = phase_space.q.iter().map(|name| graph.new_symbol(name)).collect();
-    let p = phase_space.p.iter().map(|name| graph.new_symbol(name)).collect();
-    Phase { q, p, t: graph.new_symbol(&phase_space.t) }
-}
+impl<'s> Space<'s> {
+    fn new(interpreter: &mut Interpreter<'_, '_>, shape: &'s Shape, t: Symbol) -> Self {
+        let (size, inner) = match shape {
+            Shape::Real => (Index::integer(1), Vec::new()),
+            Shape::Array(point, length) => {
+                let size = match length {
+                    Length::Literal(len) => Index::integer(*len as i128),
+                    Length::Named(expr) => interpreter.size(expr),
+                    Length::RunTime => Index::atom(Atom::Size),
+                };
+                (size, inner_lengths(point))
+            }
+        };
+        Self { shape, size, inner, t }
+    }
 
-/// The value of one closure at the symbols of phase space.
-fn lower_closure<'a>(
-    interpreter: &mut Interpreter<'a, '_>,
-    hamiltonian: &'a Hamiltonian,
-    shape: &Shape,
-    phase: &Phase,
-    member: Option<i128>,
-) -> Option<Located<Expr>> {
-    let closure = &hamiltonian.closure;
-    if let ReturnType::Type(_, ty) = &closure.output
-        && !names::is_real_type(ty)
-    {
-        interpreter.report(messages::return_type(ty));
-        return None;
-    }
-    let q = arrange(&mut interpreter.graph, shape, &mut phase.q.iter());
-    let p = arrange(&mut interpreter.graph, shape, &mut phase.p.iter());
-    let t = Value::Real(interpreter.graph.symbol(phase.t));
-    interpreter.start();
-    let mut values = vec![q, p, t];
-    if let Some(k) = member {
-        values.truncate(closure.inputs.len().saturating_sub(1));
-        values.push(Value::Integer(k));
-    }
-    for (pattern, value) in closure.inputs.iter().zip(values) {
-        interpreter.bind(pattern, value);
-    }
-    let value = interpreter.evaluate(&closure.body);
-    let value = interpreter.real(value, interpreter::result_of(&closure.body))?;
-    Some(Located { value, extent: Extent::of(&closure.body) })
-}
-
-/// The symbols as a value of the given shape.
-fn arrange<'s>(graph: &mut Graph, shape: &Shape, symbols: &mut impl Iterator<Item = &'s Symbol>) -> Value {
-    match shape {
-        Shape::Real => symbols.next().map_or(Value::Poison, |&symbol| Value::Real(graph.symbol(symbol))),
-        Shape::Array(element, Length::Literal(len)) => {
-            Value::list((0..*len).map(|_| arrange(graph, element, symbols)).collect())
+    /// The coordinates or the momenta.
+    fn vector(&self, interpreter: &mut Interpreter<'_, '_>, origin: Origin) -> Value {
+        if let Shape::Real = self.shape {
+            return Value::Real(interpreter.component(origin == Origin::Momenta, Index::default()));
         }
-        Shape::Array(..) => Value::Poison,
+        let (start, length, inner) = (Index::default(), self.size.clone(), self.inner.clone());
+        Value::Stream(
+            Stream::Array(Array { origin, indices: Vec::new(), start, length, inner }.into()).into(),
+        )
+    }
+
+    /// A noise, or a family of them. Members that differ in more than a number are noises of their own.
+    fn noise<'a>(&self, interpreter: &mut Interpreter<'a, '_>, noise: &'a Hamiltonian) -> Option<Vec<Noise>> {
+        let Some(count) = &noise.family else {
+            return Some(vec![Noise { term: self.term(interpreter, noise, None)?, family: None }]);
+        };
+        let count = family_count(interpreter, count)?;
+        let variable = interpreter.symbols.variable(0);
+        let range = Loop { variable, start: Index::default(), end: count.clone() };
+        let term = self.term(interpreter, noise, Some(Member::Any(&range)));
+        if !interpreter.takes_turns(variable) {
+            return Some(vec![Noise { term: term?, family: Some(Family { variable, count }) }]);
+        }
+        let members = (0..count.as_integer()?).map(|member| {
+            let term = self.term(interpreter, noise, Some(Member::Known(member)))?;
+            Some(Noise { term, family: None })
+        });
+        members.collect()
+    }
+
+    /// One closure.
+    fn term<'a>(
+        &self,
+        interpreter: &mut Interpreter<'a, '_>,
+        hamiltonian: &'a Hamiltonian,
+        member: Option<Member<'_>>,
+    ) -> Option<Term> {
+        let closure = &hamiltonian.closure;
+        if let ReturnType::Type(_, ty) = &closure.output
+            && !names::is_real_type(ty)
+        {
+            interpreter.report(messages::return_type(ty));
+            return None;
+        }
+        let mistakes = interpreter.mistakes();
+        interpreter.start();
+        let value = self.value(interpreter, hamiltonian, member);
+        if value.is_none() && interpreter.mistakes() == mistakes && !interpreter.is_abandoned() {
+            // All that fails in silence is arithmetic on indices.
+            interpreter.report(expressions::integer_arithmetic(interpreter::result_of(&closure.body)));
+        }
+        let extent = Extent::of(&closure.body);
+        Some(Term { expression: value?, elements: Vec::new(), values: Vec::new(), extent })
+    }
+
+    fn value<'a>(
+        &self,
+        interpreter: &mut Interpreter<'a, '_>,
+        hamiltonian: &'a Hamiltonian,
+        member: Option<Member<'_>>,
+    ) -> Option<Expr> {
+        let closure = &hamiltonian.closure;
+        let q = self.vector(interpreter, Origin::Coordinates);
+        let p = self.vector(interpreter, Origin::Momenta);
+        let mut values = vec![q, p, Value::Real(interpreter.graph.symbol(self.t))];
+        let range = match &member {
+            Some(Member::Any(range)) => Some(*range),
+            _ => None,
+        };
+        if let Some(member) = &member {
+            values.truncate(closure.inputs.len().saturating_sub(1));
+            values.push(match member {
+                Member::Any(range) => Value::index(Index::atom(Atom::Loop(range.variable))),
+                Member::Known(member) => Value::integer(*member),
+            });
+        }
+        interpreter.inside(range, |interpreter| {
+            for (pattern, value) in closure.inputs.iter().zip(values) {
+                interpreter.bind(pattern, value);
+            }
+            let value = interpreter.evaluate(&closure.body);
+            interpreter.energy(value, interpreter::result_of(&closure.body))
+        })
     }
 }
 
-/// Lowers every closure of a system whose sums stay loops. `None` only after an error was reported.
-pub(crate) fn lower_elements(
-    system: &Container,
-    declaration: &Declaration,
-    phase_space: &PhaseSpace,
-    diagnostics: &mut Diagnostics,
-) -> Option<System> {
-    let Shape::Array(point, length) = &phase_space.shape else { return None };
-    let mut graph = Graph::new();
-    let t = graph.new_symbol(&phase_space.t);
-    let mut interpreter = Interpreter::new(graph, system, diagnostics);
-    interpreter.sized = Some(Loops::default());
-    let name = |names: &[String], fallback: &str| {
-        let first = names.first().map_or(fallback, |name| name.split('[').next().unwrap_or(fallback));
-        first.to_owned()
-    };
-    interpreter.names = [name(&phase_space.q, "q"), name(&phase_space.p, "p")];
-    let size = match length {
-        Length::Literal(len) => Index::integer(*len as i128),
-        Length::Named(expr) => interpreter.size(expr),
-        Length::RunTime => Index::atom(Atom::Size),
-    };
-    let inner = inner_lengths(point);
-    let space = SizedSpace { size: size.clone(), inner: inner.clone(), t };
+/// Which member of a family is meant.
+enum Member<'l> {
+    Any(&'l Loop),
+    Known(i128),
+}
 
-    let drift = declaration.drift.as_ref().map(|drift| lower_sized(&mut interpreter, drift, &space, None));
-    let noise: Vec<_> =
-        declaration.noise.iter().map(|noise| lower_noise(&mut interpreter, noise, &space)).collect();
-    let invariants: Vec<_> = declaration
-        .invariants
-        .iter()
-        .map(|invariant| lower_sized(&mut interpreter, invariant, &space, None))
-        .collect();
-    let invariants = invariants.into_iter().collect::<Option<Vec<_>>>()?;
-    let drift = drift??;
-    let noise = noise.into_iter().collect::<Option<Vec<_>>>()?;
-    let names = interpreter.names.clone();
-    let loops = interpreter.sized.take()?;
-    let (graph, parameters) = interpreter.into_parts();
-    Some(System {
-        graph,
-        shape: phase_space.shape.clone(),
-        size,
-        components: inner.iter().product(),
-        names,
-        t,
-        parameters,
-        tables: loops.tables,
-        drift,
-        noise,
-        invariants,
-        embeddings: declaration.embeddings.clone(),
-        item: system.item.clone(),
-        crate_path: declaration.crate_path.clone(),
-        type_checks: type_checks::type_checks(system, declaration, &phase_space.shape),
-    })
+/// The number of noises of a family: an integer literal, a constant, a size, a field, or what is made of them.
+fn family_count<'a>(interpreter: &mut Interpreter<'a, '_>, count: &'a Syntax) -> Option<Index> {
+    let count = peeled(count);
+    let known = match count {
+        Syntax::Lit(literal) => match &literal.lit {
+            Lit::Int(count) => count.base10_parse::<u32>().ok().map(|n| Index::integer(n.into())),
+            _ => None,
+        },
+        Syntax::Path(path) => {
+            let field = path.path.get_ident().and_then(|name| interpreter.own_field(name));
+            Some(match field {
+                Some((name, tokens)) => interpreter.named_size(&name, &tokens),
+                None => interpreter.size(count),
+            })
+        }
+        Syntax::Field(field) if names::is_self(&field.base) => Some(interpreter.size(count)),
+        Syntax::MethodCall(_) | Syntax::Binary(_) | Syntax::Cast(_) => {
+            interpreter.start();
+            let value = interpreter.evaluate(count);
+            return interpreter.as_index(&value, count);
+        }
+        _ => None,
+    };
+    if known.is_none() {
+        interpreter.report(expressions::family_count(count));
+    }
+    known
 }
 
 /// The lengths of the arrays inside of a point.
@@ -206,72 +240,5 @@ fn inner_lengths(shape: &Shape) -> Vec<i128> {
             lengths
         }
         _ => Vec::new(),
-    }
-}
-
-struct SizedSpace {
-    size: Index,
-    inner: Vec<i128>,
-    t: Symbol,
-}
-
-/// A noise, or a family of them.
-fn lower_noise<'a>(
-    interpreter: &mut Interpreter<'a, '_>,
-    noise: &'a Hamiltonian,
-    space: &SizedSpace,
-) -> Option<Noise> {
-    let Some(count) = &noise.family else {
-        return Some(Noise { term: lower_sized(interpreter, noise, space, None)?, family: None });
-    };
-    let count = interpreter.family_count(count)?;
-    let variable = interpreter.sized.as_mut()?.variable();
-    let range = Loop { variable, start: Index::default(), end: count.clone() };
-    let term = lower_sized(interpreter, noise, space, Some(range))?;
-    Some(Noise { term, family: Some(Family { variable, count }) })
-}
-
-/// The elements of one closure; of a family, inside of the loop over its members.
-fn lower_sized<'a>(
-    interpreter: &mut Interpreter<'a, '_>,
-    hamiltonian: &'a Hamiltonian,
-    space: &SizedSpace,
-    family: Option<Loop>,
-) -> Option<Term> {
-    let closure = &hamiltonian.closure;
-    if let ReturnType::Type(_, ty) = &closure.output
-        && !names::is_real_type(ty)
-    {
-        interpreter.report(messages::return_type(ty));
-        return None;
-    }
-    let array = |source: Source| {
-        let (start, length) = (Index::default(), space.size.clone());
-        Value::Array(Array { source, indices: Vec::new(), start, length, inner: space.inner.clone() }.into())
-    };
-    let t = Value::Real(interpreter.graph.symbol(space.t));
-    interpreter.start();
-    let mut values = vec![array(Source::Coordinates), array(Source::Momenta), t];
-    if let Some(range) = &family {
-        values.truncate(closure.inputs.len().saturating_sub(1));
-        values.push(Value::Index(Index::atom(Atom::Loop(range.variable)).into()));
-    }
-    for (pattern, value) in closure.inputs.iter().zip(values) {
-        interpreter.bind(pattern, value);
-    }
-    let outer: Vec<Loop> = family.into_iter().collect();
-    interpreter.sized.as_mut()?.active.clone_from(&outer);
-    let value = interpreter.evaluate(&closure.body);
-    let result = interpreter::result_of(&closure.body);
-    let value = interpreter.real(value, result)?;
-    let loops = interpreter.sized.as_mut()?;
-    loops.active.clear();
-    let parts = Parts::new(std::mem::take(&mut loops.sums), loops.locals.clone());
-    match parts.term(&mut interpreter.graph, value, &outer, Extent::of(&closure.body)) {
-        Ok(term) => Some(term),
-        Err(_) => {
-            interpreter.report(expressions::nonlinear_sum(result));
-            None
-        }
     }
 }

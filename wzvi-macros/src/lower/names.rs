@@ -55,7 +55,7 @@ impl<'a> Interpreter<'a, '_> {
         }
         let tokens = name.to_token_stream();
         if self.system.sizes.contains(name) {
-            return Value::Place(Place::new(name.to_string(), tokens, Kind::Integer).into());
+            return Value::index(self.size(&syn::parse_quote!(#tokens)));
         }
         if let Some(binding) = self.scope.find_from_anywhere(name) {
             return binding.value.borrow().clone();
@@ -65,7 +65,7 @@ impl<'a> Interpreter<'a, '_> {
             return self.report(expressions::unsupported(name, "the struct as a whole", remedy));
         }
         if is_constant_name(name) {
-            return Value::Place(Place::new(name.to_string(), tokens, Kind::Constant).into());
+            return Value::Constant(Place::new(name.to_string(), tokens, Kind::Constant).into());
         }
         let fields = self.field_names();
         let locals = self.scope.names();
@@ -84,7 +84,7 @@ impl<'a> Interpreter<'a, '_> {
         };
         let is_constant = path.path.segments.last().is_some_and(|last| is_constant_name(&last.ident));
         if is_constant {
-            return Value::Place(Place::new(name, path.to_token_stream(), Kind::Constant).into());
+            return Value::Constant(Place::new(name, path.to_token_stream(), Kind::Constant).into());
         }
         match real_function(path) {
             Some(function) => Value::Function(function.into()),
@@ -135,13 +135,23 @@ impl<'a> Interpreter<'a, '_> {
         self.place(Place::new(name, quote! { self.#member }, field.kind.clone()), at)
     }
 
+    /// The field that a bare name means, as it is displayed and read: no size and no variable has the name.
+    pub(super) fn own_field(&self, name: &Ident) -> Option<(String, TokenStream)> {
+        if self.system.sizes.contains(name) {
+            return None;
+        }
+        let field = self.find_field(|member| matches!(member, Member::Named(known) if known == name))?;
+        let member = &field.member;
+        Some((name.unraw().to_string(), quote! { self.#member }))
+    }
+
     fn field_names(&self) -> Vec<String> {
         self.system.fields.iter().map(|field| field.member.to_token_stream().to_string()).collect()
     }
 }
 
 /// `self`, in parentheses or not.
-pub(super) fn is_self(syntax: &Syntax) -> bool {
+pub(crate) fn is_self(syntax: &Syntax) -> bool {
     match syntax {
         Syntax::Path(path) => path.path.is_ident("self"),
         Syntax::Paren(inner) => is_self(&inner.expr),
@@ -152,7 +162,7 @@ pub(super) fn is_self(syntax: &Syntax) -> bool {
 }
 
 /// The method behind a path such as `f64::sin`.
-pub(super) fn real_function(path: &ExprPath) -> Option<String> {
+pub(crate) fn real_function(path: &ExprPath) -> Option<String> {
     let segments = &path.path.segments;
     let name = segments.last()?.ident.to_string();
     let of_f64 = match &path.qself {

@@ -8,6 +8,7 @@ use super::names::is_real_type;
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
 use crate::input::{Kind, is_integer_type};
+use crate::model::index::Index;
 use crate::symbolic::{Expr, Rational, Relation};
 
 /// The value of a chain of operators so far. Sums and products are collected before the graph sees them, so that a
@@ -26,7 +27,7 @@ impl<'a> Interpreter<'a, '_> {
                 self.real_literal(int.base10_digits(), int.suffix(), literal)
             }
             Lit::Int(int) => match int.base10_parse::<i128>() {
-                Ok(value) => Value::Integer(value),
+                Ok(value) => Value::integer(value),
                 Err(_) => self.report(expressions::integer_arithmetic(literal)),
             },
             Lit::Bool(value) => Value::Known(value.value),
@@ -52,16 +53,9 @@ impl<'a> Interpreter<'a, '_> {
             (UnOp::Deref(_), value) => value,
             (UnOp::Not(_), Value::Known(value)) => Value::Known(!value),
             (UnOp::Not(_), Value::Condition(value)) => Value::Condition(self.graph.not(value)),
-            (UnOp::Neg(_), Value::Integer(value)) => match value.checked_neg() {
-                Some(value) => Value::Integer(value),
-                None => self.report(expressions::integer_arithmetic(syntax)),
-            },
             (UnOp::Neg(_), value) if value.is_integer() => {
                 let minus = BinOp::Sub(Default::default());
-                match self.index_operation(&Value::Integer(0), &minus, &value, syntax) {
-                    Some(negated) => negated,
-                    None => self.report(expressions::parameter_integer(syntax)),
-                }
+                self.integer_operation(&Value::integer(0), &minus, &value, syntax)
             }
             (UnOp::Neg(_), value) => match self.real(value, &syntax.expr) {
                 Some(value) => Value::Real(self.graph.negate(value)),
@@ -109,7 +103,7 @@ impl<'a> Interpreter<'a, '_> {
             }
             (_, Value::Poison) => Chain::Value(Value::Poison),
             (Chain::Value(left), right) if self.are_integers(&left, &right) => {
-                Chain::Value(self.integer_operation(&left, link.op, &right, link))
+                Chain::Value(self.integer_operation(&left, &link.op, &right, link))
             }
             (chain, right) => self.extend_real(chain, link, right).unwrap_or(Chain::Value(Value::Poison)),
         }
@@ -171,19 +165,6 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    fn integer_operation(&mut self, left: &Value, operator: BinOp, right: &Value, at: &ExprBinary) -> Value {
-        let (&Value::Integer(a), &Value::Integer(b)) = (left, right) else {
-            return match self.index_operation(left, &operator, right, at) {
-                Some(value) => value,
-                None => self.report(expressions::parameter_integer(at)),
-            };
-        };
-        match integer_arithmetic(a, &operator, b) {
-            Some(value) => Value::Integer(value),
-            None => self.report(expressions::integer_arithmetic(at)),
-        }
-    }
-
     /// `left op right` for one compound assignment.
     pub(super) fn operate(
         &mut self,
@@ -195,22 +176,8 @@ impl<'a> Interpreter<'a, '_> {
         if left.is_poison() || right.is_poison() {
             return Value::Poison;
         }
-        if let (Value::Integer(a), Value::Integer(b)) = (&left, &right) {
-            let result = match operator {
-                BinOp::Add(_) => a.checked_add(*b),
-                BinOp::Sub(_) => a.checked_sub(*b),
-                BinOp::Mul(_) => a.checked_mul(*b),
-                BinOp::Div(_) => a.checked_div(*b),
-                _ => a.checked_rem(*b),
-            };
-            return result
-                .map(Value::Integer)
-                .unwrap_or_else(|| self.report(expressions::integer_arithmetic(at)));
-        }
-        if self.are_integers(&left, &right)
-            && let Some(value) = self.index_operation(&left, &operator, &right, at)
-        {
-            return value;
+        if self.are_integers(&left, &right) {
+            return self.integer_operation(&left, &operator, &right, at);
         }
         let (left, right) = (self.real(left, &at.left), self.real(right, &at.right));
         let (Some(left), Some(right)) = (left, right) else { return Value::Poison };
@@ -231,52 +198,41 @@ impl<'a> Interpreter<'a, '_> {
         })
     }
 
-    /// Whether both are integers: where sizes may be constants, a constant beside an integer is one.
+    /// Whether both are integers: a constant beside an integer is one.
     fn are_integers(&self, left: &Value, right: &Value) -> bool {
-        let may_be = |value: &Value| {
-            value.is_integer()
-                || self.sized.is_some()
-                    && matches!(value, Value::Place(place) if place.kind == Kind::Constant)
-        };
+        let may_be = |value: &Value| value.is_integer() || matches!(value, Value::Constant(_));
         may_be(left) && may_be(right) && (left.is_integer() || right.is_integer())
     }
 
     fn comparison(&mut self, syntax: &'a ExprBinary) -> Value {
         let left = self.evaluate(&syntax.left);
         let right = self.evaluate(&syntax.right);
-        let known = match (&left, &right) {
+        match (&left, &right) {
             (Value::Poison, _) | (_, Value::Poison) => return Value::Poison,
-            (Value::Integer(a), Value::Integer(b)) => Some(a.cmp(b)),
-            (Value::Known(a), Value::Known(b)) => Some(a.cmp(b)),
-            _ if self.are_integers(&left, &right) => {
-                if self.sized.is_some() {
-                    let (left, right) =
-                        (self.as_index(&left, &syntax.left), self.as_index(&right, &syntax.right));
-                    return match (left, right) {
-                        (Some(left), Some(right)) => self
-                            .compare_indices(&syntax.op, &left, &right)
-                            .unwrap_or_else(|| self.unsupported_operator(syntax)),
-                        _ => Value::Poison,
-                    };
-                }
-                return self.report(expressions::parameter_integer(syntax));
+            (&Value::Known(a), &Value::Known(b)) => {
+                let [a, b] = [a, b].map(|holds| Index::integer(holds.into()));
+                return self.integer_comparison(&a, &b, syntax);
             }
-            _ => None,
-        };
-        if let Some(order) = known {
-            return match syntax.op {
-                BinOp::Lt(_) => Value::Known(order.is_lt()),
-                BinOp::Le(_) => Value::Known(order.is_le()),
-                BinOp::Gt(_) => Value::Known(order.is_gt()),
-                BinOp::Ge(_) => Value::Known(order.is_ge()),
-                BinOp::Eq(_) => Value::Known(order.is_eq()),
-                BinOp::Ne(_) => Value::Known(order.is_ne()),
-                _ => self.unsupported_operator(syntax),
-            };
+            _ if self.are_integers(&left, &right) => {
+                let (left, right) =
+                    (self.as_index(&left, &syntax.left), self.as_index(&right, &syntax.right));
+                return match (left, right) {
+                    (Some(left), Some(right)) => self.integer_comparison(&left, &right, syntax),
+                    _ => Value::Poison,
+                };
+            }
+            _ => {}
         }
         let (left, right) = (self.real(left, &syntax.left), self.real(right, &syntax.right));
         let (Some(left), Some(right)) = (left, right) else { return Value::Poison };
         self.compare(left, right, syntax)
+    }
+
+    fn integer_comparison(&mut self, left: &Index, right: &Index, syntax: &ExprBinary) -> Value {
+        match self.compare_indices(&syntax.op, left, right) {
+            Some(value) => value,
+            None => self.unsupported_operator(syntax),
+        }
     }
 
     fn compare(&mut self, left: Expr, right: Expr, syntax: &ExprBinary) -> Value {
@@ -349,13 +305,13 @@ impl<'a> Interpreter<'a, '_> {
         match value {
             _ if name == "f32" => self.report(expressions::single_precision(&syntax.ty)),
             _ if !is_integer_type(&name) => self.report(expressions::unknown_cast(&syntax.ty)),
-            Value::Integer(value) if fits(value, &name) => Value::Integer(value),
-            Value::Integer(_) => self.report(expressions::integer_arithmetic(syntax)),
-            Value::Index(index) => Value::Index(index),
-            Value::Place(place) if place.kind == Kind::Integer => Value::Place(place),
-            Value::Place(place) if place.kind == Kind::Constant => {
+            Value::Index(index) => match index.as_integer() {
+                Some(value) if !fits(value, &name) => self.report(expressions::integer_arithmetic(syntax)),
+                _ => Value::Index(index),
+            },
+            Value::Constant(place) => {
                 let (name, tokens, ty) = (place.name.clone(), &place.tokens, &syntax.ty);
-                Value::Place(Place::new(name, quote! { (#tokens as #ty) }, Kind::Integer).into())
+                Value::index(self.given(&Place::new(name, quote! { (#tokens as #ty) }, Kind::Integer)))
             }
             Value::Real(_) => self.report(expressions::truncation(syntax)),
             other => self.report(expressions::expected(&syntax.expr, "a number", other.describe())),
@@ -365,11 +321,8 @@ impl<'a> Interpreter<'a, '_> {
     /// `value as f64`
     pub(super) fn cast_to_real(&mut self, value: Value, at: &Syntax) -> Value {
         match value {
-            Value::Integer(value) => self.integer_as_real(value),
             Value::Index(index) => Value::Real(self.index_as_real(&index)),
-            Value::Place(place) if matches!(place.kind, Kind::Integer | Kind::Constant) => {
-                Value::Real(self.parameter(&place.name, place.as_real()))
-            }
+            Value::Constant(place) => Value::Real(self.parameter(&place.name, place.as_real())),
             value => self.real(value, at).map_or(Value::Poison, Value::Real),
         }
     }
@@ -393,17 +346,6 @@ fn compound(operator: &BinOp) -> Option<BinOp> {
         BinOp::RemAssign(_) => BinOp::Rem(Default::default()),
         _ => return None,
     })
-}
-
-/// The integer that Rust would compute; `None` where it would panic.
-fn integer_arithmetic(a: i128, operator: &BinOp, b: i128) -> Option<i128> {
-    match operator {
-        BinOp::Add(_) => a.checked_add(b),
-        BinOp::Sub(_) => a.checked_sub(b),
-        BinOp::Mul(_) => a.checked_mul(b),
-        BinOp::Div(_) => a.checked_div(b),
-        _ => a.checked_rem(b),
-    }
 }
 
 /// Whether an integer type holds `value`.

@@ -92,8 +92,7 @@ impl<'a> Interpreter<'a, '_> {
         let items = match &value {
             Value::Poison => return None,
             Value::Tuple(Sequence { items, .. }) if !is_list => items.to_vec(),
-            Value::List(Sequence { items, .. }) if is_list => items.to_vec(),
-            Value::Place(_) | Value::Array(_) if is_list => self.items(&value, None, &at)?,
+            Value::Stream(stream) if is_list => self.items(stream, None, &at)?,
             _ => {
                 self.report(expressions::pattern_mismatch(at, value.describe()));
                 return None;

@@ -13,6 +13,8 @@ pub(super) struct Binding {
     pub(super) value: RefCell<Value>,
     /// Number of undecided branches around its declaration: it may only be assigned there.
     pub(super) branch: u32,
+    /// Number of loops around its declaration: an assignment in another has them evaluated by turns.
+    pub(super) loops: usize,
 }
 
 /// The variables, innermost last.
@@ -33,8 +35,13 @@ impl Scope {
         self.find(name).or_else(|| self.0.iter().rev().find(|binding| binding.name == *name))
     }
 
-    pub(super) fn declare(&mut self, name: Ident, value: Value, branch: u32) {
-        self.0.push(Rc::new(Binding { name, value: RefCell::new(value), branch }));
+    pub(super) fn declare(&mut self, name: Ident, value: Value, branch: u32, loops: usize) {
+        self.0.push(Rc::new(Binding { name, value: RefCell::new(value), branch, loops }));
+    }
+
+    /// The variable at a position.
+    pub(super) fn get(&self, position: usize) -> Option<Rc<Binding>> {
+        self.0.get(position).cloned()
     }
 
     pub(super) fn len(&self) -> usize {
@@ -50,7 +57,12 @@ impl Scope {
     pub(super) fn snapshot(&self) -> Self {
         let copy = |binding: &Rc<Binding>| {
             let value = RefCell::new(binding.value.borrow().clone());
-            Rc::new(Binding { name: binding.name.clone(), value, branch: binding.branch })
+            Rc::new(Binding {
+                name: binding.name.clone(),
+                value,
+                branch: binding.branch,
+                loops: binding.loops,
+            })
         };
         Self(self.0.iter().map(copy).collect())
     }

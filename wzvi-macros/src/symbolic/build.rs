@@ -11,6 +11,11 @@ use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
 /// chain of additions quadratic.
 pub(super) const OPEN_LIMIT: usize = 32;
 
+/// Powers of a product are spread over its factors while no exponent exceeds this one, the largest that `powi` takes:
+/// beyond it the product stays one operand, or exponents would leave the range of exact numbers after some squarings
+/// and equal factors could not be counted any more.
+const LARGEST_OPEN_EXPONENT: i32 = i32::MAX;
+
 /// A binary64 constant with a larger denominator (π) is no fraction that somebody meant: it stays one opaque number.
 const SMALL_DENOMINATOR: i64 = 1 << 20;
 
@@ -21,6 +26,14 @@ impl Graph {
 
     pub(crate) fn integer(&mut self, value: i32) -> Expr {
         self.number(Rational::integer(value))
+    }
+
+    /// An integer of any size, exactly if it fits.
+    pub(crate) fn whole(&mut self, value: i128) -> Expr {
+        match Rational::new(value, 1) {
+            Some(exact) => self.number(exact),
+            None => self.float(value as f64),
+        }
     }
 
     /// A binary64 constant: exact as a rational where that is small, else opaque. The sign goes to the coefficient.
@@ -169,11 +182,7 @@ impl Graph {
 
     /// `Π base^exponent`, where fractional exponents stand on bases proven nonnegative.
     pub(super) fn product_of_powers(&mut self, operands: &[(Expr, Rational)]) -> Expr {
-        let mut coefficient = Rational::ONE;
-        let mut factors = Vec::with_capacity(operands.len());
-        for &(operand, exponent) in operands {
-            self.collect_factor(&mut coefficient, &mut factors, operand, exponent);
-        }
+        let Factors { coefficient, mut factors, .. } = self.collect_factors(operands);
         if coefficient.is_zero() {
             return self.number(Rational::ZERO);
         }
@@ -194,10 +203,12 @@ impl Graph {
             }
         }
         merged.retain(|&(_, exponent)| !exponent.is_zero());
-        // `√u √u` has become `u`, which may be a product, a multiple or a number that can be opened now.
-        if merges > 0 && merged.iter().any(|&(base, exponent)| self.opens(base, exponent)) {
+        // `√u √u` has become `u`, which may be a product, a multiple or a number that can be opened now. What did not
+        // fit beside this coefficient would not fit again.
+        if merges > 0 && merged.iter().any(|&(base, exponent)| self.opens_beside(coefficient, base, exponent))
+        {
             let coefficient = self.number(coefficient);
-            merged.push((coefficient, Rational::ONE));
+            merged.insert(0, (coefficient, Rational::ONE));
             return self.product_of_powers(&merged);
         }
         let product = match merged.as_slice() {
@@ -208,21 +219,41 @@ impl Graph {
         self.scale(product, coefficient)
     }
 
+    /// Number and canonical factors of a product. Where the numbers of the operands do not fit one exact number, each
+    /// multiple `c x` stays one factor: to take out some of the numbers would part equal operands, and their powers
+    /// could not be counted.
+    fn collect_factors(&self, operands: &[(Expr, Rational)]) -> Factors {
+        let collect = |keeps_multiples| {
+            let mut factors = Factors { keeps_multiples, ..Factors::default() };
+            for &(operand, exponent) in operands {
+                self.collect_factor(&mut factors, operand, exponent);
+                if factors.overflows && !keeps_multiples {
+                    break;
+                }
+            }
+            factors
+        };
+        let factors = collect(false);
+        if factors.overflows { collect(true) } else { factors }
+    }
+
     /// Whether a factor `base^exponent` still has parts that belong to the surrounding product.
+    #[cfg(test)]
     pub(super) fn opens(&self, base: Expr, exponent: Rational) -> bool {
-        let (mut coefficient, mut factors) = (Rational::ONE, Vec::new());
-        self.collect_factor(&mut coefficient, &mut factors, base, exponent);
-        factors != [(base, exponent)]
+        self.opens_beside(Rational::ONE, base, exponent)
+    }
+
+    fn opens_beside(&self, coefficient: Rational, base: Expr, exponent: Rational) -> bool {
+        let mut factors = Factors { coefficient, ..Factors::default() };
+        self.collect_factor(&mut factors, base, exponent);
+        factors.factors != [(base, exponent)]
     }
 
     /// Splits `operand^exponent` into a number and canonical factors.
-    fn collect_factor(
-        &self,
-        coefficient: &mut Rational,
-        factors: &mut Vec<(Expr, Rational)>,
-        operand: Expr,
-        exponent: Rational,
-    ) {
+    fn collect_factor(&self, into: &mut Factors, operand: Expr, exponent: Rational) {
+        if exponent.is_zero() {
+            return;
+        }
         let scaled = match self.node(operand) {
             Node::Number(value) => Some((*value, None)),
             Node::Sum { terms, constant } if terms.len() == 1 && constant.is_zero() => {
@@ -233,38 +264,47 @@ impl Graph {
         if let Some((number, rest)) = scaled
             && (exponent.is_integer() || rest.is_none() || !number.is_negative())
             && let Some(value) = exact_power(number, exponent)
-            && let Some(total) = coefficient.multiply(value)
+            && (rest.is_none() || !into.keeps_multiples)
         {
-            *coefficient = total;
-            if let Some(rest) = rest {
-                self.collect_factor(coefficient, factors, rest, exponent);
+            match into.coefficient.multiply(value) {
+                Some(total) => {
+                    into.coefficient = total;
+                    if let Some(rest) = rest {
+                        self.collect_factor(into, rest, exponent);
+                    }
+                    return;
+                }
+                None => into.overflows = true,
             }
-            return;
-        }
-        if let Node::Product(inner) = self.node(operand)
-            && inner.len() <= OPEN_LIMIT
-            && exponent.is_one()
-        {
-            factors.extend_from_slice(inner);
-            return;
+            // Collected again, with multiples as factors.
+            if !into.keeps_multiples {
+                into.factors.push((operand, exponent));
+                return;
+            }
         }
         if let Node::Product(inner) = self.node(operand)
             && inner.len() <= OPEN_LIMIT
             && exponent.is_integer()
             && (!exponent.is_negative() || inner.iter().all(|&(base, e)| self.invertible(base, e)))
-            && let Some(powers) =
-                inner.iter().map(|&(base, e)| Some((base, e.multiply(exponent)?))).collect::<Option<Vec<_>>>()
+            && let Some(powers) = spread(inner, exponent)
         {
+            if exponent.is_one() {
+                into.factors.extend(powers);
+                return;
+            }
             for (base, total) in powers {
+                if into.overflows && !into.keeps_multiples {
+                    return;
+                }
                 if total.is_integer() {
-                    self.collect_factor(coefficient, factors, base, total);
+                    self.collect_factor(into, base, total);
                 } else {
-                    factors.push((base, total));
+                    into.factors.push((base, total));
                 }
             }
             return;
         }
-        factors.push((operand, exponent));
+        into.factors.push((operand, exponent));
     }
 
     /// Whether `1 / base^exponent` is `base^-exponent` on the whole domain: not for `1/x`, which excludes 0.
@@ -322,29 +362,46 @@ impl Graph {
     }
 
     pub(crate) fn and(&mut self, a: Expr, b: Expr) -> Expr {
-        if a == b { a } else { self.intern(Node::And(a, b)) }
+        match (self.truth(a), self.truth(b)) {
+            (Some(true), _) | (_, Some(false)) => b,
+            (Some(false), _) | (_, Some(true)) => a,
+            _ if a == b => a,
+            _ => self.intern(Node::And(a, b)),
+        }
     }
 
     pub(crate) fn or(&mut self, a: Expr, b: Expr) -> Expr {
-        if a == b { a } else { self.intern(Node::Or(a, b)) }
+        match (self.truth(a), self.truth(b)) {
+            (Some(false), _) | (_, Some(true)) => b,
+            (Some(true), _) | (_, Some(false)) => a,
+            _ if a == b => a,
+            _ => self.intern(Node::Or(a, b)),
+        }
+    }
+
+    /// Whether a condition holds, if it compares numbers.
+    fn truth(&self, condition: Expr) -> Option<bool> {
+        match *self.node(condition) {
+            Node::Compare(relation, a, b) => {
+                let (a, b) = (self.as_number(a)?, self.as_number(b)?);
+                Some(match relation {
+                    Relation::Less => a < b,
+                    Relation::LessEqual => a <= b,
+                    Relation::Equal => a == b,
+                })
+            }
+            Node::Not(inner) => self.truth(inner).map(|holds| !holds),
+            _ => None,
+        }
     }
 
     pub(crate) fn select(&mut self, condition: Expr, then: Expr, otherwise: Expr) -> Expr {
-        match *self.node(condition) {
+        match (self.truth(condition), self.node(condition)) {
             _ if then == otherwise => then,
-            Node::Not(opposite) => self.select(opposite, otherwise, then),
-            Node::Compare(relation, a, b) => match (self.as_number(a), self.as_number(b)) {
-                (Some(a), Some(b)) => {
-                    let holds = match relation {
-                        Relation::Less => a < b,
-                        Relation::LessEqual => a <= b,
-                        Relation::Equal => a == b,
-                    };
-                    if holds { then } else { otherwise }
-                }
-                _ => self.intern(Node::Select { condition, then, otherwise }),
-            },
-            _ => self.intern(Node::Select { condition, then, otherwise }),
+            (Some(true), _) => then,
+            (Some(false), _) => otherwise,
+            (None, &Node::Not(opposite)) => self.select(opposite, otherwise, then),
+            (None, _) => self.intern(Node::Select { condition, then, otherwise }),
         }
     }
 }
@@ -361,6 +418,32 @@ impl Default for Rational {
     fn default() -> Self {
         Self::ZERO
     }
+}
+
+/// A product while it is collected.
+struct Factors {
+    coefficient: Rational,
+    factors: Vec<(Expr, Rational)>,
+    /// Whether a multiple `c x` is one factor.
+    keeps_multiples: bool,
+    /// Whether a number did not fit.
+    overflows: bool,
+}
+
+impl Default for Factors {
+    fn default() -> Self {
+        Self { coefficient: Rational::ONE, factors: Vec::new(), keeps_multiples: false, overflows: false }
+    }
+}
+
+/// `(Π base^e)^exponent` factor by factor, if no exponent becomes too large to go on with.
+fn spread(factors: &[(Expr, Rational)], exponent: Rational) -> Option<Vec<(Expr, Rational)>> {
+    let limit = Rational::integer(LARGEST_OPEN_EXPONENT);
+    let spread = |&(base, e): &(Expr, Rational)| {
+        let total = e.multiply(exponent)?;
+        (total <= limit && limit.negate() <= total).then_some((base, total))
+    };
+    factors.iter().map(spread).collect()
 }
 
 enum Parity {

@@ -216,7 +216,11 @@ impl Graph {
         if i == 0 {
             let lower = self.subtract(exponent, one);
             let power = self.apply(Function::Powf, &[base, lower]);
-            self.multiply(exponent, power)
+            let slope = self.multiply(exponent, power);
+            // `x^0` is 1 at zero, too, where `0 x^-1` is no number.
+            let zero = self.integer(0);
+            let is_constant = self.compare(Relation::Equal, exponent, zero);
+            self.select(is_constant, zero, slope)
         } else {
             let logarithm = self.apply(Function::Ln, &[base]);
             self.multiply(logarithm, value)

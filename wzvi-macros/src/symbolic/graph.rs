@@ -53,7 +53,8 @@ pub(crate) enum Node {
     },
     /// `Π base^exponent`, sorted by (base, exponent). Exponents of opposite sign on one base stay apart unless the
     /// base is proven positive, and fractional exponents only stand on bases proven nonnegative: no domain is lost.
-    /// Bases are neither products nor multiples that could be opened (the exceptions are those of sums).
+    /// Bases are neither products nor multiples that could be opened (the exceptions are those of sums, and products
+    /// with exponents beyond those of `powi`).
     Product(Box<[(Expr, Rational)]>),
     Apply(Function, Box<[Expr]>),
     /// `if condition { then } else { otherwise }`.

@@ -76,14 +76,13 @@ impl Graph {
             if !exponent.is_integer() && self.sign(base) < Sign::Nonnegative {
                 return Some("a fractional power of a base of unknown sign");
             }
-            let number = match self.node(base) {
-                Node::Number(value) => *value,
-                Node::Sum { terms, .. } => terms[0].1,
-                _ => Rational::ONE,
+            // Numbers and multiples may have left the exact range together with those beside them.
+            let is_multiple = match self.node(base) {
+                Node::Number(_) => true,
+                Node::Sum { terms, constant } => terms.len() == 1 && constant.is_zero(),
+                _ => false,
             };
-            // A large number may have left the exact range together with those before it.
-            let large = number.numerator().unsigned_abs().max(number.denominator() as u64) > 1 << 10;
-            (!large && self.opens(base, exponent)).then_some("an open factor")
+            (!is_multiple && self.opens(base, exponent)).then_some("an open factor")
         })
     }
 }

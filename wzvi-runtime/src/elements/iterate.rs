@@ -86,7 +86,12 @@ pub fn advance<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     if memory.degrees != q.len() || q.is_empty() {
-        memory.fit(system, scheme, q.len())?;
+        // What the steps before left belongs to another size, and stays if this one fails.
+        let mut fitting = memory.clone();
+        fitting.fit(system, scheme, q.len())?;
+        let effort = advance::<H, S, C, CAREFUL>(system, scheme, t, h, q, p, dw, &mut fitting, carry)?;
+        *memory = fitting;
+        return Ok(effort);
     }
     if p.len() != q.len() {
         return Err(StepFailure::Dimension { expected: q.len(), got: p.len() });
@@ -344,7 +349,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             let is_slow = last < f64::INFINITY && ratio > CONTRACTS;
             let stagnates = is_slow && ratio > 0.5;
             let mut settles = false;
-            if stagnates || is_misled {
+            if stagnates && !is_misled {
                 let beyond = self.beyond_rounding(memory);
                 if beyond == 0.0 {
                     let before = std::mem::replace(&mut variation, self.variation(&memory.work));
@@ -409,7 +414,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             let (groups, [x, correction, previous]) = Corrected::<S, 4>::of(x, correction, previous);
             let (state, rest) = self.p.as_chunks::<4>();
             groups.are_small(state.iter().copied(), ratio)
-                && Corrected::<S, 1>::of(x, correction, previous).0.are_small(rest.iter().map(|&p| [p]), ratio)
+                && Corrected::<S, 1>::of(x, correction, previous)
+                    .0
+                    .are_small(rest.iter().map(|&p| [p]), ratio)
         }
     }
 

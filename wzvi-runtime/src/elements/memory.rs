@@ -6,7 +6,7 @@ use super::rounding::Rounding;
 use super::{Elements, Iteration, Method};
 use crate::carry::{Carry, Compensation};
 use crate::error::StepFailure;
-use crate::numbers::Numbers;
+use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
 use crate::solve::{Banded, Krylov, reverse_cuthill_mckee};
 
@@ -23,7 +23,6 @@ const FEW_OPERATIONS: usize = 1 << 22;
 const SPARSE: usize = 64;
 
 /// Vectors of one step, unknowns of the steps before, and the matrix.
-#[derive(Debug)]
 pub struct Memory<S> {
     pub(super) degrees: usize,
     pub(super) iteration: Iteration,
@@ -70,8 +69,8 @@ impl<S> Default for Work<S> {
 }
 
 impl<S: Scalar> Work<S> {
-    /// Scratch for steps of a system of so many degrees of freedom.
-    pub(super) fn new(scheme: &Scheme, degrees: usize) -> Self {
+    /// Scratch for the equations of a step of a system of so many degrees of freedom.
+    pub(super) fn of_equations(scheme: &Scheme, degrees: usize) -> Self {
         let zeros = |length: usize| vec![S::from_f64(0.0); length];
         let unknowns = match scheme.unknowns {
             Unknowns::None => 0,
@@ -82,14 +81,24 @@ impl<S: Scalar> Work<S> {
         Self {
             x: zeros(unknowns),
             correction: zeros(unknowns),
-            previous: zeros(unknowns),
+            previous: Vec::new(),
             u: zeros(degrees),
             momentum: zeros(degrees),
             stage: [zeros(degrees), zeros(second)],
             by_q: [zeros(degrees), zeros(second)],
             by_p: zeros(degrees),
-            diagonal: zeros(if scheme.unknowns == Unknowns::Momenta { degrees } else { 0 }),
+            diagonal: Vec::new(),
         }
+    }
+
+    /// Scratch for their solution.
+    fn of_solution(scheme: &Scheme, degrees: usize) -> Self {
+        let mut work = Self::of_equations(scheme, degrees);
+        work.previous.clone_from(&work.correction);
+        if scheme.unknowns == Unknowns::Momenta {
+            work.diagonal.clone_from(&work.u);
+        }
+        work
     }
 }
 
@@ -108,6 +117,21 @@ impl<S> Default for Memory<S> {
     }
 }
 
+/// What the steps before left: scratch says nothing to anyone but the step that fills it.
+impl<S: Scalar> std::fmt::Debug for Memory<S> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { degrees, iteration, past, known, prefers_newton, work: _, linear: _, rounding: _ } = self;
+        formatter
+            .debug_struct("Memory")
+            .field("degrees", degrees)
+            .field("iteration", iteration)
+            .field("past", &&past[..usize::from(*known).min(past.len())])
+            .field("known", known)
+            .field("prefers_newton", prefers_newton)
+            .finish_non_exhaustive()
+    }
+}
+
 /// What the steps before left; scratch is allocated anew where the copy is used.
 impl<S: Scalar> Clone for Memory<S> {
     fn clone(&self) -> Self {
@@ -117,23 +141,15 @@ impl<S: Scalar> Clone for Memory<S> {
     }
 }
 
-impl<S: Scalar> Numbers<S> for Memory<S> {
-    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
-        let zero = S::from_f64(0.0);
-        // Exact: small integers.
-        let mut whole = |number: usize| {
-            let mut number = S::from_f64(number as f64);
-            visit(&mut number);
-            number.magnitude() as usize
-        };
-        let unknowns = whole(if self.known == 0 { 0 } else { self.past[0].len() });
-        let known = whole(self.known.into());
-        self.known = u8::try_from(known).unwrap_or(0);
-        self.prefers_newton = whole(self.prefers_newton.into()) == 1;
+impl<S: Scalar> Numbers for Memory<S> {
+    fn pass(&mut self, tape: &mut Tape) {
+        let unknowns = tape.length(if self.known == 0 { 0 } else { self.past[0].len() });
+        tape.count(&mut self.known);
+        tape.flag(&mut self.prefers_newton);
         if unknowns != 0 {
             for past in &mut self.past {
-                past.resize(unknowns, zero);
-                past.iter_mut().for_each(&mut *visit);
+                past.resize(unknowns, S::from_f64(0.0));
+                past.iter_mut().for_each(|number| number.pass(tape));
             }
         }
     }
@@ -169,7 +185,7 @@ impl<S: Scalar> Memory<S> {
     /// Takes what a step left that was solved in another memory.
     pub fn adopt(&mut self, left: Self) {
         (self.past, self.known, self.prefers_newton) = (left.past, left.known, left.prefers_newton);
-        if self.work.x.is_empty() {
+        if self.degrees == 0 {
             (self.degrees, self.work, self.linear) = (left.degrees, left.work, left.linear);
         }
         let unknowns = self.work.x.len();
@@ -206,7 +222,7 @@ impl<S: Scalar> Memory<S> {
     }
 
     fn allocate<H: Elements>(&mut self, system: &H, scheme: &Scheme, degrees: usize) {
-        self.work = Work::new(scheme, degrees);
+        self.work = Work::of_solution(scheme, degrees);
         self.rounding = None;
         let unknowns = self.work.x.len();
         let is_implicit = scheme.unknowns != Unknowns::None;
@@ -283,6 +299,11 @@ impl<S: Scalar> Carry<S> for CompensationVec<S> {
     fn add(base: S, increment: S, carried: S) -> (S, S) {
         Compensation::<S, 1>::add(base, increment, carried)
     }
+    type Part<const D: usize> = Compensation<S, D>;
+    #[inline(always)]
+    fn part<const D: usize>(&self, first: usize) -> Compensation<S, D> {
+        Compensation::of(self, first)
+    }
     fn keep(&mut self, coordinates: &[S], momenta: &[S]) {
         let zero = S::from_f64(0.0);
         self.coordinates.resize(coordinates.len(), zero);
@@ -292,13 +313,12 @@ impl<S: Scalar> Carry<S> for CompensationVec<S> {
     }
 }
 
-impl<S: Scalar> Numbers<S> for CompensationVec<S> {
-    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
+impl<S: Scalar> Numbers for CompensationVec<S> {
+    fn pass(&mut self, tape: &mut Tape) {
         for list in [&mut self.coordinates, &mut self.momenta] {
-            let mut length = S::from_f64(list.len() as f64);
-            visit(&mut length);
-            list.resize(length.magnitude() as usize, S::from_f64(0.0));
-            list.iter_mut().for_each(&mut *visit);
+            let length = tape.length(list.len());
+            list.resize(length, S::from_f64(0.0));
+            list.iter_mut().for_each(|number| number.pass(tape));
         }
     }
 }

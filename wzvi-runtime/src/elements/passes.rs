@@ -122,11 +122,7 @@ pub(super) struct Corrected<'a, S, const N: usize> {
 
 impl<'a, S: Scalar, const N: usize> Corrected<'a, S, N> {
     /// In groups of `N`, and the rest of them.
-    pub(super) fn of(
-        x: &'a [S],
-        correction: &'a [S],
-        previous: &'a [S],
-    ) -> (Self, [&'a [S]; 3]) {
+    pub(super) fn of(x: &'a [S], correction: &'a [S], previous: &'a [S]) -> (Self, [&'a [S]; 3]) {
         let ((x, a), (correction, b), (previous, c)) =
             (x.as_chunks(), correction.as_chunks(), previous.as_chunks());
         (Self { x, correction, previous }, [a, b, c])

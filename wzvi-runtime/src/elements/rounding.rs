@@ -35,18 +35,14 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// Evaluates the equations at all numbers that round to `x`.
     #[cold]
     #[inline(never)]
-    pub(super) fn round<'r>(
-        &self,
-        x: &[S],
-        rounding: &'r mut Option<Box<Rounding>>,
-    ) -> &'r Rounding {
+    pub(super) fn round<'r>(&self, x: &[S], rounding: &'r mut Option<Box<Rounding>>) -> &'r Rounding {
         let rounding = rounding.get_or_insert_default();
         let Rounding { q, p, dw, work } = &mut **rounding;
         lift(self.q, q, Rounded::exact);
         lift(self.p, p, Rounded::exact);
         lift(self.dw, dw, Rounded::exact);
         if work.x.len() != x.len() {
-            *work = Work::new(self.scheme, self.q.len());
+            *work = Work::of_equations(self.scheme, self.q.len());
         }
         lift(x, &mut work.x, Rounded::nearest);
         let Self { system, scheme, t, h, .. } = *self;

@@ -6,10 +6,10 @@ use super::control::{Control, Targets, unless_lost};
 use super::job::Job;
 use super::keeping::BlockKeeper;
 use super::origin::Origin;
-use super::progress::Progress;
 use super::statistics::{Node, Statistics};
 use crate::checkpoint::Keeping;
 use crate::error::Error;
+use crate::progress::Progress;
 use crate::system::Discretized;
 
 /// Takes the blocks of a run in the order of their numbers.

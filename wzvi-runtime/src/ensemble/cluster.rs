@@ -10,17 +10,18 @@
 //!
 //! The guide with a Slurm script is `docs/cluster.md`.
 
-mod desk;
 mod error;
+mod orders;
 mod ranks;
 mod serve;
 
 use mpi::environment::{Threading, threading_support};
 use mpi::traits::Communicator;
 
-use desk::Desk;
 pub use error::ClusterError;
+use orders::Orders;
 use ranks::{AbortOnPanic, agree, same};
+use serve::Hands;
 
 use super::Ensemble;
 use super::account::Account;
@@ -29,6 +30,7 @@ use super::keeping::described;
 use super::statistics::Statistics;
 use crate::error::{ConfigError, Error};
 use crate::interrupt::Interrupt;
+use crate::schedule::Queue;
 use crate::system::Discretized;
 
 impl<H, E> Ensemble<'_, H, E>
@@ -53,7 +55,8 @@ where
     /// }
     /// ```
     ///
-    /// A run that is stopped ([`Ensemble::stop_when`]) on one rank is stopped on all.
+    /// A run that is stopped ([`Ensemble::stop_when`]) on one rank is stopped on all. A rank that does not answer holds up nobody: others do
+    /// its blocks, and the run ends without it; rank 0 says so in a line on standard error.
     ///
     /// # Errors
     /// Those of [`Ensemble::run`], and [`Error::Cluster`]: all ranks fail together. A panic on one rank ends the
@@ -72,27 +75,33 @@ where
             0 => Account::open(&job, &control, keeping).map(Some),
             _ => Ok(None),
         };
-        let mut account = agree(&world, account)?;
+        let account = agree(&world, account)?;
         let work = |number| instructions.run(Block::<H, E, 0> { job: &job, number });
-        let ended = match &mut account {
-            Some(account) => {
-                let hands = threads.saturating_mul(world.size().unsigned_abs() as usize);
-                let desk = Desk::new(account.blocks(), hands);
-                let empty = || Statistics::new(&job.wanted);
-                serve::serve(&world, desk, threads, work, empty, |block| account.take(block))
-            }
-            None => {
-                serve::work(&world, threads, work);
-                Ok(())
-            }
+        // No longer all together: who has stalled is not waited for.
+        let Some(mut account) = account else {
+            let failure = serve::work(&world, threads, work);
+            drop(guard);
+            return match failure {
+                Some(cause) => Err(ClusterError::Rank { rank: 0, cause }.into()),
+                None => Ok(None),
+            };
         };
-        let statistics = ended.and_then(|()| match job.failed_noise.get() {
+        let all = threads.saturating_mul(world.size().unsigned_abs() as usize);
+        let queue = Queue::new(account.blocks(), all);
+        let hands = Hands { threads, work, stop: &stop };
+        let served =
+            serve::serve(&world, queue, hands, || Statistics::new(&job.wanted), |block| account.take(block));
+        let statistics = served.outcome.and_then(|()| match job.failed_noise.get() {
             Some(error) => Err(error.clone().into()),
-            None => account.map(Account::close).transpose(),
+            None => account.close(),
         });
-        let statistics = agree(&world, statistics);
+        Orders(&world).end(statistics.as_ref().err().map(ToString::to_string).as_deref());
         drop(guard);
-        statistics
+        if served.has_stragglers {
+            // Messages that may come yet need it.
+            std::mem::forget(world);
+        }
+        statistics.map(Some)
     }
 }
 

@@ -1,8 +1,8 @@
 //! Counts in fixed bins.
 
-#[cfg(feature = "serde")]
-use crate::checkpoint::Tape;
 use crate::error::ConfigError;
+#[cfg(feature = "serde")]
+use crate::numbers::Tape;
 
 /// More bins than anyone looks at, 128 MiB of them.
 const MOST_BINS: usize = 1 << 24;

@@ -5,12 +5,12 @@ use std::sync::OnceLock;
 
 use super::block::{Block, PATHS};
 use super::dispatch::InstructionSet;
-use super::schedule::in_order;
 use super::source::Source;
 use super::statistics::{Statistics, Wanted};
 use crate::increments::NoiseError;
 use crate::lanes::Lanes;
 use crate::retry::Retry;
+use crate::schedule::in_order;
 use crate::state::State;
 use crate::system::Discretized;
 

@@ -4,7 +4,7 @@
 //! pairwise algorithm for computing sample variances", 1979.
 
 #[cfg(feature = "serde")]
-use crate::checkpoint::Tape;
+use crate::numbers::Tape;
 
 /// How often the largest deviation of a sample may come again without having been expected: ten times more than it was seen is the 95 %
 /// bound of Poisson's law for events that were seen 25 times, and beyond it for fewer. The coverage that follows is measured in `control`.

@@ -4,7 +4,7 @@ use super::histogram::Histogram;
 use super::moments::Welford;
 use super::quantiles::Quantiles;
 #[cfg(feature = "serde")]
-use crate::checkpoint::Tape;
+use crate::numbers::Tape;
 
 /// When paths first crossed a zero of a function of the state.
 ///

@@ -1,8 +1,8 @@
 //! Whole paths, kept for those who want to see them.
 
-#[cfg(feature = "serde")]
-use crate::checkpoint::Tape;
 use crate::error::ConfigError;
+#[cfg(feature = "serde")]
+use crate::numbers::Tape;
 
 /// The observables of every path at every recorded node.
 #[derive(Clone, Debug, PartialEq)]

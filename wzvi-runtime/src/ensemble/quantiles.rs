@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 
 #[cfg(feature = "serde")]
-use crate::checkpoint::Tape;
+use crate::numbers::Tape;
 
 /// Bits of the mantissa that a bin ignores.
 const IGNORED: u32 = 52 - 9;

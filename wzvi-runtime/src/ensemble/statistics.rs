@@ -10,10 +10,10 @@ use super::passage::{Passages, Watch};
 use super::paths::Paths;
 use super::quantiles::Quantiles;
 #[cfg(feature = "serde")]
-use crate::checkpoint::Tape;
-#[cfg(feature = "serde")]
 use crate::error::StepFailure;
 use crate::error::{StepError, UnknownName};
+#[cfg(feature = "serde")]
+use crate::numbers::Tape;
 
 /// Failed paths that are kept with their errors; further ones are only counted.
 const MOST_FAILURES: usize = 1000;

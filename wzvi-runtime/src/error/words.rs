@@ -1,7 +1,7 @@
 //! Why a step failed, as words: for checkpoints and messages.
 
-use super::StepFailure;
-use crate::checkpoint::Tape;
+use super::{IndexError, IndexLimit, StepFailure};
+use crate::numbers::Tape;
 
 impl StepFailure {
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
@@ -24,6 +24,8 @@ impl StepFailure {
             Self::Increments { expected, got } => [5, expected as u64, got as u64],
             Self::Dimension { expected, got } => [6, expected as u64, got as u64],
             Self::NonFiniteInput => [7, 0, 0],
+            // Runs find it before their first step; here the name is lost.
+            Self::Index(error) => [8, error.value() as u64, 0],
         }
     }
 
@@ -38,6 +40,7 @@ impl StepFailure {
             5 => Self::Increments { expected: usize::try_from(a).ok()?, got: usize::try_from(b).ok()? },
             6 => Self::Dimension { expected: usize::try_from(a).ok()?, got: usize::try_from(b).ok()? },
             7 => Self::NonFiniteInput,
+            8 => Self::Index(IndexError::new("an integer", "", (a as i64).into(), IndexLimit::Integers)),
             _ => return None,
         })
     }
@@ -58,6 +61,7 @@ mod tests {
             StepFailure::Increments { expected: 3, got: usize::MAX },
             StepFailure::Dimension { expected: 0, got: 2 },
             StepFailure::NonFiniteInput,
+            StepFailure::Index(IndexError::new("an integer", "", -1, IndexLimit::Integers)),
         ];
         for failure in all {
             assert_eq!(StepFailure::from_words(failure.words()), Some(failure));
@@ -68,7 +72,7 @@ mod tests {
                 assert_eq!(read.words(), failure.words());
             }
         }
-        for nonsense in [[8, 0, 0], [u64::MAX, 0, 0], [0, 1 << 32, 0]] {
+        for nonsense in [[9, 0, 0], [u64::MAX, 0, 0], [0, 1 << 32, 0]] {
             assert_eq!(StepFailure::from_words(nonsense), None);
             let mut untouched = all[0];
             assert_eq!(Tape::read(nonsense.to_vec(), |tape| untouched.pass(tape)), None);

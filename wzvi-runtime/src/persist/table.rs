@@ -6,7 +6,7 @@ use std::io::{self, Write};
 /// Columns of one length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    name: &'static str,
+    name: String,
     columns: Vec<(String, Column)>,
 }
 
@@ -34,7 +34,7 @@ impl Column {
 impl Table {
     /// What the rows are about: the name of its file.
     pub fn name(&self) -> &str {
-        self.name
+        &self.name
     }
 
     /// The columns with their names, from left to right.
@@ -73,6 +73,15 @@ impl Table {
             writeln!(to, "{line}")?;
         }
         Ok(())
+    }
+
+    /// [`Table::write_csv`] into memory.
+    #[cfg(feature = "report")]
+    pub(crate) fn csv(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        // Writing to memory cannot fail.
+        let _ = self.write_csv(&mut bytes);
+        bytes
     }
 
     /// `{"column":[entries], ...}`; numbers come back to the last bit, but JSON has `null` for those that are none or
@@ -141,12 +150,12 @@ pub(crate) const TEXT: Column = Column::Text(Vec::new());
 impl Table {
     /// Without rows: columns of given types, and columns of numbers.
     pub(crate) fn new<'n>(
-        name: &'static str,
+        name: impl Into<String>,
         columns: impl IntoIterator<Item = (&'n str, Column)>,
         numbers: impl IntoIterator<Item = &'n str>,
     ) -> Self {
         let columns = columns.into_iter().chain(numbers.into_iter().map(|name| (name, NUMBER)));
-        Self { name, columns: columns.map(|(name, column)| (name.to_owned(), column)).collect() }
+        Self { name: name.into(), columns: columns.map(|(name, column)| (name.to_owned(), column)).collect() }
     }
 
     /// One more row, whose entries have the types of the columns.

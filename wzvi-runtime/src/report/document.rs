@@ -116,7 +116,7 @@ impl Document {
                 let file = |ending: &str| folder.join(format!("{}.{ending}", figure.id));
                 write_file(&file("svg"), plot.svg()?.as_bytes())?;
                 write_file(&file("png"), &plot.png()?)?;
-                write_file(&file("csv"), &figure.csv()?)?;
+                write_file(&file("csv"), &figure.csv())?;
             }
         }
         write_file(&folder.join("index.html"), self.html()?.as_bytes())

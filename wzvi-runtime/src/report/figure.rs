@@ -1,7 +1,7 @@
 //! A figure as data: what is drawn, what it shows, the numbers behind it.
 
-use super::ReportError;
-use super::write::csv_text;
+use crate::persist::table::Cell::{Number, Text};
+use crate::persist::table::{NUMBER, TEXT, Table};
 
 /// One axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -122,11 +122,16 @@ impl Figure {
     }
 
     /// The same as CSV.
-    ///
-    /// # Errors
-    /// [`ReportError::Format`].
-    pub fn csv(&self) -> Result<Vec<u8>, ReportError> {
-        let (headings, rows) = self.table();
-        csv_text(std::iter::once(headings).chain(rows))
+    pub fn csv(&self) -> Vec<u8> {
+        let columns =
+            [("series", TEXT), (self.x.label.as_str(), NUMBER), (&self.y.label, NUMBER), ("note", TEXT)];
+        let mut table = Table::new(self.id.as_str(), columns, []);
+        for series in &self.series {
+            for (index, &(x, y)) in series.points.iter().enumerate() {
+                let note = series.notes.get(index).map_or("", String::as_str);
+                table.row([Text(&series.name), Number(x), Number(y), Text(note)]);
+            }
+        }
+        table.csv()
     }
 }

@@ -87,7 +87,7 @@ impl Report {
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), ReportError> {
         let folder = folder.as_ref();
         create_folder(folder)?;
-        write_file(&folder.join("measurements.csv"), &self.csv()?)?;
+        write_file(&folder.join("measurements.csv"), &self.csv())?;
         write_file(&folder.join("measurements.json"), self.json()?.as_bytes())?;
         self.append_to(Document::new(self.title.clone()), "error").write(folder)
     }

@@ -8,15 +8,15 @@ use crate::noise::{Paths, Wiener};
 use crate::state::State;
 use crate::system::{Discretized, Hamiltonian};
 
-type Exact<'a, V> = Box<dyn Fn(f64, &[f64]) -> State<V> + 'a>;
-type ExactOnPath<'a, V> = Box<dyn Fn(f64, &mut Wiener) -> Result<State<V>, Error> + 'a>;
-type Value<'a, V> = Box<dyn Fn(&State<V>) -> f64 + 'a>;
-type Driver<'a> = Box<dyn Fn(Wiener) -> Box<dyn Paths + 'a> + 'a>;
+type Exact<'a, V> = Box<dyn Fn(f64, &[f64]) -> State<V> + Send + Sync + 'a>;
+type ExactOnPath<'a, V> = Box<dyn Fn(f64, &mut Wiener) -> Result<State<V>, Error> + Send + Sync + 'a>;
+type Value<'a, V> = Box<dyn Fn(&State<V>) -> f64 + Send + Sync + 'a>;
+type Driver<'a> = Box<dyn Fn(Wiener) -> Box<dyn Paths + 'a> + Send + Sync + 'a>;
 
 pub(super) enum Reference<'a, H: Hamiltonian> {
     Exact(Exact<'a, H::Vector>),
     OnPath(ExactOnPath<'a, H::Vector>),
-    Finer(Box<dyn Scheme<H> + 'a>, f64),
+    Finer(Box<dyn Scheme<H> + Send + Sync + 'a>, f64),
     Value(State<H::Vector>),
 }
 
@@ -44,10 +44,11 @@ pub struct WorkPrecision<'a, H: Hamiltonian> {
     pub(super) driver: Driver<'a>,
     pub(super) reference: Option<Reference<'a, H>>,
     pub(super) observables: Vec<Observable<'a, H::Vector>>,
-    pub(super) schemes: Vec<Box<dyn Scheme<H> + 'a>>,
+    pub(super) schemes: Vec<Box<dyn Scheme<H> + Send + Sync + 'a>>,
     pub(super) overlay: Vec<Overlay>,
     pub(super) failed: Option<Error>,
-    pub(super) stop: Box<dyn Fn() -> bool + 'a>,
+    pub(super) threads: Option<usize>,
+    pub(super) stop: Box<dyn Fn() -> bool + Send + Sync + 'a>,
 }
 
 impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
@@ -68,6 +69,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
             schemes: vec![],
             overlay: vec![],
             failed: None,
+            threads: None,
             stop: Box::new(|| false),
         }
     }
@@ -102,6 +104,12 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         self
     }
 
+    /// Measures errors on so many threads; on all cores if this is not called. The numbers are the same. Times are measured on one.
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.threads = Some(threads);
+        self
+    }
+
     /// The seed of the Wiener paths.
     pub fn seed(mut self, seed: u64) -> Self {
         self.seed = seed;
@@ -116,13 +124,13 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
 
     /// What drives the steps instead of the Wiener path itself, made from that path:
     /// `.noise(|wiener| WongZakai::of(wiener, 0.02).exact())`.
-    pub fn noise<N: Paths + 'a>(mut self, driver: impl Fn(Wiener) -> N + 'a) -> Self {
+    pub fn noise<N: Paths + 'a>(mut self, driver: impl Fn(Wiener) -> N + Send + Sync + 'a) -> Self {
         self.driver = Box::new(move |wiener| Box::new(driver(wiener)));
         self
     }
 
     /// Compares with an exact solution `exact(t, wiener)`, `wiener[k] = W_k(t) - W_k(t_0)`.
-    pub fn exact(mut self, exact: impl Fn(f64, &[f64]) -> State<H::Vector> + 'a) -> Self {
+    pub fn exact(mut self, exact: impl Fn(f64, &[f64]) -> State<H::Vector> + Send + Sync + 'a) -> Self {
         self.reference = Some(Reference::Exact(Box::new(exact)));
         self
     }
@@ -130,7 +138,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     /// Compares with an exact solution that depends on the path at more than its end.
     pub fn exact_on_path(
         mut self,
-        exact: impl Fn(f64, &mut Wiener) -> Result<State<H::Vector>, Error> + 'a,
+        exact: impl Fn(f64, &mut Wiener) -> Result<State<H::Vector>, Error> + Send + Sync + 'a,
     ) -> Self {
         self.reference = Some(Reference::OnPath(Box::new(exact)));
         self
@@ -152,7 +160,11 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     }
 
     /// Measures the weak error of `f`: the mean over paths of `f(z_N) - f(z(T))` on the same path.
-    pub fn observe(mut self, name: impl Into<String>, f: impl Fn(&State<H::Vector>) -> f64 + 'a) -> Self {
+    pub fn observe(
+        mut self,
+        name: impl Into<String>,
+        f: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,
+    ) -> Self {
         self.observables.push(Observable { name: name.into(), value: Box::new(f), expectation: None });
         self
     }
@@ -161,7 +173,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     pub fn expectation(
         mut self,
         name: impl Into<String>,
-        f: impl Fn(&State<H::Vector>) -> f64 + 'a,
+        f: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,
         expectation: f64,
     ) -> Self {
         let (name, value) = (name.into(), Box::new(f));
@@ -189,7 +201,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     }
 
     /// Ends the measurement early, as Ctrl-C does, when `stop` says so: a deadline, for one.
-    pub fn stop_when(mut self, stop: impl Fn() -> bool + 'a) -> Self {
+    pub fn stop_when(mut self, stop: impl Fn() -> bool + Send + Sync + 'a) -> Self {
         self.stop = Box::new(stop);
         self
     }

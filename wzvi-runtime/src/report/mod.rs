@@ -27,6 +27,7 @@
 //!
 //! Slopes are fitted on the part of the curve that is straight ([`fit`]).
 
+mod accuracy;
 mod data;
 mod document;
 mod error;
@@ -39,7 +40,6 @@ mod measure;
 mod overlay;
 mod pareto;
 mod plot;
-mod progress;
 mod run;
 mod scheme;
 pub mod statistics;

@@ -2,29 +2,32 @@
 
 use std::time::{Duration, Instant};
 
-use super::data::{Cell, Report, Weak};
+use super::data::{Cell, Report};
 use super::machine::Machine;
 use super::measure::{Reference, WorkPrecision};
 use super::number;
-use super::progress::Progress;
 use super::scheme::{Given, Scheme};
-use super::statistics::{Estimate, Spread, Trend};
+use super::statistics::Spread;
 use crate::error::{ConfigError, Error, StepFailure};
-use crate::increments::{Interval, Noise as _};
+use crate::increments::Interval;
 use crate::interrupt::Interrupt;
 use crate::noise::{Paths, Wiener};
+use crate::progress::Progress;
+use crate::schedule::threads;
 use crate::simulate::steps_between;
 use crate::state::{State, Vector};
 use crate::system::Hamiltonian;
 
-/// Nodes of a path at which the energy is looked at, about.
-const LOOKS: usize = 256;
 /// Steps that one timing takes at least, if there are paths enough.
-const TIMED_STEPS: usize = 20_000;
+pub(super) const TIMED_STEPS: usize = 20_000;
 /// Time that one timing of steps takes at least.
 const TIMED: Duration = Duration::from_millis(1);
 
-impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
+impl<'a, H> WorkPrecision<'a, H>
+where
+    H: Hamiltonian + Sync,
+    H::Vector: Send + Sync,
+{
     /// Measures. Ctrl-C, or [`WorkPrecision::stop_when`], ends it early: the report then holds what was measured until then.
     /// On a terminal, progress and the time that remains are shown.
     ///
@@ -39,22 +42,22 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         }
         let plan = self.checked()?;
         let interrupt = Interrupt::watch();
-        let stopped = || interrupt.requested() || (self.stop)();
+        let stopped = &|| interrupt.requested() || (self.stop)();
         let work: usize = plan.runs.iter().map(|run| run.steps * plan.paths).sum();
         let timing: usize = plan.runs.iter().map(|run| run.batch_steps() * (self.repetitions + 1)).sum();
         let reference = plan.reference_steps * plan.paths;
-        let progress = Progress::new(&self.title, work + timing + reference);
+        let mut work = Work::new(work + timing + reference);
 
-        let references = self.references(&plan, &progress, &stopped)?;
+        let references = self.references(&plan, &mut work, stopped)?;
         let mut cells = vec![];
         for run in &plan.runs {
             if stopped() {
                 break;
             }
-            cells.extend(self.accuracy(&plan, run, &references, &progress, &stopped)?);
+            cells.extend(self.accuracy(&plan, run, &references, &mut work, stopped)?);
         }
-        self.times(&plan, &mut cells, &progress, &stopped)?;
-        progress.finish();
+        self.times(&plan, &mut cells, &mut work, stopped)?;
+        drop(work);
 
         let order = |cell: &Cell| self.schemes.iter().position(|scheme| scheme.name() == cell.scheme);
         let interrupted = stopped() && !plan.complete(&cells, self.repetitions);
@@ -136,15 +139,20 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
             Reference::Finer(_, h) => whole(*h)?,
             _ => 0,
         };
-        Ok(Settings { start, end, paths, runs, reference_steps })
+        Ok(Settings { start, end, paths, threads: threads(self.threads)?, runs, reference_steps })
     }
 
     /// The path with a number, and its driver for a scheme.
-    fn wiener(&self, path: u64) -> Wiener {
+    pub(super) fn wiener(&self, path: u64) -> Wiener {
         Wiener::seed(self.seed).path(path)
     }
 
-    fn driver(&self, scheme: &dyn Scheme<H>, h: f64, start: f64) -> Result<Box<dyn Paths + 'a>, Error> {
+    pub(super) fn driver(
+        &self,
+        scheme: &dyn Scheme<H>,
+        h: f64,
+        start: f64,
+    ) -> Result<Box<dyn Paths + 'a>, Error> {
         let mut noise = (self.driver)(self.wiener(0));
         if self.system.noises() > 0 {
             noise.prepare(&scheme.plan(), h, self.system.noises(), start)?;
@@ -152,139 +160,12 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         Ok(noise)
     }
 
-    fn references(
-        &self,
-        plan: &Settings<H::Vector>,
-        progress: &Progress,
-        stopped: &dyn Fn() -> bool,
-    ) -> Result<Vec<State<H::Vector>>, Error> {
-        let (start, processes) = (&plan.start, self.system.noises());
-        let mut states = Vec::with_capacity(plan.paths);
-        let mut increments = vec![0.0; plan.reference_steps * processes];
-        let mut wiener = self.wiener(0);
-        for path in 0..plan.paths as u64 {
-            wiener.set_path(path);
-            states.push(match &self.reference {
-                Some(Reference::Exact(exact)) => {
-                    let ends: Result<Vec<f64>, _> =
-                        (0..processes).map(|k| wiener.increment(k, start.t, plan.end)).collect();
-                    exact(plan.end, &ends?)
-                }
-                Some(Reference::OnPath(exact)) => exact(plan.end, &mut wiener)?,
-                Some(Reference::Finer(scheme, h)) => {
-                    if stopped() {
-                        break;
-                    }
-                    let mut noise = self.wiener(path);
-                    noise.prepare(&scheme.plan(), *h, processes, start.t)?;
-                    draw(&mut noise, processes, start.t, *h, &mut increments)?;
-                    let given = Given { start, h: *h, steps: plan.reference_steps, increments: &increments };
-                    let outcome = scheme.run(self.system, &given, &mut |_| {})?;
-                    progress.advance(plan.reference_steps);
-                    match outcome.failure {
-                        Some(error) => return Err(error),
-                        None => outcome.last,
-                    }
-                }
-                Some(Reference::Value(state)) => state.clone(),
-                None => break,
-            });
-        }
-        Ok(states)
-    }
-
-    /// Errors of one scheme and step size over the paths; `None` if there was time for no path at all.
-    fn accuracy(
-        &self,
-        plan: &Settings<H::Vector>,
-        run: &Run,
-        references: &[State<H::Vector>],
-        progress: &Progress,
-        stopped: &dyn Fn() -> bool,
-    ) -> Result<Option<Cell>, Error> {
-        let Some(scheme) = self.schemes.get(run.scheme) else { return Ok(None) };
-        let (system, processes, h) = (self.system, self.system.noises(), run.h);
-        let mut noise = self.driver(scheme.as_ref(), h, plan.start.t)?;
-        let mut increments = vec![0.0; run.steps * processes];
-        let mut found = Found::default();
-        let mut weak = vec![vec![]; self.observables.len()];
-        let stride = run.steps.div_ceil(LOOKS);
-        for (path, exact) in (0u64..).zip(references) {
-            if stopped() {
-                break;
-            }
-            noise.set_path(path);
-            draw(noise.as_mut(), processes, plan.start.t, h, &mut increments)?;
-            let (mut energies, mut node) = (vec![], 0);
-            let first = system.energy(&plan.start);
-            let given = Given { start: &plan.start, h, steps: run.steps, increments: &increments };
-            let outcome = scheme.run(system, &given, &mut |state| {
-                if node % stride == 0 || node == run.steps {
-                    energies.push((state.t - plan.start.t, system.energy(state) - first));
-                }
-                node += 1;
-            });
-            progress.advance(run.steps);
-            let failure = match outcome {
-                Ok(outcome) => match outcome.failure {
-                    None => {
-                        found.good.push(path);
-                        found.steps += run.steps as u64;
-                        found.iterations += outcome.iterations;
-                        found.largest = found.largest.max(outcome.largest);
-                        found.errors.push(distance(&outcome.last, exact));
-                        let trend = Trend::of(&energies);
-                        found.trends.push(trend.slope * (plan.end - plan.start.t));
-                        found.oscillations.push(trend.oscillation);
-                        for (observable, values) in self.observables.iter().zip(&mut weak) {
-                            let f = &observable.value;
-                            let expected = observable.expectation.unwrap_or_else(|| f(exact));
-                            values.push(f(&outcome.last) - expected);
-                        }
-                        continue;
-                    }
-                    Some(error) => error.to_string(),
-                },
-                Err(error) => error.to_string(),
-            };
-            found.failures += 1;
-            found.failure.get_or_insert(failure);
-        }
-        if found.good.is_empty() && found.failures == 0 {
-            return Ok(None);
-        }
-        let weak = self.observables.iter().zip(&weak).map(|(observable, values)| Weak {
-            observable: observable.name.clone(),
-            bias: Estimate::mean(values),
-        });
-        Ok(Some(Cell {
-            scheme: scheme.name(),
-            h,
-            steps: run.steps,
-            paths: found.good.len(),
-            failures: found.failures,
-            failure: found.failure,
-            strong: Estimate::root_mean_square(&found.errors),
-            weak: weak.collect(),
-            energy_trend: Estimate::root_mean_square(&found.trends),
-            energy_oscillation: Estimate::root_mean_square(&found.oscillations),
-            iterations: found.iterations as f64 / found.steps.max(1) as f64,
-            largest_iterations: found.largest,
-            time: None,
-            noise_time: None,
-            path_numbers: found.good,
-            errors: found.errors,
-            times: vec![],
-            noise_times: vec![],
-        }))
-    }
-
     /// Times of all cells: one warm-up, then the repetitions, each through all cells, to and fro.
     fn times(
         &self,
         plan: &Settings<H::Vector>,
         cells: &mut [Cell],
-        progress: &Progress,
+        work: &mut Work,
         stopped: &dyn Fn() -> bool,
     ) -> Result<(), Error> {
         let mut passes = vec![1; cells.len()];
@@ -308,7 +189,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
                 let numbers = cell.path_numbers.get(..run.batch).unwrap_or(&cell.path_numbers);
                 let paths = numbers.len() as f64;
                 let (steps, drawing) = self.time(plan, run, numbers, *passes)?;
-                progress.advance(run.batch_steps());
+                work.advance(run.batch_steps());
                 if round == 0 {
                     let once = steps.as_secs_f64().max(1e-7);
                     *passes = (TIMED.as_secs_f64() / once).ceil().clamp(1.0, 10_000.0) as u32;
@@ -361,13 +242,32 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     }
 }
 
+/// The steps of all that is measured, and how many are done.
+pub(super) struct Work {
+    progress: Progress,
+    done: u64,
+    all: u64,
+}
+
+impl Work {
+    fn new(steps: usize) -> Self {
+        Self { progress: Progress::new("steps", false), done: 0, all: steps as u64 }
+    }
+
+    pub(super) fn advance(&mut self, steps: usize) {
+        self.done += steps as u64;
+        self.progress.show(self.done, self.all);
+    }
+}
+
 /// Settings that fit together.
-struct Settings<V> {
-    start: State<V>,
-    end: f64,
-    paths: usize,
+pub(super) struct Settings<V> {
+    pub(super) start: State<V>,
+    pub(super) end: f64,
+    pub(super) paths: usize,
+    pub(super) threads: usize,
     runs: Vec<Run>,
-    reference_steps: usize,
+    pub(super) reference_steps: usize,
 }
 
 impl<V> Settings<V> {
@@ -381,10 +281,10 @@ impl<V> Settings<V> {
 }
 
 /// One scheme at one step size.
-struct Run {
-    scheme: usize,
-    h: f64,
-    steps: usize,
+pub(super) struct Run {
+    pub(super) scheme: usize,
+    pub(super) h: f64,
+    pub(super) steps: usize,
     /// Paths in one timing.
     batch: usize,
 }
@@ -395,32 +295,18 @@ impl Run {
     }
 }
 
-#[derive(Default)]
-struct Found {
-    good: Vec<u64>,
-    steps: u64,
-    iterations: u64,
-    largest: u32,
-    errors: Vec<f64>,
-    trends: Vec<f64>,
-    oscillations: Vec<f64>,
-    failures: usize,
-    failure: Option<String>,
-}
-
 /// The increments of one path, rows of one per process.
-fn draw(noise: &mut dyn Paths, processes: usize, start: f64, h: f64, rows: &mut [f64]) -> Result<(), Error> {
+pub(super) fn draw(
+    noise: &mut dyn Paths,
+    processes: usize,
+    start: f64,
+    h: f64,
+    rows: &mut [f64],
+) -> Result<(), Error> {
     if processes > 0 {
         for (step, row) in (0u64..).zip(rows.chunks_mut(processes)) {
             noise.increments(&Interval { start, h, step }, row)?;
         }
     }
     Ok(())
-}
-
-/// Euclidean distance in (q, p).
-fn distance<V: Vector>(a: &State<V>, b: &State<V>) -> f64 {
-    let parts = [(&a.q, &b.q), (&a.p, &b.p)];
-    let pairs = parts.iter().flat_map(|(a, b)| a.components().iter().zip(b.components()));
-    pairs.map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }

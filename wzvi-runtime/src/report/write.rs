@@ -1,77 +1,61 @@
 //! A measurement as CSV and JSON.
 
-use super::{Report, ReportError};
+use super::{Cell, Report, ReportError};
+use crate::persist::table::Cell::{Count, Number, Text};
+use crate::persist::table::{COUNT, Column, NUMBER, TEXT, Table};
 
-/// Rows as CSV.
-pub(crate) fn csv_text<R>(rows: impl IntoIterator<Item = R>) -> Result<Vec<u8>, ReportError>
-where
-    R: IntoIterator,
-    R::Item: AsRef<[u8]>,
-{
-    let failed = |error: &dyn std::fmt::Display| ReportError::Format(error.to_string());
-    let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(vec![]);
-    for row in rows {
-        writer.write_record(row).map_err(|error| failed(&error))?;
-    }
-    writer.into_inner().map_err(|error| failed(&error))
-}
+/// Columns of every measurement.
+const COLUMNS: [(&str, Column); 17] = [
+    ("scheme", TEXT),
+    ("h", NUMBER),
+    ("steps", COUNT),
+    ("paths", COUNT),
+    ("failures", COUNT),
+    ("strong_error", NUMBER),
+    ("strong_standard_error", NUMBER),
+    ("energy_trend", NUMBER),
+    ("energy_oscillation", NUMBER),
+    ("newton_per_step", NUMBER),
+    ("newton_largest", COUNT),
+    ("step_seconds_median", NUMBER),
+    ("step_seconds_q1", NUMBER),
+    ("step_seconds_q3", NUMBER),
+    ("noise_seconds_median", NUMBER),
+    ("noise_seconds_q1", NUMBER),
+    ("noise_seconds_q3", NUMBER),
+];
 
 impl Report {
-    /// One line for each scheme and step size, every number in full.
-    ///
-    /// # Errors
-    /// [`ReportError::Format`].
-    pub fn csv(&self) -> Result<Vec<u8>, ReportError> {
-        let mut headings: Vec<String> = [
-            "scheme",
-            "h",
-            "steps",
-            "paths",
-            "failures",
-            "strong_error",
-            "strong_standard_error",
-            "energy_trend",
-            "energy_oscillation",
-            "newton_per_step",
-            "newton_largest",
-            "step_seconds_median",
-            "step_seconds_q1",
-            "step_seconds_q3",
-            "noise_seconds_median",
-            "noise_seconds_q1",
-            "noise_seconds_q3",
-        ]
-        .map(str::to_owned)
-        .into();
-        if let Some(cell) = self.cells.first() {
-            for weak in &cell.weak {
-                headings.push(format!("weak_error_{}", weak.observable));
-                headings.push(format!("weak_standard_error_{}", weak.observable));
-            }
-        }
-        let mut rows = vec![headings];
+    /// One line for each scheme and step size, every number in full; what was not measured is `NaN`.
+    pub fn csv(&self) -> Vec<u8> {
+        let weak = self.cells.first().map_or(&[][..], |cell| &cell.weak);
+        let observables = weak.iter().flat_map(|weak| {
+            ["weak_error", "weak_standard_error"].map(|name| format!("{name}_{}", weak.observable))
+        });
+        let observables: Vec<String> = observables.collect();
+        let mut table = Table::new("measurements", COLUMNS, observables.iter().map(String::as_str));
         for cell in &self.cells {
-            let mut row = vec![cell.scheme.clone(), cell.h.to_string()];
-            row.extend([cell.steps, cell.paths, cell.failures].map(|count| count.to_string()));
-            let numbers = [
-                cell.strong.value,
-                cell.strong.standard_error,
-                cell.energy_trend.value,
-                cell.energy_oscillation.value,
-                cell.iterations,
-                f64::from(cell.largest_iterations),
+            let Cell { strong, energy_trend, energy_oscillation, .. } = cell;
+            let spreads = [cell.time, cell.noise_time].map(|spread| {
+                spread.map_or([f64::NAN; 3], |spread| [spread.median, spread.low, spread.high])
+            });
+            let known = [
+                Text(&cell.scheme),
+                Number(cell.h),
+                Count(cell.steps as u64),
+                Count(cell.paths as u64),
+                Count(cell.failures as u64),
+                Number(strong.value),
+                Number(strong.standard_error),
+                Number(energy_trend.value),
+                Number(energy_oscillation.value),
+                Number(cell.iterations),
+                Count(u64::from(cell.largest_iterations)),
             ];
-            row.extend(numbers.map(|number| number.to_string()));
-            for spread in [cell.time, cell.noise_time] {
-                let values = spread.map(|s| [s.median, s.low, s.high].map(|value| value.to_string()));
-                row.extend(values.unwrap_or_default());
-            }
-            for weak in &cell.weak {
-                row.extend([weak.bias.value, weak.bias.standard_error].map(|value| value.to_string()));
-            }
-            rows.push(row);
+            let weak = cell.weak.iter().flat_map(|weak| [weak.bias.value, weak.bias.standard_error]);
+            table.row(known.into_iter().chain(spreads.into_iter().flatten().chain(weak).map(Number)));
         }
-        csv_text(rows)
+        table.csv()
     }
 
     /// Everything, every path's error and every timing included.

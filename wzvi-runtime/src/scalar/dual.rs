@@ -7,6 +7,7 @@ use std::f64::consts::{LN_2, LN_10};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::Scalar;
+use crate::numbers::{Numbers, Tape};
 
 /// A number with its partial derivatives in `N` directions.
 ///
@@ -139,6 +140,13 @@ fn larger(a: f64, b: f64) -> f64 {
 
 fn norm(components: &[f64]) -> f64 {
     components.iter().fold(0.0, |largest, x| larger(x.abs(), largest))
+}
+
+impl<const N: usize> Numbers for Dual<N> {
+    fn pass(&mut self, tape: &mut Tape) {
+        self.value.pass(tape);
+        self.derivative.pass(tape);
+    }
 }
 
 impl<const N: usize> Scalar for Dual<N> {

@@ -9,6 +9,7 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Scalar, Together};
+use crate::numbers::{Numbers, Tape};
 
 /// Twice what one operation loses at most: the bound is of the size of the loss even where errors of many add up.
 const EPSILON: f64 = f64::EPSILON;
@@ -56,6 +57,13 @@ impl Rounded {
 /// `error slope`, and nothing of a number that is exact even where the slope is infinite.
 fn spread(error: f64, slope: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error * slope.abs() }
+}
+
+impl Numbers for Rounded {
+    fn pass(&mut self, tape: &mut Tape) {
+        self.value.pass(tape);
+        self.error.pass(tape);
+    }
 }
 
 impl Neg for Rounded {
@@ -317,7 +325,9 @@ mod tests {
     #[test]
     fn poles_and_corners_do_not_lose_the_error() {
         for x in [Rounded::nearest(1.0), Rounded { value: 0.0, error: 1e-16 }] {
-            for y in [x.sqrt(), x.cbrt(), x.asin(), x.acos(), x.powi(3), x.powi(2), x * x, x.cos(), x.hypot(x)] {
+            for y in
+                [x.sqrt(), x.cbrt(), x.asin(), x.acos(), x.powi(3), x.powi(2), x * x, x.cos(), x.hypot(x)]
+            {
                 assert!(y.error > 0.0 && y.error < 1e-4, "{x:?} {y:?}");
             }
         }

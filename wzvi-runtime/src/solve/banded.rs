@@ -4,10 +4,12 @@
 //! E. Cuthill, J. McKee, "Reducing the bandwidth of sparse symmetric matrices", ACM 1969; G. H. Golub, C. F. Van Loan,
 //! *Matrix Computations*, section 4.3. With pivoting, `U` has as many upper diagonals as `A` has in all.
 
+use super::newton::larger;
 use crate::error::StepFailure;
 use crate::scalar::{Mask, Scalar};
 
-/// A pivot below this many units of rounding of its row makes the matrix singular to working precision.
+/// A pivot below this many units of rounding of its column makes the matrix singular to working precision: unlike rows, the
+/// entries of a column have a unit in common with the pivot.
 const PIVOT_ULPS: f64 = 4.0 * f64::EPSILON;
 
 /// A square matrix with room for its factors.
@@ -69,12 +71,18 @@ impl<S: Scalar> Banded<S> {
     /// Factors the matrix in place.
     ///
     /// # Errors
-    /// [`StepFailure::Singular`] if a pivot is at the rounding level of the largest entry of the rows around it.
+    /// [`StepFailure::Singular`] if a pivot is at the rounding level of the largest entry of its column.
     pub fn factor(&mut self) -> Result<(), StepFailure> {
         let (n, half, width) = (self.n, self.half, 3 * self.half + 1);
         let rows = &mut self.rows;
-        for (scale, row) in self.scratch.iter_mut().zip(rows.chunks_exact(width)) {
-            *scale = S::from_f64(largest(row));
+        self.scratch.fill(S::from_f64(0.0));
+        for (i, row) in rows.chunks_exact(width).enumerate() {
+            let first = i.saturating_sub(half);
+            let end = (i + half + 1).min(n);
+            let entries = &row[first + half - i..end + half - i];
+            for (scale, entry) in self.scratch[first..end].iter_mut().zip(entries) {
+                *scale = S::from_f64(larger(scale.magnitude(), entry.magnitude()));
+            }
         }
         for k in 0..n {
             let last = (k + half).min(n - 1);
@@ -85,7 +93,7 @@ impl<S: Scalar> Banded<S> {
                     best = i;
                 }
             }
-            let (pivot, scale) = (rows[entry(best, k)].magnitude(), largest(&self.scratch[k..=last]));
+            let (pivot, scale) = (rows[entry(best, k)].magnitude(), self.scratch[k].magnitude());
             if pivot.is_nan() || !scale.is_finite() {
                 return Err(StepFailure::NonFinite);
             }
@@ -161,14 +169,6 @@ impl<S: Scalar> Banded<S> {
             }
         }
     }
-}
-
-/// The largest magnitude; NaN if any is.
-fn largest<S: Scalar>(numbers: &[S]) -> f64 {
-    numbers.iter().fold(0.0, |most: f64, x| {
-        let size = x.magnitude();
-        if size <= most || most.is_nan() { most } else { size }
-    })
 }
 
 /// The position of each unknown in an order where neighbours are near each other. No pair twice.
@@ -330,6 +330,21 @@ mod tests {
         assert!(reconstruct(14, &network) <= 3);
         assert_eq!(reconstruct(5, &[]), 0);
         reconstruct(1, &[]);
+    }
+
+    /// Unknowns of very different units: `A⁻¹ b` has those of `b`.
+    #[test]
+    fn columns_of_very_different_size_are_no_singularity() {
+        let mut matrix = Banded::<f64>::new(3, 1, Vec::new(), 100).unwrap();
+        matrix.reset();
+        for (row, column, value) in [(0, 1, 1e30), (1, 0, 2.0), (1, 1, 1e30), (1, 2, 1e-30), (2, 1, 1e30)] {
+            matrix.add(row, column, value);
+        }
+        matrix.factor().unwrap();
+        // Of x = (1, 1e-30, 1): [1 + 1, 2 + 1 + 1e-30, 1 + 1].
+        let mut x = [2.0, 3.0, 2.0];
+        matrix.solve(&mut x);
+        assert!((x[0] - 1.0).abs() < 1e-15 && (x[1] - 1e-30).abs() < 1e-45 && (x[2] - 1.0).abs() < 1e-15);
     }
 
     #[test]

@@ -9,7 +9,9 @@
 //! Nonlinear Problems*, Springer 2011, section 3.3).
 
 use super::dense::Factor;
-use super::newton::{Effort, Equations, Progress, Verdict, astray, beyond_in_any_lane, larger, relative, roundings};
+use super::newton::{
+    Effort, Equations, Progress, Verdict, astray, beyond_in_any_lane, larger, relative, roundings,
+};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
 
@@ -80,9 +82,8 @@ fn search<S: Scalar, const N: usize, const SYMMETRIC: bool>(
             }
             Verdict::Contracting => {}
         }
-        let scale: [f64; N] = std::array::from_fn(|i| {
-            x[i].magnitude() + correction[i].magnitude() + f64::MIN_POSITIVE
-        });
+        let scale: [f64; N] =
+            std::array::from_fn(|i| x[i].magnitude() + correction[i].magnitude() + f64::MIN_POSITIVE);
         let mut length = 1.0;
         loop {
             let trial = shifted(&x, &correction, length);
@@ -159,10 +160,7 @@ mod tests {
     use crate::scalar::Rounded;
 
     /// An equation and its slope, with the rounding of a value of the size of 1.
-    fn scalar(
-        start: f64,
-        equation: impl Fn(f64) -> (f64, f64) + Copy,
-    ) -> Result<(f64, Effort), StepFailure> {
+    fn scalar(start: f64, equation: impl Fn(f64) -> (f64, f64) + Copy) -> Result<(f64, Effort), StepFailure> {
         let evaluate = |&[x]: &[f64; 1]| {
             let (residual, slope) = equation(x);
             ([residual], [[slope]])

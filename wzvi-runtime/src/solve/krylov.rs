@@ -4,6 +4,7 @@
 //! SIAM J. Sci. Stat. Comput. 7, 1986; restarted, with the diagonal as preconditioner from the right, so that the
 //! residual that it watches is the true one.
 
+use super::newton::larger;
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
 
@@ -68,10 +69,26 @@ impl<S: Scalar> Krylov<S> {
             *d = if is_usable { d.recip() } else { S::from_f64(1.0) };
         }
         self.solution.fill(zero);
-        let size = norm(b);
-        if size.magnitude() == 0.0 {
+        let largest = b.iter().fold(0.0, |most, b| larger(most, b.magnitude()));
+        if largest == 0.0 {
             return Ok(());
         }
+        // Norms are sums of squares: exactly the same in any unit, they neither over- nor underflow in this one.
+        let unit = power_of_two(largest);
+        b.iter_mut().for_each(|b| *b = *b / unit);
+        let solved = self.solve_scaled(b, tolerance, &mut product);
+        b.iter_mut().for_each(|x| *x = *x * unit);
+        solved
+    }
+
+    /// [`Krylov::solve`] for a right-hand side of the size of 1.
+    fn solve_scaled(
+        &mut self,
+        b: &mut [S],
+        tolerance: f64,
+        product: &mut impl FnMut(&[S], &mut [S]),
+    ) -> Result<(), StepFailure> {
+        let size = norm(b);
         let enough = tolerance * size.magnitude();
         let (mut residual, mut products) = (size, 0);
         self.basis[..self.n].copy_from_slice(b);
@@ -79,7 +96,7 @@ impl<S: Scalar> Krylov<S> {
             if !residual.magnitude().is_finite() {
                 return Err(StepFailure::NonFinite);
             }
-            let dimension = self.cycle(residual, enough, &mut product);
+            let dimension = self.cycle(residual, enough, product);
             products += dimension as u32 + 1;
             self.combine(dimension);
             // The residual of the recurrence is the true one but for rounding: where it is small enough, so is that.
@@ -176,6 +193,11 @@ impl<S: Scalar> Krylov<S> {
     }
 }
 
+/// The largest power of two that is not above `size`, for normal numbers.
+fn power_of_two(size: f64) -> f64 {
+    f64::from_bits(size.to_bits() & f64::INFINITY.to_bits()).clamp(f64::MIN_POSITIVE, f64::MAX)
+}
+
 fn dot<S: Scalar>(a: &[S], b: &[S]) -> S {
     a.iter().zip(b).fold(S::from_f64(0.0), |sum, (&a, &b)| sum + a * b)
 }
@@ -218,6 +240,24 @@ mod tests {
             // The recurrence rounds: 1 % of the tolerance.
             assert!(norm(&rest) <= 1.01 * tolerance * norm(&b), "{c}: {}", norm(&rest) / norm(&b));
             assert!(norm(&rest) > 0.0);
+        }
+    }
+
+    #[test]
+    fn solutions_scale_with_the_right_hand_side() {
+        let (side, c) = (12, 3.0);
+        let solve = |scale: f64| {
+            let mut x: Vec<f64> = (0..side * side).map(|k| (1.7 * k as f64).sin() * scale).collect();
+            let mut krylov = Krylov::new(side * side);
+            krylov.diagonal.fill(4.0 * c + 1.0);
+            krylov.solve(&mut x, 1e-10, torus(side, c, 0.2)).unwrap();
+            x
+        };
+        let one = solve(1.0);
+        for exponent in [-1000, -500, 500, 1000] {
+            let scale = 2.0_f64.powi(exponent);
+            let scaled: Vec<f64> = one.iter().map(|x| x * scale).collect();
+            assert_eq!(solve(scale), scaled, "2^{exponent}");
         }
     }
 

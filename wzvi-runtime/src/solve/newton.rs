@@ -19,7 +19,7 @@ use std::ops::Add;
 use super::damped::damped;
 use super::dense::{Factor, SymmetricFactor};
 use crate::error::StepFailure;
-use crate::numbers::Numbers;
+use crate::numbers::{Numbers, Tape};
 use crate::scalar::{Mask, Rounded, Scalar};
 
 /// Corrections below this fraction of an unknown change nothing.
@@ -151,14 +151,11 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
     }
 }
 
-impl<S: Scalar, const N: usize> Numbers<S> for Extrapolation<S, N> {
-    fn visit(&mut self, visit: &mut dyn FnMut(&mut S)) {
+impl<S: Scalar, const N: usize> Numbers for Extrapolation<S, N> {
+    fn pass(&mut self, tape: &mut Tape) {
         let Self { past, known } = self;
-        past.iter_mut().flatten().for_each(&mut *visit);
-        let mut number = S::from_f64(f64::from(*known));
-        visit(&mut number);
-        // Exact: 0, 1 or 2.
-        *known = number.magnitude() as u8;
+        past.pass(tape);
+        tape.count(known);
     }
 }
 

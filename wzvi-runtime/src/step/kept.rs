@@ -2,8 +2,7 @@
 
 use super::{Clock, Stepper};
 use crate::carry::Carry;
-use crate::checkpoint::Tape;
-use crate::numbers::Numbers;
+use crate::numbers::{Numbers, Tape};
 use crate::state::Vector;
 use crate::system::Discretized;
 
@@ -25,8 +24,8 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
             }
             tape.numbers(vector.components_mut());
         }
-        memory.visit(&mut |number| tape.number(number));
-        carry.visit(&mut |number| tape.number(number));
+        memory.pass(tape);
+        carry.pass(tape);
         strain.pass(tape);
     }
 

@@ -9,12 +9,14 @@
 //!
 //! What is watched is therefore: three steps in a row whose unknowns are not what the steps before extrapolate to, not even
 //! in sign and size (each was hard, see [`StepInfo::is_hard`](super::StepInfo)), and an energy that differs from that of the
-//! start by more than a quarter of the largest `|P · Δq / h|`. It costs nothing until a step is hard.
+//! start by more than a quarter of the largest `|P · Δq / h|` and by more than the rounding of its own terms. It costs
+//! nothing until a step is hard.
 
 use crate::error::StepFailure;
 use crate::plan::{Knowledge, NoiseClass};
+use crate::scalar::Rounded;
 use crate::state::{State, Vector};
-use crate::system::Discretized;
+use crate::system::{Discretized, Hamiltonian};
 
 /// Hard steps in a row that make a pattern.
 const PATTERN: u64 = 3;
@@ -32,6 +34,14 @@ pub(super) struct Strain {
     energy: f64,
     /// The largest `|P · Δq / h|` of the hard steps.
     scale: f64,
+}
+
+/// What rounding does to the energy at all states that round to this one.
+#[cold]
+fn rounding_of_energy<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> f64 {
+    let lift =
+        |of: &H::Vector| -> Vec<Rounded> { of.components().iter().copied().map(Rounded::nearest).collect() };
+    system.evaluate(0, &lift(&state.q), &lift(&state.p), state.t).error
 }
 
 impl Default for Strain {
@@ -81,7 +91,10 @@ impl Strain {
         self.scale = self.scale.max((action / h).abs());
         if self.pattern >= PATTERN {
             let energy_error = (system.energy(to) - self.energy).abs();
-            if energy_error > HARMFUL * self.scale {
+            // The terms of both energies are of the same size.
+            let rounding = || 2.0 * rounding_of_energy(system, to).max(rounding_of_energy(system, from));
+            let harmful = HARMFUL * self.scale;
+            if energy_error > harmful && energy_error > harmful + rounding() {
                 return Err(StepFailure::Unresolved { energy_error, scale: self.scale });
             }
         }
@@ -90,7 +103,7 @@ impl Strain {
 
     /// What a checkpoint keeps.
     #[cfg(feature = "serde")]
-    pub(super) fn pass(&mut self, tape: &mut crate::checkpoint::Tape) {
+    pub(super) fn pass(&mut self, tape: &mut crate::numbers::Tape) {
         let Self { is_ignored: _, pattern, last, energy, scale } = self;
         tape.word(pattern);
         tape.word(last);

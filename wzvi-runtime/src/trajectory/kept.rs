@@ -1,7 +1,7 @@
 //! What of a trajectory in the making a checkpoint keeps.
 
 use super::{Iterations, Path, Recorder, Recording};
-use crate::checkpoint::Tape;
+use crate::numbers::Tape;
 use crate::state::{State, Vector};
 
 /// Nodes after the start and the increments between them, by rows.
@@ -27,11 +27,8 @@ impl<V: Vector> Recorder<V> {
         for word in [&mut *steps, total, hard, doubtful, halved, kept] {
             tape.word(word);
         }
-        for count in [largest, halvings] {
-            let mut word = u64::from(*count);
-            tape.word(&mut word);
-            *count = u32::try_from(word).unwrap_or(u32::MAX);
-        }
+        tape.count(largest);
+        tape.count(halvings);
         for sum in pending {
             sum.pass(tape);
         }

@@ -45,9 +45,8 @@ impl Factor {
                 end: moved(&known.end)?,
             })
         };
-        let local = |Local { symbol, slot }: &Local| {
-            Some(Local { symbol: *symbol, slot: map_slot(slot, moved)? })
-        };
+        let local =
+            |Local { symbol, slot }: &Local| Some(Local { symbol: *symbol, slot: map_slot(slot, moved)? });
         Some(Self {
             locals: locals.iter().map(local).collect::<Option<_>>()?,
             increments: increments.iter().map(moved).collect::<Option<_>>()?,
@@ -118,7 +117,8 @@ impl Space {
         increments: Increments,
     ) -> Option<Sum> {
         let beyond = self.beyond();
-        let factors = |sum: &Sum, shift: u32| sum.iter().map(|w| Factor::new(w, shift)).collect::<Option<Vec<_>>>();
+        let factors =
+            |sum: &Sum, shift: u32| sum.iter().map(|w| Factor::new(w, shift)).collect::<Option<Vec<_>>>();
         let (mut first, mut second) = (factors(first, beyond)?, factors(second, 2 * beyond)?);
         let readers = Readers::of(&second, other);
         let mut groups = Groups::default();
@@ -153,7 +153,9 @@ impl Space {
                 equations.push(Equation { difference: a.subtract(b)?, is_of_slots: false });
             }
         }
-        if one.loops.is_empty() && two.loops.is_empty() && equations.iter().all(|e| e.difference == Index::default())
+        if one.loops.is_empty()
+            && two.loops.is_empty()
+            && equations.iter().all(|e| e.difference == Index::default())
         {
             let numbers = joined(&one.increments, &two.increments, increments);
             let product = graph.multiply(slope, speed);
@@ -161,7 +163,9 @@ impl Space {
             return Some(());
         }
         let loops = [one.loops.as_slice(), &two.loops].concat();
-        let Meeting::At(placement) = solve(self, loops, equations, 3 * self.beyond())? else { return Some(()) };
+        let Meeting::At(placement) = solve(self, loops, equations, 3 * self.beyond())? else {
+            return Some(());
+        };
         // All indices of both, to be moved together.
         let mut placed = Placed { loops: placement.loops.clone(), by: Vec::new() };
         let numbers = joined(&one.increments, &two.increments, increments);

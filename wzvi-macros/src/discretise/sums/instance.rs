@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use super::{Increments, Space, Sum, Weighted};
-use crate::model::index::{Atom, Index, Loop};
 use crate::model::Slot;
+use crate::model::index::{Atom, Index, Loop};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// Nodes of an expression that is written out.
@@ -58,7 +58,8 @@ impl<'s> Site<'s> {
         let mut nodes = 0;
         for weighted in sum {
             let each = graph.reachable(&[weighted.element.value]).len();
-            let Some(placements) = self.placements(&weighted.element.loops, (MOST_NODES - nodes) / each) else {
+            let Some(placements) = self.placements(&weighted.element.loops, (MOST_NODES - nodes) / each)
+            else {
                 return Instance::TooLarge;
             };
             nodes += each * placements.len();
@@ -97,7 +98,13 @@ impl<'s> Site<'s> {
     }
 
     /// One placement; `None` if an index is out of range.
-    fn at(&mut self, graph: &mut Graph, weighted: &Weighted, values: &Values, is_other: bool) -> Option<Expr> {
+    fn at(
+        &mut self,
+        graph: &mut Graph,
+        weighted: &Weighted,
+        values: &Values,
+        is_other: bool,
+    ) -> Option<Expr> {
         let Weighted { element, increments } = weighted;
         let mut images = HashMap::new();
         for local in &element.locals {
@@ -113,7 +120,8 @@ impl<'s> Site<'s> {
             numbers.sort_unstable();
         }
         for (position, number) in numbers.into_iter().enumerate() {
-            let symbol = self.symbol(graph, Place::Increment(position, number), || format!("ΔW{}", number + 1));
+            let symbol =
+                self.symbol(graph, Place::Increment(position, number), || format!("ΔW{}", number + 1));
             factors.push(graph.symbol(symbol));
         }
         Some(graph.product(&factors))

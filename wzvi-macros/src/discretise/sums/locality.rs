@@ -57,9 +57,8 @@ impl Space {
     /// from there.
     pub(super) fn generalised(&self, sum: &Sum, n: i128) -> Option<(Self, Sum)> {
         let lift = |index: &Index| lifted(index, n, 1);
-        let lift_range = |known: &Loop| {
-            Some(Loop { start: lift(&known.start)?, end: lift(&known.end)?, ..known.clone() })
-        };
+        let lift_range =
+            |known: &Loop| Some(Loop { start: lift(&known.start)?, end: lift(&known.end)?, ..known.clone() });
         let lift_slot = |slot: &Slot| match slot {
             Slot::Coordinate(_) | Slot::Momentum(_) => {
                 map_slot(slot, |index| lifted(index, n, self.components))
@@ -112,7 +111,8 @@ fn lifted(index: &Index, n: i128, stride: i128) -> Option<Index> {
         sum = sum.plus(&atom, *coefficient)?;
     }
     let whole = n.checked_mul(stride)?;
-    let times = index.constant.checked_mul(2)?.checked_add(whole)?.checked_div_euclid(whole.checked_mul(2)?)?;
+    let times =
+        index.constant.checked_mul(2)?.checked_add(whole)?.checked_div_euclid(whole.checked_mul(2)?)?;
     let size = Index::atom(Atom::Size).multiply(&Index::integer(stride))?;
     let rest = index.constant.checked_sub(times.checked_mul(whole)?)?;
     sum.plus(&size, times)?.shifted(rest)

@@ -14,6 +14,8 @@ mod display;
 mod instance;
 mod locality;
 mod solve;
+#[cfg(test)]
+mod tests;
 mod vanish;
 
 use std::collections::HashMap;
@@ -49,7 +51,9 @@ impl Half {
     /// The index of a slot in this half.
     fn index(self, slot: &Slot) -> Option<&Index> {
         match (self, slot) {
-            (Self::Coordinates, Slot::Coordinate(index)) | (Self::Momenta, Slot::Momentum(index)) => Some(index),
+            (Self::Coordinates, Slot::Coordinate(index)) | (Self::Momenta, Slot::Momentum(index)) => {
+                Some(index)
+            }
             _ => None,
         }
     }

@@ -96,7 +96,8 @@ impl Solver<'_> {
 
     fn treat(&mut self, equation: Equation) -> Option<Outcome> {
         let difference = simplified(self.space, &equation.difference, &self.loops)?;
-        let divisor = difference.terms.iter().fold(0, |gcd, (_, coefficient)| greatest_divisor(gcd, *coefficient));
+        let divisor =
+            difference.terms.iter().fold(0, |gcd, (_, coefficient)| greatest_divisor(gcd, *coefficient));
         if divisor == 0 {
             return Some(if difference.constant == 0 { Outcome::Done } else { Outcome::Never });
         }
@@ -147,7 +148,8 @@ impl Solver<'_> {
         let difference = &equation.difference;
         let is_read = |own: &Loop| self.loops.iter().any(|other| reads(other, own.variable));
         let candidates = self.loops.iter().enumerate().filter(|(_, own)| {
-            matches!(difference.slope(own.variable), Some(1 | -1)) && !self.is_around(own.variable, difference)
+            matches!(difference.slope(own.variable), Some(1 | -1))
+                && !self.is_around(own.variable, difference)
         });
         let best = candidates.max_by_key(|&(at, own)| (self.is_over_all(own), !is_read(own), at));
         let Some((at, own)) = best.map(|(at, own)| (at, own.clone())) else { return Some(false) };
@@ -158,7 +160,8 @@ impl Solver<'_> {
         let is_in_range = equation.is_of_slots && self.is_over_all(&own);
         self.loops.remove(at);
         if !is_in_range {
-            let (start, end) = (own.start.with(own.variable, &solution)?, own.end.with(own.variable, &solution)?);
+            let (start, end) =
+                (own.start.with(own.variable, &solution)?, own.end.with(own.variable, &solution)?);
             self.conditions.push(solution.subtract(&start)?);
             self.conditions.push(end.shifted(-1)?.subtract(&solution)?);
         }

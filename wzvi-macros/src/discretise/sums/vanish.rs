@@ -37,7 +37,13 @@ impl Space {
         self.decide(graph, sum, increments, Question::Constant)
     }
 
-    fn decide(&mut self, graph: &mut Graph, sum: &Sum, increments: Increments, question: Question) -> Knowledge {
+    fn decide(
+        &mut self,
+        graph: &mut Graph,
+        sum: &Sum,
+        increments: Increments,
+        question: Question,
+    ) -> Knowledge {
         let mut left = Sum::new();
         let mut verdicts = Vec::new();
         for weighted in sum {
@@ -87,7 +93,9 @@ impl Space {
         }
         let unknown = || Knowledge::Unknown(format!("it is too long to be written out for {size} points"));
         let Some((mut space, general)) = self.generalised(sum, size) else { return unknown() };
-        let Some(first) = space.deciding_size(&general).filter(|&first| first < size) else { return unknown() };
+        let Some(first) = space.deciding_size(&general).filter(|&first| first < size) else {
+            return unknown();
+        };
         for size in [first, first + 1] {
             match space.instance(graph, &general, (size, Numbers::Free), increments, question) {
                 Written::Tested(ZeroTest::Zero) => {}
@@ -154,7 +162,8 @@ impl Space {
                     match self.instance(graph, &slope, (size, Numbers::Known), increments, Question::Zero) {
                         Written::Tested(ZeroTest::Nonzero(witness)) => return Some(witness),
                         Written::TooLarge if depth > 1 => {
-                            let deeper = self.slope_that_does_not_vanish(graph, &slope, size, increments, depth - 1);
+                            let deeper =
+                                self.slope_that_does_not_vanish(graph, &slope, size, increments, depth - 1);
                             if deeper.is_some() {
                                 return deeper;
                             }

@@ -5,28 +5,44 @@ use quote::quote;
 
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
-use crate::elements::plan::{Unknowns, unknowns};
+use crate::elements::plan::Unknowns;
 use crate::emit::plan::Plan;
 use crate::emit::{embedding_type, f64_type};
 use crate::input::{Length, Shape};
 use crate::model::System;
 
+/// The way in which the steps of a scheme are solved, as code.
+pub(super) struct Road {
+    /// What stands beside the implementation.
+    pub(super) items: TokenStream,
+    pub(super) plan: TokenStream,
+    pub(super) unknowns: Unknowns,
+    /// `Prepared`, `Memory` and what works on them.
+    pub(super) step: TokenStream,
+    /// The body of `step_momentum`.
+    pub(super) momentum: TokenStream,
+}
+
 /// `impl Discretized<E>`
-pub(super) fn emit(model: &System, facts: &Facts, embedding: &Embedding, text: &str) -> TokenStream {
-    let chosen = unknowns(model, facts, embedding);
-    let plan = plan(model, facts, embedding, chosen);
+pub(super) fn emit(
+    model: &System,
+    facts: &Facts,
+    embedding: &Embedding,
+    road: &Road,
+    text: &str,
+) -> TokenStream {
+    let Road { items, plan, unknowns, step, momentum } = road;
     let scheme = embedding_type(embedding, &quote!(__wzvi));
     let (drift_l, noise_l) = embedding.quadrature();
     let (drift_l, noise_l) = (drift_l.to_f64(), noise_l.to_f64());
     let has_noise = !model.noise.is_empty();
-    let remembers = !has_noise && chosen != Unknowns::None;
-    let chosen = match chosen {
+    let remembers = !has_noise && *unknowns != Unknowns::None;
+    let unknowns = match unknowns {
         Unknowns::None => quote!(None),
         Unknowns::Momenta => quote!(Momenta),
         Unknowns::Both => quote!(Both),
     };
     let counter = if facts.counter_of(embedding).is_empty() { 0.0 } else { 0.5 - noise_l };
-    let nan_checks = model.parameters.iter().map(|parameter| &parameter.tokens);
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let f64 = f64_type();
@@ -37,10 +53,12 @@ pub(super) fn emit(model: &System, facts: &Facts, embedding: &Embedding, text: &
                 drift_l: #drift_l,
                 noise_l: #noise_l,
                 counter: #counter,
-                unknowns: #elements::Unknowns::#chosen,
+                unknowns: #elements::Unknowns::#unknowns,
                 remembers: #remembers,
                 has_noise: #has_noise,
             };
+
+            #items
 
             #[automatically_derived]
             impl #generics __wzvi::Discretized<#scheme> for #name #arguments #filter {
@@ -49,63 +67,10 @@ pub(super) fn emit(model: &System, facts: &Facts, embedding: &Embedding, text: &
                 // A start that is no guide costs iterations, not digits.
                 const REMEMBERS: __wzvi::core::primitive::bool = false;
                 const IN_LANES: __wzvi::core::primitive::bool = false;
-                type Prepared = ();
-                type Memory<__S: __wzvi::Scalar> = #elements::Memory<__S>;
                 type Compensated<__S: __wzvi::Scalar> = #elements::CompensationVec<__S>;
                 type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
 
-                fn memory(&self) -> #elements::Memory<#f64> {
-                    #elements::Memory::new(self, &__SCHEME)
-                }
-
-                fn forget(__memory: &mut #elements::Memory<#f64>) {
-                    __memory.forget();
-                }
-
-                fn pin(__memory: &mut #elements::Memory<#f64>, __iteration: #elements::Iteration) {
-                    __memory.pin(__iteration);
-                }
-
-                fn pinned(__memory: &#elements::Memory<#f64>) -> #elements::Iteration {
-                    __memory.pinned()
-                }
-
-                fn adopt(__memory: &mut #elements::Memory<#f64>, __left: #elements::Memory<#f64>) {
-                    __memory.adopt(__left);
-                }
-
-                fn method(__memory: &#elements::Memory<#f64>) -> __wzvi::core::option::Option<#elements::Method> {
-                    __wzvi::core::option::Option::Some(__memory.method())
-                }
-
-                fn prepare(&self, __h: #f64) -> __wzvi::core::result::Result<(), __wzvi::ConfigError> {
-                    #(
-                        if #f64::is_nan(#nan_checks) {
-                            return __wzvi::core::result::Result::Err(__wzvi::ConfigError::Parameter);
-                        }
-                    )*
-                    #elements::prepare(self)
-                }
-
-                fn advance_carrying<
-                    __S: __wzvi::Scalar,
-                    __C: __wzvi::Carry<__S>,
-                    const __CAREFUL: __wzvi::core::primitive::bool,
-                >(
-                    &self,
-                    __prepared: &(),
-                    __t: #f64,
-                    __h: #f64,
-                    __q: &mut [__S],
-                    __p: &mut [__S],
-                    __dw: &[__S],
-                    __memory: &mut #elements::Memory<__S>,
-                    __carry: &mut __C,
-                ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                    #elements::advance::<_, __S, __C, __CAREFUL>(
-                        self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry,
-                    )
-                }
+                #step
 
                 fn discrete_lagrangian(
                     &self,
@@ -126,18 +91,89 @@ pub(super) fn emit(model: &System, facts: &Facts, embedding: &Embedding, text: &
                 fn step_momentum(
                     &self,
                     __before: &__wzvi::State<Self::Vector>,
-                    _: &__wzvi::State<Self::Vector>,
+                    __after: &__wzvi::State<Self::Vector>,
                     __h: #f64,
                     __dw: &[#f64],
                 ) -> Self::Vector {
-                    #elements::step_momentum(self, &__SCHEME, __before, __h, __dw)
+                    #momentum
                 }
             }
         };
     }
 }
 
-pub(super) fn plan(model: &System, facts: &Facts, embedding: &Embedding, chosen: Unknowns) -> TokenStream {
+/// All sites at once, in loops.
+pub(super) fn sweep(model: &System, facts: &Facts, embedding: &Embedding, unknowns: Unknowns) -> Road {
+    let nan_checks = model.parameters.iter().map(|parameter| &parameter.tokens);
+    let f64 = f64_type();
+    let elements = quote!(__wzvi::elements);
+    let step = quote! {
+        type Prepared = ();
+        type Memory<__S: __wzvi::Scalar> = #elements::Memory<__S>;
+
+        fn memory(&self) -> #elements::Memory<#f64> {
+            #elements::Memory::new(self, &__SCHEME)
+        }
+
+        fn forget(__memory: &mut #elements::Memory<#f64>) {
+            __memory.forget();
+        }
+
+        fn pin(__memory: &mut #elements::Memory<#f64>, __iteration: #elements::Iteration) {
+            __memory.pin(__iteration);
+        }
+
+        fn pinned(__memory: &#elements::Memory<#f64>) -> #elements::Iteration {
+            __memory.pinned()
+        }
+
+        fn adopt(__memory: &mut #elements::Memory<#f64>, __left: #elements::Memory<#f64>) {
+            __memory.adopt(__left);
+        }
+
+        fn method(__memory: &#elements::Memory<#f64>) -> __wzvi::core::option::Option<#elements::Method> {
+            __wzvi::core::option::Option::Some(__memory.method())
+        }
+
+        fn prepare(&self, __h: #f64) -> __wzvi::core::result::Result<(), __wzvi::ConfigError> {
+            #(
+                if #f64::is_nan(#nan_checks) {
+                    return __wzvi::core::result::Result::Err(__wzvi::ConfigError::Parameter);
+                }
+            )*
+            #elements::prepare(self)
+        }
+
+        fn advance_carrying<
+            __S: __wzvi::Scalar,
+            __C: __wzvi::Carry<__S>,
+            const __CAREFUL: __wzvi::core::primitive::bool,
+        >(
+            &self,
+            __prepared: &(),
+            __t: #f64,
+            __h: #f64,
+            __q: &mut [__S],
+            __p: &mut [__S],
+            __dw: &[__S],
+            __memory: &mut #elements::Memory<__S>,
+            __carry: &mut __C,
+        ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
+            #elements::advance::<_, __S, __C, __CAREFUL>(
+                self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry,
+            )
+        }
+    };
+    Road {
+        items: TokenStream::new(),
+        plan: plan(model, facts, embedding, unknowns),
+        unknowns,
+        step,
+        momentum: quote!(#elements::step_momentum(self, &__SCHEME, __before, __h, __dw)),
+    }
+}
+
+fn plan(model: &System, facts: &Facts, embedding: &Embedding, chosen: Unknowns) -> TokenStream {
     let solver = if chosen == Unknowns::None { quote!(Explicit) } else { quote!(Newton) };
     let per_degree: usize = match chosen {
         Unknowns::None => 0,
@@ -147,6 +183,7 @@ pub(super) fn plan(model: &System, facts: &Facts, embedding: &Embedding, chosen:
     let components = usize::try_from(model.components).unwrap_or(1);
     let unknowns = match (&model.shape, per_degree) {
         (_, 0) => quote!(0),
+        (Shape::Real, _) => quote!(#per_degree),
         (Shape::Array(_, Length::Literal(len)), _) => {
             let unknowns = len * components * per_degree;
             quote!(#unknowns)

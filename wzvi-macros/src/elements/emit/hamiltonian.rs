@@ -3,74 +3,10 @@
 use super::indices::{Indices, variable};
 use super::{Wanted, degrees, element_code, noise_count, parameters, sizes, vector_type};
 use crate::emit::{f64_type, parameter};
-use crate::model::index::{Bounds, Index};
-use crate::model::{Element, Family, Noise, Slot, System, Term};
+use crate::model::index::Index;
+use crate::model::{Element, Family, Noise, System, Term};
 use proc_macro2::TokenStream;
 use quote::quote;
-
-/// The check of the indices that the compiler could not prove.
-pub(super) fn required(model: &System) -> TokenStream {
-    let indices = Indices { tables: &model.tables, checked: true };
-    let isize = quote!(__wzvi::core::primitive::isize);
-    let mut checks = TokenStream::new();
-    let noise = model.noise.iter().map(|noise| &noise.term);
-    let terms = [&model.drift].into_iter().chain(noise).chain(&model.invariants);
-    for element in terms.flat_map(|term: &Term| &term.elements) {
-        let is_unsigned = |table: u32| model.tables.get(table as usize).is_some_and(|t| t.is_unsigned);
-        let bounds = Bounds { loops: &element.loops, is_unsigned: &is_unsigned };
-        let components = Index::integer(model.components);
-        let total = model.size.multiply(&components).unwrap_or_default();
-        let mut body = TokenStream::new();
-        for local in &element.locals {
-            match &local.slot {
-                Slot::Coordinate(index) | Slot::Momentum(index) => {
-                    let rest = total.subtract(index).and_then(|rest| rest.shifted(-1));
-                    let proven =
-                        bounds.is_nonnegative(index) && rest.is_some_and(|rest| bounds.is_nonnegative(&rest));
-                    if !proven {
-                        let position = indices.position(index);
-                        body.extend(quote! {
-                            __required = __wzvi::core::cmp::Ord::max(__required, #position.checked_add(1)?);
-                        });
-                    }
-                }
-                Slot::Entry(table, entries) => {
-                    let entry = indices.entry(*table, entries);
-                    body.extend(quote!(let _ = #entry;));
-                }
-                Slot::Number(index) => {
-                    let value = indices.value(index);
-                    body.extend(quote!(let _ = #value;));
-                }
-            }
-        }
-        if body.is_empty() {
-            continue;
-        }
-        for known in element.loops.iter().rev() {
-            let (name, start, end) =
-                (variable(known.variable), indices.value(&known.start), indices.value(&known.end));
-            body = quote!(for #name in (#start as #isize)..#end { #body });
-        }
-        checks.extend(body);
-    }
-    let components = usize::try_from(model.components).unwrap_or(1);
-    let size = sizes(model, &quote!(__degrees));
-    quote! {
-        fn required(
-            &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<__wzvi::core::primitive::usize> {
-            #size
-            let mut __required = #components;
-            if __degrees % #components != 0 {
-                return __wzvi::core::option::Option::Some((__size as __wzvi::core::primitive::usize + 1) * #components);
-            }
-            #checks
-            __wzvi::core::option::Option::Some(__required)
-        }
-    }
-}
 
 /// `impl Hamiltonian`
 pub(super) fn emit(model: &mut System) -> TokenStream {
@@ -93,6 +29,13 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
             type Vector = #vector;
 
             fn degrees(&self) -> #usize { #degrees }
+
+            fn check(
+                &self,
+                __degrees: #usize,
+            ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
+                __wzvi::elements::check(self, __degrees)
+            }
 
             fn noises(&self) -> #usize { #noises }
 

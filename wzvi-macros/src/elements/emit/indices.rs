@@ -1,4 +1,4 @@
-//! Integer expressions as Rust: `isize` arithmetic, checked where nothing has been checked yet.
+//! Integer expressions as Rust: `isize` arithmetic, which [`super::places`] has checked, or checked on the way.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -7,19 +7,19 @@ use crate::model::Table;
 use crate::model::index::{Atom, Index};
 
 /// The variable of a loop.
-pub(super) fn variable(id: u32) -> Ident {
+pub(crate) fn variable(id: u32) -> Ident {
     format_ident!("__i{id}")
 }
 
 /// Prints indices. `checked` ones stand in a function that returns an `Option`.
-pub(super) struct Indices<'a> {
-    pub(super) tables: &'a [Table],
-    pub(super) checked: bool,
+pub(crate) struct Indices<'a> {
+    pub(crate) tables: &'a [Table],
+    pub(crate) checked: bool,
 }
 
 impl Indices<'_> {
     /// The index as an `isize`.
-    pub(super) fn value(&self, index: &Index) -> TokenStream {
+    pub(crate) fn value(&self, index: &Index) -> TokenStream {
         let mut sum: Option<TokenStream> = None;
         for (atom, coefficient) in &index.terms {
             let atom = self.atom(atom);
@@ -43,7 +43,11 @@ impl Indices<'_> {
     }
 
     /// The index as a `usize`.
-    pub(super) fn position(&self, index: &Index) -> TokenStream {
+    pub(crate) fn position(&self, index: &Index) -> TokenStream {
+        if let Some(known) = index.as_integer().and_then(|known| usize::try_from(known).ok()) {
+            let known = Literal::usize_unsuffixed(known);
+            return quote!(#known);
+        }
         let value = self.value(index);
         if self.checked {
             quote!(__wzvi::core::convert::TryInto::<__wzvi::core::primitive::usize>::try_into(
@@ -55,7 +59,7 @@ impl Indices<'_> {
     }
 
     /// The list `table` at `indices`, as it is read.
-    pub(super) fn entry(&self, table: u32, indices: &[Index]) -> TokenStream {
+    pub(crate) fn entry(&self, table: u32, indices: &[Index]) -> TokenStream {
         let known = self.tables.get(table as usize);
         let mut tokens = known.map_or_else(TokenStream::new, |table| table.tokens.clone());
         for index in indices {
@@ -69,8 +73,28 @@ impl Indices<'_> {
         if self.checked && !indices.is_empty() { quote!((*#tokens)) } else { tokens }
     }
 
+    /// An entry at known indices as an `f64`; not a number if it is not there, which the making of a stepper reports.
+    pub(crate) fn constant_entry(&self, table: u32, indices: &[Index]) -> TokenStream {
+        let lengths = self.tables.get(table as usize).map_or(&[][..], |table| &table.lengths);
+        let is_there = |(index, length): (&Index, Option<&Option<usize>>)| {
+            let length = length.copied().flatten()?;
+            index.as_integer().filter(|index| (0..length as i128).contains(index))
+        };
+        let lengths = (0..indices.len()).map(|dimension| lengths.get(dimension));
+        let unchecked = Self { tables: self.tables, checked: false };
+        match indices.iter().zip(lengths).all(|both| is_there(both).is_some()) {
+            true => unchecked.entry(table, indices),
+            false => self.or_nan(&self.entry(table, indices)),
+        }
+    }
+
+    /// A checked value, or not a number.
+    pub(crate) fn or_nan(&self, checked: &TokenStream) -> TokenStream {
+        quote!((|| __wzvi::core::option::Option::Some(#checked))().unwrap_or(__wzvi::core::primitive::f64::NAN))
+    }
+
     /// Whether the entries of a table are the elements of a list.
-    pub(super) fn is_plain(&self, table: u32) -> bool {
+    pub(crate) fn is_plain(&self, table: u32) -> bool {
         self.tables.get(table as usize).is_some_and(|table| table.suffix.is_empty())
     }
 

@@ -6,29 +6,42 @@ mod discretized;
 mod hamiltonian;
 mod indices;
 mod kernel;
+mod places;
+mod sites;
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use self::combine::Combined;
-use self::indices::Indices;
+pub(crate) use self::indices::Indices;
 use self::kernel::{Context, Target};
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::sums::Weighted;
+use crate::elements::plan::Strategy;
 use crate::emit::{f64_type, wrapped};
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, Noise, Reads, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
+pub(crate) use self::sites::site_entry;
+
 /// Everything that `#[hamiltonian]` stands for. `equations` has the text of each scheme, in their order.
-pub(crate) fn emit(model: &mut System, facts: &Facts, equations: &[String]) -> TokenStream {
+pub(crate) fn emit(
+    model: &mut System,
+    facts: &Facts,
+    schemes: &[(Embedding, Strategy)],
+    equations: &[String],
+) -> TokenStream {
     let mut generated = hamiltonian::emit(model);
     generated.extend(elements(model, facts));
-    let embeddings: Vec<Embedding> = model.embeddings.iter().map(|known| known.value.clone()).collect();
-    for (embedding, text) in embeddings.iter().zip(equations) {
-        generated.extend(discretized::emit(model, facts, embedding, text));
+    for ((embedding, strategy), text) in schemes.iter().zip(equations) {
+        let road = match strategy {
+            Strategy::Sites(site, scheme) => sites::emit(model, facts, site, scheme),
+            Strategy::Sweep(unknowns) => discretized::sweep(model, facts, embedding, *unknowns),
+        };
+        generated.extend(discretized::emit(model, facts, embedding, &road, text));
     }
     let System { item, crate_path, type_checks, .. } = model;
     wrapped(item, crate_path, &generated, type_checks, equations)
@@ -38,7 +51,7 @@ pub(crate) fn emit(model: &mut System, facts: &Facts, equations: &[String]) -> T
 fn vector_type(model: &System) -> TokenStream {
     let f64 = f64_type();
     let dynamic = quote!(__wzvi::DVector<#f64>);
-    let Shape::Array(_, length) = &model.shape else { return dynamic };
+    let Shape::Array(_, length) = &model.shape else { return quote!(__wzvi::SVector<#f64, 1>) };
     let components = usize::try_from(model.components).unwrap_or(1);
     match length {
         Length::Literal(len) => {
@@ -234,7 +247,7 @@ fn counter_elements(model: &System, facts: &Facts) -> Vec<(Element, TokenStream)
 fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     let slopes = sweep(model, facts, Wanted::Slopes);
     let curvature = sweep(model, facts, Wanted::Curvature);
-    let required = hamiltonian::required(model);
+    let places = places::emit(model);
     let read = parameters(model);
     let size = sizes(model, &quote!(__at.q.len()));
     let name = &model.item.ident;
@@ -242,7 +255,7 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::elements::Elements for #name #arguments #filter {
-            #required
+            #places
 
             fn slopes<__S: __wzvi::Scalar>(
                 &self,

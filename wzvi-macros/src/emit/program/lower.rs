@@ -158,22 +158,28 @@ impl<'a> Lowering<'a> {
     }
 
     fn factor_out(&mut self, expr: Expr, terms: &[(Expr, Rational)], constant: Rational) -> Option<Expr> {
-        let mut counts: HashMap<Expr, usize> = HashMap::new();
+        // How many terms have each factor, and the power that they share: it is taken out as a whole, whatever its size.
+        let mut counts: HashMap<Expr, (usize, Rational)> = HashMap::new();
         for &(term, _) in terms {
-            for (base, _) in self.positive_factors(term) {
-                *counts.entry(base).or_default() += 1;
+            for (base, exponent) in self.positive_factors(term) {
+                let (count, shared) = counts.entry(base).or_insert((0, exponent));
+                *count += 1;
+                *shared = exponent.min(*shared);
             }
         }
-        let (&factor, _) =
-            counts.iter().filter(|&(_, &count)| count > 1).max_by_key(|&(&base, &count)| (count, base))?;
+        let (&factor, &(_, shared)) = counts
+            .iter()
+            .filter(|(_, (count, _))| *count > 1)
+            .max_by_key(|&(&base, &(count, _))| (count, base))?;
         let (mut inside, mut outside) = (Vec::new(), Vec::new());
         for &(term, coefficient) in terms {
-            match self.without_factor(term, factor) {
+            match self.without_factor(term, factor, shared) {
                 Some(quotient) => inside.push((quotient, coefficient)),
                 None => outside.push((term, coefficient)),
             }
         }
         let inside = self.graph.linear_combination(&inside);
+        let factor = self.graph.power(factor, shared);
         let product = self.graph.multiply(inside, factor);
         if outside.is_empty() && constant.is_zero() {
             return (product != expr).then_some(product);
@@ -198,8 +204,9 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    fn without_factor(&mut self, term: Expr, factor: Expr) -> Option<Expr> {
-        if term == factor {
+    /// `term / factor^shared`, if the term has as many of them.
+    fn without_factor(&mut self, term: Expr, factor: Expr, shared: Rational) -> Option<Expr> {
+        if term == factor && shared.is_one() {
             return Some(self.graph.integer(1));
         }
         let Node::Product(factors) = self.graph.node(term).clone() else { return None };
@@ -208,7 +215,7 @@ impl<'a> Lowering<'a> {
         for (base, exponent) in factors {
             let exponent = if base == factor && exponent.is_integer() && !exponent.is_negative() {
                 removed = true;
-                exponent.add(Rational::MINUS_ONE)?
+                exponent.add(shared.negate())?
             } else {
                 exponent
             };
@@ -400,7 +407,7 @@ impl<'a> Lowering<'a> {
     /// `base^size`, through shared squares and one square root.
     fn lower_power(&mut self, base: Op, size: Rational) -> Op {
         let whole = size.numerator() / size.denominator();
-        let fraction = size.add(Rational::integer(i32::try_from(whole).unwrap_or(0)).negate());
+        let fraction = Rational::new(whole.into(), 1).and_then(|whole| size.add(whole.negate()));
         let integer_part = (whole > 0).then(|| self.lower_integer_power(base, whole));
         let root = match fraction {
             Some(fraction) if fraction.is_zero() => None,
@@ -418,14 +425,17 @@ impl<'a> Lowering<'a> {
     }
 
     fn lower_integer_power(&mut self, base: Op, exponent: i64) -> Op {
-        match exponent {
-            1 => base,
-            2..=LARGEST_SPELLED_POWER => {
+        match i32::try_from(exponent) {
+            Ok(1) => base,
+            Ok(exponent) if i64::from(exponent) > LARGEST_SPELLED_POWER => {
+                self.program.push(Operation::Power(base, exponent))
+            }
+            // Spelled out, or larger than `powi` takes.
+            _ => {
                 let half = self.lower_integer_power(base, exponent / 2);
                 let square = self.program.push(Operation::Multiply(half, half));
                 if exponent % 2 == 0 { square } else { self.program.push(Operation::Multiply(square, base)) }
             }
-            _ => self.program.push(Operation::Power(base, i32::try_from(exponent).unwrap_or(i32::MAX))),
         }
     }
 }

@@ -14,6 +14,7 @@ use crate::diagnostics::Diagnostics;
 use crate::input;
 use crate::model::Model;
 use crate::symbolic::{Expr, Graph, Node, Relation, Symbol};
+use crate::unroll::{unroll, written_out};
 
 /// The fields of every test system, with their values.
 const STRUCT: &str = "struct System<const N: usize> { a: f64, sigma: f64, n: i32, masses: [f64; 3], table: Vec<f64>, \
@@ -26,7 +27,9 @@ fn model_of(attribute: &str, item: &str) -> Result<Model, String> {
     let system = input::read_struct(item.parse().unwrap(), &mut diagnostics);
     let model = input::read_attribute(attribute, &mut diagnostics).and_then(|mut declaration| {
         let phase_space = input::read_phase_space(&mut declaration, &mut diagnostics)?;
-        super::lower(system?, declaration, &phase_space, &mut diagnostics)
+        let mut system = super::lower(system?, declaration, &phase_space, &mut diagnostics)?;
+        unroll(&mut system);
+        Some(written_out(system).unwrap_or_else(|_| panic!("loops are left")))
     });
     match diagnostics.finish() {
         Ok(()) => Ok(model.expect("a model or an error")),

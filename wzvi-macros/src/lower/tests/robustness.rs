@@ -244,6 +244,34 @@ const NASTY: [&str; 38] = [
     "{ let q = q; let q = q * q; let p = q; p * q }",
 ];
 
+/// Exponents that double, or grow as Fibonacci's numbers, with each `let`: the factors are counted, never written out.
+/// Each line adds a bounded number of nodes, and the whole expansion is as short as its text.
+#[test]
+fn towers_of_powers_stay_as_small_as_their_text() {
+    for lines in [10, 54, 64] {
+        for (start, step) in [
+            ("let v = q;", "let v = v * v;"),
+            ("let v = 0.5 * q * p + 1.0;", "let v = v * v;"),
+            ("let v = q * p;", "let v = v.powi(2);"),
+            ("let v = 1.0 / (q * p);", "let v = v * v;"),
+            ("let v = 3.0 * q;", "let v = v * v;"),
+            ("let u = q; let v = p;", "let w = u * v; let u = v; let v = w;"),
+            ("let u = 3.0 * q; let v = 7.0 * p;", "let w = u * v; let u = v; let v = w;"),
+            ("let u = q + 1.0; let v = 2.0 * q;", "let w = u * v; let u = v; let v = w;"),
+        ] {
+            let attribute = format!(
+                "drift = |q, p| {{ {start} {} p * p + v }}, embedding = [Midpoint, DeltaPlus]",
+                step.repeat(lines)
+            );
+            let model = super::model_of(&attribute, STRUCT).unwrap();
+            let nodes = model.graph.reachable(&[model.drift.value]).len();
+            assert!(nodes <= 8 * lines + 40, "{lines} of {step}: {nodes} nodes");
+            let output = expand(attribute.parse().unwrap(), STRUCT.parse().unwrap()).to_string();
+            assert!(output.len() < 4_000_000, "{lines} of {step}: {} characters", output.len());
+        }
+    }
+}
+
 #[test]
 fn malformed_inputs_never_panic() {
     for attribute in [

@@ -2,12 +2,12 @@
 
 use std::fmt::{self, Write};
 
-use super::Tape;
 use super::error::Difference;
 use super::format::Word;
 use crate::carry::Carry;
 use crate::checksum::Checksum;
 use crate::names::short_name;
+use crate::numbers::Tape;
 use crate::retry::Retry;
 use crate::state::{State, Vector};
 use crate::step::Stepper;

@@ -1,15 +1,16 @@
 //! Opens the checkpoint of a run, and saves the run to it.
 
+use super::due::Due;
 use super::error::{CheckpointError, Damage, Difference};
 use super::format::{self, Saved, Word, Words};
 use super::identity::{self, Fields};
 use super::nodes::Nodes;
 use super::own::Own;
-use super::schedule::Schedule;
-use super::{Counts, Keeping, Tape};
+use super::{Counts, Keeping};
 use crate::carry::Carry;
 use crate::error::Error;
 use crate::increments::{Identity, Noise};
+use crate::numbers::Tape;
 use crate::retry::Retry;
 use crate::state::{State, Vector};
 use crate::step::Stepper;
@@ -29,7 +30,7 @@ pub(crate) struct Keeper {
 #[derive(Debug)]
 struct Keep {
     own: Own,
-    schedule: Schedule,
+    due: Due,
     settings: Fields,
     derived: Fields,
     start: Words,
@@ -56,7 +57,7 @@ impl Keeping {
         let degrees = state.q.components().len();
         let own = Own::new(&checkpoint.path)?;
         let mut keep = Keep {
-            schedule: Schedule::new(checkpoint.steps, checkpoint.interval, 0, steps),
+            due: Due::new(checkpoint.steps, checkpoint.interval, 0, steps),
             settings: identity::settings(stepper, degrees, recorder.recording(), retry, noise),
             derived: identity::derived(stepper.system(), stepper.prepared(), state),
             start: format::words(Tape::write(|tape| identity::pass_state(state, tape))),
@@ -72,7 +73,7 @@ impl Keeping {
             }
         };
         keep.own.remove_parts::<Saved>();
-        keep.schedule = Schedule::new(checkpoint.steps, checkpoint.interval, first, steps);
+        keep.due = Due::new(checkpoint.steps, checkpoint.interval, first, steps);
         Ok(Keeper { first, file: Some(Box::new(keep)) })
     }
 }
@@ -92,7 +93,7 @@ impl Keeper {
     /// Whether to save at `node`, the number of steps taken.
     #[inline(always)]
     pub(crate) fn is_due(&mut self, node: u64) -> bool {
-        self.file.as_mut().is_some_and(|file| file.schedule.is_due(node))
+        self.file.as_mut().is_some_and(|file| file.due.is_due(node))
     }
 
     /// Saves the run at `node`.
@@ -108,7 +109,7 @@ impl Keeper {
     ) -> Result<(), Error> {
         if let Some(file) = &mut self.file {
             file.save(stepper, state, recorder, path, node)?;
-            file.schedule.saved();
+            file.due.saved();
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 const PAUSE: Duration = Duration::from_millis(100);
 
 /// A line that shows how far a run is; it goes when this is dropped.
-pub(super) struct Progress {
+pub(crate) struct Progress {
     /// What is counted.
     unit: &'static str,
     /// `None` where nobody looks, or where there is no clock.
@@ -27,7 +27,7 @@ struct Watch {
 }
 
 impl Progress {
-    pub(super) fn new(unit: &'static str, is_quiet: bool) -> Self {
+    pub(crate) fn new(unit: &'static str, is_quiet: bool) -> Self {
         let is_silent = is_quiet || !stderr().is_terminal();
         let now = if is_silent { None } else { clock::now() };
         let watch = now.map(|now| Watch { began: now, looked: now, wait: PATIENCE });
@@ -35,7 +35,7 @@ impl Progress {
     }
 
     /// So many are done, of so many.
-    pub(super) fn show(&mut self, done: u64, all: u64) {
+    pub(crate) fn show(&mut self, done: u64, all: u64) {
         let Some(watch) = &mut self.watch else { return };
         let Some(now) = clock::now() else { return };
         if clock::between(&watch.looked, &now) < watch.wait {

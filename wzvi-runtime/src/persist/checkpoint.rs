@@ -72,14 +72,13 @@
 
 #[cfg(feature = "ensemble")]
 mod blocks;
+mod due;
 mod error;
 mod format;
 mod identity;
 mod keeper;
 mod nodes;
 mod own;
-mod schedule;
-mod tape;
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -90,7 +89,6 @@ use crate::system::Discretized;
 #[cfg(feature = "ensemble")]
 pub(crate) use blocks::{BlockKeeper, Described, Extent};
 pub use error::{CheckpointError, Damage, Difference};
-pub(crate) use tape::Tape;
 
 /// Where a run writes itself down, and how often.
 #[derive(Clone, Debug, PartialEq, Eq)]

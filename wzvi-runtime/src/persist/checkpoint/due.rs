@@ -6,7 +6,7 @@ use super::MINUTE;
 
 /// Decides at which nodes to save. A node that it need not think about costs one comparison.
 #[derive(Debug)]
-pub(super) struct Schedule {
+pub(super) struct Due {
     /// The node to think about next.
     next: u64,
     /// The last node of the run, at which it always saves.
@@ -25,7 +25,7 @@ struct Clock {
     stride: u64,
 }
 
-impl Schedule {
+impl Due {
     /// For the steps from node `first` to node `end`: at multiples of `every`, and whenever `interval` has gone by.
     pub(super) fn new(every: Option<u64>, interval: Option<Duration>, first: u64, end: u64) -> Self {
         let interval = match (every, interval) {
@@ -36,9 +36,9 @@ impl Schedule {
             let now = Instant::now();
             Clock { interval, saved: now, looked: now, stride: 1 }
         });
-        let mut schedule = Self { next: first, end, every, clock };
-        schedule.plan(first);
-        schedule
+        let mut due = Self { next: first, end, every, clock };
+        due.plan(first);
+        due
     }
 
     /// Whether to save at `node`.
@@ -90,8 +90,8 @@ mod tests {
     use super::*;
 
     fn due(every: Option<u64>, first: u64, end: u64) -> Vec<u64> {
-        let mut schedule = Schedule::new(every, None, first, end);
-        (first + 1..=end).filter(|&node| schedule.is_due(node)).collect()
+        let mut due = Due::new(every, None, first, end);
+        (first + 1..=end).filter(|&node| due.is_due(node)).collect()
     }
 
     #[test]
@@ -110,19 +110,19 @@ mod tests {
 
     #[test]
     fn time_is_kept_with_few_looks() {
-        let mut schedule = Schedule::new(None, Some(Duration::from_millis(20)), 0, u64::MAX);
+        let mut due = Due::new(None, Some(Duration::from_millis(20)), 0, u64::MAX);
         let start = Instant::now();
         let (mut node, mut saves) = (0_u64, 0_u32);
         while start.elapsed() < Duration::from_millis(300) {
             node += 1;
-            if schedule.is_due(node) {
+            if due.is_due(node) {
                 saves += 1;
-                schedule.saved();
+                due.saved();
             }
         }
         // Fifteen intervals; a busy machine may lose some, none can be too many.
         assert!((1..=15).contains(&saves), "{saves}");
-        let stride = schedule.clock.map_or(0, |clock| clock.stride);
+        let stride = due.clock.map_or(0, |clock| clock.stride);
         assert!(stride > 10, "{stride}");
     }
 }

@@ -13,6 +13,7 @@ use crate::persist::file::{self, flush_folder, with_ending};
 use crate::state::{State, Vector};
 use crate::trajectory::{Kept, Recorder};
 
+const VERSION: u32 = 1;
 const HEADER: &[u8] = b"wzvi-nodes 1\n";
 const MAGIC: &[u8] = b"wzvi-nodes ";
 /// Bytes of a word.
@@ -179,7 +180,7 @@ fn check_header(path: &Path, file: &mut impl Read) -> Result<(), CheckpointError
     match header.strip_prefix(MAGIC) {
         Some([version @ b'0'..=b'9', ..]) => {
             let found = char::from(*version).to_string();
-            Err(CheckpointError::Version { path, found, expected: super::format::VERSION })
+            Err(CheckpointError::Version { path, found, expected: VERSION })
         }
         Some(_) => Err(CheckpointError::Damaged { path, damage: Damage::Header }),
         None => Err(CheckpointError::Foreign { path }),

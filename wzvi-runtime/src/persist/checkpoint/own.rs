@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::{CheckpointError, Difference};
 use super::format::{self, Content, Unreadable, VERSION};
-use crate::persist::file;
+use crate::persist::file::{self, Staged};
 
 /// Where a run writes itself down.
 #[derive(Debug)]
@@ -43,7 +43,10 @@ impl Own {
     /// Replaces what the file says.
     pub(super) fn write<C: Content>(&mut self, content: &C) -> Result<(), CheckpointError> {
         let bytes = format::encode(content).map_err(|damage| CheckpointError::damaged(&self.path, damage))?;
-        file::replace(&self.path, |file| file.write_all(&bytes))?;
+        let staged = Staged::write(&self.path, |file| file.write_all(&bytes))?;
+        // Once more: the disk may have taken its time.
+        self.check_ours()?;
+        staged.publish()?;
         self.line = Some(format::first_line(&bytes).to_owned());
         Ok(())
     }

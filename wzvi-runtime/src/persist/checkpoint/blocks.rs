@@ -5,13 +5,14 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::due::Due;
 use super::error::{CheckpointError, Damage};
 use super::format::{self, Content, Words};
 use super::identity::{self, Fields};
 use super::own::Own;
-use super::schedule::Schedule;
-use super::{Counts, Keeping, Tape};
+use super::{Counts, Keeping};
 use crate::error::Error;
+use crate::numbers::Tape;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
 
@@ -90,7 +91,7 @@ struct Keep {
     saved: u64,
     /// Whole blocks of the run.
     blocks: u64,
-    schedule: Schedule,
+    due: Due,
 }
 
 /// The paths of a run.
@@ -120,14 +121,14 @@ impl Keeping {
             first: 0,
             saved: 0,
             blocks,
-            schedule: Schedule::new(every, interval, 0, blocks),
+            due: Due::new(every, interval, 0, blocks),
         };
         match keep.own.read()? {
             Some(saved) => keep.restore(saved, extent, pass)?,
             None => keep.save(0, &mut pass)?,
         }
         keep.own.remove_parts::<SavedBlocks>();
-        keep.schedule = Schedule::new(every, interval, keep.first, blocks);
+        keep.due = Due::new(every, interval, keep.first, blocks);
         Ok(BlockKeeper(Some(keep)))
     }
 }
@@ -142,7 +143,7 @@ impl BlockKeeper {
     /// more paths can go on.
     pub(crate) fn done(&mut self, blocks: u64, pass: impl FnMut(&mut Tape)) -> Result<(), CheckpointError> {
         let Some(keep) = &mut self.0 else { return Ok(()) };
-        if blocks <= keep.blocks && keep.schedule.is_due(blocks) { keep.save(blocks, pass) } else { Ok(()) }
+        if blocks <= keep.blocks && keep.due.is_due(blocks) { keep.save(blocks, pass) } else { Ok(()) }
     }
 
     /// So many blocks are done, and no others will be: saves them if they are not.
@@ -197,7 +198,7 @@ impl Keep {
             statistics: format::words(Tape::write(pass)),
         })?;
         self.saved = blocks;
-        self.schedule.saved();
+        self.due.saved();
         Ok(())
     }
 }

@@ -1,0 +1,244 @@
+//! Sites that are not coupled are a small system, placed once at each of them.
+
+use wzvi::nalgebra::{DVector, SVector};
+use wzvi::plan::Knowledge;
+use wzvi::prelude::*;
+
+/// Oscillators whose frequencies diffuse, in three spellings of the size.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| (0..q.len()).map(|i| 0.5 * a * (q[i] * q[i] + p[i] * p[i])).sum::<f64>(),
+    noise = [|q, p, k| 0.5 * s * (q[k] * q[k] + p[k] * p[k]); self.sites],
+    embedding = [Midpoint, Corrected<DeltaPlus>],
+)]
+struct Slices {
+    a: f64,
+    s: f64,
+    sites: usize,
+}
+
+#[hamiltonian(
+    drift = |q: [f64; N], p: [f64; N]| (0..N).map(|i| 0.5 * a * (q[i] * q[i] + p[i] * p[i])).sum::<f64>(),
+    noise = [|q, p, k| 0.5 * s * (q[k] * q[k] + p[k] * p[k]); N],
+    embedding = [Midpoint, Corrected<DeltaPlus>],
+)]
+struct Generic<const N: usize> {
+    a: f64,
+    s: f64,
+}
+
+#[hamiltonian(
+    drift = |q: [f64; 3], p: [f64; 3]| (0..3).map(|i| 0.5 * a * (q[i] * q[i] + p[i] * p[i])).sum::<f64>(),
+    noise = [|q, p, k| 0.5 * s * (q[k] * q[k] + p[k] * p[k]); 3],
+    embedding = [Midpoint, Corrected<DeltaPlus>],
+)]
+struct Literal {
+    a: f64,
+    s: f64,
+}
+
+#[test]
+fn plans_do_not_depend_on_how_the_size_is_spelled() {
+    macro_rules! plans {
+        ($scheme:ty) => {
+            [
+                <Literal as Discretized<$scheme>>::PLAN,
+                <Slices as Discretized<$scheme>>::PLAN,
+                <Generic<3> as Discretized<$scheme>>::PLAN,
+                <Generic<17> as Discretized<$scheme>>::PLAN,
+                <Generic<64> as Discretized<$scheme>>::PLAN,
+            ]
+        };
+    }
+    for plans in [plans!(Midpoint), plans!(Corrected<DeltaPlus>)] {
+        for plan in plans {
+            assert_eq!((plan.solver, plan.unknowns), (plans[0].solver, plans[0].unknowns));
+            assert_eq!((plan.noise, plan.consistent), (plans[0].noise, plans[0].consistent));
+            assert_eq!(plan.conserves_energy, plans[0].conserves_energy);
+            assert_eq!(plan.commuting, plans[0].commuting);
+        }
+    }
+    let plan = <Generic<17> as Discretized<Midpoint>>::PLAN;
+    assert_eq!((plan.solver, plan.unknowns, plan.conserves_energy), (Solver::Linear, 1, Knowledge::Proven));
+}
+
+fn start(n: usize) -> (Vec<f64>, Vec<f64>) {
+    let wave = |phase: f64| (0..n).map(|i| (1.3 * i as f64 + phase).sin()).collect();
+    (wave(0.2), wave(1.1))
+}
+
+fn steps<E, H: Discretized<E>>(
+    system: &H,
+    state: &mut State<H::Vector>,
+    h: f64,
+    dw: &[f64],
+    n: usize,
+) -> Vec<f64> {
+    let mut stepper = system.stepper::<E>(h).unwrap();
+    for _ in 0..n {
+        stepper.step(state, dw).unwrap();
+    }
+    use wzvi::state::Vector;
+    state.q.components().iter().chain(state.p.components()).copied().collect()
+}
+
+/// Twenty steps of order one, a few dozen roundings each.
+const ROUNDING: f64 = 1e-13;
+
+fn assert_close(a: &[f64], b: &[f64]) {
+    assert_eq!(a.len(), b.len());
+    for (a, b) in a.iter().zip(b) {
+        assert!((a - b).abs() < ROUNDING, "{a} {b}");
+    }
+}
+
+#[test]
+fn steps_are_those_of_the_small_system() {
+    let (q, p) = start(3);
+    let dw = [0.1, -0.2, 0.3];
+    let literal = Literal { a: 1.2, s: 0.7 };
+    let generic = Generic::<3> { a: 1.2, s: 0.7 };
+    let slices = Slices { a: 1.2, s: 0.7, sites: 3 };
+    let fixed = || State::<SVector<f64, 3>>::new([q[0], q[1], q[2]], [p[0], p[1], p[2]]);
+    let list = || State::<DVector<f64>>::new(q.clone(), p.clone());
+    macro_rules! compare {
+        ($scheme:ty) => {
+            let by_literal = steps::<$scheme, _>(&literal, &mut fixed(), 0.1, &dw, 20);
+            assert_close(&by_literal, &steps::<$scheme, _>(&generic, &mut fixed(), 0.1, &dw, 20));
+            assert_close(&by_literal, &steps::<$scheme, _>(&slices, &mut list(), 0.1, &dw, 20));
+        };
+    }
+    compare!(Midpoint);
+    compare!(Corrected<DeltaPlus>);
+}
+
+/// Points of two components, with parameters and noises of their own, in time.
+#[hamiltonian(
+    drift = |q: &[[f64; 2]], p: &[[f64; 2]], t| {
+        (0..q.len()).map(|i| {
+            let r2 = q[i][0] * q[i][0] + q[i][1] * q[i][1];
+            (p[i][0] * p[i][0] + p[i][1] * p[i][1]) / (2.0 * mass[i]) * (1.0 + 0.1 * r2)
+                + 0.25 * r2 * r2 * (1.0 + 0.2 * t.cos()) + 0.01 * i as f64 * q[i][0]
+        }).sum::<f64>()
+    },
+    noise = [|q, p, k| s * charge[k] * q[k][1].sin(); self.charge.len()],
+    embedding = [Midpoint, Uncorrected<DeltaPlus>],
+)]
+struct Points {
+    mass: Vec<f64>,
+    charge: Vec<f64>,
+    s: f64,
+}
+
+/// One of them.
+#[hamiltonian(
+    drift = |[x, y], [px, py], t| {
+        let r2 = x * x + y * y;
+        (px * px + py * py) / (2.0 * mass) * (1.0 + 0.1 * r2) + 0.25 * r2 * r2 * (1.0 + 0.2 * t.cos())
+            + 0.01 * number * x
+    },
+    noise = [|[x, y], [px, py]| s * charge * y.sin()],
+    embedding = [Midpoint, Uncorrected<DeltaPlus>],
+)]
+struct Point {
+    mass: f64,
+    charge: f64,
+    s: f64,
+    number: f64,
+}
+
+#[test]
+fn every_site_has_its_own_parameters_and_increments() {
+    let sites = 5;
+    // The last site has no noise.
+    let mass: Vec<f64> = (0..sites).map(|i| 1.0 + 0.3 * i as f64).collect();
+    let charge: Vec<f64> = (0..sites - 1).map(|i| 0.5 - 0.2 * i as f64).collect();
+    let all = Points { mass: mass.clone(), charge: charge.clone(), s: 0.4 };
+    let (q, p) = start(2 * sites);
+    let dw = [0.1, -0.1, 0.2, 0.15];
+    let mut together = State::<DVector<f64>>::new(q.clone(), p.clone());
+    let found = steps::<Midpoint, _>(&all, &mut together, 0.05, &dw, 20);
+    assert_eq!(
+        <Points as Discretized<Midpoint>>::PLAN.unknowns,
+        <Point as Discretized<Midpoint>>::PLAN.unknowns
+    );
+    for i in 0..sites {
+        let one = Point { mass: mass[i], charge: *charge.get(i).unwrap_or(&1.0), s: 0.4, number: i as f64 };
+        let mut state = State::new([q[2 * i], q[2 * i + 1]], [p[2 * i], p[2 * i + 1]]);
+        let alone = steps::<Midpoint, _>(&one, &mut state, 0.05, &[*dw.get(i).unwrap_or(&0.0)], 20);
+        let n = 2 * sites;
+        let of_all = [found[2 * i], found[2 * i + 1], found[n + 2 * i], found[n + 2 * i + 1]];
+        assert_close(&alone, &of_all);
+    }
+}
+
+/// Without noise: every site has a memory.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| (0..q.len()).map(|i| 0.5 * p[i] * p[i] + 0.25 * q[i].powi(4)).sum::<f64>(),
+    embedding = [Midpoint],
+)]
+struct Quartic;
+
+#[test]
+fn one_site_that_fails_leaves_all_of_them() {
+    let (q, p) = start(6);
+    let mut state = State::<DVector<f64>>::new(q, p);
+    let mut stepper = Quartic.stepper::<Midpoint>(0.1).unwrap();
+    let mut other = Quartic.stepper::<Midpoint>(0.1).unwrap();
+    for _ in 0..5 {
+        stepper.step(&mut state, &[]).unwrap();
+    }
+    let mut twin = state.clone();
+    for _ in 0..5 {
+        other.step(&mut twin, &[]).unwrap();
+    }
+    let mut bad = state.clone();
+    bad.q[5] = f64::INFINITY;
+    let kept = bad.clone();
+    assert!(stepper.step(&mut bad, &[]).is_err());
+    assert_eq!(bad, kept);
+    for _ in 0..5 {
+        stepper.step(&mut state, &[]).unwrap();
+    }
+    // Steps from zero and from a guess end at the same solution.
+    assert_close(state.q.as_slice(), twin.q.as_slice());
+    // Energies are kept to second order, for ever.
+    let start = Quartic.energy(&state);
+    for _ in 0..1000 {
+        stepper.step(&mut state, &[]).unwrap();
+    }
+    assert!((Quartic.energy(&state) / start - 1.0).abs() < 1e-2);
+    let counted = allocation_counter::measure(|| drop(stepper.step(&mut state, &[])));
+    assert_eq!(counted.count_total, 0);
+}
+
+#[test]
+fn paths_satisfy_the_euler_lagrange_equations() {
+    let (q, p) = start(4);
+    let path = Quartic.simulate::<Midpoint>(0.1).start(State::new(q, p)).steps(20).run().unwrap();
+    // Residuals are differences of momenta of order one.
+    assert!(path.euler_lagrange_residual(&Quartic).unwrap() < 1e-14);
+    assert!(<Quartic as Discretized<Midpoint>>::EQUATIONS.contains("not coupled"));
+}
+
+/// One noise that acts at all sites.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| (0..q.len()).map(|i| 0.5 * p[i] * p[i] + 0.5 * q[i] * q[i]).sum::<f64>(),
+    noise = [|q, p| s * q.iter().zip(p.iter()).map(|(q, p)| 0.5 * (q * q + p * p)).sum::<f64>()],
+    embedding = [Midpoint],
+)]
+struct Shared {
+    s: f64,
+}
+
+#[test]
+fn one_increment_may_act_at_all_sites() {
+    assert_eq!(<Shared as Discretized<Midpoint>>::PLAN.solver, Solver::Linear);
+    let (q, p) = start(4);
+    let mut together = State::<DVector<f64>>::new(q.clone(), p.clone());
+    let found = steps::<Midpoint, _>(&Shared { s: 0.3 }, &mut together, 0.1, &[0.2], 20);
+    for i in 0..4 {
+        let mut one = State::<DVector<f64>>::new(vec![q[i]], vec![p[i]]);
+        let alone = steps::<Midpoint, _>(&Shared { s: 0.3 }, &mut one, 0.1, &[0.2], 20);
+        assert_close(&alone, &[found[i], found[4 + i]]);
+    }
+}

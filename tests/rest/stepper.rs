@@ -1,0 +1,119 @@
+//! A failed step leaves the stepper, all of it, bit for bit as it was.
+
+use wzvi::nalgebra::DVector;
+use wzvi::prelude::*;
+
+/// A mass on a stiff spring under gravity.
+#[hamiltonian(
+    drift = |[x, y], [px, py]| {
+        let stretch = (x * x + y * y).sqrt() - 1.0;
+        0.5 * (px * px + py * py) + y + 0.5 * stiffness * stretch * stretch
+    },
+    embedding = Midpoint,
+)]
+struct StiffPendulum {
+    stiffness: f64,
+}
+
+/// `H = p²/2 - q³/3`: far out a step has no solution.
+#[hamiltonian(drift = |q, p| 0.5 * p * p - q * q * q / 3.0, embedding = Midpoint)]
+#[derive(Debug)]
+struct Cubic;
+
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (1..q.len()).map(|i| 0.5 * k * (q[i] - q[i - 1]).powi(2)).sum::<f64>()
+            - q.iter().map(|q| q.powi(3) / 3.0).sum::<f64>()
+    },
+    embedding = [Midpoint, DeltaPlus],
+)]
+#[derive(Debug)]
+struct Chain {
+    k: f64,
+}
+
+fn random(seed: &mut u64) -> f64 {
+    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*seed >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// The watch that refused the step refuses it again, whatever fails in between.
+#[test]
+fn a_failed_call_does_not_reset_the_watch() {
+    let spring = StiffPendulum { stiffness: 1e10 };
+    let refused = |interrupts: bool| {
+        let mut stepper = spring.stepper::<Midpoint>(0.01).unwrap();
+        let mut state = State::new([1.0_f64.sin(), -1.0_f64.cos()], [0.0, 0.0]);
+        (0..20_000).find(|_| {
+            if interrupts {
+                let mut elsewhere = State::new([f64::NAN, 0.0], [0.0, 0.0]);
+                elsewhere.t = 1e3;
+                assert!(stepper.step(&mut elsewhere, &[]).is_err());
+            }
+            stepper.step(&mut state, &[]).is_err()
+        })
+    };
+    assert!(refused(false).is_some());
+    assert_eq!(refused(true), refused(false));
+}
+
+/// Random calls, good and bad: after each bad one the stepper prints as before (its numbers do so to the last bit), and the
+/// steps that follow are those of a stepper that never saw a bad call.
+fn exercise<H: Discretized<Midpoint> + std::fmt::Debug>(
+    system: &H,
+    h: f64,
+    start: &State<H::Vector>,
+    bad: impl Fn(&mut u64, &State<H::Vector>) -> (State<H::Vector>, Vec<f64>),
+) {
+    for seed in 1..=20 {
+        let mut seed = seed;
+        let mut plain = system.stepper::<Midpoint>(h).unwrap();
+        let mut tried = system.stepper::<Midpoint>(h).unwrap();
+        let (mut expected, mut state) = (start.clone(), start.clone());
+        let mut failures = 0;
+        for _ in 0..30 {
+            while random(&mut seed) < 0.5 {
+                let before = format!("{tried:?}");
+                let (mut other, dw) = bad(&mut seed, &state);
+                assert!(tried.step(&mut other, &dw).is_err());
+                failures += 1;
+                assert_eq!(format!("{tried:?}"), before);
+            }
+            plain.step(&mut expected, &[]).unwrap();
+            tried.step(&mut state, &[]).unwrap();
+            assert_eq!((&state.q, &state.p, state.t), (&expected.q, &expected.p, expected.t));
+        }
+        assert_eq!(format!("{tried:?}"), format!("{plain:?}"));
+        assert!(failures > 5);
+    }
+}
+
+#[test]
+fn a_failed_step_leaves_the_stepper() {
+    exercise(&Cubic, 0.1, &State::new([-1.0], [0.3]), |seed, state| {
+        let t = if random(seed) < 0.5 { state.t } else { 1e3 * random(seed) };
+        let (q, p, dw) = match (4.0 * random(seed)) as u32 {
+            0 => ([f64::NAN], [0.0], vec![]),
+            // No solution: h² (q + h p / 2) > 1.
+            1 => ([1e3 * (1.0 + random(seed))], [0.0], vec![]),
+            2 => ([0.1], [f64::INFINITY], vec![]),
+            _ => ([state.q[0]], [state.p[0]], vec![1.0]),
+        };
+        let mut state = State::new(q, p);
+        state.t = t;
+        (state, dw)
+    });
+    let start = State::new(vec![-1.0, -0.8, -0.9], vec![0.1, 0.0, -0.1]);
+    exercise(&Chain { k: 2.0 }, 0.1, &start, |seed, state| {
+        let t = if random(seed) < 0.5 { state.t } else { 1e3 * random(seed) };
+        let n = 1 + (6.0 * random(seed)) as usize;
+        let (q, p, dw) = match (4.0 * random(seed)) as u32 {
+            0 => (vec![f64::NAN; n], vec![0.0; n], vec![]),
+            1 => (vec![1e3 * (1.0 + random(seed)); n], vec![0.0; n], vec![]),
+            2 => (vec![0.0; n], vec![0.0; n + 1], vec![]),
+            _ => (vec![0.0; n], vec![0.0; n], vec![1.0]),
+        };
+        (State { q: DVector::from(q), p: DVector::from(p), t }, dw)
+    });
+}

@@ -1,0 +1,292 @@
+//! What the elements read and the compiler cannot prove to be there, as constants for the run time, which decides it by
+//! interval arithmetic.
+
+use std::collections::BTreeMap;
+
+use proc_macro2::{Literal, TokenStream};
+use quote::quote;
+
+use crate::elements::describe;
+use crate::model::index::{Atom, Bounds, Index, Loop};
+use crate::model::{Element, Slot, System, Table, Term};
+
+/// The largest `isize` of the smallest machine, and the most numbers that a state has there.
+const LARGEST: i128 = i32::MAX as i128;
+const MOST_DEGREES: i128 = LARGEST / size_of::<f64>() as i128;
+
+/// `Elements::PLACES` and `Elements::entries`.
+pub(super) fn emit(system: &System) -> TokenStream {
+    let mut places = Places { system, arms: BTreeMap::new() };
+    let terms = [&system.drift].into_iter().chain(system.noise.iter().map(|noise| &noise.term));
+    let terms = terms.chain(&system.invariants);
+    let mut nests = TokenStream::new();
+    for element in terms.flat_map(|term: &Term| &term.values) {
+        nests.extend(places.nest(element));
+    }
+    let components = usize::try_from(system.components).unwrap_or(1);
+    // Only what is asked about has a name.
+    let tables = system.tables.iter().enumerate().map(|(id, table)| {
+        let is_read = places.arms.keys().any(|(known, _)| *known == id);
+        let (name, suffix) = if is_read { names(table) } else { Default::default() };
+        quote!(__places::Table { name: #name, suffix: #suffix },)
+    });
+    let arms = places.arms.values();
+    let usize = quote!(__wzvi::core::primitive::usize);
+    quote! {
+        const PLACES: __wzvi::elements::places::Places = {
+            use __wzvi::elements::places as __places;
+            __places::Places { components: #components, tables: &[#(#tables)*], nests: &[#nests] }
+        };
+
+        fn entries(
+            &self,
+            __table: #usize,
+            __outer: &[#usize],
+            __range: __wzvi::core::ops::Range<#usize>,
+        ) -> __wzvi::elements::places::Entries {
+            use __wzvi::elements::places as __places;
+            match (__table, __outer) {
+                #(#arms)*
+                _ => __places::Entries::of_length(0),
+            }
+        }
+    }
+}
+
+/// The name of a table, and what follows its indices.
+fn names(table: &Table) -> (String, String) {
+    let suffix = table.suffix.to_string().replace(' ', "");
+    let name = table.name.strip_suffix(&suffix).unwrap_or(&table.name);
+    (name.to_owned(), suffix)
+}
+
+struct Places<'s> {
+    system: &'s System,
+    /// The tables that are asked about, by number and indices outside of the list, with the code that reads them.
+    arms: BTreeMap<(usize, usize), TokenStream>,
+}
+
+impl Places<'_> {
+    /// What is not proven of one element; nothing if all is.
+    fn nest(&mut self, element: &Element) -> TokenStream {
+        let is_unsigned = |table: u32| self.system.tables.get(table as usize).is_some_and(|t| t.is_unsigned);
+        let bounds = Bounds { loops: &element.loops, is_unsigned: &is_unsigned };
+        let sizes = Sizes { system: self.system, loops: &element.loops };
+        let total = self.system.size.multiply(&Index::integer(self.system.components)).unwrap_or_default();
+        let is_proven = |slot: &Slot| match slot {
+            Slot::Coordinate(index) | Slot::Momentum(index) => {
+                sizes.is_integer(index) && is_within(&bounds, index, &total)
+            }
+            Slot::Entry(table, indices) => (0..indices.len()).all(|level| {
+                sizes.is_integer(&indices[level]) && self.is_inside(&bounds, *table, indices, level)
+            }),
+            Slot::Number(index) => sizes.is_integer(index),
+        };
+        let slots: Vec<&Slot> =
+            element.locals.iter().map(|local| &local.slot).filter(|slot| !is_proven(slot)).collect();
+        let ends = element.loops.iter().flat_map(|known| [&known.start, &known.end]);
+        if slots.is_empty() && ends.into_iter().all(|end| sizes.is_integer(end)) {
+            return TokenStream::new();
+        }
+        let loops: Vec<TokenStream> = element
+            .loops
+            .iter()
+            .map(|known| {
+                let (start, end) = (self.index(&known.start, element), self.index(&known.end, element));
+                quote!(__places::Loop { start: #start, end: #end },)
+            })
+            .collect();
+        let slots = slots.into_iter().map(|slot| match slot {
+            Slot::Coordinate(index) | Slot::Momentum(index) => {
+                let is_natural = bounds.is_nonnegative(index);
+                let index = self.index(index, element);
+                quote!(__places::Slot::State { index: #index, is_natural: #is_natural },)
+            }
+            Slot::Entry(table, indices) => {
+                let positions = self.positions(*table, indices, element, None);
+                let table = *table as usize;
+                quote!(__places::Slot::Entry(#table, #positions),)
+            }
+            Slot::Number(index) => {
+                let index = self.index(index, element);
+                quote!(__places::Slot::Number(#index),)
+            }
+        });
+        let slots: TokenStream = slots.collect();
+        quote!(__places::Nest { loops: &[#(#loops)*], slots: &[#slots] },)
+    }
+
+    fn index(&mut self, index: &Index, element: &Element) -> TokenStream {
+        let terms: TokenStream = index
+            .terms
+            .iter()
+            .map(|(atom, coefficient)| {
+                let (atom, coefficient) = (self.atom(atom, element), Literal::i128_unsuffixed(*coefficient));
+                quote!((#atom, #coefficient),)
+            })
+            .collect();
+        let (constant, text) =
+            (Literal::i128_unsuffixed(index.constant), describe::index_in(self.system, element, index));
+        quote!(__places::Index { terms: &[#terms], constant: #constant, text: #text })
+    }
+
+    fn atom(&mut self, atom: &Atom, element: &Element) -> TokenStream {
+        let (name, both) = match atom {
+            Atom::Loop(variable) => {
+                let depth = element.loops.iter().position(|known| known.variable == *variable);
+                let depth = depth.unwrap_or(usize::MAX);
+                return quote!(__places::Atom::Loop(#depth));
+            }
+            Atom::Size => return quote!(__places::Atom::Size),
+            Atom::Given(table, indices) => {
+                let read = quote!(|__integer| __integer as __wzvi::core::primitive::i128);
+                let positions = self.positions(*table, indices, element, Some(read));
+                let table = *table as usize;
+                return quote!(__places::Atom::Given(#table, #positions));
+            }
+            Atom::Product(both) => (quote!(Product), both),
+            Atom::Quotient(both) => (quote!(Quotient), both),
+            Atom::Remainder(both) => (quote!(Remainder), both),
+            Atom::Minimum(both) => (quote!(Minimum), both),
+            Atom::Maximum(both) => (quote!(Maximum), both),
+        };
+        let (a, b) = (self.index(&both.0, element), self.index(&both.1, element));
+        quote!(__places::Atom::#name(&[#a, #b]))
+    }
+
+    /// The indices of a list; the code that reads it is kept. `wide` makes an `i128` of an entry that is an integer.
+    fn positions(
+        &mut self,
+        table: u32,
+        indices: &[Index],
+        element: &Element,
+        wide: Option<TokenStream>,
+    ) -> TokenStream {
+        let Some(Table { tokens, suffix, .. }) = self.system.tables.get(table as usize) else {
+            return quote!(&[]);
+        };
+        let number = table as usize;
+        let (tokens, suffix) = (tokens.clone(), suffix.clone());
+        // The list itself, then the lists inside.
+        let mut list = quote!(&#tokens[..]);
+        let last = indices.len().checked_sub(1);
+        match (last, &wide) {
+            (None, Some(_)) => {
+                let arm = quote! {
+                    (#number, []) => __places::Entries::of_integer((#tokens) as __wzvi::core::primitive::i128),
+                };
+                self.arms.insert((number, 0), arm);
+            }
+            (None, None) => {}
+            (Some(last), _) => {
+                for level in 0..=last {
+                    let found = match &wide {
+                        Some(wide) if level == last => {
+                            quote!(__places::Entries::of_list(__list, __range, |__entry| (*__entry)#suffix, #wide))
+                        }
+                        _ => quote!(__places::Entries::of_length(__list.len())),
+                    };
+                    let outer = (0..level).map(|k| quote::format_ident!("__o{k}"));
+                    let arm = quote! {
+                        (#number, &[#(#outer),*]) => {
+                            let __list = #list;
+                            #found
+                        }
+                    };
+                    // A list of which only the length was asked about may be asked about its entries as well.
+                    self.arms.insert((number, level), arm);
+                    let at = quote::format_ident!("__o{level}");
+                    list = quote! {
+                        match (#list).get(#at) {
+                            __wzvi::core::option::Option::Some(__inner) => &__inner[..],
+                            __wzvi::core::option::Option::None => return __places::Entries::of_length(0),
+                        }
+                    };
+                }
+            }
+        }
+        let is_unsigned = |table: u32| self.system.tables.get(table as usize).is_some_and(|t| t.is_unsigned);
+        let bounds = Bounds { loops: &element.loops, is_unsigned: &is_unsigned };
+        let inside: Vec<bool> =
+            (0..indices.len()).map(|level| self.is_inside(&bounds, table, indices, level)).collect();
+        let positions = indices.iter().zip(inside).map(|(index, is_inside)| {
+            let index = self.index(index, element);
+            quote!(__places::Position { index: #index, is_inside: #is_inside },)
+        });
+        let positions: TokenStream = positions.collect();
+        quote!(&[#positions])
+    }
+
+    /// Whether the list at `indices[..level]` is certainly longer than `indices[level]`.
+    fn is_inside(&self, bounds: &Bounds<'_>, table: u32, indices: &[Index], level: usize) -> bool {
+        let tables = &self.system.tables;
+        let Some(own) = tables.get(table as usize) else { return false };
+        let list = own.tokens.to_string();
+        let length = tables.iter().position(|known| {
+            let (tokens, suffix) = (known.tokens.to_string(), known.suffix.to_string());
+            match level {
+                0 => suffix.is_empty() && tokens == format!("{list} . len ()"),
+                _ => suffix == ". len ()" && tokens == list,
+            }
+        });
+        let Some(length) = length.and_then(|id| u32::try_from(id).ok()) else { return false };
+        let length = Index::atom(Atom::Given(length, indices[..level].to_vec()));
+        is_within(bounds, &indices[level], &length)
+    }
+}
+
+/// Whether `0 <= index < length` wherever the loops go.
+fn is_within(bounds: &Bounds<'_>, index: &Index, length: &Index) -> bool {
+    let rest = length.subtract(index).and_then(|rest| rest.shifted(-1));
+    bounds.is_nonnegative(index) && rest.is_some_and(|rest| bounds.is_nonnegative(&rest))
+}
+
+/// How large integers may be.
+struct Sizes<'a> {
+    system: &'a System,
+    loops: &'a [Loop],
+}
+
+impl Sizes<'_> {
+    /// Whether the index and all sums on the way are an `isize` on any machine.
+    fn is_integer(&self, index: &Index) -> bool {
+        self.most(index).is_some()
+    }
+
+    /// What no magnitude on the way to the index is above, if that is an `isize`.
+    fn most(&self, index: &Index) -> Option<i128> {
+        let mut sum = index.constant.checked_abs()?;
+        for (atom, coefficient) in &index.terms {
+            sum = sum.checked_add(self.most_of(atom)?.checked_mul(coefficient.checked_abs()?)?)?;
+        }
+        (sum <= LARGEST).then_some(sum)
+    }
+
+    fn most_of(&self, atom: &Atom) -> Option<i128> {
+        let is_size = self.system.size == Index::atom(atom.clone());
+        match atom {
+            _ if is_size => Some(MOST_DEGREES),
+            Atom::Loop(variable) => {
+                let known = self.loops.iter().find(|known| known.variable == *variable)?;
+                Some(self.most(&known.start)?.max(self.most(&known.end)?))
+            }
+            Atom::Size => Some(MOST_DEGREES),
+            Atom::Given(table, indices) => {
+                let table = self.system.tables.get(*table as usize)?;
+                let is_length =
+                    table.tokens.to_string().ends_with(". len ()") || table.suffix.to_string() == ". len ()";
+                let are_integers = indices.iter().all(|index| self.is_integer(index));
+                (is_length && are_integers).then_some(LARGEST)
+            }
+            Atom::Product(both) => self.most(&both.0)?.checked_mul(self.most(&both.1)?),
+            // A divisor may be zero.
+            Atom::Quotient(both) | Atom::Remainder(both) => {
+                let divisor = both.1.as_integer().filter(|&divisor| divisor > 0);
+                let is_size = both.1 == self.system.size || both.1 == Index::atom(Atom::Size);
+                let most = self.most(&both.0)?;
+                (divisor.is_some() || is_size).then_some(most)
+            }
+            Atom::Minimum(both) | Atom::Maximum(both) => Some(self.most(&both.0)?.max(self.most(&both.1)?)),
+        }
+    }
+}

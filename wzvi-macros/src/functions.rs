@@ -1,0 +1,242 @@
+//! Functions that Hamiltonians share: `#[hamiltonian_fn]`.
+//!
+//! An attribute sees the tokens of its own item only. So `#[hamiltonian_fn] fn morse` leaves, beside the function and
+//! under the same path, a macro `morse!` that hands the function's tokens to whoever asks; a path that imports the one
+//! imports the other. `#[hamiltonian]` expands to such questions, one for each function that it calls, and goes on with
+//! the answers. A method's tokens are asked from a macro of the struct's name, which `#[hamiltonian_fn] impl` leaves.
+//! Functions that a shared function calls are asked for where it is defined: names mean there what they mean to its
+//! author.
+
+mod calls;
+mod define;
+
+use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
+use quote::{ToTokens, format_ident, quote};
+use syn::parse::{Parse, ParseStream};
+use syn::{Block, ImplItem, Item, ItemFn, ItemImpl, Path, Signature, braced};
+
+use crate::diagnostics::Diagnostics;
+use crate::input;
+
+pub(crate) use define::define;
+
+/// The functions that a body may call.
+#[derive(Default)]
+pub(crate) struct Library {
+    pub(crate) functions: Vec<Function>,
+    /// Those of the struct, called as `self.name(...)`.
+    pub(crate) methods: Vec<Function>,
+}
+
+/// A shared function.
+pub(crate) struct Function {
+    /// The path by which it is called, without spaces.
+    pub(crate) name: String,
+    pub(crate) signature: Signature,
+    pub(crate) block: Block,
+    /// What it calls itself.
+    pub(crate) library: Library,
+}
+
+/// An expansion that waits for definitions: `{kind} {crate path} {attribute} {item} {asked paths} {answers}`.
+pub(super) struct Question {
+    pub(super) kind: Ident,
+    pub(super) crate_path: Path,
+    pub(super) attribute: TokenStream,
+    pub(super) item: TokenStream,
+    pub(super) asked: Vec<Path>,
+    pub(super) answers: Vec<TokenStream>,
+}
+
+impl Question {
+    /// The next definition that is missing, asked for.
+    pub(super) fn ask(&self) -> TokenStream {
+        let Some(path) = self.asked.get(self.answers.len()) else { return TokenStream::new() };
+        let Self { kind, crate_path, attribute, item, asked, answers } = self;
+        let state = quote! {
+            { { #kind } { #crate_path } { #attribute } { #item } { #( { #asked } )* } { #( { #answers } )* } }
+        };
+        let callback = quote! { { #crate_path::__private::__continue } };
+        let (Some(last), false) = (path.segments.last(), is_owner(path)) else {
+            return quote! { #path! { #callback #state } };
+        };
+        // `rustc` can only say that there is no such macro: its name tells what is missing.
+        let (name, position) = (&last.ident, answers.len());
+        let asker = asker(item).map_or_else(String::new, |asker| format!("_to_be_called_by_{asker}"));
+        let alias = match position {
+            0 => format_ident!("{name}_needs_the_attribute_hamiltonian_fn{asker}", span = name.span()),
+            _ => format_ident!(
+                "{name}_needs_the_attribute_hamiltonian_fn{asker}_{position}",
+                span = name.span()
+            ),
+        };
+        quote! {
+            #[allow(unused_imports)]
+            use #path as #alias;
+            #alias! { #callback #state }
+        }
+    }
+
+    /// What was asked for, by the paths of the calls.
+    fn library(&self) -> syn::Result<Library> {
+        let mut library = Library::default();
+        for (path, answer) in self.asked.iter().zip(&self.answers) {
+            match syn::parse2::<Answer>(answer.clone())? {
+                Answer::Function(mut function) => {
+                    function.name = key(path);
+                    library.functions.push(*function);
+                }
+                Answer::Methods(methods) => library.methods.extend(methods),
+            }
+        }
+        Ok(library)
+    }
+}
+
+impl Parse for Question {
+    fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
+        let kind = syn::parse2(group(input)?)?;
+        let crate_path = Path::parse_mod_style.parse2_from(group(input)?)?;
+        let (attribute, item) = (group(input)?, group(input)?);
+        let asked = groups(group(input)?)
+            .map(|path| Path::parse_mod_style.parse2_from(path))
+            .collect::<Result<_, _>>()?;
+        let mut answers: Vec<TokenStream> = groups(group(input)?).collect();
+        if !input.is_empty() {
+            answers.push(group(input)?);
+        }
+        Ok(Self { kind, crate_path, attribute, item, asked, answers })
+    }
+}
+
+/// A parser function on a stream of its own.
+trait ParseFrom<T> {
+    fn parse2_from(self, tokens: TokenStream) -> syn::Result<T>;
+}
+
+impl<T, F: FnOnce(ParseStream<'_>) -> syn::Result<T>> ParseFrom<T> for F {
+    fn parse2_from(self, tokens: TokenStream) -> syn::Result<T> {
+        syn::parse::Parser::parse2(self, tokens)
+    }
+}
+
+fn group(input: ParseStream<'_>) -> syn::Result<TokenStream> {
+    let content;
+    braced!(content in input);
+    content.parse()
+}
+
+fn groups(tokens: TokenStream) -> impl Iterator<Item = TokenStream> {
+    tokens.into_iter().filter_map(|token| match token {
+        TokenTree::Group(group) if group.delimiter() == Delimiter::Brace => Some(group.stream()),
+        _ => None,
+    })
+}
+
+/// What a macro of a shared function hands over: `{ item } { the paths it calls } { their definitions }`.
+enum Answer {
+    Function(Box<Function>),
+    Methods(Vec<Function>),
+}
+
+impl Parse for Answer {
+    fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
+        let (item, asked, answers) = (group(input)?, group(input)?, group(input)?);
+        let library = || {
+            let asked = groups(asked.clone())
+                .map(|path| Path::parse_mod_style.parse2_from(path))
+                .collect::<Result<_, _>>()?;
+            let answers = groups(answers.clone()).collect();
+            let (kind, crate_path) = (syn::parse_quote!(function), syn::parse_quote!(wzvi));
+            Question {
+                kind,
+                crate_path,
+                attribute: TokenStream::new(),
+                item: TokenStream::new(),
+                asked,
+                answers,
+            }
+            .library()
+        };
+        if let Ok(ItemFn { sig: signature, block, .. }) = syn::parse2(item.clone()) {
+            let function = Function { name: String::new(), signature, block: *block, library: library()? };
+            return Ok(Self::Function(Box::new(function)));
+        }
+        let methods = syn::parse2::<ItemImpl>(item)?.items.into_iter().filter_map(|item| match item {
+            ImplItem::Fn(method) => Some(method),
+            _ => None,
+        });
+        let methods = methods.map(|method| {
+            let name = method.sig.ident.to_string();
+            Ok(Function { name, signature: method.sig, block: method.block, library: library()? })
+        });
+        methods.collect::<syn::Result<_>>().map(Self::Methods)
+    }
+}
+
+/// The name of the item that asks.
+fn asker(item: &TokenStream) -> Option<Ident> {
+    match syn::parse2::<Item>(item.clone()).ok()? {
+        Item::Struct(item) => Some(item.ident),
+        Item::Fn(item) => Some(item.sig.ident),
+        _ => None,
+    }
+}
+
+const OWNER: &str = "_needs_an_impl_with_the_attribute_hamiltonian_fn";
+
+/// The macro that has the methods of a struct: it is found in the module of both.
+fn owner(name: &Ident, span: Span) -> Path {
+    format_ident!("{name}{OWNER}", span = span).into()
+}
+
+fn is_owner(path: &Path) -> bool {
+    path.get_ident().is_some_and(|name| name.to_string().ends_with(OWNER))
+}
+
+/// A path as calls are compared: without spaces.
+pub(crate) fn key(path: &impl ToTokens) -> String {
+    path.to_token_stream().to_string().replace(' ', "")
+}
+
+/// The questions of `#[hamiltonian(attribute)] item`, if it calls shared functions and has no mistakes of its own.
+pub(crate) fn questions(attribute: &TokenStream, item: &TokenStream) -> Option<TokenStream> {
+    let mut diagnostics = Diagnostics::new();
+    let system = input::read_struct(item.clone(), &mut diagnostics);
+    let declaration = input::read_attribute(attribute.clone(), &mut diagnostics);
+    let has_mistakes = diagnostics.has_errors();
+    drop(diagnostics.finish());
+    let (system, declaration) = (system?, declaration?);
+    if has_mistakes {
+        return None;
+    }
+    let closures = declaration.closures().map(|hamiltonian| &hamiltonian.closure);
+    let asked = calls::of_closures(closures, &system.item.ident);
+    if asked.is_empty() {
+        return None;
+    }
+    let kind = syn::parse_quote!(hamiltonian);
+    let (attribute, item) = (attribute.clone(), item.clone());
+    Some(
+        Question { kind, crate_path: declaration.crate_path, attribute, item, asked, answers: Vec::new() }
+            .ask(),
+    )
+}
+
+/// One answer has come: the next question, or the expansion.
+pub(crate) fn proceed(tokens: TokenStream) -> TokenStream {
+    let question = match syn::parse2::<Question>(tokens) {
+        Ok(question) => question,
+        Err(error) => return error.to_compile_error(),
+    };
+    if question.answers.len() < question.asked.len() {
+        return question.ask();
+    }
+    if question.kind == "function" {
+        return define::carrier(&question);
+    }
+    match question.library() {
+        Ok(library) => crate::compile::expand_with(question.attribute, question.item, library),
+        Err(error) => error.to_compile_error(),
+    }
+}

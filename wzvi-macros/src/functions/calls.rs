@@ -1,0 +1,116 @@
+//! Which shared functions a body calls.
+
+use std::collections::HashSet;
+
+use proc_macro2::{Ident, Span};
+use syn::spanned::Spanned;
+use syn::visit::{self, Visit};
+use syn::{Expr, ExprCall, ExprClosure, ExprMethodCall, ExprPath, Path};
+
+use super::key;
+use crate::lower::{is_real_method, is_self, real_function};
+
+/// Calls of names that are neither variables nor functions of `f64`.
+#[derive(Default)]
+pub(super) struct Calls {
+    bound: HashSet<String>,
+    pub(super) called: Vec<ExprPath>,
+    /// Where a method of the struct is called.
+    pub(super) method: Option<Span>,
+    /// Constants by paths that mean something else elsewhere.
+    pub(super) constants: Vec<ExprPath>,
+}
+
+impl Calls {
+    /// The distinct paths, and that of the methods of the struct `name`.
+    pub(super) fn paths(self, name: Option<&Ident>) -> Vec<Path> {
+        let mut seen = HashSet::new();
+        let methods = name.zip(self.method).map(|(name, span)| super::owner(name, span));
+        let paths = self.called.into_iter().map(|call| call.path);
+        paths.chain(methods).filter(|path| seen.insert(key(path))).collect()
+    }
+
+    fn is_bound(&self, path: &Path) -> bool {
+        path.get_ident().is_some_and(|name| self.bound.contains(&name.to_string()))
+    }
+}
+
+pub(super) fn of_closures<'a>(closures: impl Iterator<Item = &'a ExprClosure>, name: &Ident) -> Vec<Path> {
+    let mut all = Calls::default();
+    for closure in closures {
+        let mut calls = Calls::default();
+        Bound(&mut calls.bound).visit_expr_closure(closure);
+        calls.visit_expr_closure(closure);
+        all.called.extend(calls.called);
+        all.method = all.method.or(calls.method);
+    }
+    all.paths(Some(name))
+}
+
+/// The calls of a function with these parameters.
+pub(super) fn of_function(signature: &syn::Signature, block: &syn::Block) -> Calls {
+    let mut calls = Calls::default();
+    Bound(&mut calls.bound).visit_signature(signature);
+    Bound(&mut calls.bound).visit_block(block);
+    calls.visit_block(block);
+    calls
+}
+
+impl<'s> Visit<'s> for Calls {
+    fn visit_expr_call(&mut self, call: &'s ExprCall) {
+        match &*call.func {
+            Expr::Path(path)
+                if path.qself.is_none() && real_function(path).is_none() && !self.is_bound(&path.path) =>
+            {
+                let segments = &path.path.segments;
+                if segments.first().is_some_and(|first| first.ident == "Self") {
+                    self.method.get_or_insert(path.path.span());
+                } else if segments.len() > 1
+                    || !segments.iter().any(|only| is_real_method(&only.ident.to_string()))
+                {
+                    self.called.push(path.clone());
+                }
+            }
+            Expr::Path(_) => {}
+            other => self.visit_expr(other),
+        }
+        call.args.iter().for_each(|argument| self.visit_expr(argument));
+    }
+
+    fn visit_expr_method_call(&mut self, call: &'s ExprMethodCall) {
+        if is_self(&call.receiver) {
+            self.method.get_or_insert(call.method.span());
+        }
+        visit::visit_expr_method_call(self, call);
+    }
+
+    fn visit_expr_path(&mut self, path: &'s ExprPath) {
+        let segments = &path.path.segments;
+        let is_constant = segments.last().is_some_and(|last| {
+            let name = last.ident.to_string();
+            name.chars().any(char::is_uppercase) && !name.chars().any(char::is_lowercase)
+        });
+        let from_the_root = path.path.leading_colon.is_some()
+            || segments.len() > 1
+                && segments.first().is_some_and(|first| {
+                    ["crate", "$crate", "std", "core", "f64", "Self"].iter().any(|root| first.ident == root)
+                });
+        if is_constant && !from_the_root && !self.is_bound(&path.path) {
+            self.constants.push(path.clone());
+        }
+    }
+}
+
+/// Every name that a pattern or a `const` of the body declares.
+struct Bound<'a>(&'a mut HashSet<String>);
+
+impl<'s> Visit<'s> for Bound<'_> {
+    fn visit_pat_ident(&mut self, pattern: &'s syn::PatIdent) {
+        self.0.insert(pattern.ident.to_string());
+        visit::visit_pat_ident(self, pattern);
+    }
+    fn visit_item_const(&mut self, item: &'s syn::ItemConst) {
+        self.0.insert(item.ident.to_string());
+        visit::visit_item_const(self, item);
+    }
+}

@@ -1,0 +1,162 @@
+//! `#[hamiltonian_fn]`: the item as it was written, and the macro that hands over its tokens.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use proc_macro2::{Group, Ident, Punct, Spacing, Span, TokenStream, TokenTree};
+use quote::{ToTokens, format_ident, quote};
+use syn::{FnArg, GenericParam, ImplItem, Item, ItemFn, ItemImpl, Path, Signature, Token, Type, Visibility};
+
+use super::{Question, calls};
+use crate::diagnostics::{Diagnostics, messages};
+
+/// The expansion of `#[hamiltonian_fn(attribute)] item`.
+pub(crate) fn define(attribute: TokenStream, item: TokenStream) -> TokenStream {
+    let mut diagnostics = Diagnostics::new();
+    let questions = read(attribute, &item, &mut diagnostics);
+    match diagnostics.finish() {
+        Ok(()) => {
+            let carrier = questions.map(|question| match question.asked.is_empty() {
+                true => carrier(&question),
+                false => question.ask(),
+            });
+            quote! { #item #carrier }
+        }
+        Err(errors) => quote! { #item #errors },
+    }
+}
+
+fn read(attribute: TokenStream, item: &TokenStream, diagnostics: &mut Diagnostics) -> Option<Question> {
+    let crate_path = match attribute.is_empty() {
+        true => syn::parse_quote!(::wzvi),
+        false => diagnostics.accept(syn::parse::Parser::parse2(crate_argument, attribute.clone()))?,
+    };
+    if let Some(token) = crate::input::too_deep(item) {
+        diagnostics.report(messages::nested_too_deeply(token));
+        return None;
+    }
+    let asked = match diagnostics.accept(syn::parse2::<Item>(item.clone()))? {
+        Item::Fn(function) => of_function(&function, diagnostics),
+        Item::Impl(methods) => of_impl(&methods, diagnostics),
+        other => {
+            diagnostics.report(messages::not_a_function(&other));
+            Vec::new()
+        }
+    };
+    let kind = syn::parse_quote!(function);
+    Some(Question { kind, crate_path, attribute, item: item.clone(), asked, answers: Vec::new() })
+}
+
+fn crate_argument(input: syn::parse::ParseStream<'_>) -> syn::Result<Path> {
+    input.parse::<Token![crate]>()?;
+    input.parse::<Token![=]>()?;
+    Path::parse_mod_style(input)
+}
+
+fn of_function(function: &ItemFn, diagnostics: &mut Diagnostics) -> Vec<Path> {
+    check_signature(&function.sig, diagnostics);
+    let found = calls::of_function(&function.sig, &function.block);
+    for constant in &found.constants {
+        diagnostics.report(messages::relative_constant(constant));
+    }
+    for call in found.called.iter().filter(|call| call.path.is_ident(&function.sig.ident)) {
+        diagnostics.report(messages::recursion(call));
+    }
+    found.paths(None)
+}
+
+fn of_impl(methods: &ItemImpl, diagnostics: &mut Diagnostics) -> Vec<Path> {
+    if let Some((path, _)) = &methods.trait_ {
+        diagnostics.report(messages::methods_of_trait(path));
+    }
+    let mut asked: Vec<Path> = Vec::new();
+    for item in &methods.items {
+        let ImplItem::Fn(method) = item else { continue };
+        check_signature(&method.sig, diagnostics);
+        for path in calls::of_function(&method.sig, &method.block).paths(None) {
+            if !asked.iter().any(|known| super::key(known) == super::key(&path)) {
+                asked.push(path);
+            }
+        }
+    }
+    asked
+}
+
+fn check_signature(signature: &Signature, diagnostics: &mut Diagnostics) {
+    for parameter in &signature.generics.params {
+        if !matches!(parameter, GenericParam::Lifetime(_)) {
+            diagnostics.report(messages::generic_function(parameter));
+        }
+    }
+    if let Some(token) = &signature.asyncness {
+        diagnostics.report(messages::special_function(token));
+    }
+    if let Some(FnArg::Receiver(receiver)) = signature.inputs.first()
+        && receiver.mutability.is_some()
+    {
+        diagnostics.report(messages::special_function(receiver));
+    }
+}
+
+/// The macro that hands over the tokens, under the path of the function or of the struct.
+pub(super) fn carrier(question: &Question) -> TokenStream {
+    let Question { asked, answers, .. } = question;
+    let (name, visibility, item) = match syn::parse2::<Item>(question.item.clone()) {
+        Ok(Item::Fn(function)) => {
+            let ItemFn { vis, sig, block, .. } = function;
+            (sig.ident.clone(), vis, quote! { #sig #block })
+        }
+        Ok(Item::Impl(methods)) => match &*methods.self_ty {
+            Type::Path(path) => match path.path.segments.last() {
+                Some(last) => (methods_name(&last.ident), Visibility::Inherited, methods.to_token_stream()),
+                None => return TokenStream::new(),
+            },
+            _ => return TokenStream::new(),
+        },
+        _ => return TokenStream::new(),
+    };
+    let hidden = hidden_name(&name, &question.item);
+    let export = matches!(visibility, Visibility::Public(_)).then(|| quote! { #[macro_export] });
+    let item = with_dollar_crate(item);
+    quote! {
+        #[doc(hidden)]
+        #[allow(unused_macros)]
+        #export
+        macro_rules! #hidden {
+            ({ $($callback:tt)* } { $($state:tt)* }) => {
+                $($callback)*! { $($state)* { { #item } { #( { #asked } )* } { #( { #answers } )* } } }
+            };
+        }
+        #[doc(hidden)]
+        #[allow(unused_imports)]
+        #visibility use #hidden as #name;
+    }
+}
+
+fn methods_name(name: &Ident) -> Ident {
+    format_ident!("{name}{}", super::OWNER, span = Span::call_site())
+}
+
+/// A name that no other function of the crate has: exported macros live at its root.
+fn hidden_name(name: &Ident, item: &TokenStream) -> Ident {
+    let mut hasher = DefaultHasher::new();
+    format!("{:?}", name.span()).hash(&mut hasher);
+    item.to_string().hash(&mut hasher);
+    format_ident!("__wzvi_{}_{:016x}", name, hasher.finish(), span = Span::call_site())
+}
+
+/// `crate::..` as it is written in a macro that other crates call.
+fn with_dollar_crate(tokens: TokenStream) -> TokenStream {
+    let rewritten = tokens.into_iter().flat_map(|token| match token {
+        TokenTree::Ident(name) if name == "crate" => {
+            let dollar = TokenTree::Punct(Punct::new('$', Spacing::Alone));
+            vec![dollar, TokenTree::Ident(name)]
+        }
+        TokenTree::Group(group) => {
+            let mut inner = Group::new(group.delimiter(), with_dollar_crate(group.stream()));
+            inner.set_span(group.span());
+            vec![TokenTree::Group(inner)]
+        }
+        other => vec![other],
+    });
+    rewritten.collect()
+}

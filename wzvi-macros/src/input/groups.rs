@@ -1,0 +1,34 @@
+//! Groups without delimiters, in which `macro_rules!` hands over its fragments: one token in such a group is that token.
+
+use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
+use syn::Expr;
+
+/// The tokens with every such group of one token replaced by the token. Longer groups keep expressions together.
+pub(super) fn without_single(tokens: TokenStream) -> TokenStream {
+    tokens.into_iter().map(open).collect()
+}
+
+fn open(token: TokenTree) -> TokenTree {
+    let TokenTree::Group(group) = token else { return token };
+    let content = without_single(group.stream());
+    if group.delimiter() == Delimiter::None {
+        let mut tokens = content.clone().into_iter();
+        if let (Some(only), None) = (tokens.next(), tokens.next()) {
+            return only;
+        }
+    }
+    let mut opened = Group::new(group.delimiter(), content);
+    opened.set_span(group.span());
+    opened.into()
+}
+
+/// The expression inside of parentheses and groups.
+pub(crate) fn peeled(mut expr: &Expr) -> &Expr {
+    loop {
+        expr = match expr {
+            Expr::Group(inner) => &inner.expr,
+            Expr::Paren(inner) => &inner.expr,
+            other => return other,
+        };
+    }
+}

@@ -1,0 +1,305 @@
+//! The lists that the state and the struct hold, their entries, and ranges.
+
+use std::rc::Rc;
+
+use proc_macro2::TokenStream;
+use quote::{ToTokens, quote};
+use syn::{ExprIndex, ExprRange, RangeLimits};
+
+use super::interpreter::Interpreter;
+use super::sequences::Stream;
+use super::value::{Place, Value};
+use crate::diagnostics::expressions;
+use crate::input::{Kind, source};
+use crate::model::Slot;
+use crate::model::index::{Atom, Index};
+use crate::symbolic::Expr;
+
+/// Where the numbers of an [`Array`] are.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) enum Origin {
+    Coordinates,
+    Momenta,
+    /// A list of the struct, by its number among the tables, with what its elements are.
+    Table(u32, Rc<Kind>),
+}
+
+/// A list, or a part of one.
+#[derive(Clone, Debug)]
+pub(super) struct Array {
+    pub(super) origin: Origin,
+    /// Indices so far. For the phase space one: the position in the state vector.
+    pub(super) indices: Vec<Index>,
+    /// Index of the first element.
+    pub(super) start: Index,
+    pub(super) length: Index,
+    /// For the phase space: the lengths of the lists inside.
+    pub(super) inner: Vec<i128>,
+}
+
+impl<'a> Interpreter<'a, '_> {
+    /// A size of the phase space or of a family, as it was written.
+    pub(super) fn size(&mut self, expr: &syn::Expr) -> Index {
+        self.named_size(&source(expr), &expr.to_token_stream())
+    }
+
+    /// What is not negative and known by `name` to a reader.
+    pub(super) fn named_size(&mut self, name: &str, tokens: &TokenStream) -> Index {
+        let id = self.tables.add(name, tokens, true, Vec::new());
+        Index::atom(Atom::Given(id, Vec::new()))
+    }
+
+    /// An integer of the struct or a constant.
+    pub(super) fn given(&mut self, place: &Place) -> Index {
+        let id = self.tables.add(&place.name, &place.tokens, false, Vec::new());
+        Index::atom(Atom::Given(id, Vec::new()))
+    }
+
+    /// A list of the struct.
+    pub(super) fn table(&mut self, place: &Place, element: &Rc<Kind>, length: Option<usize>) -> Array {
+        let tokens = &place.tokens;
+        let known_length = match length {
+            Some(length) => Index::integer(length as i128),
+            None => {
+                let (name, tokens) = (format!("{}.len()", place.name), quote! { #tokens.len() });
+                Index::atom(Atom::Given(self.tables.add(&name, &tokens, true, Vec::new()), Vec::new()))
+            }
+        };
+        let mut lengths = vec![length];
+        let mut inner = &**element;
+        while let Kind::List(element, length) = inner {
+            lengths.push(*length);
+            inner = element;
+        }
+        let id = self.tables.add(&place.name, tokens, false, lengths);
+        Array {
+            origin: Origin::Table(id, element.clone()),
+            indices: Vec::new(),
+            start: Index::default(),
+            length: known_length,
+            inner: Vec::new(),
+        }
+    }
+
+    /// Element `k` of a list.
+    pub(super) fn array_element(&mut self, array: &Array, k: &Index, at: &dyn ToTokens) -> Option<Value> {
+        self.check_range(array, k, at)?;
+        let position = array.start.add(k)?;
+        let is_momentum = match &array.origin {
+            Origin::Table(id, kind) => {
+                let mut indices = array.indices.clone();
+                indices.push(position);
+                return self.entry(*id, kind, indices, at);
+            }
+            origin => *origin == Origin::Momenta,
+        };
+        let stride = array.inner.iter().product::<i128>();
+        let offset = array.indices.first().cloned().unwrap_or_default();
+        let offset = offset.plus(&position, stride)?;
+        let Some((&length, inner)) = array.inner.split_first() else {
+            return Some(Value::Real(self.component(is_momentum, offset)));
+        };
+        Some(list(Array {
+            origin: array.origin.clone(),
+            indices: vec![offset],
+            start: Index::default(),
+            length: Index::integer(length),
+            inner: inner.to_vec(),
+        }))
+    }
+
+    /// A coordinate or a momentum.
+    pub(super) fn component(&mut self, is_momentum: bool, index: Index) -> Expr {
+        self.local(if is_momentum { Slot::Momentum(index) } else { Slot::Coordinate(index) })
+    }
+
+    /// What a list of the struct holds at `indices`.
+    fn entry(&mut self, id: u32, kind: &Kind, indices: Vec<Index>, at: &dyn ToTokens) -> Option<Value> {
+        match kind {
+            Kind::Real | Kind::Constant => Some(Value::Real(self.local(Slot::Entry(id, indices)))),
+            Kind::Integer => Some(Value::index(Index::atom(Atom::Given(id, indices)))),
+            Kind::List(inner, length) => {
+                let length = match length {
+                    Some(length) => Index::integer(*length as i128),
+                    None => {
+                        let length = self.tables.part(id, quote!(.len()), true);
+                        Index::atom(Atom::Given(length, indices.clone()))
+                    }
+                };
+                Some(list(Array {
+                    origin: Origin::Table(id, inner.clone()),
+                    indices,
+                    start: Index::default(),
+                    length,
+                    inner: Vec::new(),
+                }))
+            }
+            Kind::Tuple(kinds, _) => {
+                let mut parts = Vec::new();
+                for (k, kind) in kinds.iter().enumerate() {
+                    let k = proc_macro2::Literal::usize_unsuffixed(k);
+                    let id = self.tables.part(id, quote!(.#k), false);
+                    parts.push(self.entry(id, kind, indices.clone(), at)?);
+                }
+                Some(Value::tuple(parts))
+            }
+            Kind::Other(ty) => {
+                let name = self.tables.name(id);
+                self.report(expressions::field_type(at.to_token_stream(), &name, ty));
+                None
+            }
+        }
+    }
+
+    /// An index that is certainly out of range is a mistake; whether another is, the making of a stepper finds out.
+    fn check_range(&mut self, array: &Array, k: &Index, at: &dyn ToTokens) -> Option<()> {
+        if let (Some(k), Some(length)) = (k.as_integer(), array.length.as_integer()) {
+            if (0..length).contains(&k) {
+                return Some(());
+            }
+            let length = usize::try_from(length).unwrap_or(0);
+            self.report(expressions::index_out_of_range(at.to_token_stream(), k, length));
+            return None;
+        }
+        let above = self.largest(k).and_then(|largest| largest.subtract(&array.length)?.as_integer());
+        let negated = Index::default().subtract(k)?;
+        let below = self.largest(&negated).and_then(|negated| negated.as_integer());
+        let error = match (above, below) {
+            (Some(excess), _) if excess >= 0 => {
+                let (index, length) = (self.display(k), self.display(&array.length));
+                expressions::index_beyond(at.to_token_stream(), &index, &length, excess)
+            }
+            (_, Some(negated)) if negated > 0 => {
+                expressions::index_negative(at.to_token_stream(), &self.display(k))
+            }
+            _ => return Some(()),
+        };
+        self.report(error);
+        None
+    }
+
+    /// `list[start..end]` of what is stored.
+    pub(super) fn subarray(
+        &mut self,
+        array: &Array,
+        start: &Index,
+        end: Option<&Index>,
+        at: &dyn ToTokens,
+    ) -> Option<Value> {
+        let end = end.unwrap_or(&array.length);
+        let length = end.subtract(start)?;
+        let rest = array.length.subtract(end)?.as_integer();
+        let is_negative = |number: Option<i128>| number.is_some_and(|number| number < 0);
+        if is_negative(rest) || is_negative(start.as_integer()) || is_negative(length.as_integer()) {
+            let error = match (end.as_integer(), array.length.as_integer()) {
+                (Some(end), Some(length)) => {
+                    let length = usize::try_from(length).unwrap_or(0);
+                    expressions::index_out_of_range(at.to_token_stream(), end, length)
+                }
+                _ => {
+                    let (index, length) = (self.display(end), self.display(&array.length));
+                    expressions::index_beyond(at.to_token_stream(), &index, &length, 0)
+                }
+            };
+            self.report(error);
+            return None;
+        }
+        Some(list(Array { start: array.start.add(start)?, length, ..array.clone() }))
+    }
+
+    /// The variable at `slot`, the same wherever it is named.
+    pub(super) fn local(&mut self, slot: Slot) -> Expr {
+        let symbol = self.symbols.local(&mut self.graph, slot, self.tables.as_list());
+        self.graph.symbol(symbol)
+    }
+
+    /// An index for a reader.
+    pub(super) fn display(&self, index: &Index) -> String {
+        self.symbols.display(index, self.tables.as_list())
+    }
+
+    pub(super) fn index(&mut self, syntax: &'a ExprIndex) -> Value {
+        let base = self.evaluate(&syntax.expr);
+        let index = self.evaluate(&syntax.index);
+        let at = &*syntax.index;
+        match (base, index) {
+            (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
+            (Value::Stream(stream), Value::Stream(range)) => {
+                self.part(&stream, &range, at).unwrap_or(Value::Poison)
+            }
+            (Value::Stream(stream), index) => match self.as_index(&index, at) {
+                Some(k) => self.item(&stream, &k, at).unwrap_or(Value::Poison),
+                None => Value::Poison,
+            },
+            (Value::Constant(place), index) => match self.known_integer(index, at) {
+                Some(k) => self.constant_element(&place, k, at),
+                None => Value::Poison,
+            },
+            (base, _) => self.report(expressions::expected(&syntax.expr, "a list", base.describe())),
+        }
+    }
+
+    /// `list[range]`
+    fn part(&mut self, stream: &Rc<Stream>, range: &Stream, at: &dyn ToTokens) -> Option<Value> {
+        let Stream::Range(start, end) = range else {
+            let found = range.describe();
+            self.report(expressions::expected(at.to_token_stream(), "an integer or a range", found));
+            return None;
+        };
+        if let Stream::Array(array) = &**stream {
+            return self.subarray(array, start, end.as_ref(), at);
+        }
+        let items = self.items(stream, None, at)?;
+        let length = items.len() as i128;
+        let start = self.known_integer(Value::index(start.clone()), at)?;
+        let end = match end {
+            Some(end) => self.known_integer(Value::index(end.clone()), at)?,
+            None => length,
+        };
+        match (usize::try_from(start), usize::try_from(end)) {
+            (Ok(start), Ok(end)) if start <= end && end <= items.len() => {
+                Some(Value::list(items[start..end].to_vec()))
+            }
+            _ => {
+                self.report(expressions::index_out_of_range(at.to_token_stream(), end, items.len()));
+                None
+            }
+        }
+    }
+
+    /// Element `k` of a constant, which is a list if it can be indexed.
+    fn constant_element(&mut self, place: &Place, k: i128, at: &dyn ToTokens) -> Value {
+        let Ok(k) = usize::try_from(k) else {
+            return self.report(expressions::index_out_of_range(at.to_token_stream(), k, 0));
+        };
+        let (tokens, literal) = (&place.tokens, proc_macro2::Literal::usize_unsuffixed(k));
+        let (name, tokens) = (format!("{}[{k}]", place.name), quote! { #tokens[#literal] });
+        Value::Constant(Place::new(name, tokens, Kind::Constant).into())
+    }
+
+    pub(super) fn range(&mut self, syntax: &'a ExprRange) -> Value {
+        let start = match &syntax.start {
+            Some(start) => {
+                let value = self.evaluate(start);
+                self.as_index(&value, start)
+            }
+            None => Some(Index::default()),
+        };
+        let end = match &syntax.end {
+            Some(end) => {
+                let value = self.evaluate(end);
+                let inclusive = i128::from(matches!(syntax.limits, RangeLimits::Closed(_)));
+                match self.as_index(&value, end).and_then(|end| end.shifted(inclusive)) {
+                    Some(end) => Some(end),
+                    None => return Value::Poison,
+                }
+            }
+            None => None,
+        };
+        start.map_or(Value::Poison, |start| Value::Stream(Stream::Range(start, end).into()))
+    }
+}
+
+fn list(array: Array) -> Value {
+    Value::Stream(Stream::Array(array.into()).into())
+}

@@ -1,0 +1,193 @@
+//! Integers: exact arithmetic on what is known, and on loop variables, sizes and integers of the struct.
+
+use quote::ToTokens;
+use syn::{BinOp, ExprMethodCall};
+
+use super::interpreter::Interpreter;
+use super::value::Value;
+use crate::diagnostics::expressions;
+use crate::model::index::Index;
+use crate::symbolic::Relation;
+
+/// Each method with its number of arguments.
+const METHODS: [(&str, usize); 8] = [
+    ("pow", 1),
+    ("abs", 0),
+    ("abs_diff", 1),
+    ("rem_euclid", 1),
+    ("div_euclid", 1),
+    ("min", 1),
+    ("max", 1),
+    ("clone", 0),
+];
+
+impl<'a> Interpreter<'a, '_> {
+    /// An integer: a constant beside one is one, too.
+    pub(super) fn as_index(&mut self, value: &Value, at: &dyn ToTokens) -> Option<Index> {
+        match value {
+            Value::Index(index) => Some((**index).clone()),
+            Value::Constant(place) => Some(self.given(place)),
+            Value::Poison => None,
+            other => {
+                self.report(expressions::expected(at.to_token_stream(), "an integer", other.describe()));
+                None
+            }
+        }
+    }
+
+    /// `value` as an integer that is known: for an exponent, a number of items, a position among different things. A loop
+    /// variable in it has the loop evaluated by turns.
+    pub(super) fn known_integer(&mut self, value: Value, at: &dyn ToTokens) -> Option<i128> {
+        let error = match &value {
+            Value::Poison => return None,
+            Value::Index(index) => {
+                if let Some(known) = index.as_integer() {
+                    return Some(known);
+                }
+                let depends = index.loops();
+                if index.is_closed() && self.request_turns(|variable| depends.contains(&variable)) {
+                    return None;
+                }
+                expressions::index_not_known(at.to_token_stream())
+            }
+            Value::Constant(_) => expressions::index_not_known(at.to_token_stream()),
+            value => expressions::expected(at.to_token_stream(), "an integer", value.describe()),
+        };
+        self.report(error);
+        None
+    }
+
+    /// `a op b`
+    pub(super) fn integer_operation(
+        &mut self,
+        a: &Value,
+        operator: &BinOp,
+        b: &Value,
+        at: &dyn ToTokens,
+    ) -> Value {
+        let (Some(a), Some(b)) = (self.as_index(a, at), self.as_index(b, at)) else { return Value::Poison };
+        let result = match operator {
+            BinOp::Add(_) => a.add(&b),
+            BinOp::Sub(_) => a.subtract(&b),
+            BinOp::Mul(_) => a.multiply(&b),
+            BinOp::Div(_) => a.divide(&b),
+            // What is known to be below the modulus wraps nowhere.
+            _ if a.as_integer().is_none() && self.is_below(&a, &b) => Some(a),
+            _ => a.remainder(&b),
+        };
+        self.integer(result, at)
+    }
+
+    fn integer(&mut self, result: Option<Index>, at: &dyn ToTokens) -> Value {
+        match result {
+            Some(index) => Value::index(index),
+            None => self.report(expressions::integer_arithmetic(at.to_token_stream())),
+        }
+    }
+
+    /// Whether `0 <= a < b` wherever the loops go.
+    fn is_below(&self, a: &Index, b: &Index) -> bool {
+        let rest = b.subtract(a).and_then(|rest| rest.shifted(-1));
+        self.is_nonnegative(a) && rest.is_some_and(|rest| self.is_nonnegative(&rest))
+    }
+
+    /// `a relation b`; `None` where that is no comparison.
+    pub(super) fn compare_indices(&mut self, operator: &BinOp, a: &Index, b: &Index) -> Option<Value> {
+        let difference = a.subtract(b)?;
+        let opposite = b.subtract(a)?;
+        Some(match operator {
+            BinOp::Lt(_) => self.is_less(&difference, false),
+            BinOp::Le(_) => self.is_less(&difference, true),
+            BinOp::Gt(_) => self.is_less(&opposite, false),
+            BinOp::Ge(_) => self.is_less(&opposite, true),
+            BinOp::Eq(_) => self.is_zero(&difference),
+            BinOp::Ne(_) => match self.is_zero(&difference) {
+                Value::Known(known) => Value::Known(!known),
+                Value::Condition(condition) => Value::Condition(self.graph.not(condition)),
+                other => other,
+            },
+            _ => return None,
+        })
+    }
+
+    fn is_zero(&mut self, difference: &Index) -> Value {
+        match self.is_less(difference, false) {
+            Value::Known(true) => Value::Known(false),
+            Value::Known(false) => self.is_less(difference, true),
+            _ => {
+                let (value, zero) = (self.index_as_real(difference), self.graph.integer(0));
+                Value::Condition(self.graph.compare(Relation::Equal, value, zero))
+            }
+        }
+    }
+
+    pub(super) fn integer_method(
+        &mut self,
+        own: &Index,
+        arguments: &[Value],
+        syntax: &ExprMethodCall,
+    ) -> Value {
+        let name = syntax.method.to_string();
+        let Some(&(name, expected)) = METHODS.iter().find(|(known, _)| *known == name) else {
+            if super::floats::is_real_method(&name) {
+                return self.report(expressions::integer_not_real(&syntax.receiver));
+            }
+            let known: Vec<&str> = METHODS.iter().map(|(known, _)| *known).collect();
+            return self.report(expressions::unknown_method(&syntax.method, "integers", &known));
+        };
+        if arguments.len() != expected {
+            return self.report(expressions::argument_count(&syntax.method, expected, arguments.len()));
+        }
+        let Some(argument) = arguments.first() else {
+            let result = match name {
+                "abs" => Index::default().subtract(own).map(|negated| own.maximum(&negated)),
+                _ => Some(own.clone()),
+            };
+            return self.integer(result, syntax);
+        };
+        let result = match name {
+            "pow" => match self.known_integer(argument.clone(), &syntax.args) {
+                Some(exponent) => power(own, exponent),
+                None => return Value::Poison,
+            },
+            _ => match self.as_index(argument, &syntax.args) {
+                Some(other) => self.binary_method(name, own, &other),
+                None => return Value::Poison,
+            },
+        };
+        self.integer(result, syntax)
+    }
+
+    fn binary_method(&mut self, name: &str, own: &Index, other: &Index) -> Option<Index> {
+        if let (Some(a), Some(b)) = (own.as_integer(), other.as_integer()) {
+            return Some(Index::integer(match name {
+                "abs_diff" => i128::try_from(a.abs_diff(b)).ok()?,
+                "rem_euclid" => a.checked_rem_euclid(b)?,
+                "div_euclid" => a.checked_div_euclid(b)?,
+                "min" => a.min(b),
+                _ => a.max(b),
+            }));
+        }
+        match name {
+            "min" => Some(own.minimum(other)),
+            "max" => Some(own.maximum(other)),
+            "abs_diff" => Some(own.subtract(other)?.maximum(&other.subtract(own)?)),
+            "rem_euclid" if self.is_nonnegative(own) => own.remainder(other),
+            // a mod n for a down to -n.
+            "rem_euclid" => own.add(other)?.remainder(other),
+            // Rounding towards zero is rounding down for what is not negative.
+            _ if self.is_nonnegative(own) => own.divide(other),
+            _ => None,
+        }
+    }
+}
+
+fn power(base: &Index, exponent: i128) -> Option<Index> {
+    let exponent = u32::try_from(exponent).ok()?;
+    match base.as_integer() {
+        Some(base) => base.checked_pow(exponent).map(Index::integer),
+        // Every factor is written out; a higher power overflows anyway.
+        None if exponent > 64 => None,
+        None => (0..exponent).try_fold(Index::integer(1), |power, _| power.multiply(base)),
+    }
+}

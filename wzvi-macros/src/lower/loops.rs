@@ -1,0 +1,264 @@
+//! Loops: the body of one is evaluated once, at its variable, and its sum becomes a symbol.
+//!
+//! A comparison that neither the loops nor what was assumed so far decides splits the loop in two. What a variable cannot
+//! stand for, an exponent, a position in a list of different things, an assignment to a variable from outside, is had by
+//! turns: the evaluation is abandoned, and the loop evaluates its body again for each value of its variable, if they are
+//! known.
+
+use quote::ToTokens;
+
+use super::interpreter::Interpreter;
+use super::value::Value;
+use crate::diagnostics::expressions;
+use crate::model::Slot;
+use crate::model::index::{Atom, Bounds, Index, Loop};
+use crate::symbolic::{Expr, Rational, Relation};
+
+/// Parts that one loop may be split into.
+const MOST_CASES: usize = 64;
+
+/// `d < 0` or `d <= 0` as it was assumed, or not, in one part of a loop.
+#[derive(Clone)]
+struct Assumption {
+    difference: Index,
+    or_equal: bool,
+    holds: bool,
+}
+
+/// One part of a loop while its body is evaluated.
+struct Case {
+    variable: u32,
+    assumed: Vec<Assumption>,
+    /// Parts that are still to be evaluated.
+    others: Vec<Vec<Assumption>>,
+}
+
+/// The loops around the current expression.
+#[derive(Default)]
+pub(super) struct Loops {
+    /// Outermost first.
+    active: Vec<Loop>,
+    cases: Vec<Case>,
+    /// The loop that has to be evaluated turn by turn: everything up to it is abandoned.
+    by_turns: Option<u32>,
+}
+
+impl<'a> Interpreter<'a, '_> {
+    /// Whether the evaluation is on its way to a loop that starts again: nothing in between has a meaning.
+    pub(super) fn is_abandoned(&self) -> bool {
+        self.loops.by_turns.is_some()
+    }
+
+    /// Number of loops around the current expression.
+    pub(super) fn loop_depth(&self) -> usize {
+        self.loops.active.len()
+    }
+
+    /// Evaluates `body` inside of a loop that is placed from outside.
+    pub(super) fn inside<T>(
+        &mut self,
+        range: Option<&Loop>,
+        body: impl FnOnce(&mut Self) -> Option<T>,
+    ) -> Option<T> {
+        self.loops.active.extend(range.cloned());
+        let value = body(self);
+        self.loops.active.clear();
+        value
+    }
+
+    /// Whether the evaluation was abandoned for turns of the loop over `variable`; it is not any more.
+    pub(super) fn takes_turns(&mut self, variable: u32) -> bool {
+        let is_own = self.loops.by_turns == Some(variable);
+        if is_own {
+            self.loops.by_turns = None;
+        }
+        is_own
+    }
+
+    /// Abandons the evaluation for turns of the innermost of `variables` whose values are known; `false` if none are.
+    pub(super) fn request_turns(&mut self, wanted: impl Fn(u32) -> bool) -> bool {
+        if self.is_abandoned() {
+            return true;
+        }
+        let mut loops = self.loops.active.iter().rev().filter(|known| wanted(known.variable));
+        let found = loops.find(|known| self.has_known_turns(known)).map(|known| known.variable);
+        self.loops.by_turns = found;
+        found.is_some()
+    }
+
+    /// Whether the bounds of a loop are known once those of the loops around it have turns.
+    fn has_known_turns(&self, known: &Loop) -> bool {
+        let is_known = |bound: &Index| {
+            bound.is_closed()
+                && bound.loops().iter().all(|variable| {
+                    let mut outer =
+                        self.loops.active.iter().take_while(|outer| outer.variable != known.variable);
+                    outer
+                        .find(|outer| outer.variable == *variable)
+                        .is_some_and(|outer| self.has_known_turns(outer))
+                })
+        };
+        is_known(&known.start) && is_known(&known.end)
+    }
+
+    pub(super) fn is_nonnegative(&self, index: &Index) -> bool {
+        // What is assumed of this part of a loop bounds its variable, too.
+        let restricted = self.restricted_loops();
+        let is_unsigned = |table: u32| self.tables.is_unsigned(table);
+        Bounds { loops: &restricted, is_unsigned: &is_unsigned }.is_nonnegative(index)
+    }
+
+    /// The largest value that `index` takes, if it is linear in its loops.
+    pub(super) fn largest(&self, index: &Index) -> Option<Index> {
+        Bounds { loops: &self.restricted_loops(), is_unsigned: &|_| false }.largest(index)
+    }
+
+    /// The parts of the loops that are being evaluated.
+    fn restricted_loops(&self) -> Vec<Loop> {
+        let restricted = |known: &Loop| {
+            let case = self.loops.cases.iter().rev().find(|case| case.variable == known.variable);
+            case.and_then(|case| restrict(known, &case.assumed)).unwrap_or_else(|| known.clone())
+        };
+        self.loops.active.iter().map(restricted).collect()
+    }
+
+    /// `difference < 0`, or `<= 0` with `or_equal`: decided, or assumed in this part of the loop, or left to the
+    /// running program.
+    pub(super) fn is_less(&mut self, difference: &Index, or_equal: bool) -> Value {
+        if let Some(known) = difference.as_integer() {
+            return Value::Known(known < 0 || (or_equal && known == 0));
+        }
+        // d < 0 is -1 - d >= 0; d <= 0 is -d >= 0.
+        let below = |bound: i128| Index::integer(bound).subtract(difference);
+        if below(if or_equal { 0 } else { -1 }).is_some_and(|rest| self.is_nonnegative(&rest)) {
+            return Value::Known(true);
+        }
+        if difference.shifted(if or_equal { -1 } else { 0 }).is_some_and(|rest| self.is_nonnegative(&rest)) {
+            return Value::Known(false);
+        }
+        let splits = |case: &Case| matches!(difference.slope(case.variable), Some(1 | -1));
+        if let Some(case) = self.loops.cases.iter_mut().rev().find(|case| splits(case)) {
+            let known = case.assumed.iter().find(|a| a.difference == *difference && a.or_equal == or_equal);
+            if let Some(known) = known {
+                return Value::Known(known.holds);
+            }
+            let mut assumption = Assumption { difference: difference.clone(), or_equal, holds: false };
+            let mut other = case.assumed.clone();
+            other.push(assumption.clone());
+            case.others.push(other);
+            assumption.holds = true;
+            case.assumed.push(assumption);
+            return Value::Known(true);
+        }
+        let (value, zero) = (self.index_as_real(difference), self.graph.integer(0));
+        let relation = if or_equal { Relation::LessEqual } else { Relation::Less };
+        Value::Condition(self.graph.compare(relation, value, zero))
+    }
+
+    /// An integer as a real number.
+    pub(super) fn index_as_real(&mut self, index: &Index) -> Expr {
+        if let Some(known) = index.as_integer() {
+            return self.graph.whole(known);
+        }
+        // An integer of the struct is a parameter.
+        if let ([(Atom::Given(id, indices), 1)], 0) = (index.terms.as_slice(), index.constant)
+            && indices.is_empty()
+            && let Some((name, tokens)) = self.tables.integer(*id)
+        {
+            return self.parameter(&name, tokens);
+        }
+        self.local(Slot::Number(index.clone()))
+    }
+
+    /// `Σ body(k)` for `k` in `0..length`.
+    pub(super) fn sum_loop(
+        &mut self,
+        length: &Index,
+        at: &dyn ToTokens,
+        body: &mut dyn FnMut(&mut Self, &Index) -> Option<Expr>,
+    ) -> Option<Expr> {
+        if length.as_integer().is_some_and(|length| length <= 0) {
+            return Some(self.graph.integer(0));
+        }
+        // Evaluated once, however many turns there are.
+        let variable = self.symbols.variable(self.loops.active.len());
+        let whole = Loop { variable, start: Index::default(), end: length.clone() };
+        let outer = (self.loops.active.len(), self.loops.cases.len());
+        let scope = self.scope.len();
+        let sum = self.sum_by_parts(&whole, at, body);
+        self.loops.active.truncate(outer.0);
+        self.loops.cases.truncate(outer.1);
+        self.scope.leave(scope);
+        if !self.takes_turns(variable) {
+            return sum;
+        }
+        let length = self.known_integer(Value::index(length.clone()), at)?;
+        let mut terms = Vec::new();
+        for turn in 0..length {
+            if !self.spend(1, at) {
+                return None;
+            }
+            terms.push((body(self, &Index::integer(turn))?, Rational::ONE));
+        }
+        Some(self.graph.linear_combination(&terms))
+    }
+
+    /// One symbol for every part that the conditions in its body split a loop into.
+    fn sum_by_parts(
+        &mut self,
+        whole: &Loop,
+        at: &dyn ToTokens,
+        body: &mut dyn FnMut(&mut Self, &Index) -> Option<Expr>,
+    ) -> Option<Expr> {
+        let variable = whole.variable;
+        // The parts share a variable: they are loops beside each other.
+        let mut pending = vec![Vec::new()];
+        let mut terms = Vec::new();
+        while let Some(assumed) = pending.pop() {
+            self.loops.active.push(whole.clone());
+            self.loops.cases.push(Case { variable, assumed, others: Vec::new() });
+            let value = body(self, &Index::atom(Atom::Loop(variable)));
+            let case = self.loops.cases.pop()?;
+            self.loops.active.pop();
+            let value = value?;
+            pending.extend(case.others);
+            if pending.len() > MOST_CASES {
+                self.loops.active.push(whole.clone());
+                self.report(expressions::too_many_cases(at.to_token_stream(), MOST_CASES));
+                return None;
+            }
+            let Some(range) = restrict(whole, &case.assumed) else {
+                self.report(expressions::integer_arithmetic(at.to_token_stream()));
+                return None;
+            };
+            let is_empty =
+                range.end.subtract(&range.start).and_then(|d| d.as_integer()).is_some_and(|d| d <= 0);
+            if self.graph.is_zero(value) || is_empty {
+                continue;
+            }
+            let symbol = self.symbols.sum(&mut self.graph, range, value);
+            terms.push((self.graph.symbol(symbol), Rational::ONE));
+        }
+        Some(self.graph.linear_combination(&terms))
+    }
+}
+
+/// The part of a loop where the assumptions hold.
+fn restrict(whole: &Loop, assumed: &[Assumption]) -> Option<Loop> {
+    let Loop { variable, mut start, mut end } = whole.clone();
+    for Assumption { difference, or_equal, holds } in assumed {
+        let slope = difference.slope(variable)?;
+        // d = ± k + r, and d < s with s = 0 or 1 holds or does not.
+        let rest = difference.plus(&Index::atom(Atom::Loop(variable)), -slope)?;
+        let s = i128::from(*or_equal);
+        if slope == 1 {
+            let bound = Index::integer(s).subtract(&rest)?;
+            if *holds { end = end.minimum(&bound) } else { start = start.maximum(&bound) }
+        } else {
+            // -k + r < s is k > r - s.
+            let bound = rest.shifted(1 - s)?;
+            if *holds { start = start.maximum(&bound) } else { end = end.minimum(&bound) }
+        }
+    }
+    Some(Loop { variable, start, end })
+}

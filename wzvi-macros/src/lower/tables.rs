@@ -1,0 +1,66 @@
+//! Lists and integers that the struct or a constant holds.
+
+use std::collections::HashMap;
+
+use proc_macro2::TokenStream;
+use quote::quote;
+
+use crate::model::Table;
+
+/// One table per distinct expression.
+#[derive(Default)]
+pub(super) struct Tables {
+    list: Vec<Table>,
+    known: HashMap<String, u32>,
+}
+
+impl Tables {
+    pub(super) fn as_list(&self) -> &[Table] {
+        &self.list
+    }
+
+    pub(super) fn into_list(self) -> Vec<Table> {
+        self.list
+    }
+
+    /// What `tokens` read.
+    pub(super) fn add(
+        &mut self,
+        name: &str,
+        tokens: &TokenStream,
+        is_unsigned: bool,
+        lengths: Vec<Option<usize>>,
+    ) -> u32 {
+        let list = &mut self.list;
+        *self.known.entry(tokens.to_string()).or_insert_with(|| {
+            let (name, tokens, suffix) = (name.to_owned(), tokens.clone(), TokenStream::new());
+            list.push(Table { name, tokens, suffix, is_unsigned, lengths });
+            (list.len() - 1) as u32
+        })
+    }
+
+    /// What `suffix` says of the entries of a list.
+    pub(super) fn part(&mut self, id: u32, suffix: TokenStream, is_unsigned: bool) -> u32 {
+        let list = &mut self.list;
+        let Some(Table { name, tokens, lengths, .. }) = list.get(id as usize).cloned() else { return id };
+        let name = format!("{name}{suffix}").replace(' ', "");
+        *self.known.entry(format!("{tokens} [..] {suffix}")).or_insert_with(|| {
+            list.push(Table { name, tokens, suffix, is_unsigned, lengths });
+            (list.len() - 1) as u32
+        })
+    }
+
+    pub(super) fn is_unsigned(&self, id: u32) -> bool {
+        self.list.get(id as usize).is_some_and(|table| table.is_unsigned)
+    }
+
+    pub(super) fn name(&self, id: u32) -> String {
+        self.list.get(id as usize).map_or_else(String::new, |table| table.name.clone())
+    }
+
+    /// The name of an integer, and how it is read as an `f64`.
+    pub(super) fn integer(&self, id: u32) -> Option<(String, TokenStream)> {
+        let Table { name, tokens, .. } = self.list.get(id as usize)?;
+        Some((name.clone(), quote! { (#tokens as ::core::primitive::f64) }))
+    }
+}

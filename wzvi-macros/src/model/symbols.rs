@@ -1,0 +1,186 @@
+//! What the symbols of a system stand for: local variables, with their slots, and sums.
+
+use std::collections::HashMap;
+
+use super::index::{Atom, Index, Loop};
+use super::{Local, Slot, Table};
+use crate::symbolic::{Expr, Graph, Symbol};
+
+/// Names of loop variables, by nesting; deeper ones repeat the last.
+const LETTERS: [&str; 6] = ["i", "j", "k", "l", "m", "n"];
+
+/// What a sum symbol stands for: `Σ_(range) body`.
+#[derive(Clone)]
+pub(crate) struct Sum {
+    pub(crate) range: Loop,
+    pub(crate) body: Expr,
+}
+
+/// The symbols of a graph that are neither time nor parameters.
+#[derive(Default)]
+pub(crate) struct Symbols {
+    /// Names of coordinates and momenta.
+    pub(crate) names: [String; 2],
+    locals: Vec<Local>,
+    of_slot: HashMap<Slot, Symbol>,
+    /// Position among the locals.
+    of_symbol: HashMap<Symbol, usize>,
+    sums: HashMap<Symbol, Sum>,
+    /// The coordinates and momenta in the order of the state vector, where each is a variable from the start.
+    phase: [Vec<Symbol>; 2],
+    letters: Vec<&'static str>,
+}
+
+impl Symbols {
+    pub(crate) fn new(names: [String; 2]) -> Self {
+        Self { names, ..Self::default() }
+    }
+
+    /// Makes every degree of freedom a variable, by the names of coordinates and momenta.
+    pub(crate) fn declare_phase(&mut self, graph: &mut Graph, q: &[String], p: &[String]) {
+        let place = |i: usize| Index::integer(i as i128);
+        for (i, name) in q.iter().enumerate() {
+            let symbol = self.declare(graph, Slot::Coordinate(place(i)), name.clone());
+            self.phase[0].push(symbol);
+        }
+        for (i, name) in p.iter().enumerate() {
+            let symbol = self.declare(graph, Slot::Momentum(place(i)), name.clone());
+            self.phase[1].push(symbol);
+        }
+    }
+
+    /// Whether every degree of freedom is a variable.
+    pub(crate) fn has_phase(&self) -> bool {
+        !self.phase[0].is_empty()
+    }
+
+    /// The coordinates and the momenta, where each is a variable.
+    pub(crate) fn phase(&self) -> [Vec<Symbol>; 2] {
+        self.phase.clone()
+    }
+
+    /// A new loop variable inside of `depth` loops.
+    pub(crate) fn variable(&mut self, depth: usize) -> u32 {
+        self.letters.push(LETTERS[depth.min(LETTERS.len() - 1)]);
+        (self.letters.len() - 1) as u32
+    }
+
+    /// The variable at `slot`, the same wherever it is named.
+    pub(crate) fn local(&mut self, graph: &mut Graph, slot: Slot, tables: &[Table]) -> Symbol {
+        match self.of_slot.get(&slot) {
+            Some(&known) => known,
+            None => {
+                let name = self.slot_name(&slot, tables);
+                self.declare(graph, slot, name)
+            }
+        }
+    }
+
+    /// A new variable for a slot that has none.
+    pub(crate) fn declare(&mut self, graph: &mut Graph, slot: Slot, name: String) -> Symbol {
+        let symbol = graph.new_symbol(name);
+        self.of_slot.insert(slot.clone(), symbol);
+        self.of_symbol.insert(symbol, self.locals.len());
+        self.locals.push(Local { symbol, slot });
+        symbol
+    }
+
+    /// The symbol of `Σ_(range) body`.
+    pub(crate) fn sum(&mut self, graph: &mut Graph, range: Loop, body: Expr) -> Symbol {
+        let symbol = graph.new_symbol("Σ");
+        self.sums.insert(symbol, Sum { range, body });
+        symbol
+    }
+
+    pub(crate) fn sum_of(&self, symbol: Symbol) -> Option<&Sum> {
+        self.sums.get(&symbol)
+    }
+
+    pub(crate) fn local_of(&self, symbol: Symbol) -> Option<&Local> {
+        self.of_symbol.get(&symbol).map(|&position| &self.locals[position])
+    }
+
+    /// The locals among `symbols`, in order of creation.
+    pub(crate) fn locals_among(&self, symbols: impl Iterator<Item = Symbol>) -> Vec<Local> {
+        let mut positions: Vec<usize> =
+            symbols.filter_map(|symbol| self.of_symbol.get(&symbol).copied()).collect();
+        positions.sort_unstable();
+        positions.into_iter().map(|position| self.locals[position].clone()).collect()
+    }
+
+    fn slot_name(&self, slot: &Slot, tables: &[Table]) -> String {
+        let [q, p] = &self.names;
+        match slot {
+            Slot::Coordinate(index) => format!("{q}[{}]", self.display(index, tables)),
+            Slot::Momentum(index) => format!("{p}[{}]", self.display(index, tables)),
+            Slot::Number(index) if index.terms.len() == 1 && index.constant == 0 => {
+                self.display(index, tables)
+            }
+            Slot::Number(index) => format!("({})", self.display(index, tables)),
+            Slot::Entry(table, indices) => {
+                let name = tables.get(*table as usize).map_or("", |table| table.name.as_str());
+                let indices: Vec<String> =
+                    indices.iter().map(|index| format!("[{}]", self.display(index, tables))).collect();
+                format!("{name}{}", indices.concat())
+            }
+        }
+    }
+
+    /// An index for a reader.
+    pub(crate) fn display(&self, index: &Index, tables: &[Table]) -> String {
+        let table = |id: u32| tables.get(id as usize).map_or("?", |table| table.name.as_str());
+        let letter = |variable: u32| self.letters.get(variable as usize).copied().unwrap_or("i");
+        crate::elements::describe::index(index, &table, &letter)
+    }
+}
+
+impl Slot {
+    /// The slot with every index in it mapped; `None` on overflow.
+    pub(crate) fn map(&self, f: &dyn Fn(&Index) -> Option<Index>) -> Option<Self> {
+        Some(match self {
+            Self::Coordinate(index) => Self::Coordinate(f(index)?),
+            Self::Momentum(index) => Self::Momentum(f(index)?),
+            Self::Number(index) => Self::Number(f(index)?),
+            Self::Entry(table, indices) => Self::Entry(*table, indices.iter().map(f).collect::<Option<_>>()?),
+        })
+    }
+
+    /// The indices in it.
+    pub(crate) fn indices(&self) -> &[Index] {
+        match self {
+            Self::Coordinate(index) | Self::Momentum(index) | Self::Number(index) => {
+                std::slice::from_ref(index)
+            }
+            Self::Entry(_, indices) => indices,
+        }
+    }
+}
+
+impl Index {
+    /// Whether it reads the size of the state.
+    pub(crate) fn reads_size(&self) -> bool {
+        self.terms.iter().any(|(atom, _)| match atom {
+            Atom::Size => true,
+            Atom::Loop(_) => false,
+            Atom::Given(_, indices) => indices.iter().any(Self::reads_size),
+            Atom::Product(both)
+            | Atom::Quotient(both)
+            | Atom::Remainder(both)
+            | Atom::Minimum(both)
+            | Atom::Maximum(both) => both.0.reads_size() || both.1.reads_size(),
+        })
+    }
+
+    /// Whether it is made of loop variables and integers alone.
+    pub(crate) fn is_closed(&self) -> bool {
+        self.terms.iter().all(|(atom, _)| match atom {
+            Atom::Loop(_) => true,
+            Atom::Size | Atom::Given(..) => false,
+            Atom::Product(both)
+            | Atom::Quotient(both)
+            | Atom::Remainder(both)
+            | Atom::Minimum(both)
+            | Atom::Maximum(both) => both.0.is_closed() && both.1.is_closed(),
+        })
+    }
+}

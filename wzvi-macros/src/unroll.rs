@@ -1,0 +1,257 @@
+//! Loops of literal length, written out. Sums are symbols until here: one is written out by its body at each value of the
+//! loop variable. What a loop costs less as is the one question, and all its numbers are here:
+//!
+//! * a system of few points is written out as a whole, so that each degree of freedom is a variable of its own,
+//! * in a larger one what is short: components of points, stencils, corners,
+//! * and, anywhere, what cannot be a loop: the argument of a nonlinear function.
+
+use std::collections::{BTreeMap, HashMap};
+
+use quote::quote;
+
+use crate::elements::emit::Indices;
+use crate::model::index::{Index, Loop};
+use crate::model::symbols::{Sum, Symbols};
+use crate::model::{Family, Local, Located, Model, Noise, Parameter, Phase, Slot, System, Table, Term};
+use crate::symbolic::{Expr, Graph, Rational, Symbol};
+
+/// Turns of a loop, and points of a system, up to which it is written out: there, straight-line code with dense
+/// elimination is as fast as a sweep.
+const TURNS: i128 = 16;
+
+/// Operations to which one Hamiltonian may be written out: more make code that takes minutes to compile.
+const OPERATIONS: usize = 20_000;
+
+/// Degrees of freedom that are variables of their own in the symbolic graph.
+pub(crate) const DEGREES: usize = 1024;
+
+/// What it takes is more than [`OPERATIONS`], or a bound is known at run time only.
+#[derive(Debug)]
+pub(crate) struct NotWrittenOut;
+
+/// Writes out what costs less that way.
+pub(crate) fn unroll(system: &mut System) {
+    let is_small = system.size.as_integer().is_some_and(|points| points <= TURNS);
+    if is_small && unroll_all(system) {
+        return;
+    }
+    let mut writer = Writer::new(&mut system.graph, &mut system.symbols, &system.tables);
+    let noise = system.noise.iter_mut().map(|noise| &mut noise.term);
+    for term in [&mut system.drift].into_iter().chain(noise).chain(&mut system.invariants) {
+        writer.spent = 0;
+        term.expression = writer.without_short_sums(term.expression);
+    }
+}
+
+/// Writes out every loop and every family; `false`, and nothing done, if that is not possible.
+fn unroll_all(system: &mut System) -> bool {
+    let System { graph, symbols, tables, drift, noise, invariants, .. } = system;
+    let mut writer = Writer::new(graph, symbols, tables);
+    let Ok(of_drift) = writer.term(drift) else { return false };
+    let mut members = Vec::with_capacity(noise.len());
+    for Noise { term, family } in &*noise {
+        let range = match family {
+            None => 0..1,
+            Some(Family { count, .. }) => match count.as_integer() {
+                Some(count) => 0..count,
+                None => return false,
+            },
+        };
+        writer.spent = 0;
+        for member in range {
+            let values = family.iter().map(|family| (family.variable, member)).collect();
+            let Ok(expression) = writer.at(term.expression, &values) else { return false };
+            members.push(Noise { term: Term { expression, ..term.clone() }, family: None });
+        }
+    }
+    let integrals: Result<Vec<Term>, NotWrittenOut> =
+        invariants.iter().map(|term| writer.term(term)).collect();
+    let Ok(integrals) = integrals else { return false };
+    (*drift, *noise, *invariants) = (of_drift, members, integrals);
+    true
+}
+
+/// Puts bodies in the place of sums.
+pub(crate) struct Writer<'a> {
+    graph: &'a mut Graph,
+    symbols: &'a mut Symbols,
+    tables: &'a [Table],
+    spent: usize,
+}
+
+impl<'a> Writer<'a> {
+    pub(crate) fn new(graph: &'a mut Graph, symbols: &'a mut Symbols, tables: &'a [Table]) -> Self {
+        Self { graph, symbols, tables, spent: 0 }
+    }
+
+    fn term(&mut self, term: &Term) -> Result<Term, NotWrittenOut> {
+        self.spent = 0;
+        Ok(Term { expression: self.at(term.expression, &BTreeMap::new())?, ..term.clone() })
+    }
+
+    /// `expr` with short sums written out, in the bodies of the others, too.
+    fn without_short_sums(&mut self, expr: Expr) -> Expr {
+        let mut images = HashMap::new();
+        for symbol in self.symbols_in(expr) {
+            let Some(Sum { range, body }) = self.symbols.sum_of(symbol).cloned() else { continue };
+            let body = self.without_short_sums(body);
+            let is_short = range.length().is_some_and(|length| length <= TURNS);
+            let written = if is_short { self.turns(&range, body, &BTreeMap::new()).ok() } else { None };
+            let image = match written {
+                // What stood in the loops of what was written out may have become short.
+                Some(sum) => self.without_short_sums(sum),
+                None => {
+                    let symbol = self.symbols.sum(self.graph, range, body);
+                    self.graph.symbol(symbol)
+                }
+            };
+            images.insert(symbol, image);
+        }
+        self.substituted(expr, &images)
+    }
+
+    /// One sum, written out.
+    pub(crate) fn written_out(&mut self, sum: &Sum) -> Result<Expr, NotWrittenOut> {
+        self.turns(&sum.range, sum.body, &BTreeMap::new())
+    }
+
+    /// `expr` where loop variables have `values`; sums inside whose ranges are then known are written out, too.
+    pub(crate) fn at(&mut self, expr: Expr, values: &BTreeMap<u32, i128>) -> Result<Expr, NotWrittenOut> {
+        let parts = self.graph.reachable(&[expr]);
+        self.spent = self.spent.saturating_add(parts.len());
+        if self.spent > OPERATIONS {
+            return Err(NotWrittenOut);
+        }
+        let symbols: Vec<Symbol> = parts.into_iter().filter_map(|part| self.graph.as_symbol(part)).collect();
+        let with = |index: &Index| {
+            values.iter().try_fold(index.clone(), |index, (&variable, &value)| {
+                index.with(variable, &Index::integer(value))
+            })
+        };
+        let mut images = HashMap::new();
+        for symbol in symbols {
+            if let Some(Sum { range, body }) = self.symbols.sum_of(symbol).cloned() {
+                images.insert(symbol, self.turns(&range, body, values)?);
+            } else if let Some(local) = self.symbols.local_of(symbol) {
+                let slot = local.slot.clone();
+                let moved = slot.map(&with).ok_or(NotWrittenOut)?;
+                if moved != slot {
+                    images.insert(symbol, self.slot(moved));
+                }
+            }
+        }
+        Ok(self.substituted(expr, &images))
+    }
+
+    /// `Σ_(range) body` where outer loop variables have `values`.
+    fn turns(
+        &mut self,
+        range: &Loop,
+        body: Expr,
+        values: &BTreeMap<u32, i128>,
+    ) -> Result<Expr, NotWrittenOut> {
+        let known = |index: &Index| {
+            let value = values.iter().try_fold(index.clone(), |index, (&variable, &value)| {
+                index.with(variable, &Index::integer(value))
+            });
+            value.and_then(|index| index.as_integer()).ok_or(NotWrittenOut)
+        };
+        let (start, end) = (known(&range.start)?, known(&range.end)?);
+        if end.saturating_sub(start) > OPERATIONS as i128 {
+            return Err(NotWrittenOut);
+        }
+        let mut terms = Vec::new();
+        let mut values = values.clone();
+        for turn in start..end {
+            values.insert(range.variable, turn);
+            terms.push((self.at(body, &values)?, Rational::ONE));
+        }
+        Ok(self.graph.linear_combination(&terms))
+    }
+
+    fn slot(&mut self, slot: Slot) -> Expr {
+        if let Slot::Number(index) = &slot
+            && let Some(number) = index.as_integer()
+        {
+            return self.graph.whole(number);
+        }
+        let symbol = self.symbols.local(self.graph, slot, self.tables);
+        self.graph.symbol(symbol)
+    }
+
+    fn symbols_in(&self, expr: Expr) -> Vec<Symbol> {
+        let parts = self.graph.reachable(&[expr]);
+        parts.into_iter().filter_map(|part| self.graph.as_symbol(part)).collect()
+    }
+
+    fn substituted(&mut self, expr: Expr, images: &HashMap<Symbol, Expr>) -> Expr {
+        if images.is_empty() {
+            return expr;
+        }
+        self.graph.substitute(&[expr], images).first().copied().unwrap_or(expr)
+    }
+}
+
+/// The system with each degree of freedom a variable of its own; as it was, if loops are left, or indices that only the
+/// running program knows.
+pub(crate) fn written_out(system: System) -> Result<Model, Box<System>> {
+    let Some(locals) = known_locals(&system) else { return Err(Box::new(system)) };
+    let System { graph, symbols, tables, mut parameters, t, drift, noise, invariants, .. } = system;
+    let indices = Indices { tables: &tables, checked: true };
+    for Local { symbol, slot } in locals {
+        let tokens = match &slot {
+            Slot::Coordinate(_) | Slot::Momentum(_) => continue,
+            Slot::Number(index) => {
+                let value = indices.value(index);
+                indices.or_nan(&quote!(#value as ::core::primitive::f64))
+            }
+            Slot::Entry(table, entries) => indices.constant_entry(*table, entries),
+        };
+        parameters.push(Parameter { symbol, tokens });
+    }
+    // In the order of their first use.
+    parameters.sort_by_key(|parameter| parameter.symbol.index());
+    let [q, p] = symbols.phase();
+    let located = |term: Term| Located { value: term.expression, extent: term.extent };
+    Ok(Model {
+        graph,
+        phase: Phase { q, p, t },
+        parameters,
+        drift: located(drift),
+        noise: noise.into_iter().map(|noise| located(noise.term)).collect(),
+        invariants: invariants.into_iter().map(located).collect(),
+        embeddings: system.embeddings,
+        item: system.item,
+        crate_path: system.crate_path,
+        type_checks: system.type_checks,
+    })
+}
+
+/// The local variables of a system that straight-line code can stand for.
+fn known_locals(system: &System) -> Option<Vec<Local>> {
+    let is_single = |noise: &Noise| noise.family.is_none();
+    if system.size.as_integer().is_none() || !system.noise.iter().all(is_single) {
+        return None;
+    }
+    let roots: Vec<Expr> = system.terms().map(|term| term.expression).collect();
+    let parts = system.graph.reachable(&roots);
+    let present: Vec<Symbol> = parts.into_iter().filter_map(|part| system.graph.as_symbol(part)).collect();
+    if present.iter().any(|&symbol| system.symbols.sum_of(symbol).is_some()) {
+        return None;
+    }
+    let locals = system.symbols.locals_among(present.into_iter());
+    let is_known = |local: &Local| match &local.slot {
+        Slot::Coordinate(index) | Slot::Momentum(index) => {
+            system.symbols.has_phase() && index.as_integer().is_some()
+        }
+        slot => !slot.indices().iter().any(Index::reads_size),
+    };
+    locals.iter().all(is_known).then_some(locals)
+}
+
+impl Loop {
+    /// Its number of turns, if that is known.
+    fn length(&self) -> Option<i128> {
+        self.end.subtract(&self.start)?.as_integer()
+    }
+}

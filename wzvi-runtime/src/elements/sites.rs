@@ -1,0 +1,257 @@
+//! Systems whose sites are not coupled: the step of a small system, taken at each of them.
+
+use std::fmt::Debug;
+
+use super::Elements;
+use crate::carry::Carry;
+use crate::error::{ConfigError, StepFailure};
+use crate::numbers::{Numbers, Tape};
+use crate::scalar::Scalar;
+use crate::solve::Effort;
+use crate::system::Solution;
+
+/// A system of elements whose sites have `D` degrees of freedom each, of which none reads another one's, with `K` noises at
+/// each, as the embedding `E` discretises it.
+pub trait Sites<E, const D: usize, const K: usize>: Elements {
+    /// Whether what is prepared is the same for all sites.
+    const IS_UNIFORM: bool;
+
+    /// What depends on the system, the site and the step size only.
+    type SitePrepared: Clone + Debug;
+
+    /// What one step leaves for the starting value of the next.
+    type SiteMemory<S: Scalar>: Clone + Debug + Default + Numbers;
+
+    /// Computes what does not change from step to step at one of `sites` sites.
+    ///
+    /// # Errors
+    /// As [`Discretized::prepare`](crate::system::Discretized::prepare).
+    fn prepare_site(&self, h: f64, site: usize, sites: usize) -> Result<Self::SitePrepared, ConfigError>;
+
+    /// The numbers of the increments that act at one of `sites` sites; none for a noise that does not act there.
+    fn increments(&self, site: usize, sites: usize) -> [Option<usize>; K];
+
+    /// One step of one site.
+    ///
+    /// # Errors
+    /// As [`Discretized::advance_carrying`](crate::system::Discretized::advance_carrying); `memory` is then as it was.
+    #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+    fn solve_site<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        prepared: &Self::SitePrepared,
+        t: f64,
+        h: f64,
+        q: [S; D],
+        p: [S; D],
+        dw: [S; K],
+        memory: &mut Self::SiteMemory<S>,
+        carry: &C,
+    ) -> Result<Solution<S, D>, StepFailure>;
+}
+
+/// What is prepared for each site, or once for all of them; nothing where only the state knows how many there are.
+#[derive(Clone, Debug)]
+pub struct Prepared<P>(Vec<P>);
+
+/// What a stepper allocates, once.
+#[derive(Clone, Debug)]
+pub struct Memory<S, M, P> {
+    /// The new nodes, and what their rounding took.
+    next: [Vec<S>; 4],
+    /// What the steps before left at each site, and the same before this step.
+    sites: Vec<M>,
+    saved: Vec<M>,
+    /// What is prepared for each site, where the making of the stepper could not, and for which step size.
+    prepared: Vec<P>,
+    h: f64,
+}
+
+impl<S, M, P> Default for Memory<S, M, P> {
+    fn default() -> Self {
+        let next = std::array::from_fn(|_| Vec::new());
+        Self { next, sites: Vec::new(), saved: Vec::new(), prepared: Vec::new(), h: 0.0 }
+    }
+}
+
+impl<S: Scalar, M: Numbers + Default, P> Numbers for Memory<S, M, P> {
+    fn pass(&mut self, tape: &mut Tape) {
+        let length = tape.length(if size_of::<M>() == 0 { 0 } else { self.sites.len() });
+        if length != 0 {
+            self.sites.resize_with(length, M::default);
+            self.sites.iter_mut().for_each(|site| site.pass(tape));
+        }
+    }
+}
+
+/// Prepares every site that is known.
+///
+/// # Errors
+/// [`ConfigError`] of a site, or where an index is out of range.
+pub fn prepare<H, E, const D: usize, const K: usize>(
+    system: &H,
+    h: f64,
+) -> Result<Prepared<H::SitePrepared>, ConfigError>
+where
+    H: Sites<E, D, K>,
+{
+    super::prepare(system)?;
+    let sites = system.degrees() / D;
+    let prepared = if H::IS_UNIFORM { 1 } else { sites };
+    (0..prepared).map(|site| system.prepare_site(h, site, sites)).collect::<Result<_, _>>().map(Prepared)
+}
+
+/// One step from `(q, p)` at `t` in place; on `Err` nothing but scratch is changed.
+///
+/// # Errors
+/// [`StepFailure`] of the first site that has one, or where sizes do not fit.
+#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+#[inline]
+pub fn advance<H, E, S, C, const CAREFUL: bool, const D: usize, const K: usize>(
+    system: &H,
+    prepared: &Prepared<H::SitePrepared>,
+    t: f64,
+    h: f64,
+    q: &mut [S],
+    p: &mut [S],
+    dw: &[S],
+    memory: &mut Memory<S, H::SiteMemory<S>, H::SitePrepared>,
+    carry: &mut C,
+) -> Result<Effort, StepFailure>
+where
+    H: Sites<E, D, K>,
+    S: Scalar,
+    C: Carry<S>,
+{
+    if memory.next[0].len() != q.len() || q.is_empty() {
+        super::check(system, q.len())?;
+        memory.allocate(q.len(), q.len() / D);
+    }
+    if p.len() != q.len() {
+        return Err(StepFailure::Dimension { expected: q.len(), got: p.len() });
+    }
+    if dw.len() != system.noises() {
+        return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
+    }
+    let sites = memory.sites.len();
+    if prepared.0.is_empty() && (memory.h != h || memory.prepared.len() != sites) {
+        let fresh = (0..sites).map(|site| system.prepare_site(h, site, sites)).collect::<Result<_, _>>();
+        memory.prepared = fresh.map_err(|error| match error {
+            ConfigError::Singular { pivot, scale, .. } => StepFailure::Singular { pivot, scale },
+            _ => StepFailure::NonFinite,
+        })?;
+        memory.h = h;
+    }
+    let remembers = size_of::<H::SiteMemory<S>>() != 0;
+    if remembers {
+        memory.saved.clone_from(&memory.sites);
+    }
+    let solved = solve::<H, E, S, C, CAREFUL, D, K>(system, prepared, t, h, q, p, dw, memory, carry);
+    if solved.is_ok() {
+        let [next_q, next_p, lost_q, lost_p] = &memory.next;
+        q.copy_from_slice(next_q);
+        p.copy_from_slice(next_p);
+        carry.keep(lost_q, lost_p);
+    } else if remembers {
+        std::mem::swap(&mut memory.saved, &mut memory.sites);
+    }
+    solved
+}
+
+/// Every site, into `memory.next`.
+#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+#[inline(always)]
+fn solve<H, E, S, C, const CAREFUL: bool, const D: usize, const K: usize>(
+    system: &H,
+    prepared: &Prepared<H::SitePrepared>,
+    t: f64,
+    h: f64,
+    q: &[S],
+    p: &[S],
+    dw: &[S],
+    memory: &mut Memory<S, H::SiteMemory<S>, H::SitePrepared>,
+    carry: &C,
+) -> Result<Effort, StepFailure>
+where
+    H: Sites<E, D, K>,
+    S: Scalar,
+    C: Carry<S>,
+{
+    let Memory { next, sites, prepared: own, .. } = memory;
+    let count = sites.len();
+    let prepared = if prepared.0.is_empty() { &own[..] } else { &prepared.0[..] };
+    let [next_q, next_p, lost_q, lost_p] = next.each_mut().map(|list| list.as_chunks_mut::<D>().0);
+    let nodes = q.as_chunks::<D>().0.iter().zip(p.as_chunks::<D>().0);
+    let next = next_q.iter_mut().zip(next_p).zip(lost_q.iter_mut().zip(lost_p));
+    let mut effort = Effort::fast(0);
+    for (site, (((&q, &p), memory), ((next_q, next_p), (lost_q, lost_p)))) in
+        nodes.zip(sites).zip(next).enumerate()
+    {
+        let prepared = if H::IS_UNIFORM { prepared.first() } else { prepared.get(site) };
+        let Some(prepared) = prepared else { return Err(StepFailure::NonFinite) };
+        let mut own_dw = [S::from_f64(0.0); K];
+        for (own, number) in own_dw.iter_mut().zip(system.increments(site, count)) {
+            if let Some(number) = number {
+                let wrong = StepFailure::Increments { expected: number + 1, got: dw.len() };
+                *own = *dw.get(number).ok_or(wrong)?;
+            }
+        }
+        let own_carry = carry.part::<D>(site * D);
+        let solved =
+            H::solve_site::<S, C::Part<D>, CAREFUL>(prepared, t, h, q, p, own_dw, memory, &own_carry)?;
+        effort = effort + solved.effort;
+        for i in 0..D {
+            (next_q[i], lost_q[i]) = solved.q[i];
+            (next_p[i], lost_p[i]) = solved.p[i];
+        }
+    }
+    Ok(effort)
+}
+
+impl<S: Scalar, M: Clone + Default, P> Memory<S, M, P> {
+    /// The memory of a stepper: allocated at once if the system knows its size, else by the first step.
+    pub fn new<H: Elements>(system: &H, components: usize) -> Self {
+        let mut memory = Self::default();
+        let degrees = system.degrees();
+        if degrees != 0 {
+            memory.allocate(degrees, degrees / components);
+        }
+        memory
+    }
+
+    fn allocate(&mut self, degrees: usize, sites: usize) {
+        for list in &mut self.next {
+            list.clear();
+            list.resize(degrees, S::from_f64(0.0));
+        }
+        // A copy, or what was read from a checkpoint, comes with its past.
+        if self.sites.len() != sites {
+            self.sites = vec![M::default(); sites];
+        }
+        self.saved.clone_from(&self.sites);
+    }
+
+    /// Forgets past steps: they are no guide from another state.
+    pub fn forget(&mut self) {
+        self.sites.fill(M::default());
+    }
+
+    /// Takes what a step left that was solved in another memory.
+    pub fn adopt(&mut self, left: Self) {
+        if self.next[0].is_empty() {
+            *self = left;
+        } else {
+            self.sites = left.sites;
+        }
+    }
+}
+
+/// `P` of the step between two states where the change of the momenta is a multiple of it at each site.
+pub fn step_momentum<V: crate::state::Vector, const D: usize>(before: &V, after: &V, factors: [f64; D]) -> V {
+    let mut momentum = before.clone();
+    let ends = before.components().iter().zip(after.components());
+    for ((momentum, (start, end)), factor) in
+        momentum.components_mut().iter_mut().zip(ends).zip(factors.iter().cycle())
+    {
+        *momentum = start + (end - start) * factor;
+    }
+    momentum
+}

@@ -1,0 +1,89 @@
+//! Integers of a system that are out of range.
+
+use std::fmt;
+
+/// Lists inside of lists of which an error says the place.
+const LEVELS: usize = 3;
+
+/// An integer of a system that is out of range: which one, its value, and what it would have to be.
+#[derive(Clone, Copy, PartialEq)]
+pub struct IndexError {
+    name: &'static str,
+    suffix: &'static str,
+    at: [usize; LEVELS],
+    levels: usize,
+    value: i128,
+    limit: IndexLimit,
+}
+
+/// What an integer of a system has to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum IndexLimit {
+    /// One of this many points of the state, from 0 on.
+    Points(usize),
+    /// One of this many entries of the list, from 0 on.
+    Entries(usize),
+    /// An `isize`.
+    Integers,
+    /// Not zero.
+    Divisor,
+}
+
+impl IndexError {
+    pub(crate) fn new(name: &'static str, suffix: &'static str, value: i128, limit: IndexLimit) -> Self {
+        Self { name, suffix, at: [0; LEVELS], levels: 0, value, limit }
+    }
+
+    /// Adds an index to the name.
+    pub(crate) fn push(&mut self, index: i128) {
+        if let (Some(at), Ok(index)) = (self.at.get_mut(self.levels), usize::try_from(index)) {
+            *at = index;
+            self.levels += 1;
+        }
+    }
+
+    /// The value.
+    pub fn value(&self) -> i128 {
+        self.value
+    }
+
+    /// What it has to be.
+    pub fn limit(&self) -> IndexLimit {
+        self.limit
+    }
+
+    /// What has the value, as the Hamiltonian names it: `bonds[17].1`. For [`IndexLimit::Entries`] the list that is read
+    /// there.
+    pub fn name(&self) -> String {
+        let at: String = self.at[..self.levels].iter().map(|index| format!("[{index}]")).collect();
+        let suffix = if matches!(self.limit, IndexLimit::Entries(_)) { "" } else { self.suffix };
+        format!("{}{at}{suffix}", self.name)
+    }
+}
+
+impl fmt::Debug for IndexError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("IndexError")
+            .field("name", &self.name())
+            .field("value", &self.value)
+            .field("limit", &self.limit)
+            .finish()
+    }
+}
+
+impl fmt::Display for IndexError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (name, value) = (self.name(), self.value);
+        match self.limit {
+            IndexLimit::Points(points) => write!(f, "`{name}` is {value}, the state has {points}")?,
+            IndexLimit::Entries(length) => write!(f, "`{name}` is read at {value}, it has {length} entries")?,
+            IndexLimit::Integers => {
+                write!(f, "`{name}` is {value}, integers go from {} to {}", isize::MIN, isize::MAX)?;
+            }
+            IndexLimit::Divisor => write!(f, "`{name}` is 0, and divides")?,
+        }
+        f.write_str("; change the integers of the system, or the size of the state")
+    }
+}
+
+impl std::error::Error for IndexError {}
