@@ -158,7 +158,7 @@ where
                     let given = Given { start, h: *h, steps: plan.reference_steps, increments: &increments };
                     let outcome = scheme.run(self.system, &given, &mut |_| {})?;
                     match outcome.failure {
-                        Some(error) => return Err(error.into()),
+                        Some(error) => return Err(error),
                         None => outcome.last,
                     }
                 }

@@ -109,7 +109,7 @@ where
             return Err(missing("a scheme: add `.scheme::<Midpoint>()`"));
         }
         if self.steps.is_empty() {
-            return Err(missing("step sizes: add `.steps([...])`"));
+            return Err(missing("step sizes: add `.step_sizes([...])`"));
         }
         if self.paths == 0 {
             return Err(ConfigError::Setting("no paths: `.paths(0)` leaves nothing to measure".into()));
