@@ -4,6 +4,7 @@
 mod words;
 
 mod index;
+mod internal;
 
 use std::fmt;
 
@@ -12,6 +13,7 @@ pub use crate::increments::NoiseError;
 #[cfg(any(feature = "ensemble", feature = "serde", feature = "report"))]
 pub use crate::persist::FileError;
 pub use index::{IndexError, IndexLimit};
+pub use internal::InternalError;
 
 /// Why the equations of one step have no (usable) solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -272,6 +274,8 @@ pub enum Error {
     Path(PathError),
     /// A discrete function was evaluated off its time scale, or combined with one on another.
     Domain(DomainError),
+    /// A mistake of the library.
+    Internal(InternalError),
     /// A file could not be written.
     #[cfg(feature = "ensemble")]
     File(FileError),
@@ -297,6 +301,7 @@ impl fmt::Display for Error {
             Self::Noise(error) => error.fmt(f),
             Self::Path(error) => error.fmt(f),
             Self::Domain(error) => error.fmt(f),
+            Self::Internal(error) => error.fmt(f),
             #[cfg(feature = "ensemble")]
             Self::File(error) => error.fmt(f),
             #[cfg(feature = "ensemble")]
@@ -319,6 +324,7 @@ impl std::error::Error for Error {
             Self::Noise(error) => Some(error),
             Self::Path(error) => Some(error),
             Self::Domain(error) => Some(error),
+            Self::Internal(error) => Some(error),
             #[cfg(feature = "ensemble")]
             Self::File(error) => Some(error),
             #[cfg(feature = "ensemble")]
@@ -350,6 +356,12 @@ impl From<FileError> for Error {
 impl From<crate::ensemble::LevelError> for Error {
     fn from(error: crate::ensemble::LevelError) -> Self {
         Self::Level(error)
+    }
+}
+
+impl From<InternalError> for Error {
+    fn from(error: InternalError) -> Self {
+        Self::Internal(error)
     }
 }
 

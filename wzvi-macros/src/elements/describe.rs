@@ -5,6 +5,7 @@ mod sweep;
 use std::fmt::Write;
 
 use super::plan::Strategy;
+use crate::diagnostics::internal::Promised;
 use crate::discretise::Scheme;
 use crate::discretise::describe::{derivation, properties};
 use crate::discretise::embedding::Embedding;
@@ -80,7 +81,7 @@ pub(crate) fn index_in(system: &System, element: &Element, index: &Index) -> Str
 fn element(model: &System, element: &Element) -> String {
     let mut text = String::new();
     for known in &element.loops {
-        let last = known.end.shifted(-1).unwrap_or_default();
+        let last = known.end.shifted(-1).promised("ends of loops are integers");
         let (start, last) = (index_in(model, element, &known.start), index_in(model, element, &last));
         let _ = write!(text, "Σ_({}={start}..{last}) ", letter(element, known.variable));
     }
@@ -97,7 +98,7 @@ fn term(model: &System, elements: &[Element]) -> String {
 pub(crate) fn noise_numbers(model: &System) -> Vec<String> {
     let table = |id: u32| model.tables.get(id as usize).map_or("?", |table| table.name.as_str());
     let numbers = model.noise.iter().zip(model.noise_offsets()).map(|(noise, offset)| {
-        let first = offset.shifted(1).unwrap_or_default();
+        let first = offset.shifted(1).promised("numbers of noises are integers");
         match (&noise.family, offset.as_integer()) {
             (None, Some(_)) => index(&first, &table, &|_| "k"),
             (None, None) => format!("_({})", index(&first, &table, &|_| "k")),
@@ -132,7 +133,7 @@ pub(crate) fn describe(
 
 /// The equations of one site, which are those of all.
 fn sites(model: &mut System, scheme: &Scheme, text: &mut String) {
-    let last = model.size.shifted(-1).unwrap_or_default();
+    let last = model.size.shifted(-1).promised("sizes are integers");
     let table = |id: u32| model.tables.get(id as usize).map_or("?", |table| table.name.as_str());
     let last = index(&last, &table, &|_| "k");
     let _ = writeln!(text, "\nThe sites k = 0..{last} are not coupled: each is a system of its own");

@@ -8,7 +8,7 @@ use super::interpreter::{Closure, Interpreter};
 use super::names::{is_self, real_function};
 use super::value::Value;
 use crate::diagnostics::{expressions, messages};
-use crate::functions::{Function, key};
+use crate::functions::{Function, key, may_be_shared};
 
 impl<'a> Interpreter<'a, '_> {
     pub(super) fn closure(&mut self, syntax: &'a ExprClosure) -> Value {
@@ -19,11 +19,15 @@ impl<'a> Interpreter<'a, '_> {
             Some(_) => self.scope.snapshot(),
             None => self.scope.clone(),
         };
+        self.has_mutation |= super::control::assigns_captured(syntax);
         self.closures.push(Closure { syntax, scope });
         Value::Closure(self.closures.len() - 1)
     }
 
     pub(super) fn call(&mut self, syntax: &'a ExprCall) -> Value {
+        if self.is_pending(&syntax.func) {
+            return Value::Poison;
+        }
         if let Some(function) = self.shared(&syntax.func) {
             return self.apply_shared(function, &syntax.args, syntax);
         }
@@ -64,6 +68,18 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
+    /// Whether this is the path of a function whose definition is still to come.
+    fn is_pending(&self, function: &Syntax) -> bool {
+        let Syntax::Path(path) = function else { return false };
+        let is_variable =
+            || path.path.get_ident().is_some_and(|name| self.scope.find_from_anywhere(name).is_some());
+        self.awaits_definitions() && may_be_shared(path) && !is_variable()
+    }
+
+    fn awaits_definitions(&self) -> bool {
+        self.root.is_some_and(|root| root.is_pending)
+    }
+
     fn method(&self, name: &str) -> Option<&'a Function> {
         self.root?.methods.iter().find(|function| function.name == name)
     }
@@ -102,7 +118,7 @@ impl<'a> Interpreter<'a, '_> {
         if !self.spend(1, &at.to_token_stream()) {
             return Value::Poison;
         }
-        let scope = std::mem::take(&mut self.scope);
+        let (scope, frame) = (std::mem::take(&mut self.scope), std::mem::take(&mut self.frame));
         let library = self.library.replace(&function.library);
         self.calls.push(function);
         for (pattern, argument) in parameters.into_iter().zip(arguments) {
@@ -111,7 +127,7 @@ impl<'a> Interpreter<'a, '_> {
         let value = self.block(&function.block);
         self.calls.pop();
         self.library = library;
-        self.scope = scope;
+        (self.scope, self.frame) = (scope, frame);
         value
     }
 
@@ -133,12 +149,13 @@ impl<'a> Interpreter<'a, '_> {
         if !self.spend(1 + captured.len() / 16, &at.to_token_stream()) {
             return Value::Poison;
         }
+        let frame = std::mem::replace(&mut self.frame, captured.len());
         let caller = std::mem::replace(&mut self.scope, captured);
         for (pattern, argument) in syntax.inputs.iter().zip(arguments) {
             self.bind(pattern, argument);
         }
         let value = self.evaluate(&syntax.body);
-        self.scope = caller;
+        (self.scope, self.frame) = (caller, frame);
         value
     }
 
@@ -146,6 +163,9 @@ impl<'a> Interpreter<'a, '_> {
         if is_self(&syntax.receiver) {
             if let Some(method) = self.method(&syntax.method.to_string()) {
                 return self.apply_shared(method, &syntax.args, syntax);
+            }
+            if self.awaits_definitions() {
+                return Value::Poison;
             }
             return self.report(expressions::function_call(&syntax.method));
         }

@@ -356,12 +356,15 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             let is_slow = last < f64::INFINITY && ratio > CONTRACTS;
             let stagnates = is_slow && ratio > 0.5;
             let mut settles = false;
-            if stagnates && !is_misled {
+            // Far from the solution a fixed point that does not contract gives way to Newton's method anyway.
+            let is_final = newton || iteration == Iteration::FixedPoint || relative <= NEARLY_SOLVED;
+            if stagnates && is_final && !is_misled {
                 let beyond = self.beyond_rounding(memory);
                 if beyond == 0.0 {
                     let before = std::mem::replace(&mut variation, self.variation(&memory.work));
                     // Derivatives that a number carries converge after it.
-                    if size_of::<S>() == size_of::<f64>() || !(variation < 0.5 * before) {
+                    let vary = size_of::<S>() != size_of::<f64>() && variation < 0.5 * before;
+                    if !vary {
                         return Ok(solved);
                     }
                 }

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
+use crate::diagnostics::internal::Promised;
 use crate::elements::describe;
 use crate::model::index::{Atom, Bounds, Index, Loop};
 use crate::model::{Element, Slot, System, Table, Term};
@@ -72,7 +73,8 @@ impl Places<'_> {
         let is_unsigned = |table: u32| self.system.tables.get(table as usize).is_some_and(|t| t.is_unsigned);
         let bounds = Bounds { loops: &element.loops, is_unsigned: &is_unsigned };
         let sizes = Sizes { system: self.system, loops: &element.loops };
-        let total = self.system.size.multiply(&Index::integer(self.system.components)).unwrap_or_default();
+        let total =
+            self.system.size.multiply(&Index::integer(self.system.components)).promised("sizes are integers");
         let is_proven = |slot: &Slot| match slot {
             Slot::Coordinate(index) | Slot::Momentum(index) => {
                 sizes.is_integer(index) && is_within(&bounds, index, &total)
