@@ -531,6 +531,7 @@ const _: () = {
             counter: 0f64,
             unknowns: __wzvi::elements::Unknowns::Momenta,
             remembers: true,
+            is_linear: false,
             has_noise: false,
         };
         #[automatically_derived]

@@ -631,6 +631,7 @@ const _: () = {
             counter: 0f64,
             unknowns: __wzvi::elements::Unknowns::None,
             remembers: false,
+            is_linear: false,
             has_noise: false,
         };
         #[automatically_derived]

@@ -490,6 +490,7 @@ const _: () = {
             counter: 0f64,
             unknowns: __wzvi::elements::Unknowns::Both,
             remembers: false,
+            is_linear: false,
             has_noise: true,
         };
         type __Prepared = (

@@ -122,7 +122,9 @@ pub(crate) fn describe(
         let _ = writeln!(text, "  H{number} = {}", term(model, &noise.term.elements));
     }
     match strategy {
-        Strategy::Sweep(unknowns) => sweep::sweep(model, facts, embedding, *unknowns, &mut text),
+        Strategy::Sweep { unknowns, is_linear } => {
+            sweep::sweep(model, facts, embedding, (*unknowns, *is_linear), &mut text);
+        }
         Strategy::Sites(_, scheme) => sites(model, scheme, &mut text),
     }
     properties(&mut model.graph, facts, embedding, &mut text);

@@ -23,7 +23,7 @@ pub(super) fn sweep(
     system: &mut System,
     facts: &Facts,
     embedding: &Embedding,
-    unknowns: Unknowns,
+    (unknowns, is_linear): (Unknowns, bool),
     text: &mut String,
 ) {
     let [drift, noise] = drift_and_noise(system);
@@ -75,8 +75,10 @@ pub(super) fn sweep(
         }
     }
     let _ = writeln!(text, "\nStep");
-    let iteration = "by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES \
+    let iterated = "by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES \
                      where the band is wide";
+    let iteration =
+        if is_linear { "linear; a band is factored once, a wide matrix is iterated" } else { iterated };
     let _ = match unknowns {
         Unknowns::None => writeln!(text, "  assign v, Δ{q}"),
         Unknowns::Momenta => writeln!(text, "  solve for v (then Δ{q}): {iteration}"),

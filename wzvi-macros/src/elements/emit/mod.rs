@@ -40,7 +40,9 @@ pub(crate) fn emit(
     for ((embedding, strategy), text) in schemes.iter().zip(equations) {
         let road = match strategy {
             Strategy::Sites(site, scheme) => sites::emit(model, facts, site, scheme),
-            Strategy::Sweep(unknowns) => discretized::sweep(model, facts, embedding, *unknowns),
+            Strategy::Sweep { unknowns, is_linear } => {
+                discretized::sweep(model, facts, embedding, *unknowns, *is_linear)
+            }
         };
         generated.extend(discretized::emit(model, facts, embedding, &road, text));
     }
