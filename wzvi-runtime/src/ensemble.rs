@@ -263,7 +263,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
     /// That is looked at after each 512 paths, in the order of their numbers, from 1024 on: the result is the same for any
     /// number of threads. An error that is itself estimated is now and then too small by chance, and that would end the run: compared
     /// is an upper estimate ([`Node::error_bound`]), and an observable that has been the same number on all paths is not done before
-    /// the limit ([`TargetStatus::Constant`]). The mean is then within 1.96 targets of the true one in 94 % of the runs or more, also for
+    /// the limit ([`TargetStatus::Constant`]). The mean is then within 1.96 targets of the true one in 95 % of the runs or more, also for
     /// events of probability 0.001 and for the heavy tail of `exp(2 W)`, which `docs/ensembles.md` shows.
     pub fn until_error(mut self, observable: impl Into<String>, target: f64) -> Self {
         self.control.targets.push((observable.into(), target));
