@@ -353,13 +353,9 @@ const _: () = {
             __places::Places {
                 components: 2usize,
                 tables: &[
+                    __places::Table { name: &["", ""] },
                     __places::Table {
-                        name: "",
-                        suffix: "",
-                    },
-                    __places::Table {
-                        name: "mass",
-                        suffix: "",
+                        name: &["mass", ""],
                     },
                 ],
                 nests: &[
@@ -369,12 +365,12 @@ const _: () = {
                                 start: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: "0",
+                                    text: &["0", ""],
                                 },
                                 end: __places::Index {
                                     terms: &[(__places::Atom::Size, 1)],
                                     constant: 0,
-                                    text: "n",
+                                    text: &["n", ""],
                                 },
                             },
                         ],
@@ -386,7 +382,7 @@ const _: () = {
                                         index: __places::Index {
                                             terms: &[(__places::Atom::Loop(0usize), 1)],
                                             constant: 0,
-                                            text: "i",
+                                            text: &["i", ""],
                                         },
                                         is_inside: false,
                                     },
@@ -400,24 +396,24 @@ const _: () = {
                                 start: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: "0",
+                                    text: &["0", ""],
                                 },
                                 end: __places::Index {
                                     terms: &[(__places::Atom::Size, 1)],
                                     constant: 0,
-                                    text: "n",
+                                    text: &["n", ""],
                                 },
                             },
                             __places::Loop {
                                 start: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: "0",
+                                    text: &["0", ""],
                                 },
                                 end: __places::Index {
                                     terms: &[(__places::Atom::Loop(0usize), 1)],
                                     constant: 0,
-                                    text: "i",
+                                    text: &["i", ""],
                                 },
                             },
                         ],
@@ -429,7 +425,7 @@ const _: () = {
                                         index: __places::Index {
                                             terms: &[(__places::Atom::Loop(0usize), 1)],
                                             constant: 0,
-                                            text: "i",
+                                            text: &["i", ""],
                                         },
                                         is_inside: false,
                                     },
@@ -442,7 +438,7 @@ const _: () = {
                                         index: __places::Index {
                                             terms: &[(__places::Atom::Loop(1usize), 1)],
                                             constant: 0,
-                                            text: "j",
+                                            text: &["j", ""],
                                         },
                                         is_inside: false,
                                     },

@@ -307,7 +307,7 @@ const _: () = {
                                 index: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: "0",
+                                    text: &["0", ""],
                                 },
                                 is_natural: true,
                             },

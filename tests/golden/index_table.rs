@@ -286,25 +286,16 @@ const _: () = {
                 components: 1usize,
                 tables: &[
                     __places::Table {
-                        name: "bonds.len()",
-                        suffix: "",
+                        name: &["bonds.len()", ""],
+                    },
+                    __places::Table { name: &["", ""] },
+                    __places::Table {
+                        name: &["bonds", ".0"],
                     },
                     __places::Table {
-                        name: "",
-                        suffix: "",
+                        name: &["bonds", ".1"],
                     },
-                    __places::Table {
-                        name: "bonds",
-                        suffix: ".0",
-                    },
-                    __places::Table {
-                        name: "bonds",
-                        suffix: ".1",
-                    },
-                    __places::Table {
-                        name: "",
-                        suffix: "",
-                    },
+                    __places::Table { name: &["", ""] },
                 ],
                 nests: &[
                     __places::Nest {
@@ -313,12 +304,12 @@ const _: () = {
                                 start: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: "0",
+                                    text: &["0", ""],
                                 },
                                 end: __places::Index {
                                     terms: &[(__places::Atom::Given(0usize, &[]), 1)],
                                     constant: 0,
-                                    text: "bonds.len()",
+                                    text: &["bonds.len()", ""],
                                 },
                             },
                         ],
@@ -334,7 +325,7 @@ const _: () = {
                                                         index: __places::Index {
                                                             terms: &[(__places::Atom::Loop(0usize), 1)],
                                                             constant: 0,
-                                                            text: "i",
+                                                            text: &["i", ""],
                                                         },
                                                         is_inside: true,
                                                     },
@@ -344,7 +335,7 @@ const _: () = {
                                         ),
                                     ],
                                     constant: 0,
-                                    text: "bonds.0[i]",
+                                    text: &["bonds.0[i]", ""],
                                 },
                                 is_natural: false,
                             },
@@ -359,7 +350,7 @@ const _: () = {
                                                         index: __places::Index {
                                                             terms: &[(__places::Atom::Loop(0usize), 1)],
                                                             constant: 0,
-                                                            text: "i",
+                                                            text: &["i", ""],
                                                         },
                                                         is_inside: true,
                                                     },
@@ -369,7 +360,7 @@ const _: () = {
                                         ),
                                     ],
                                     constant: 0,
-                                    text: "bonds.1[i]",
+                                    text: &["bonds.1[i]", ""],
                                 },
                                 is_natural: false,
                             },

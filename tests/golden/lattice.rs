@@ -333,12 +333,7 @@ const _: () = {
             use __wzvi::elements::places as __places;
             __places::Places {
                 components: 2usize,
-                tables: &[
-                    __places::Table {
-                        name: "",
-                        suffix: "",
-                    },
-                ],
+                tables: &[__places::Table { name: &["", ""] }],
                 nests: &[],
             }
         };

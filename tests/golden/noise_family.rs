@@ -269,8 +269,7 @@ const _: () = {
                 components: 1usize,
                 tables: &[
                     __places::Table {
-                        name: "sites",
-                        suffix: "",
+                        name: &["sites", ""],
                     },
                 ],
                 nests: &[
@@ -280,12 +279,12 @@ const _: () = {
                                 start: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: "0",
+                                    text: &["0", ""],
                                 },
                                 end: __places::Index {
                                     terms: &[(__places::Atom::Given(0usize, &[]), 1)],
                                     constant: 0,
-                                    text: "sites",
+                                    text: &["sites", ""],
                                 },
                             },
                         ],
@@ -294,7 +293,7 @@ const _: () = {
                                 index: __places::Index {
                                     terms: &[(__places::Atom::Loop(0usize), 1)],
                                     constant: 0,
-                                    text: "i",
+                                    text: &["i", ""],
                                 },
                                 is_natural: true,
                             },
