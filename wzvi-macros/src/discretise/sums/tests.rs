@@ -133,6 +133,22 @@ fn site_maps_that_never_share_a_site() {
 }
 
 #[test]
+fn families_beside_one_another_and_beside_single_noises() {
+    let even = "[|q, p, k| sigma * q[2 * k] * p[2 * k]; $h]";
+    let odd = "[|q, p, k| 0.5 * (q[2 * k + 1].powi(2) + p[2 * k + 1].powi(2)); $h]";
+    let expected = Expected {
+        noise: Multiplicative,
+        consistent: Is::Refuted,
+        energy: Is::Refuted,
+        commuting: Is::Proven,
+    };
+    check("f64", 2, OSCILLATORS, &format!("{even}, {odd}"), &expected);
+    // {q_0 p_0, q_0} is not constant.
+    let expected = Expected { commuting: Is::Refuted, ..expected };
+    check("f64", 2, OSCILLATORS, &format!("{even}, {odd}, |q, p| q[0]"), &expected);
+}
+
+#[test]
 fn neighbours_that_do_not_commute() {
     // H_k = p_k q_(k+1): D = 0 and {H_k, H_(k+1)} = p_k q_(k+2).
     for (state, n) in sizes("f64", 3) {
@@ -272,5 +288,5 @@ fn the_defect_is_printed_in_indices() {
     let attribute = "drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>(), \
         noise = [|q, p, k| sigma * q[k] * p[k]; self.sites], embedding = Midpoint";
     let (mut graph, facts) = facts_of(attribute);
-    assert_eq!(facts.defect(&mut graph, Rational::ZERO), "Σ_(i=0..self.sites - 1) [sigma² q[i] p[i]/2]");
+    assert_eq!(facts.defect(&mut graph, Rational::ZERO), "Σ_(i=0..sites - 1) [sigma² q[i] p[i]/2]");
 }
