@@ -39,6 +39,9 @@
 //! * **System.** With drift `H_0` and noises `H_k`, in the sense of Stratonovich,
 //!   `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = -Σ_m ∂H_m/∂q ∘ dX_m` with `X_0 = t`, `X_k = W_k`. The struct implements
 //!   [`Hamiltonian`](system::Hamiltonian): energies, gradients, proven first integrals.
+//! * **Shared functions.** Hamiltonians see through calls of functions that carry [`#[hamiltonian_fn]`](hamiltonian_fn), and of
+//!   methods of an `impl` that carries it: potentials can live in modules and crates of their own, and facts and
+//!   derivatives are those of the inlined expression.
 //! * **Schemes** are types, the [embeddings](embedding): where the discrete antiderivative reads `q`. For each one
 //!   listed the struct implements [`Discretized`](system::Discretized); its [`PLAN`](plan::Plan) says what the compiler
 //!   found out (how the step is solved, whether the scheme is consistent, whether the energy is kept) and its
@@ -89,7 +92,7 @@ pub mod prelude {
     pub use wzvi_runtime::increments::{Increments, Noise};
     pub use wzvi_runtime::integrate::Integrate;
     #[cfg(feature = "noise")]
-    pub use wzvi_runtime::noise::{Wiener, WongZakai};
+    pub use wzvi_runtime::noise::{StepNormals, Wiener, WongZakai};
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
     #[cfg(feature = "report")]
     pub use wzvi_runtime::report::WorkPrecision;

@@ -18,6 +18,7 @@ use syn::{Block, ImplItem, Item, ItemFn, ItemImpl, Path, Signature, braced};
 use crate::diagnostics::Diagnostics;
 use crate::input;
 
+pub(crate) use calls::may_be_shared;
 pub(crate) use define::define;
 
 /// The functions that a body may call.
@@ -26,6 +27,8 @@ pub(crate) struct Library {
     pub(crate) functions: Vec<Function>,
     /// Those of the struct, called as `self.name(...)`.
     pub(crate) methods: Vec<Function>,
+    /// Whether definitions are still to come: calls of functions that are not known are no mistakes yet.
+    pub(crate) is_pending: bool,
 }
 
 /// A shared function.
@@ -213,6 +216,11 @@ pub(crate) fn questions(attribute: &TokenStream, item: &TokenStream) -> Option<T
     let closures = declaration.closures().map(|hamiltonian| &hamiltonian.closure);
     let asked = calls::of_closures(closures, &system.item.ident);
     if asked.is_empty() {
+        return None;
+    }
+    // Other mistakes are reported first: `rustc` would show nothing but a macro that it cannot find.
+    let pending = Library { is_pending: true, ..Library::default() };
+    if crate::compile::has_errors(attribute.clone(), item.clone(), pending) {
         return None;
     }
     let kind = syn::parse_quote!(hamiltonian);

@@ -3,6 +3,8 @@
 pub mod calculus;
 pub mod carry;
 mod checksum;
+#[cfg(any(feature = "ensemble", feature = "report"))]
+mod clock;
 pub mod elements;
 pub mod embedding;
 #[cfg(feature = "ensemble")]

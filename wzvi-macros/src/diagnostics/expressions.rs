@@ -110,8 +110,8 @@ pub(crate) fn function_call(found: impl ToTokens) -> Error {
     at(
         found,
         format!(
-            "`{text}` is opaque to the compiler: only `f64` functions and local closures can be differentiated; \
-             write it as a local closure, `let f = |x: f64| ...;`"
+            "`{text}` is opaque to the compiler: only `f64` functions, local closures and functions with the attribute \
+             `#[hamiltonian_fn]` can be differentiated"
         ),
     )
 }

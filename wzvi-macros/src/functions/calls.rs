@@ -56,18 +56,23 @@ pub(super) fn of_function(signature: &syn::Signature, block: &syn::Block) -> Cal
     calls
 }
 
+/// Whether a path names a function that somebody may have written for Hamiltonians: no function of `f64`, with or without
+/// its type, and no constructor.
+pub(crate) fn may_be_shared(path: &ExprPath) -> bool {
+    let segments = &path.path.segments;
+    let Some(last) = segments.last().map(|last| last.ident.to_string()) else { return false };
+    let is_bare_method = segments.len() == 1 && is_real_method(&last);
+    let is_function = !last.starts_with(char::is_uppercase) && !is_bare_method;
+    path.qself.is_none() && is_function && real_function(path).is_none()
+}
+
 impl<'s> Visit<'s> for Calls {
     fn visit_expr_call(&mut self, call: &'s ExprCall) {
         match &*call.func {
-            Expr::Path(path)
-                if path.qself.is_none() && real_function(path).is_none() && !self.is_bound(&path.path) =>
-            {
-                let segments = &path.path.segments;
-                if segments.first().is_some_and(|first| first.ident == "Self") {
+            Expr::Path(path) if may_be_shared(path) && !self.is_bound(&path.path) => {
+                if path.path.segments.first().is_some_and(|first| first.ident == "Self") {
                     self.method.get_or_insert(path.path.span());
-                } else if segments.len() > 1
-                    || !segments.iter().any(|only| is_real_method(&only.ident.to_string()))
-                {
+                } else {
                     self.called.push(path.clone());
                 }
             }

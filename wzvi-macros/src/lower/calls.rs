@@ -8,7 +8,7 @@ use super::interpreter::{Closure, Interpreter};
 use super::names::{is_self, real_function};
 use super::value::Value;
 use crate::diagnostics::{expressions, messages};
-use crate::functions::{Function, key};
+use crate::functions::{Function, key, may_be_shared};
 
 impl<'a> Interpreter<'a, '_> {
     pub(super) fn closure(&mut self, syntax: &'a ExprClosure) -> Value {
@@ -25,6 +25,9 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     pub(super) fn call(&mut self, syntax: &'a ExprCall) -> Value {
+        if self.is_pending(&syntax.func) {
+            return Value::Poison;
+        }
         if let Some(function) = self.shared(&syntax.func) {
             return self.apply_shared(function, &syntax.args, syntax);
         }
@@ -63,6 +66,18 @@ impl<'a> Interpreter<'a, '_> {
             Some(method) => self.method(method),
             None => self.library?.functions.iter().find(|function| function.name == name),
         }
+    }
+
+    /// Whether this is the path of a function whose definition is still to come.
+    fn is_pending(&self, function: &Syntax) -> bool {
+        let Syntax::Path(path) = function else { return false };
+        let is_variable =
+            || path.path.get_ident().is_some_and(|name| self.scope.find_from_anywhere(name).is_some());
+        self.awaits_definitions() && may_be_shared(path) && !is_variable()
+    }
+
+    fn awaits_definitions(&self) -> bool {
+        self.root.is_some_and(|root| root.is_pending)
     }
 
     fn method(&self, name: &str) -> Option<&'a Function> {
@@ -148,6 +163,9 @@ impl<'a> Interpreter<'a, '_> {
         if is_self(&syntax.receiver) {
             if let Some(method) = self.method(&syntax.method.to_string()) {
                 return self.apply_shared(method, &syntax.args, syntax);
+            }
+            if self.awaits_definitions() {
+                return Value::Poison;
             }
             return self.report(expressions::function_call(&syntax.method));
         }

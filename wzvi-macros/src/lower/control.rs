@@ -13,6 +13,9 @@ use super::value::{Sequence, Value};
 use crate::diagnostics::expressions;
 use crate::symbolic::{Expr, Symbol};
 
+/// A variable that a loop adds to, with what it holds.
+type Total = (Rc<Binding>, Expr);
+
 impl<'a> Interpreter<'a, '_> {
     pub(super) fn block(&mut self, block: &'a Block) -> Value {
         let outer = self.scope.len();
@@ -240,10 +243,10 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// The variables from outside that a block assigns to, with what they hold: `None` inside if that is not real numbers.
-    fn totals(&mut self, body: &Block) -> Option<Option<Vec<(Rc<Binding>, Expr)>>> {
+    fn totals(&mut self, body: &Block) -> Option<Option<Vec<Total>>> {
         let mut targets = Assigned::default();
         targets.visit_block(body);
-        let mut totals: Vec<(Rc<Binding>, Expr)> = Vec::new();
+        let mut totals: Vec<Total> = Vec::new();
         for name in targets.0 {
             let Some(binding) = self.scope.find_from_anywhere(&name).cloned() else { continue };
             if totals.iter().any(|(known, _)| Rc::ptr_eq(known, &binding)) {

@@ -36,15 +36,15 @@ pub(super) struct Interpreter<'a, 'd> {
     pub(super) parameters: Parameters,
     pub(super) scope: Scope,
     pub(super) closures: Vec<Closure<'a>>,
-    /// Where in the scope the variables of the closure that is called begin, after those that it captured.
-    pub(super) frame: usize,
-    /// Whether a closure assigns to what it captured: the items of what it maps have to be made in their order.
-    pub(super) has_mutation: bool,
     /// The shared functions of the declaration, and of the shared function that is being evaluated.
     pub(super) root: Option<&'a Library>,
     pub(super) library: Option<&'a Library>,
     /// The shared functions around the current expression.
     pub(super) calls: Vec<&'a Function>,
+    /// Where in the scope the variables of the closure that is called begin, after those that it captured.
+    pub(super) frame: usize,
+    /// Whether a closure assigns to what it captured: the items of what it maps have to be made in their order.
+    pub(super) has_mutation: bool,
     /// Number of undecided branches around the current expression.
     pub(super) branch: u32,
     pub(super) symbols: Symbols,
@@ -69,11 +69,11 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             parameters: Parameters::default(),
             scope: Scope::default(),
             closures: Vec::new(),
-            frame: 0,
-            has_mutation: false,
             root: None,
             library: None,
             calls: Vec::new(),
+            frame: 0,
+            has_mutation: false,
             branch: 0,
             symbols,
             tables: Tables::default(),
@@ -90,9 +90,9 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.scope = Scope::default();
         self.closures.clear();
         self.loops = Loops::default();
-        (self.frame, self.has_mutation) = (0, false);
         self.calls.clear();
         self.library = self.root;
+        (self.frame, self.has_mutation) = (0, false);
         (self.branch, self.steps, self.depth, self.exhausted) = (0, 0, 0, false);
     }
 

@@ -10,7 +10,7 @@
 use std::ops::Range;
 
 use super::Elements;
-use crate::error::{IndexError, IndexLimit, StepFailure};
+use crate::error::{IndexError, IndexLimit, Name, StepFailure};
 
 /// An integer expression: `constant + Σ coefficient · atom`.
 #[derive(Debug)]
@@ -20,7 +20,7 @@ pub struct Index {
     /// What is added last.
     pub constant: i128,
     /// As it is displayed.
-    pub text: &'static str,
+    pub text: &'static Name,
 }
 
 /// What an [`Index`] is made of.
@@ -90,10 +90,8 @@ pub struct Nest {
 /// A list or an integer of the system.
 #[derive(Debug)]
 pub struct Table {
-    /// As the Hamiltonian names it.
-    pub name: &'static str,
-    /// What follows the indices: the part of a tuple, a length.
-    pub suffix: &'static str,
+    /// As the Hamiltonian names it; behind the indices, the part of a tuple, or a length.
+    pub name: &'static Name,
 }
 
 /// Everything that a system reads and the compiler has not proven to be there.
@@ -310,13 +308,13 @@ impl<H: Elements> Survey<'_, H> {
                 return Fault { error, needs_degrees: false };
             }
         }
-        let error = IndexError::new(index.text, "", value, IndexLimit::Points(self.degrees));
+        let error = IndexError::new(index.text, value, IndexLimit::Points(self.degrees));
         Fault { error, needs_degrees: value >= 0 && !index.reads_lists() }
     }
 
     fn error(&self, table: usize, value: i128, limit: IndexLimit) -> IndexError {
-        let (name, suffix) = H::PLACES.tables.get(table).map_or(("", ""), |table| (table.name, table.suffix));
-        IndexError::new(name, suffix, value, limit)
+        let name = H::PLACES.tables.get(table).map_or(&["", ""], |table| table.name);
+        IndexError::new(name, value, limit)
     }
 
     /// The values of an index, each of them an `isize` like all sums on the way.
@@ -338,7 +336,7 @@ impl<H: Elements> Survey<'_, H> {
         let divisor = |operands: &[Index; 2]| {
             let (a, b) = both(operands)?;
             let is_zero = b.low <= 0 && b.high >= 0;
-            let error = || IndexError::new(operands[1].text, "", 0, IndexLimit::Divisor);
+            let error = || IndexError::new(operands[1].text, 0, IndexLimit::Divisor);
             if is_zero { Err(Fault { error: error(), needs_degrees: false }) } else { Ok((a, b)) }
         };
         let value = match atom {
@@ -531,7 +529,7 @@ fn integers(span: Span, index: &Index) -> Result<Span, Fault> {
     match outlier(span) {
         None => Ok(span),
         Some(value) => {
-            let error = IndexError::new(index.text, "", value, IndexLimit::Integers);
+            let error = IndexError::new(index.text, value, IndexLimit::Integers);
             Err(Fault { error, needs_degrees: false })
         }
     }

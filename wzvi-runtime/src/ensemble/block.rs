@@ -1,15 +1,19 @@
 //! A block of paths, the unit of work: its statistics depend on nothing but its number.
 
 use super::dispatch::Kernel;
-use super::draws::{STEPS, key, normals, normals_at};
+use super::draws::{STEPS, normals, normals_at};
 use super::job::Job;
+use super::pace::Pace;
 use super::passage::{Passage, crossing};
 use super::statistics::{PathFailure, Statistics};
 use crate::carry::Plain;
-use crate::error::{StepError, StepFailure};
+use crate::error::{Error, StepError, StepFailure};
+use crate::increments::Interval;
 use crate::lanes::Lanes;
+use crate::noise::Paths;
 use crate::plan::{NoiseClass, Solver};
 use crate::rescue::{Hard, rescue};
+use crate::retry::{Walker, is_curable};
 use crate::scalar::Scalar;
 use crate::state::{State, Vector};
 use crate::step::Stepper;
@@ -17,8 +21,6 @@ use crate::system::Discretized;
 
 /// Paths in a block.
 pub(super) const PATHS: u64 = 512;
-/// Steps after which a block asks whether the run was stopped: far below a second, whatever the system.
-pub(super) const LOOK: u64 = 1024;
 
 /// One block, as many paths at a time as the instructions ask for, or `WIDTH` if that is not 0.
 pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const WIDTH: usize> {
@@ -44,14 +46,15 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
         let first = self.number * PATHS;
         let end = job.paths.min(first + PATHS);
         let mut group = Group::<H, E, L>::new(job);
+        let mut pace = Pace::new(job.stop);
         let mut path = first;
         while path < end {
             group.begin(path, end);
             group.watch_from(&mut statistics);
-            group.record(0, &mut statistics);
+            group.record(0, &mut statistics, &mut pace)?;
             let mut node = 1;
             for step in 0..job.steps {
-                if step.is_multiple_of(LOOK) && job.is_stopped() {
+                if pace.is_stopped() {
                     return None;
                 }
                 group.draw(step);
@@ -60,12 +63,15 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
                     group.watch(step);
                 }
                 if job.recorded.get(node) == Some(&(step + 1)) {
-                    group.record(node, &mut statistics);
+                    group.record(node, &mut statistics, &mut pace)?;
                     node += 1;
                 }
             }
             group.finish(&mut statistics);
             path += L as u64;
+            if job.has_failed() {
+                return None;
+            }
         }
         Some(statistics)
     }
@@ -83,6 +89,7 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     path: u64,
     q: Vec<Lanes<L>>,
     p: Vec<Lanes<L>>,
+    processes: usize,
     keys: Vec<[u32; 8]>,
     /// Normals by process and step, where more is made of them than increments.
     normals: Vec<[[f64; L]; STEPS]>,
@@ -110,6 +117,10 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     alone: Vec<f64>,
     /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]): one stepper for each.
     steppers: Vec<Stepper<'a, H, E, Plain>>,
+    /// The noise of each lane, where lanes do not draw it themselves.
+    noises: Vec<Box<dyn Paths + 'j>>,
+    /// Halves steps, once one has to be.
+    walker: Option<Walker<'a, H, E, Plain>>,
 }
 
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
@@ -117,12 +128,16 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         // That of the system, which may not know it.
         let (d, processes) = (job.start.q.components().len(), job.system.noises());
         let zero = Lanes::from_f64(0.0);
+        let normals = job.source.normals();
+        let keys = normals.map(|normals| (0..processes).map(|k| normals.key(k as u64, job.h)).collect());
+        let noises = if normals.is_some() { 0 } else { L };
         Self {
             job,
             path: 0,
             q: vec![zero; d],
             p: vec![zero; d],
-            keys: (0..processes).map(|process| key(job.seed, process as u64, job.level)).collect(),
+            processes,
+            keys: keys.unwrap_or_default(),
             normals: vec![[[0.0; L]; STEPS]; processes],
             increments: vec![zero; STEPS * processes],
             deviation: job.h.abs().sqrt(),
@@ -139,6 +154,8 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             state: job.start.clone(),
             alone: vec![0.0; processes],
             steppers: Vec::new(),
+            noises: (0..noises).map(|_| job.source.path(0)).collect(),
+            walker: None,
         }
     }
 
@@ -154,6 +171,9 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         }
         self.counts = std::array::from_fn(|lane| path + (lane as u64) < end);
         (self.failed, self.any_failed) = ([false; L], false);
+        for (noise, lane) in self.noises.iter_mut().zip(path..) {
+            noise.set_path(lane);
+        }
         if !H::IN_LANES {
             // It cannot fail: the same has been prepared for the job.
             let stepper = |_| Stepper::new(self.job.system, self.job.h).ok().map(Stepper::plain);
@@ -188,10 +208,13 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         if self.job.is_antithetic {
             return self.draw_pairs(step);
         }
+        if !self.noises.is_empty() {
+            return self.ask(step);
+        }
         if slot(step) > 0 {
             return;
         }
-        let processes = self.keys.len();
+        let processes = self.processes;
         let mut drawn = [[0.0; L]; STEPS];
         for (process, key) in self.keys.iter().enumerate() {
             normals(key, self.path, step / STEPS as u64, &mut drawn);
@@ -199,6 +222,24 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
                 if let Some(to) = self.increments.get_mut(step * processes + process) {
                     *to = self.job.increment(Lanes::new(*drawn), self.deviation);
                 }
+            }
+        }
+    }
+
+    /// [`Group::draw`] where each path has a noise of its own.
+    #[inline(never)]
+    fn ask(&mut self, step: u64) {
+        let interval = Interval { start: self.job.start.t, h: self.job.h, step };
+        let (_, to) = self.increments.split_at_mut(slot(step) * self.processes);
+        for (lane, noise) in self.noises.iter_mut().enumerate() {
+            if !self.counts[lane] || self.failed[lane] {
+                continue;
+            }
+            if let Err(error) = noise.increments(&interval, &mut self.alone) {
+                self.job.fail_noise(error);
+            }
+            for (to, from) in to.iter_mut().zip(&self.alone) {
+                to.set(lane, *from);
             }
         }
     }
@@ -239,7 +280,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     /// Sets the increments of a step from normals.
     #[inline(always)]
     pub(super) fn drive(&mut self, process: usize, step: u64, normals: Lanes<L>) {
-        let place = slot(step) * self.keys.len() + process;
+        let place = slot(step) * self.processes + process;
         if let Some(to) = self.increments.get_mut(place) {
             *to = self.job.increment(normals, self.deviation);
         }
@@ -257,7 +298,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         }
         let t = self.time(step);
         let (q, p, memory) = (&mut self.q, &mut self.p, &mut Default::default());
-        let processes = self.keys.len();
+        let processes = self.processes;
         let Some(dw) = self.increments.get(within * processes..(within + 1) * processes) else { return };
         let outcome = job.system.advance_carrying::<Lanes<L>, Plain, false>(
             &job.prepared,
@@ -277,7 +318,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     #[inline(never)]
     fn by_steppers(&mut self, step: u64, within: usize) {
         let t = self.time(step);
-        let first = within * self.keys.len();
+        let first = within * self.processes;
         let mut steppers = std::mem::take(&mut self.steppers);
         for (lane, stepper) in steppers.iter_mut().enumerate() {
             if !self.failed[lane] {
@@ -287,7 +328,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
                 }
                 match stepper.step(&mut state, &self.alone) {
                     Ok(_) => self.put(lane, &state.q, &state.p),
-                    Err(error) => self.fail(lane, error),
+                    Err(error) => self.halve_or_fail(lane, step, StepError { step, ..error }),
                 }
             }
         }
@@ -299,7 +340,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     #[inline(never)]
     fn mirror(&mut self, within: usize) -> bool {
         let Some(living) = (0..L).find(|&lane| !self.failed[lane]) else { return false };
-        let processes = self.keys.len();
+        let processes = self.processes;
         let dw = self.increments.iter_mut().skip(within * processes).take(processes);
         for x in self.q.iter_mut().chain(&mut self.p).chain(dw) {
             let old = x.to_array();
@@ -317,9 +358,43 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
                 continue;
             }
             if let Err(cause) = self.single(lane, t, within) {
-                self.fail(lane, StepError { step, t, h: self.job.h, cause });
+                self.halve_or_fail(lane, step, StepError { step, t, h: self.job.h, cause });
             }
         }
+    }
+
+    /// The step of one path again, in halves, if that is allowed.
+    fn halve_or_fail(&mut self, lane: usize, step: u64, error: StepError) {
+        let is_tried = self.job.retry.most() > 0 && is_curable(error.cause) && self.counts[lane];
+        match if is_tried { self.halve(lane, step, error) } else { Err(error.into()) } {
+            Ok(state) => self.put(lane, &state.q, &state.p),
+            Err(Error::Step(error)) => self.fail(lane, error),
+            Err(Error::Noise(why)) => {
+                self.job.fail_noise(why);
+                self.fail(lane, error);
+            }
+            // A finer step that cannot be prepared.
+            Err(_) => self.fail(lane, error),
+        }
+    }
+
+    fn halve(&mut self, lane: usize, step: u64, error: StepError) -> Result<State<H::Vector>, Error> {
+        let job = self.job;
+        let mut state = self.state_of(lane, error.t);
+        let walker = match &mut self.walker {
+            Some(walker) => walker,
+            none => none.insert(Walker::new(job.system, job.h, job.retry, !H::IN_LANES)?),
+        };
+        let mut noise = (self.processes > 0).then(|| job.source.path(self.path + lane as u64));
+        let interval = Interval { start: job.start.t, h: job.h, step };
+        walker.subdivide(
+            &mut state,
+            &interval,
+            &mut noise.as_deref_mut(),
+            &mut vec![0.0; self.processes],
+            1,
+        )?;
+        Ok(state)
     }
 
     fn fail(&mut self, lane: usize, error: StepError) {
@@ -351,7 +426,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     fn single(&mut self, lane: usize, t: f64, within: usize) -> Result<(), StepFailure> {
         let job = self.job;
         let alone = |lanes: &[Lanes<L>]| -> Vec<_> { lanes.iter().map(|x| Lanes::new([x[lane]])).collect() };
-        let processes = self.keys.len();
+        let processes = self.processes;
         let dw = self.increments.get(within * processes..(within + 1) * processes).unwrap_or_default();
         let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(dw));
         let outcome = job.system.advance_carrying::<Lanes<1>, Plain, false>(
@@ -382,8 +457,23 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         Ok(())
     }
 
+    /// The state of a lane after so many steps.
+    pub(super) fn state_after(&mut self, lane: usize, steps: u64) -> &State<H::Vector> {
+        self.state.t = self.time(steps);
+        self.look(lane)
+    }
+
+    /// The increments of a lane in a step that has been drawn.
+    pub(super) fn increments_of(&mut self, lane: usize, step: u64) -> &[f64] {
+        let first = slot(step) * self.processes;
+        for (to, from) in self.alone.iter_mut().zip(self.increments.iter().skip(first)) {
+            *to = from[lane];
+        }
+        &self.alone
+    }
+
     /// Moves a lane to where observables see it.
-    pub(super) fn look(&mut self, lane: usize) -> &State<H::Vector> {
+    fn look(&mut self, lane: usize) -> &State<H::Vector> {
         for (to, from) in self.state.q.components_mut().iter_mut().zip(&self.q) {
             *to = from[lane];
         }
@@ -402,6 +492,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     pub(super) fn take_first_failure(&mut self) -> Option<PathFailure> {
         self.sort_failures();
         self.failures.drain(..).next()
+    }
+
+    /// Why this path failed, if it has.
+    pub(super) fn failure_of(&self, path: u64) -> Option<PathFailure> {
+        self.failures.iter().find(|failure| failure.path == path).copied()
     }
 
     /// They came in the order of time, which depends on who ran beside whom.
@@ -433,12 +528,18 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         }
     }
 
-    /// Adds the paths that are still there to the statistics of a node.
+    /// Adds the paths that are still there to the statistics of a node; `None` if the run was stopped on the way.
     #[inline(never)]
-    fn record(&mut self, node: usize, statistics: &mut Statistics) {
-        let Some(moments) = statistics.nodes.get_mut(node) else { return };
+    fn record(&mut self, node: usize, statistics: &mut Statistics, pace: &mut Pace<'_>) -> Option<()> {
+        let moments = statistics.nodes.get_mut(node)?;
         self.state.t = moments.time();
         for lane in 0..L {
+            if pace.is_stopped() {
+                return None;
+            }
+            if self.counts[lane] && self.failed[lane] {
+                moments.lose();
+            }
             if !self.counts[lane] || self.failed[lane] {
                 continue;
             }
@@ -458,6 +559,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
                 }
             }
         }
+        Some(())
     }
 
     /// What became of the paths, in the order of their numbers.

@@ -8,13 +8,16 @@ const LEVELS: usize = 3;
 /// An integer of a system that is out of range: which one, its value, and what it would have to be.
 #[derive(Clone, Copy, PartialEq)]
 pub struct IndexError {
-    name: &'static str,
-    suffix: &'static str,
-    at: [usize; LEVELS],
-    levels: usize,
-    value: i128,
+    name: &'static Name,
+    at: [u32; LEVELS],
+    levels: u8,
+    /// An `i128` in two halves, which do not widen every error by its alignment.
+    value: [u64; 2],
     limit: IndexLimit,
 }
+
+/// As a Hamiltonian names a list or an integer: what stands in front of its indices, and what behind them.
+pub(crate) type Name = [&'static str; 2];
 
 /// What an integer of a system has to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,13 +33,14 @@ pub enum IndexLimit {
 }
 
 impl IndexError {
-    pub(crate) fn new(name: &'static str, suffix: &'static str, value: i128, limit: IndexLimit) -> Self {
-        Self { name, suffix, at: [0; LEVELS], levels: 0, value, limit }
+    pub(crate) fn new(name: &'static Name, value: i128, limit: IndexLimit) -> Self {
+        let value = [(value >> 64) as u64, value as u64];
+        Self { name, at: [0; LEVELS], levels: 0, value, limit }
     }
 
     /// Adds an index to the name.
     pub(crate) fn push(&mut self, index: i128) {
-        if let (Some(at), Ok(index)) = (self.at.get_mut(self.levels), usize::try_from(index)) {
+        if let (Some(at), Ok(index)) = (self.at.get_mut(usize::from(self.levels)), u32::try_from(index)) {
             *at = index;
             self.levels += 1;
         }
@@ -44,7 +48,8 @@ impl IndexError {
 
     /// The value.
     pub fn value(&self) -> i128 {
-        self.value
+        let [high, low] = self.value;
+        (i128::from(high) << 64) | i128::from(low)
     }
 
     /// What it has to be.
@@ -55,9 +60,9 @@ impl IndexError {
     /// What has the value, as the Hamiltonian names it: `bonds[17].1`. For [`IndexLimit::Entries`] the list that is read
     /// there.
     pub fn name(&self) -> String {
-        let at: String = self.at[..self.levels].iter().map(|index| format!("[{index}]")).collect();
-        let suffix = if matches!(self.limit, IndexLimit::Entries(_)) { "" } else { self.suffix };
-        format!("{}{at}{suffix}", self.name)
+        let at: String = self.at.iter().take(self.levels.into()).map(|index| format!("[{index}]")).collect();
+        let suffix = if matches!(self.limit, IndexLimit::Entries(_)) { "" } else { self.name[1] };
+        format!("{}{at}{suffix}", self.name[0])
     }
 }
 
@@ -65,7 +70,7 @@ impl fmt::Debug for IndexError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("IndexError")
             .field("name", &self.name())
-            .field("value", &self.value)
+            .field("value", &self.value())
             .field("limit", &self.limit)
             .finish()
     }
@@ -73,7 +78,7 @@ impl fmt::Debug for IndexError {
 
 impl fmt::Display for IndexError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, value) = (self.name(), self.value);
+        let (name, value) = (self.name(), self.value());
         match self.limit {
             IndexLimit::Points(points) => write!(f, "`{name}` is {value}, the state has {points}")?,
             IndexLimit::Entries(length) => write!(f, "`{name}` is read at {value}, it has {length} entries")?,
