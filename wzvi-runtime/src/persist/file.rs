@@ -177,6 +177,7 @@ pub(crate) fn publish_set(staged: Vec<Staged>) -> Result<(), FileError> {
 const WRITE: &str = "write";
 
 /// Replaces the content of `path` by what `write` writes. Nothing is left behind if this fails.
+#[cfg(any(test, feature = "ensemble", feature = "report"))]
 pub(crate) fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
