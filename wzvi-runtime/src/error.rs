@@ -1,6 +1,6 @@
 //! Errors. Each says where, why and what to do; none leaves a state changed.
 
-#[cfg(feature = "serde")]
+#[cfg(all(feature = "serde", feature = "ensemble"))]
 mod words;
 
 mod index;
@@ -10,7 +10,7 @@ use std::fmt;
 
 pub use crate::calculus::DomainError;
 pub use crate::increments::NoiseError;
-#[cfg(any(feature = "ensemble", feature = "serde", feature = "report"))]
+#[cfg(any(feature = "ensemble", feature = "serde"))]
 pub use crate::persist::FileError;
 pub(crate) use index::Name;
 pub use index::{IndexError, IndexLimit};
