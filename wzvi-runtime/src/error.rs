@@ -398,9 +398,9 @@ impl From<crate::ensemble::LevelError> for Error {
 }
 
 #[cfg(feature = "ensemble")]
-impl From<crate::ensemble::LossError> for Error {
-    fn from(error: crate::ensemble::LossError) -> Self {
-        Self::Losses(Box::new(error))
+impl From<Box<crate::ensemble::LossError>> for Error {
+    fn from(error: Box<crate::ensemble::LossError>) -> Self {
+        Self::Losses(error)
     }
 }
 

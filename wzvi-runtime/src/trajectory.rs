@@ -89,6 +89,7 @@ impl Recording {
     }
 
     /// Nodes after the start that are recorded when this step has been taken, the end not counted.
+    #[cfg(feature = "serde")]
     pub(crate) fn nodes(&self, step: u64) -> u64 {
         step.checked_div(self.every).unwrap_or(0) + self.extra(step)
     }
