@@ -31,10 +31,10 @@ pub use estimate::{Level, LevelError, LevelFailure, MultilevelEstimate};
 use estimate::{Samples, bias, variance_bounds, variance_slope};
 use pairs::{Pairs, block_size};
 
+use super::Ensemble;
 use super::control::Control;
 use super::dispatch::InstructionSet;
 use super::job::Job;
-use super::Ensemble;
 use super::source::Source;
 use crate::error::{ConfigError, Error};
 use crate::increments::Noise as _;
