@@ -471,7 +471,12 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
 
     /// Adds the paths that are still there to the statistics of a node; `None` if the run was stopped on the way.
     #[inline(never)]
-    pub(super) fn record(&mut self, node: usize, statistics: &mut Statistics, pace: &mut Pace<'_>) -> Option<()> {
+    pub(super) fn record(
+        &mut self,
+        node: usize,
+        statistics: &mut Statistics,
+        pace: &mut Pace<'_>,
+    ) -> Option<()> {
         let moments = statistics.nodes.get_mut(node)?;
         self.state.t = moments.time();
         for lane in 0..L {
