@@ -24,6 +24,7 @@ mod control;
 mod dispatch;
 mod draws;
 mod error;
+mod group;
 mod histogram;
 mod job;
 #[cfg(feature = "serde")]

@@ -411,9 +411,9 @@ impl From<InternalError> for Error {
 }
 
 #[cfg(feature = "ensemble")]
-impl From<crate::ensemble::LossError> for Error {
-    fn from(error: crate::ensemble::LossError) -> Self {
-        Self::Losses(Box::new(error))
+impl From<Box<crate::ensemble::LossError>> for Error {
+    fn from(error: Box<crate::ensemble::LossError>) -> Self {
+        Self::Losses(error)
     }
 }
 

@@ -88,11 +88,11 @@ fn ratio(end: &Node, (observable, target): &(usize, f64)) -> f64 {
 }
 
 /// The statistics, unless more than this fraction of the paths failed.
-pub(super) fn unless_lost(statistics: Statistics, allowed: f64) -> Result<Statistics, LossError> {
+pub(super) fn unless_lost(statistics: Statistics, allowed: f64) -> Result<Statistics, Box<LossError>> {
     let (failed, begun) = (statistics.failed(), statistics.begun());
     match statistics.failures().first().copied() {
         Some(first) if failed as f64 > allowed * begun as f64 => {
-            Err(LossError { failed, begun, allowed, first, statistics: Box::new(statistics) })
+            Err(Box::new(LossError { failed, begun, allowed, first, statistics: Box::new(statistics) }))
         }
         _ => Ok(statistics),
     }

@@ -1,7 +1,7 @@
 //! One path of an ensemble, alone: to look at one that failed, or at any.
 
 use super::Ensemble;
-use super::block::Group;
+use super::group::Group;
 use crate::error::{ConfigError, Error};
 use crate::simulate::{Partial, chosen_steps};
 use crate::step::StepInfo;

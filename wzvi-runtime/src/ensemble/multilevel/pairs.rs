@@ -2,8 +2,8 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use super::super::block::Group;
 use super::super::dispatch::Kernel;
+use super::super::group::Group;
 use super::super::job::{Job, Observable};
 use super::super::pace::Pace;
 use super::estimate::{LevelError, LevelFailure, Samples};
