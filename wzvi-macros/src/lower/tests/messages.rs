@@ -77,6 +77,29 @@ fn habits_from_elsewhere_are_recognised() {
 }
 
 #[test]
+fn momenta_before_coordinates_are_refused() {
+    attribute("drift = |p, q| p, embedding = Midpoint", &[("p, q", "write `|q, p|`")]);
+    attribute(
+        "drift = |p: f64, q: f64, t| p * t, embedding = Midpoint",
+        &[("p: f64, q: f64", "come before momenta")],
+    );
+    attribute(
+        "drift = |[px, py], [x, y]| x, embedding = Midpoint",
+        &[("[px, py], [x, y]", "come before momenta")],
+    );
+    attribute(
+        "drift = |[p1, p2], [q1, q2]| q1, embedding = Midpoint",
+        &[("[p1, p2], [q1, q2]", "come before")],
+    );
+    let noise = "drift = |q, p| p, noise = [|p, q| p, |q, p| q], embedding = Midpoint";
+    attribute(noise, &[("p, q", "come before momenta")]);
+    // Names that say nothing, or the right thing.
+    for names in ["x, v", "phi, p_phi", "p, s", "_, p", "p, _", "psi, q", "p, psi"] {
+        attribute(&format!("drift = |{names}| 1.0, embedding = Midpoint"), &[]);
+    }
+}
+
+#[test]
 fn schemes() {
     let cases = [
         ("midpoint", "midpoint", "did you mean `Midpoint`?"),

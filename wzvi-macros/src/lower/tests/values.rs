@@ -196,7 +196,7 @@ fn integers_of_the_struct_select() {
         |q: f64, p: f64| if n == 0 { q } else { p },
         |q: f64, p: f64| if n == 3 { q } else { p },
         |q: f64, p: f64| if 3 != n { q } else { p },
-        |q: f64, p: f64| if n < 2 || n >= 7 { q } else { p },
+        |q: f64, p: f64| if n < 2 || n == 7 { q } else { p },
         |q: f64, p: f64| if 2 * n > 5 { q } else { p },
         |q: f64, p: f64| if -1 < n && n <= 3 { q } else { p },
         |q: f64, p: f64| match n {
