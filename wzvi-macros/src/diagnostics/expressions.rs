@@ -154,6 +154,21 @@ pub(crate) fn pattern_mismatch(pattern: impl ToTokens, actual: &str) -> Error {
     at(pattern, format!("this pattern does not fit {actual}"))
 }
 
+pub(crate) fn match_on(found: impl ToTokens, actual: &str) -> Error {
+    at(
+        found,
+        format!("`match` selects by an integer or a condition, and this is {actual}; use `if` and `else`"),
+    )
+}
+
+pub(crate) fn match_pattern(pattern: impl ToTokens) -> Error {
+    at(
+        pattern,
+        "`match` takes literals, ranges of them, `|` and `_` as patterns; in the place of a name write `_`, and for a \
+         constant `_ if kind == CONSTANT`",
+    )
+}
+
 pub(crate) fn branches_differ(found: impl ToTokens) -> Error {
     at(found, "both branches must have a value of the same shape: this condition is only known at run time")
 }

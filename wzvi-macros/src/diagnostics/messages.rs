@@ -216,6 +216,17 @@ pub(crate) fn closure_arity(patterns: TokenStream, found: usize) -> Error {
     )
 }
 
+pub(crate) fn swapped_names(q: &syn::Pat, p: &syn::Pat) -> Error {
+    let [first, second] = [q, p].map(|pattern| pattern.to_token_stream().to_string());
+    at(
+        quote::quote! { #q #p },
+        format!(
+            "coordinates come before momenta: write `|{second}, {first}|`; if `{first}` are coordinates indeed, give them \
+             and the momenta other names"
+        ),
+    )
+}
+
 pub(crate) fn momenta_disagree(momenta: impl ToTokens, q: &Shape, p: &Shape) -> Error {
     at(momenta, format!("the momenta are `{p}`, but the coordinates are `{q}`; both need the same shape"))
 }

@@ -205,6 +205,7 @@ fn parameters(closure: &Hamiltonian) -> syn::Result<(&Pat, &Pat, Option<&Pat>)> 
         inputs.pop();
     }
     match *inputs.as_slice() {
+        [q, p] | [q, p, _] if are_swapped(q, p) => Err(messages::swapped_names(q, p)),
         [q, p] => Ok((q, p, None)),
         [q, p, t] => Ok((q, p, Some(t))),
         [Pat::Tuple(tuple)] => Err(messages::tuple_phase_pattern(tuple)),
@@ -213,6 +214,25 @@ fn parameters(closure: &Hamiltonian) -> syn::Result<(&Pat, &Pat, Option<&Pat>)> 
             let inputs = &closure.closure.inputs;
             Err(messages::closure_arity(quote! { #begin #inputs #end }, inputs.len()))
         }
+    }
+}
+
+/// Whether the coordinates have the names of momenta and the momenta those of coordinates: `|p, q|`, `|p1, q1|`,
+/// `|[px, py], [x, y]|`. The equations of motion would have the wrong sign, and nothing else would tell.
+fn are_swapped(q: &Pat, p: &Pat) -> bool {
+    match (q, p) {
+        (Pat::Paren(inner), p) => are_swapped(&inner.pat, p),
+        (q, Pat::Paren(inner)) => are_swapped(q, &inner.pat),
+        (Pat::Type(typed), p) => are_swapped(&typed.pat, p),
+        (q, Pat::Type(typed)) => are_swapped(q, &typed.pat),
+        (Pat::Slice(q), Pat::Slice(p)) => q.elems.iter().zip(&p.elems).any(|(q, p)| are_swapped(q, p)),
+        (Pat::Ident(q), Pat::Ident(p)) => {
+            let [q, p] = [q, p].map(|name| name.ident.unraw().to_string());
+            let Some(coordinate) = q.strip_prefix('p') else { return false };
+            let bare = coordinate.trim_start_matches('_');
+            p.strip_prefix('q') == Some(coordinate) || (!bare.is_empty() && p == bare)
+        }
+        _ => false,
     }
 }
 

@@ -159,7 +159,7 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// `if condition { then } else { otherwise }`, element by element; `None` if the two do not match.
-    fn select(&mut self, condition: Expr, then: &Value, otherwise: &Value) -> Option<Value> {
+    pub(super) fn select(&mut self, condition: Expr, then: &Value, otherwise: &Value) -> Option<Value> {
         Some(match (then, otherwise) {
             (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
             (Value::Index(a), Value::Index(b)) if a == b => Value::Index(a.clone()),

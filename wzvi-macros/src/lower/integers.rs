@@ -114,10 +114,7 @@ impl<'a> Interpreter<'a, '_> {
         match self.is_less(difference, false) {
             Value::Known(true) => Value::Known(false),
             Value::Known(false) => self.is_less(difference, true),
-            _ => {
-                let (value, zero) = (self.index_as_real(difference), self.graph.integer(0));
-                Value::Condition(self.graph.compare(Relation::Equal, value, zero))
-            }
+            _ => Value::Condition(self.compare_with_zero(Relation::Equal, difference)),
         }
     }
 

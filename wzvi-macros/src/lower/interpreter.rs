@@ -159,6 +159,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             Syntax::Cast(cast) => self.cast(cast),
             Syntax::Block(block) if block.label.is_none() => self.block(&block.block),
             Syntax::If(branch) => self.branch(branch),
+            Syntax::Match(choice) => self.match_arms(choice),
             Syntax::ForLoop(repeat) if repeat.label.is_none() => self.for_loop(repeat),
             Syntax::Closure(closure) => self.closure(closure),
             Syntax::Call(call) => self.call(call),
@@ -193,7 +194,6 @@ impl<'a, 'd> Interpreter<'a, 'd> {
 
     fn unsupported(&mut self, syntax: &Syntax) -> Value {
         let (what, remedy) = match syntax {
-            Syntax::Match(_) => ("`match`", "use `if` and `else`"),
             Syntax::Let(_) => ("`if let`", "use conditions on numbers"),
             Syntax::While(_) | Syntax::Loop(_) => {
                 ("a loop without a known number of turns", "use `for i in a..b` or an iterator")
@@ -211,7 +211,6 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             _ => ("this expression", "use arithmetic, `f64` methods, `let`, `if`, closures and iterators"),
         };
         let at = match syntax {
-            Syntax::Match(syntax) => syntax.match_token.to_token_stream(),
             Syntax::While(syntax) => syntax.while_token.to_token_stream(),
             Syntax::Loop(syntax) => syntax.loop_token.to_token_stream(),
             Syntax::Return(syntax) => syntax.return_token.to_token_stream(),

@@ -150,9 +150,45 @@ impl<'a> Interpreter<'a, '_> {
             case.assumed.push(assumption);
             return Value::Known(true);
         }
-        let (value, zero) = (self.index_as_real(difference), self.graph.integer(0));
         let relation = if or_equal { Relation::LessEqual } else { Relation::Less };
-        Value::Condition(self.graph.compare(relation, value, zero))
+        Value::Condition(self.compare_with_zero(relation, difference))
+    }
+
+    /// `difference relation 0`, left to the running program. Between integers of the struct it is a comparison of
+    /// parameters, `n < m + 1` with as many numbers on either side as were written: exact below 2^53.
+    pub(super) fn compare_with_zero(&mut self, relation: Relation, difference: &Index) -> Expr {
+        let (left, right) = match self.sides(difference) {
+            Some(sides) => sides,
+            None => (self.index_as_real(difference), self.graph.integer(0)),
+        };
+        self.graph.compare(relation, left, right)
+    }
+
+    /// `difference = left - right`, if it is linear in integers of the struct.
+    fn sides(&mut self, difference: &Index) -> Option<(Expr, Expr)> {
+        let (mut left, mut right) = (Vec::new(), Vec::new());
+        for (atom, coefficient) in &difference.terms {
+            let parameter = self.index_parameter(atom)?;
+            let multiple = Rational::new(*coefficient, 1)?;
+            match multiple.is_negative() {
+                true => right.push((parameter, multiple.negate())),
+                false => left.push((parameter, multiple)),
+            }
+        }
+        let constant = Rational::new(difference.constant, 1)?;
+        let one = self.graph.integer(1);
+        match right.is_empty() || constant.is_negative() {
+            true => right.push((one, constant.negate())),
+            false => left.push((one, constant)),
+        }
+        Some((self.graph.linear_combination(&left), self.graph.linear_combination(&right)))
+    }
+
+    /// An integer of the struct, which is a parameter.
+    fn index_parameter(&mut self, atom: &Atom) -> Option<Expr> {
+        let Atom::Given(id, indices) = atom else { return None };
+        let (name, tokens) = indices.is_empty().then(|| self.tables.integer(*id))??;
+        Some(self.parameter(&name, tokens))
     }
 
     /// An integer as a real number.
@@ -160,12 +196,10 @@ impl<'a> Interpreter<'a, '_> {
         if let Some(known) = index.as_integer() {
             return self.graph.whole(known);
         }
-        // An integer of the struct is a parameter.
-        if let ([(Atom::Given(id, indices), 1)], 0) = (index.terms.as_slice(), index.constant)
-            && indices.is_empty()
-            && let Some((name, tokens)) = self.tables.integer(*id)
+        if let ([(atom, 1)], 0) = (index.terms.as_slice(), index.constant)
+            && let Some(parameter) = self.index_parameter(atom)
         {
-            return self.parameter(&name, tokens);
+            return parameter;
         }
         self.local(Slot::Number(index.clone()))
     }

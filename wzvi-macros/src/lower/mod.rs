@@ -9,6 +9,7 @@ mod floats;
 mod integers;
 mod interpreter;
 mod loops;
+mod matches;
 mod methods;
 mod names;
 mod operators;

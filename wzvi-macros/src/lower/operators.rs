@@ -1,6 +1,6 @@
 //! Literals, operators, casts, comparisons, indices.
 
-use quote::quote;
+use quote::{ToTokens, quote};
 use syn::{BinOp, Expr as Syntax, ExprBinary, ExprCast, ExprUnary, Lit, Type, UnOp};
 
 use super::interpreter::Interpreter;
@@ -272,8 +272,19 @@ impl<'a> Interpreter<'a, '_> {
             return Value::Known(known);
         }
         let right = self.evaluate(&syntax.right);
+        self.combine(and, (left, &*syntax.left), (right, &*syntax.right))
+    }
+
+    /// `left && right`, or `left || right`.
+    pub(super) fn combine(
+        &mut self,
+        and: bool,
+        (left, at_left): (Value, &dyn ToTokens),
+        (right, at_right): (Value, &dyn ToTokens),
+    ) -> Value {
         match (left, right) {
             (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
+            (Value::Known(known), _) if known != and => Value::Known(known),
             (Value::Known(_), right @ (Value::Known(_) | Value::Condition(_))) => right,
             (Value::Condition(_), Value::Known(known)) if known != and => Value::Known(known),
             (Value::Condition(left), Value::Known(_)) => Value::Condition(left),
@@ -281,10 +292,14 @@ impl<'a> Interpreter<'a, '_> {
                 true => self.graph.and(left, right),
                 false => self.graph.or(left, right),
             }),
-            (Value::Known(_) | Value::Condition(_), other) => {
-                self.report(expressions::expected(&syntax.right, "a condition", other.describe()))
+            (Value::Known(_) | Value::Condition(_), other) => self.report(expressions::expected(
+                at_right.to_token_stream(),
+                "a condition",
+                other.describe(),
+            )),
+            (other, _) => {
+                self.report(expressions::expected(at_left.to_token_stream(), "a condition", other.describe()))
             }
-            (other, _) => self.report(expressions::expected(&syntax.left, "a condition", other.describe())),
         }
     }
 

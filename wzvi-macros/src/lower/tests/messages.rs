@@ -77,6 +77,29 @@ fn habits_from_elsewhere_are_recognised() {
 }
 
 #[test]
+fn momenta_before_coordinates_are_refused() {
+    attribute("drift = |p, q| p, embedding = Midpoint", &[("p, q", "write `|q, p|`")]);
+    attribute(
+        "drift = |p: f64, q: f64, t| p * t, embedding = Midpoint",
+        &[("p: f64, q: f64", "come before momenta")],
+    );
+    attribute(
+        "drift = |[px, py], [x, y]| x, embedding = Midpoint",
+        &[("[px, py], [x, y]", "come before momenta")],
+    );
+    attribute(
+        "drift = |[p1, p2], [q1, q2]| q1, embedding = Midpoint",
+        &[("[p1, p2], [q1, q2]", "come before")],
+    );
+    let noise = "drift = |q, p| p, noise = [|p, q| p, |q, p| q], embedding = Midpoint";
+    attribute(noise, &[("p, q", "come before momenta")]);
+    // Names that say nothing, or the right thing.
+    for names in ["x, v", "phi, p_phi", "p, s", "_, p", "p, _", "psi, q", "p, psi"] {
+        attribute(&format!("drift = |{names}| 1.0, embedding = Midpoint"), &[]);
+    }
+}
+
+#[test]
 fn schemes() {
     let cases = [
         ("midpoint", "midpoint", "did you mean `Midpoint`?"),
@@ -164,7 +187,13 @@ fn expressions() {
     body("q.sine()", &[("sine", "did you mean `sin`?")]);
     body("q.powi(1, 2)", &[("powi", "expected 1 argument, found 2")]);
     body("f64::atan2(q)", &[("f64::atan2", "expected 2 arguments, found 1")]);
-    body("match q { _ => p }", &[("match", "use `if` and `else`")]);
+    body("match q { _ => p }", &[("q", "use `if` and `else`")]);
+    body("match n { k => q * k as f64 }", &[("k", "in the place of a name write `_`")]);
+    body("match n { 0.5 => q, _ => p }", &[("0.5", "does not fit an integer")]);
+    body("match n { 0 if q => q, _ => p }", &[("q", "expected a condition, found a real number")]);
+    body("match n { 0 => (q, p), _ => p }", &[("(q, p)", "both branches")]);
+    body("match n { 0 => sgma, _ => q.floor() }", &[("sgma", "no field"), ("floor", "not supported")]);
+    body("{ let mut s = q; match n { 0 => s = p, _ => {} }; s }", &[("s", "assignment inside a branch")]);
     body("{ return q; }", &[("return", "`return`"), ("{ return q; }", "found `()`")]);
     body("{ while q > p {} q }", &[("while", "known number of turns")]);
     body("vec![q, p][0]", &[("vec![q, p]", "a macro call")]);

@@ -183,6 +183,68 @@ fn parameters_in_the_order_of_their_use() {
 }
 
 #[test]
+fn integers_of_the_struct_select() {
+    macro_rules! same_for_every_integer {
+        ($n:ident: $($closure:expr),* $(,)?) => {
+            $( for $n in [-3, -1, 0, 1, 2, 3, 4, 7, 1_000_000] {
+                same_as_rust!($closure, [0.3], [1.7], { $n = $n });
+            } )*
+        };
+    }
+    same_for_every_integer!(
+        n:
+        |q: f64, p: f64| if n == 0 { q } else { p },
+        |q: f64, p: f64| if n == 3 { q } else { p },
+        |q: f64, p: f64| if 3 != n { q } else { p },
+        |q: f64, p: f64| if n < 2 || n == 7 { q } else { p },
+        |q: f64, p: f64| if 2 * n > 5 { q } else { p },
+        |q: f64, p: f64| if -1 < n && n <= 3 { q } else { p },
+        |q: f64, p: f64| match n {
+            0 => q,
+            -1 | 2 => q * p,
+            3..=5 => p,
+            6.. => p - q,
+            _ => 2.0,
+        },
+        |q: f64, p: f64| match n {
+            ..0 => q,
+            _ if n == 1 => p,
+            _ => 2.0,
+        },
+        |q: f64, p: f64| match n == 2 {
+            true => q,
+            false => p,
+        },
+        |q: f64, p: f64| match q > p {
+            false => q + p,
+            true => p,
+        },
+        |q: f64, p: f64| {
+            let (x, y) = match n {
+                1 => (q, p),
+                _ => (p, q),
+            };
+            x - 2.0 * y
+        },
+        |q: f64, p: f64| (0..4)
+            .map(|i| match i {
+                0 => q,
+                1..=2 => p * i as f64,
+                _ => q * p,
+            })
+            .sum::<f64>(),
+    );
+}
+
+#[test]
+fn an_integer_that_selects_is_one_parameter() {
+    let model = drift("|q, p| match n { 0 => q, 1 => p, 2..5 => q * p, _ => 0.0 }");
+    assert_eq!(model.parameters.len(), 1);
+    let shown = model.graph.display(model.drift.value);
+    assert!(shown.contains("n"), "{shown}");
+}
+
+#[test]
 fn lists_of_the_struct_are_iterated() {
     let closure = "|q: [f64; 3], _| q.iter().zip(&self.masses).map(|(q, m)| m * q * q).sum::<f64>()";
     let parameters = [("masses[0]", 1.0), ("masses[1]", 2.0), ("masses[2]", 3.0)];
