@@ -334,7 +334,7 @@ const _: () = {
             __places::Places {
                 components: 2usize,
                 tables: &[
-                    __places::Table {
+                    __places::Name {
                         name: "",
                         suffix: "",
                     },

@@ -12,6 +12,8 @@ pub use crate::calculus::DomainError;
 pub use crate::increments::NoiseError;
 #[cfg(any(feature = "ensemble", feature = "serde", feature = "report"))]
 pub use crate::persist::FileError;
+#[doc(hidden)]
+pub use index::Name;
 pub use index::{IndexError, IndexLimit};
 pub use internal::InternalError;
 
