@@ -353,9 +353,13 @@ const _: () = {
             __places::Places {
                 components: 2usize,
                 tables: &[
-                    __places::Table { name: &["", ""] },
-                    __places::Table {
-                        name: &["mass", ""],
+                    __places::Name {
+                        name: "",
+                        suffix: "",
+                    },
+                    __places::Name {
+                        name: "mass",
+                        suffix: "",
                     },
                 ],
                 nests: &[
@@ -365,12 +369,18 @@ const _: () = {
                                 start: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: &["0", ""],
+                                    name: __places::Name {
+                                        name: "0",
+                                        suffix: "",
+                                    },
                                 },
                                 end: __places::Index {
                                     terms: &[(__places::Atom::Size, 1)],
                                     constant: 0,
-                                    text: &["n", ""],
+                                    name: __places::Name {
+                                        name: "n",
+                                        suffix: "",
+                                    },
                                 },
                             },
                         ],
@@ -382,7 +392,10 @@ const _: () = {
                                         index: __places::Index {
                                             terms: &[(__places::Atom::Loop(0usize), 1)],
                                             constant: 0,
-                                            text: &["i", ""],
+                                            name: __places::Name {
+                                                name: "i",
+                                                suffix: "",
+                                            },
                                         },
                                         is_inside: false,
                                     },
@@ -396,24 +409,36 @@ const _: () = {
                                 start: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: &["0", ""],
+                                    name: __places::Name {
+                                        name: "0",
+                                        suffix: "",
+                                    },
                                 },
                                 end: __places::Index {
                                     terms: &[(__places::Atom::Size, 1)],
                                     constant: 0,
-                                    text: &["n", ""],
+                                    name: __places::Name {
+                                        name: "n",
+                                        suffix: "",
+                                    },
                                 },
                             },
                             __places::Loop {
                                 start: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: &["0", ""],
+                                    name: __places::Name {
+                                        name: "0",
+                                        suffix: "",
+                                    },
                                 },
                                 end: __places::Index {
                                     terms: &[(__places::Atom::Loop(0usize), 1)],
                                     constant: 0,
-                                    text: &["i", ""],
+                                    name: __places::Name {
+                                        name: "i",
+                                        suffix: "",
+                                    },
                                 },
                             },
                         ],
@@ -425,7 +450,10 @@ const _: () = {
                                         index: __places::Index {
                                             terms: &[(__places::Atom::Loop(0usize), 1)],
                                             constant: 0,
-                                            text: &["i", ""],
+                                            name: __places::Name {
+                                                name: "i",
+                                                suffix: "",
+                                            },
                                         },
                                         is_inside: false,
                                     },
@@ -438,7 +466,10 @@ const _: () = {
                                         index: __places::Index {
                                             terms: &[(__places::Atom::Loop(1usize), 1)],
                                             constant: 0,
-                                            text: &["j", ""],
+                                            name: __places::Name {
+                                                name: "j",
+                                                suffix: "",
+                                            },
                                         },
                                         is_inside: false,
                                     },

@@ -307,7 +307,10 @@ const _: () = {
                                 index: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: &["0", ""],
+                                    name: __places::Name {
+                                        name: "0",
+                                        suffix: "",
+                                    },
                                 },
                                 is_natural: true,
                             },

@@ -285,17 +285,26 @@ const _: () = {
             __places::Places {
                 components: 1usize,
                 tables: &[
-                    __places::Table {
-                        name: &["bonds.len()", ""],
+                    __places::Name {
+                        name: "bonds.len()",
+                        suffix: "",
                     },
-                    __places::Table { name: &["", ""] },
-                    __places::Table {
-                        name: &["bonds", ".0"],
+                    __places::Name {
+                        name: "",
+                        suffix: "",
                     },
-                    __places::Table {
-                        name: &["bonds", ".1"],
+                    __places::Name {
+                        name: "bonds",
+                        suffix: ".0",
                     },
-                    __places::Table { name: &["", ""] },
+                    __places::Name {
+                        name: "bonds",
+                        suffix: ".1",
+                    },
+                    __places::Name {
+                        name: "",
+                        suffix: "",
+                    },
                 ],
                 nests: &[
                     __places::Nest {
@@ -304,12 +313,18 @@ const _: () = {
                                 start: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: &["0", ""],
+                                    name: __places::Name {
+                                        name: "0",
+                                        suffix: "",
+                                    },
                                 },
                                 end: __places::Index {
                                     terms: &[(__places::Atom::Given(0usize, &[]), 1)],
                                     constant: 0,
-                                    text: &["bonds.len()", ""],
+                                    name: __places::Name {
+                                        name: "bonds.len()",
+                                        suffix: "",
+                                    },
                                 },
                             },
                         ],
@@ -325,7 +340,10 @@ const _: () = {
                                                         index: __places::Index {
                                                             terms: &[(__places::Atom::Loop(0usize), 1)],
                                                             constant: 0,
-                                                            text: &["i", ""],
+                                                            name: __places::Name {
+                                                                name: "i",
+                                                                suffix: "",
+                                                            },
                                                         },
                                                         is_inside: true,
                                                     },
@@ -335,7 +353,10 @@ const _: () = {
                                         ),
                                     ],
                                     constant: 0,
-                                    text: &["bonds.0[i]", ""],
+                                    name: __places::Name {
+                                        name: "bonds.0[i]",
+                                        suffix: "",
+                                    },
                                 },
                                 is_natural: false,
                             },
@@ -350,7 +371,10 @@ const _: () = {
                                                         index: __places::Index {
                                                             terms: &[(__places::Atom::Loop(0usize), 1)],
                                                             constant: 0,
-                                                            text: &["i", ""],
+                                                            name: __places::Name {
+                                                                name: "i",
+                                                                suffix: "",
+                                                            },
                                                         },
                                                         is_inside: true,
                                                     },
@@ -360,7 +384,10 @@ const _: () = {
                                         ),
                                     ],
                                     constant: 0,
-                                    text: &["bonds.1[i]", ""],
+                                    name: __places::Name {
+                                        name: "bonds.1[i]",
+                                        suffix: "",
+                                    },
                                 },
                                 is_natural: false,
                             },

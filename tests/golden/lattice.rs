@@ -333,7 +333,12 @@ const _: () = {
             use __wzvi::elements::places as __places;
             __places::Places {
                 components: 2usize,
-                tables: &[__places::Table { name: &["", ""] }],
+                tables: &[
+                    __places::Name {
+                        name: "",
+                        suffix: "",
+                    },
+                ],
                 nests: &[],
             }
         };

@@ -268,8 +268,9 @@ const _: () = {
             __places::Places {
                 components: 1usize,
                 tables: &[
-                    __places::Table {
-                        name: &["sites", ""],
+                    __places::Name {
+                        name: "sites",
+                        suffix: "",
                     },
                 ],
                 nests: &[
@@ -279,12 +280,18 @@ const _: () = {
                                 start: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: &["0", ""],
+                                    name: __places::Name {
+                                        name: "0",
+                                        suffix: "",
+                                    },
                                 },
                                 end: __places::Index {
                                     terms: &[(__places::Atom::Given(0usize, &[]), 1)],
                                     constant: 0,
-                                    text: &["sites", ""],
+                                    name: __places::Name {
+                                        name: "sites",
+                                        suffix: "",
+                                    },
                                 },
                             },
                         ],
@@ -293,7 +300,10 @@ const _: () = {
                                 index: __places::Index {
                                     terms: &[(__places::Atom::Loop(0usize), 1)],
                                     constant: 0,
-                                    text: &["i", ""],
+                                    name: __places::Name {
+                                        name: "i",
+                                        suffix: "",
+                                    },
                                 },
                                 is_natural: true,
                             },

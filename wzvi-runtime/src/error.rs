@@ -12,7 +12,8 @@ pub use crate::calculus::DomainError;
 pub use crate::increments::NoiseError;
 #[cfg(any(feature = "ensemble", feature = "serde"))]
 pub use crate::persist::FileError;
-pub(crate) use index::Name;
+#[doc(hidden)]
+pub use index::Name;
 pub use index::{IndexError, IndexLimit};
 pub use internal::InternalError;
 

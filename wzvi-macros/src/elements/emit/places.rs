@@ -29,7 +29,7 @@ pub(super) fn emit(system: &System) -> TokenStream {
     let tables = system.tables.iter().enumerate().map(|(id, table)| {
         let is_read = places.arms.keys().any(|(known, _)| *known == id);
         let (name, suffix) = if is_read { names(table) } else { Default::default() };
-        quote!(__places::Table { name: &[#name, #suffix] },)
+        quote!(__places::Name { name: #name, suffix: #suffix },)
     });
     let arms = places.arms.values();
     let usize = quote!(__wzvi::core::primitive::usize);
@@ -129,7 +129,7 @@ impl Places<'_> {
             .collect();
         let (constant, text) =
             (Literal::i128_unsuffixed(index.constant), describe::index_in(self.system, element, index));
-        quote!(__places::Index { terms: &[#terms], constant: #constant, text: &[#text, ""] })
+        quote!(__places::Index { terms: &[#terms], constant: #constant, name: __places::Name { name: #text, suffix: "" } })
     }
 
     fn atom(&mut self, atom: &Atom, element: &Element) -> TokenStream {
