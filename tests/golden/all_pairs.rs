@@ -27,7 +27,7 @@ Step
   assign v, Δq
 
 Facts
-  H0 is a first integral
+  H0 is a first integral: kept by the step nearly, within O(h)
 
 ```
 */
@@ -812,7 +812,7 @@ const _: () = {
                 conserves_energy: __wzvi::Knowledge::Proven,
                 commuting: __wzvi::Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_i)\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral\n";
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_i)\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
             const IN_LANES: __wzvi::core::primitive::bool = false;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<

@@ -27,7 +27,7 @@ Step
   solve for v (then Δq): fixed-point iteration while it contracts, else Newton with a banded Jacobian
 
 Facts
-  H0 is a first integral
+  H0 is a first integral: kept by the step nearly, within O(h²)
 
 ```
 */
@@ -535,7 +535,7 @@ const _: () = {
                 conserves_energy: __wzvi::Knowledge::Proven,
                 commuting: __wzvi::Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_{i+1/2})\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  solve for v (then Δq): fixed-point iteration while it contracts, else Newton with a banded Jacobian\n\nFacts\n  H0 is a first integral\n";
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_{i+1/2})\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  solve for v (then Δq): fixed-point iteration while it contracts, else Newton with a banded Jacobian\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
             const IN_LANES: __wzvi::core::primitive::bool = false;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<

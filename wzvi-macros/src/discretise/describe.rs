@@ -149,7 +149,7 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
     crossings(facts, text);
     for invariant in &facts.invariants {
         let is_kept = invariant.form.is_kept(embedding, has_noise);
-        let keeps = if is_kept { "kept by the step to rounding" } else { "kept by the step up to its order" };
+        let keeps = if is_kept { "kept by the step to rounding" } else { followed(facts, embedding) };
         let value = facts.space.display(graph, &invariant.value, Rational::ONE);
         line(text, format_args!("  first integral {value}: {keeps}"));
     }
@@ -168,7 +168,7 @@ fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
                 _ if facts.energy_form.is_kept(embedding, has_noise) => {
                     "kept by the step to rounding".to_owned()
                 }
-                (true, _) => "kept by the step up to its order".to_owned(),
+                (true, _) => followed(facts, embedding).to_owned(),
                 (false, true) => format!("kept by the step nearly, within {order}"),
                 (false, false) => format!("kept by the step nearly, within {order} between the kinks of H0"),
             };
@@ -181,6 +181,14 @@ fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
             let energy = knowledge(known, "is a first integral", "is not a first integral");
             line(text, format_args!("  H0 {energy}"));
         }
+    }
+}
+
+/// How the step keeps a first integral that it does not keep exactly.
+fn followed(facts: &Facts, embedding: &Embedding) -> &'static str {
+    match facts.noise == NoiseClass::None || facts.converges(embedding) {
+        true => "kept by the step up to its order",
+        false => "of the system, and not kept by what the step converges to in general",
     }
 }
 
