@@ -281,7 +281,7 @@ fn equations_are_those_of_the_paper() {
         "∂L_d/∂P = 0:  Δq = P h",
         "p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_i)",
         "p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp",
-        "H0 is a first integral",
+        "H0 is a first integral: kept by the step nearly, within O(h)",
     ] {
         assert!(has_line(text, line), "no line {line:?} in\n{text}");
     }

@@ -28,7 +28,7 @@ Step
   assign Δq
 
 Facts
-  H0 is a first integral
+  H0 is a first integral: kept by the step nearly, within O(h)
 
 ```
 */
@@ -198,7 +198,7 @@ const _: () = {
                 conserves_energy: __wzvi::Knowledge::Proven,
                 commuting: __wzvi::Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_i))\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_i)\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  H0 is a first integral\n";
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_i))\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_i)\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
             type Prepared = __Prepared;
             type Memory<__S: __wzvi::Scalar> = __Memory<__S>;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::Compensation<__S, 1usize>;

@@ -31,7 +31,7 @@ Step
 Facts
   converges to the Stratonovich system; D = 0
   {H1, H0} = 0
-  H0 is a first integral
+  H0 is a first integral: kept by the step to rounding
   first integral p² + q²: kept by the step to rounding
 
 ```
@@ -59,8 +59,8 @@ Step
 Facts
   converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2
   {H1, H0} = 0
-  H0 is a first integral
-  first integral p² + q²: kept by the step up to its order
+  H0 is a first integral: of the system, and not kept by what the step converges to in general
+  first integral p² + q²: of the system, and not kept by what the step converges to in general
 
 ```
 */
@@ -249,7 +249,7 @@ const _: () = {
                 conserves_energy: __wzvi::Knowledge::Proven,
                 commuting: __wzvi::Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_{i+1/2}²)/2 - sigma ΔW (P² + q_{i+1/2}²)/2\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = (-a q_{i+1/2} h - sigma q_{i+1/2} ΔW)/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: linear (then Δq)\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H1, H0} = 0\n  H0 is a first integral\n  first integral p² + q²: kept by the step to rounding\n";
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_{i+1/2}²)/2 - sigma ΔW (P² + q_{i+1/2}²)/2\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = (-a q_{i+1/2} h - sigma q_{i+1/2} ΔW)/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: linear (then Δq)\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H1, H0} = 0\n  H0 is a first integral: kept by the step to rounding\n  first integral p² + q²: kept by the step to rounding\n";
             type Prepared = __Prepared;
             type Memory<__S: __wzvi::Scalar> = __Memory<__S>;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::Compensation<__S, 1usize>;
@@ -410,7 +410,7 @@ const _: () = {
                 conserves_energy: __wzvi::Knowledge::Proven,
                 commuting: __wzvi::Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Uncorrected<DeltaPlus>\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2\n  {H1, H0} = 0\n  H0 is a first integral\n  first integral p² + q²: kept by the step up to its order\n";
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "Uncorrected<DeltaPlus>\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2\n  {H1, H0} = 0\n  H0 is a first integral: of the system, and not kept by what the step converges to in general\n  first integral p² + q²: of the system, and not kept by what the step converges to in general\n";
             type Prepared = __Prepared;
             type Memory<__S: __wzvi::Scalar> = __Memory<__S>;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::Compensation<__S, 1usize>;

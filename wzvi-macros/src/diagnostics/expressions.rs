@@ -93,6 +93,10 @@ pub(crate) fn integer_arithmetic(found: impl ToTokens) -> Error {
     at(found, "this integer arithmetic overflows, divides by zero or leaves its type")
 }
 
+pub(crate) fn division_by_zero(found: impl ToTokens) -> Error {
+    at(found, "this divides by zero: the Hamiltonian has no value anywhere")
+}
+
 pub(crate) fn truncation(found: impl ToTokens) -> Error {
     at(found, "a real number cannot become an integer here: the result would not be differentiable")
 }

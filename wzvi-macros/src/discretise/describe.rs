@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use crate::discretise::Scheme;
+use crate::discretise::branches::{Boundary, Crossing};
 use crate::discretise::embedding::Embedding;
 use crate::discretise::equations::MomentumUpdate;
 use crate::discretise::facts::{Facts, Knowledge, NoiseClass};
@@ -122,7 +123,7 @@ fn names(graph: &Graph, symbols: &StepSymbols, unknowns: &[Unknown]) -> String {
 /// What is known of the system and the scheme.
 pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding, text: &mut String) {
     line(text, format_args!("\nFacts"));
-    let (drift_l, noise_l) = embedding.quadrature();
+    let noise_l = embedding.quadrature().1;
     let has_noise = facts.noise != NoiseClass::None;
     if has_noise {
         let defect = facts.defect(graph, noise_l);
@@ -144,14 +145,67 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
             line(text, format_args!("  the noises {commuting}"));
         }
     }
-    let energy = knowledge(&facts.conserves_energy, "is a first integral", "is not a first integral");
-    line(text, format_args!("  H0 {energy}"));
+    energy(facts, embedding, text);
+    crossings(facts, text);
     for invariant in &facts.invariants {
-        let is_kept = invariant.quadratic && drift_l == Rational::HALF && noise_l == Rational::HALF
-            || invariant.bilinear && (drift_l == noise_l || !has_noise);
-        let keeps = if is_kept { "kept by the step to rounding" } else { "kept by the step up to its order" };
+        let is_kept = invariant.form.is_kept(embedding, has_noise);
+        let keeps = if is_kept { "kept by the step to rounding" } else { followed(facts, embedding) };
         let value = facts.space.display(graph, &invariant.value, Rational::ONE);
         line(text, format_args!("  first integral {value}: {keeps}"));
+    }
+}
+
+/// What the motion does to the energy, and what the step does. A symplectic step without noise follows the motion of an energy
+/// that differs by its order (Hairer, Lubich, Wanner, Geometric Numerical Integration, IX.8): its error does not grow.
+fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
+    let jumps = facts.boundaries[0].iter().any(|known| matches!(known.crossing, Crossing::Jump(_)));
+    let is_smooth = facts.boundaries[0].iter().all(|known| matches!(known.crossing, Crossing::Smooth));
+    let has_noise = facts.noise != NoiseClass::None;
+    let order = if embedding.quadrature().0 == Rational::HALF { "O(h²)" } else { "O(h)" };
+    match &facts.conserves_energy {
+        Knowledge::Proven => {
+            let keeps = match (has_noise, is_smooth) {
+                _ if facts.energy_form.is_kept(embedding, has_noise) => {
+                    "kept by the step to rounding".to_owned()
+                }
+                (true, _) => followed(facts, embedding).to_owned(),
+                (false, true) => format!("kept by the step nearly, within {order}"),
+                (false, false) => format!("kept by the step nearly, within {order} between the kinks of H0"),
+            };
+            line(text, format_args!("  H0 is a first integral: {keeps}"));
+        }
+        Knowledge::Refuted(_) if jumps => {
+            line(text, format_args!("  H0 is not a first integral: it jumps"));
+        }
+        known => {
+            let energy = knowledge(known, "is a first integral", "is not a first integral");
+            line(text, format_args!("  H0 {energy}"));
+        }
+    }
+}
+
+/// How the step keeps a first integral that it does not keep exactly.
+fn followed(facts: &Facts, embedding: &Embedding) -> &'static str {
+    match facts.noise == NoiseClass::None || facts.converges(embedding) {
+        true => "kept by the step up to its order",
+        false => "of the system, and not kept by what the step converges to in general",
+    }
+}
+
+/// Where branches meet.
+fn crossings(facts: &Facts, text: &mut String) {
+    let numbers = std::iter::once("0").chain(facts.numbers.iter().map(String::as_str));
+    for (number, boundaries) in numbers.zip(&facts.boundaries) {
+        for Boundary { place, crossing } in boundaries {
+            let finding = match crossing {
+                Crossing::Smooth => "is continuous, its slope, too",
+                Crossing::Kink => "is continuous, its slope jumps: the step has order 1 across",
+                Crossing::Jump(_) if number == "0" => "jumps: energy is kept on each side only",
+                Crossing::Jump(_) => "jumps: its derivatives are those of either side",
+                Crossing::Undecided => "was not decided to be continuous",
+            };
+            line(text, format_args!("  where {place}, H{number} {finding}"));
+        }
     }
 }
 

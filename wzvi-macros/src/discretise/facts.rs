@@ -1,6 +1,7 @@
 //! What can be said about the continuous system: consistency, first integrals, commuting noises, the class of the noise.
 //! All of it is said of sums of elements, at whatever size.
 
+use super::branches::{Boundary, Crossing, boundaries};
 use super::embedding::{Correction, Embedding};
 use super::sums::{Half, Increments, Space, Sum, Weighted};
 use crate::diagnostics::internal::Promised;
@@ -35,10 +36,31 @@ pub(crate) struct Invariant {
     pub(crate) value: Sum,
     /// The first rate that is not proven zero.
     pub(crate) failure: Option<Failure>,
-    /// Quadratic in (q, p): kept exactly by `Midpoint`.
-    pub(crate) quadratic: bool,
+    pub(crate) form: Form,
+}
+
+/// What of a function the schemes keep exactly.
+#[derive(Clone, Copy)]
+pub(crate) struct Form {
+    /// Quadratic in (q, p): a first integral is kept exactly by `Midpoint`.
+    quadratic: bool,
     /// `pᵀA q` plus linear terms: kept exactly by every embedding with one quadrature point.
-    pub(crate) bilinear: bool,
+    bilinear: bool,
+}
+
+impl Form {
+    fn of(graph: &mut Graph, value: &Sum) -> Self {
+        let [quadratic, bilinear] = [Degree::Quadratic, Degree::Bilinear]
+            .map(|degree| value.iter().all(|weighted| is_of_degree(graph, &weighted.element, degree)));
+        Self { quadratic, bilinear }
+    }
+
+    /// Whether the step keeps a first integral of this form to rounding.
+    pub(crate) fn is_kept(self, embedding: &Embedding, has_noise: bool) -> bool {
+        let (drift, noise) = embedding.quadrature();
+        self.quadratic && drift == Rational::HALF && (noise == Rational::HALF || !has_noise)
+            || self.bilinear && (drift == noise || !has_noise)
+    }
 }
 
 /// The rate `{H_term, F}` (with `∂F/∂t` for the drift) that stands in the way of a first integral.
@@ -79,6 +101,10 @@ pub(crate) struct Facts {
     /// `{H_k, H_0}` per noise or family.
     pub(crate) energy_rates: Vec<Sum>,
     pub(crate) conserves_energy: Knowledge,
+    /// Of the drift.
+    pub(crate) energy_form: Form,
+    /// Where branches of the drift and of each noise meet.
+    pub(crate) boundaries: Vec<Vec<Boundary>>,
     pub(crate) commuting: Knowledge,
     /// What stands behind the `H` of each noise or family.
     pub(crate) numbers: Vec<String>,
@@ -145,9 +171,14 @@ impl Facts {
         let mut energy_rates = Vec::new();
         for one in &noise {
             let rate = Rate::of(space.bracket(graph, one, &drift));
-            conserves_energy.push(rate.known(|sum| space.vanishes(graph, sum, Increments::Each)));
-            energy_rates.push(rate.sum);
+            let known = rate.known(|sum| space.vanishes(graph, sum, Increments::Each));
+            // A rate that vanishes is said, and evaluated, as zero, and not as a difference of what is equal.
+            energy_rates.push(if let Knowledge::Proven = known { Sum::new() } else { rate.sum });
+            conserves_energy.push(known);
         }
+        let boundaries: Vec<Vec<Boundary>> =
+            [&drift].into_iter().chain(&noise).map(|sum| boundaries_of(graph, sum, t)).collect();
+        conserves_energy.extend(boundaries[0].iter().map(kept_across));
         let all_parted = || elements.iter().chain(parted.clone());
         Self {
             noise: noise_class(graph, &parted.clone().collect::<Vec<_>>(), noise.is_empty()),
@@ -160,6 +191,8 @@ impl Facts {
             counter_term,
             counter_term_is_constant,
             conserves_energy: all(conserves_energy),
+            energy_form: Form::of(graph, &drift),
+            boundaries,
             energy_rates,
             commuting: commuting(graph, &mut space, &noise),
             numbers,
@@ -266,6 +299,25 @@ fn is_family(noise: &Sum) -> bool {
     noise.iter().any(|weighted| weighted.increments.iter().any(|number| !number.loops().is_empty()))
 }
 
+/// Where branches meet, wherever the state and time can go.
+fn boundaries_of(graph: &mut Graph, hamiltonian: &Sum, t: Symbol) -> Vec<Boundary> {
+    let of_element = |Weighted { element, .. }: &Weighted| {
+        let mut state = state_of(element);
+        state.push(t);
+        boundaries(graph, element.value, &state)
+    };
+    hamiltonian.iter().flat_map(of_element).collect()
+}
+
+/// Whether a motion that crosses a boundary has the same energy on both sides.
+fn kept_across(boundary: &Boundary) -> Knowledge {
+    match &boundary.crossing {
+        Crossing::Smooth | Crossing::Kink => Knowledge::Proven,
+        Crossing::Jump(witness) => Knowledge::Refuted(witness.clone()),
+        Crossing::Undecided => Knowledge::Unknown(format!("H0 may jump where {}", boundary.place)),
+    }
+}
+
 fn state_of(element: &Element) -> Vec<Symbol> {
     element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol).collect()
 }
@@ -323,9 +375,7 @@ fn invariant(
             }
         }
     }
-    let [quadratic, bilinear] = [Degree::Quadratic, Degree::Bilinear]
-        .map(|degree| value.iter().all(|weighted| is_of_degree(graph, &weighted.element, degree)));
-    Invariant { extent, value, failure, quadratic, bilinear }
+    Invariant { extent, form: Form::of(graph, &value), value, failure }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -5,6 +5,7 @@
 //!            \--facts--> consistency, first integrals, class of the noise
 //! ```
 
+pub(crate) mod branches;
 pub(crate) mod describe;
 pub(crate) mod embedding;
 pub(crate) mod equations;

@@ -76,7 +76,8 @@ impl<'a> Interpreter<'a, '_> {
         self.awaits_definitions() && may_be_shared(path) && !is_variable()
     }
 
-    fn awaits_definitions(&self) -> bool {
+    /// Whether calls of functions that are not known yet are no mistakes.
+    pub(super) fn awaits_definitions(&self) -> bool {
         self.root.is_some_and(|root| root.is_pending)
     }
 

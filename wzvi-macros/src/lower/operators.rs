@@ -122,6 +122,10 @@ impl<'a> Interpreter<'a, '_> {
             BinOp::Sub(_) => Rational::MINUS_ONE,
             BinOp::Mul(_) => return Some(Chain::Product(self.factors(chain, right)?)),
             BinOp::Div(_) => {
+                if self.graph.is_zero(right) {
+                    self.report(expressions::division_by_zero(&link.right));
+                    return None;
+                }
                 let inverse = self.graph.power(right, Rational::MINUS_ONE);
                 return Some(Chain::Product(self.factors(chain, inverse)?));
             }
@@ -185,6 +189,9 @@ impl<'a> Interpreter<'a, '_> {
         let size = self.graph.node(left).operands().len();
         if !self.spend(size / 16, at) {
             return Value::Poison;
+        }
+        if matches!(operator, BinOp::Div(_)) && self.graph.is_zero(right) {
+            return self.report(expressions::division_by_zero(&at.right));
         }
         Value::Real(match operator {
             BinOp::Add(_) => self.graph.add(left, right),

@@ -180,6 +180,10 @@ fn expressions() {
     body("q / 2", &[("2", "write `2.0`")]);
     body("1", &[("1", "write `1.0`")]);
     body("q * 2f32", &[("2f32", "`f32` is not supported")]);
+    body("q / 0.0", &[("0.0", "divides by zero")]);
+    body("q * p / (1.0 - 1.0)", &[("(1.0 - 1.0)", "divides by zero")]);
+    body("(q - q) / (p - p) + q", &[("(p - p)", "divides by zero")]);
+    body("{ let mut s = q; s /= 0.0; s }", &[("0.0", "divides by zero")]);
     body("q % p", &[("q % p", "`%` on real numbers")]);
     body("q as usize as f64", &[("q as usize", "differentiable")]);
     body("(q as f32) * p", &[("f32", "`f32` is not supported")]);

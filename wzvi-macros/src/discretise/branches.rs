@@ -1,0 +1,187 @@
+//! Where a Hamiltonian is made of branches: is it continuous across the boundary, and its slope?
+//!
+//! On `d = 0`, the boundary of a comparison `a < b` with `d = a - b`, the two values of the Hamiltonian are compared, with that
+//! comparison once true and once false. Where `d` is affine in a variable, the boundary is that variable as a function of the
+//! others, and the comparison is a question whether an expression is zero.
+
+use std::collections::HashMap;
+
+use crate::symbolic::zero::{Witness, ZeroTest};
+use crate::symbolic::{Expr, Function, Graph, Node, Relation, Symbol};
+
+/// The surface where a branch ends.
+#[derive(Clone, Debug)]
+pub(crate) struct Boundary {
+    /// As an equation: `q = 1`.
+    pub(crate) place: String,
+    pub(crate) crossing: Crossing,
+}
+
+/// What a Hamiltonian does at a boundary.
+#[derive(Clone, Debug)]
+pub(crate) enum Crossing {
+    /// It is continuous, its first derivatives are, too.
+    Smooth,
+    /// It is continuous, its first derivatives are not, or may not be.
+    Kink,
+    Jump(Witness),
+    Undecided,
+}
+
+/// The boundaries inside of `value` that the variables `state` can cross.
+pub(crate) fn boundaries(graph: &mut Graph, value: Expr, state: &[Symbol]) -> Vec<Boundary> {
+    let mut found = Vec::new();
+    for decision in graph.reachable(&[value]) {
+        let (left, right, sides) = match graph.node(decision) {
+            &Node::Compare(_, left, right) => {
+                let (zero, one) = (graph.integer(0), graph.integer(1));
+                let sides = [(zero, one), (one, zero)].map(|(a, b)| graph.compare(Relation::Less, a, b));
+                (left, right, sides)
+            }
+            Node::Apply(Function::Signum, arguments) => {
+                let argument = arguments[0];
+                (argument, graph.integer(0), [graph.integer(1), graph.integer(-1)])
+            }
+            _ => continue,
+        };
+        if !graph.depends_on(left, state) && !graph.depends_on(right, state) {
+            continue;
+        }
+        let sides = sides.map(|side| replaced(graph, value, decision, side));
+        let jump = graph.subtract(sides[0], sides[1]);
+        if matches!(graph.test_zero(jump), ZeroTest::Zero) {
+            continue;
+        }
+        let crossing = crossing(graph, (left, right), jump, state);
+        let (first, second) = if graph.depends_on(left, state) { (left, right) } else { (right, left) };
+        let place = format!("{} = {}", graph.display(first), graph.display(second));
+        found.push(Boundary { place, crossing });
+    }
+    found
+}
+
+fn crossing(graph: &mut Graph, (left, right): (Expr, Expr), jump: Expr, state: &[Symbol]) -> Crossing {
+    let difference = graph.subtract(left, right);
+    let Some(surface) = state.iter().find_map(|&symbol| solved(graph, difference, symbol, state)) else {
+        return Crossing::Undecided;
+    };
+    let on_surface = graph.substitute(&[jump], &surface)[0];
+    match graph.test_zero(on_surface) {
+        ZeroTest::Nonzero(witness) => return Crossing::Jump(witness),
+        ZeroTest::Unknown => return Crossing::Undecided,
+        ZeroTest::Zero => {}
+    }
+    let is_smooth = state.iter().all(|&symbol| {
+        let slope = graph.derivative(jump, symbol);
+        let slope = graph.substitute(&[slope], &surface)[0];
+        matches!(graph.test_zero(slope), ZeroTest::Zero)
+    });
+    if is_smooth { Crossing::Smooth } else { Crossing::Kink }
+}
+
+/// `difference = 0`, solved for `symbol`, if it is affine in it with a slope that the state does not change.
+fn solved(
+    graph: &mut Graph,
+    difference: Expr,
+    symbol: Symbol,
+    state: &[Symbol],
+) -> Option<HashMap<Symbol, Expr>> {
+    let slope = graph.derivative(difference, symbol);
+    if graph.is_zero(slope) || graph.depends_on(slope, state) {
+        return None;
+    }
+    let zero = graph.integer(0);
+    let rest = graph.substitute(&[difference], &HashMap::from([(symbol, zero)]))[0];
+    let rest = graph.negate(rest);
+    Some(HashMap::from([(symbol, graph.divide(rest, slope))]))
+}
+
+/// `value` with `part` replaced by `by` wherever it occurs.
+fn replaced(graph: &mut Graph, value: Expr, part: Expr, by: Expr) -> Expr {
+    let mut parts = graph.reachable(&[value]);
+    parts.sort_unstable();
+    let mut images: HashMap<Expr, Expr> = HashMap::new();
+    for expr in parts {
+        let image = match expr == part {
+            true => by,
+            false => {
+                let node = graph.node(expr).clone();
+                graph.rebuild(&node, &|operand| images.get(&operand).copied().unwrap_or(operand))
+            }
+        };
+        images.insert(expr, image);
+    }
+    images.get(&value).copied().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use crate::compile::expand;
+
+    /// The facts that the scheme `Midpoint` of a drift states.
+    fn facts(drift: &str) -> String {
+        let attribute = format!("drift = {drift}, embedding = Midpoint");
+        let item = "struct System { a: f64, kind: usize }";
+        let text = expand(attribute.parse().unwrap(), item.parse().unwrap()).to_string();
+        let facts = text.split("Facts").nth(1).unwrap_or(&text);
+        facts.split("```").next().unwrap_or(facts).to_owned()
+    }
+
+    #[track_caller]
+    fn states(drift: &str, expected: &[&str], refuted: &[&str]) {
+        let found = facts(drift);
+        assert!(expected.iter().all(|text| found.contains(text)), "{drift}: {found}");
+        assert!(!refuted.iter().any(|text| found.contains(text)), "{drift}: {found}");
+    }
+
+    const KEPT: &str = "H0 is a first integral";
+
+    #[test]
+    fn energies_that_jump_are_no_first_integrals() {
+        states(
+            "|q, p| 0.5 * p * p + if q > 1.0 { q * q } else { 0.0 }",
+            &[
+                "H0 is not a first integral: it jumps",
+                "where q = 1, H0 jumps: energy is kept on each side only",
+            ],
+            &[KEPT],
+        );
+        states("|q, p| 0.5 * p * p + a * q.signum()", &["where q = 0, H0 jumps"], &[KEPT]);
+        states("|q, p, t| 0.5 * p * p + if t < a { q } else { 0.0 }", &["where t = a, H0 jumps"], &[KEPT]);
+        // The jump of one branch is that of the whole: it is multiplied by what vanishes there.
+        states("|q, p| 0.5 * p * p + (q - 1.0) * if q > 1.0 { 2.0 } else { 1.0 }", &[KEPT], &["H0 jumps"]);
+    }
+
+    #[test]
+    fn kinks_and_smooth_joints_are_told_apart() {
+        let kink = "where q = a, H0 is continuous, its slope jumps";
+        states("|q, p| 0.5 * p * p + if q > a { q - a } else { 0.0 }", &[KEPT, kink], &[]);
+        let smooth = "H0 is continuous, its slope, too";
+        states("|q, p| 0.5 * p * p + if q > a { (q - a).powi(2) } else { 0.0 }", &[KEPT, smooth], &["jumps"]);
+        states("|q, p| 0.5 * p * p + if q > a { q * q } else { q * q }", &[KEPT], &["where"]);
+    }
+
+    #[test]
+    fn curved_boundaries_are_not_decided() {
+        let drift = "|q, p| 0.5 * p * p + if q * q + p * p < 1.0 { q } else { 0.0 }";
+        states(
+            drift,
+            &["was not decided to be continuous", "could not be shown"],
+            &["H0 is a first integral:"],
+        );
+    }
+
+    #[test]
+    fn selections_by_parameters_are_no_boundaries() {
+        states("|q, p| 0.5 * p * p + if a > 0.0 { q } else { q * q }", &[KEPT], &["where"]);
+        states("|q, p| 0.5 * p * p + match kind { 0 => q, _ => q * q }", &[KEPT], &["where"]);
+    }
+
+    #[test]
+    fn what_the_step_keeps_is_said() {
+        states("|q, p| 0.5 * (p * p + a * q * q)", &["kept by the step to rounding"], &[]);
+        states("|q, p| 0.5 * p * p - q.cos()", &["kept by the step nearly, within O(h²)"], &[]);
+    }
+}
