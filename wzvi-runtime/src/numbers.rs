@@ -135,7 +135,7 @@ impl Tape {
         matches!(self, Self::Reading { .. })
     }
 
-    /// What was read makes no sense: [`Tape::read`] gives nothing.
+    /// What was read makes no sense: reading gives nothing.
     pub fn refuse(&mut self) {
         if let Self::Reading { short, .. } = self {
             *short = true;
