@@ -37,12 +37,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .seed(7)
         .steps(steps)
         .record_every(steps.div_ceil(5))
-        .observe(|state| state.q[0])
-        .named("q")
-        .observe(|state| f64::from(u8::from(state.q[0] > 0.0)))
-        .named("crossed")
-        .first_passage(|state| state.q[0])
-        .named("barrier");
+        .observe("q", |state| state.q[0])
+        .observe("crossed", |state| f64::from(u8::from(state.q[0] > 0.0)))
+        .first_passage("barrier", |state| state.q[0]);
     if let Some(file) = checkpoint {
         run = run.checkpoint(Checkpoint::to(file));
     }

@@ -25,14 +25,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .seed(7)
         .until(20.0)
         .record_at([5.0, 10.0])
-        .observe(|state| state.q[0])
-        .named("q")
-        .observe(|state| well.energy(state))
-        .named("energy")
+        .observe("q", |state| state.q[0])
+        .observe("energy", |state| well.energy(state))
         .quantiles()
         .histogram("q", -2.0, 2.0, 80)
-        .first_passage(|state| state.q[0])
-        .named("over the barrier")
+        .first_passage("over the barrier", |state| state.q[0])
         .run()?;
     println!("t      mean of q        energy           its median  99 % below");
     for node in statistics.nodes() {

@@ -108,7 +108,7 @@ impl History {
             .start(start)
             .until(end)
             .record_every(0)
-            .observe(|state, node| {
+            .inspect(|state, node| {
                 if node.step % every == 0 {
                     history.times.push(state.t);
                     for (k, energies) in (1..).zip(&mut history.energies) {
@@ -305,7 +305,7 @@ fn equilibrium() -> Result<[Panel; 2], Box<dyn Error>> {
         .start(start)
         .until(1000.0)
         .record_every(0)
-        .observe(|state, node| {
+        .inspect(|state, node| {
             if node.step % 40 != 0 {
                 return;
             }

@@ -85,7 +85,7 @@ fn section(energy: f64, y: f64, py: f64) -> Result<Section, Box<dyn Error>> {
         .start(start)
         .until(END)
         .record_every(0)
-        .observe(|state, _| {
+        .inspect(|state, _| {
             drift = drift.max((HenonHeiles.energy(state) - energy).abs());
             if before.q[0] < 0.0 && state.q[0] >= 0.0 {
                 let part = -before.q[0] / (state.q[0] - before.q[0]);

@@ -117,7 +117,7 @@ where
         .start(start)
         .steps(PERIODS * steps)
         .record_every(0)
-        .observe(|state, node| {
+        .inspect(|state, node| {
             match node.step % (250 * steps) {
                 step if step <= steps => orbit.push((state.q[0], state.q[1])),
                 step if step == steps + 1 => orbit.push((f64::NAN, f64::NAN)),

@@ -103,12 +103,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             .paths(PATHS)
             .seed(7)
             .until(SPAN * unit)
-            .first_passage(|state| BARRIER - system.energy(state))
-            .named("barrier")
-            .first_passage(|state| state.q[0])
-            .named("other well")
+            .first_passage("barrier", |state| BARRIER - system.energy(state))
+            .first_passage("other well", |state| state.q[0])
             .run()?;
-        let passages = |name| statistics.passage(name).map(|passages| escape(passages, unit)).ok_or(name);
+        let passages = |name| statistics.passage(name).map(|passages| escape(passages, unit));
         let (barrier, other) = (passages("barrier")?, passages("other well")?);
         let seen = 1.0 + OVERSHOOT * s * speed * H.sqrt() / BARRIER;
         let distance = |(time, left): &(f64, f64)| (left - survival(time / seen)).abs();

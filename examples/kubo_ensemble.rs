@@ -51,8 +51,8 @@ fn main() -> Result<(), wzvi::Error> {
         .seed(7)
         .steps(steps)
         .record_every(20)
-        .observe(|state| state.q[0])
-        .observe(|state| state.p[0])
+        .observe("observable0", |state| state.q[0])
+        .observe("observable1", |state| state.p[0])
         .run()?;
     let seconds = began.elapsed().as_secs_f64();
     let [re, im] = factor(&kubo, h);

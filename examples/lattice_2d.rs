@@ -126,7 +126,7 @@ where
         .start(start.clone())
         .until(200.0 * TAU / omega)
         .record_every(0)
-        .observe(|state, _| {
+        .inspect(|state, _| {
             // The wave has no mean, so that the vacuum drops out.
             let now: f64 = state.q.iter().zip(&shape).map(|(q, shape)| (q - 1.0) * shape).sum();
             if before * now < 0.0 {
@@ -251,7 +251,7 @@ impl Fall {
             .start(start)
             .until(39.0)
             .record_every(0)
-            .observe(|state, node| {
+            .inspect(|state, node| {
                 if node.step % each != 0 {
                     return;
                 }

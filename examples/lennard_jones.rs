@@ -191,7 +191,7 @@ fn breath(minimum: &Cluster) -> Result<(), Box<dyn Error>> {
             .start(icosahedron(radius_0 * (1.0 + 1e-5)))
             .until(20.0)
             .record_every(0)
-            .observe(|state, _| {
+            .inspect(|state, _| {
                 let now = radius(state) - radius_0;
                 if before * now < 0.0 {
                     zeros.push(state.t - h * now / (now - before));
@@ -233,7 +233,7 @@ fn melting(minimum: &Cluster) -> Result<[Panel; 2], Box<dyn Error>> {
             .start(start)
             .until(900.0)
             .record_every(0)
-            .observe(|state, node| {
+            .inspect(|state, node| {
                 if state.t < 100.0 || node.step % 10 != 0 {
                     return;
                 }

@@ -86,7 +86,7 @@ fn measure(target: f64, run: impl Fn(u64) -> Result<[f64; 3], wzvi::Error>) -> R
 fn multilevel(target: f64) -> Result<Cost, wzvi::Error> {
     measure(target, |seed| {
         let run = KUBO.ensemble::<Midpoint>(COARSEST).start(State::new([0.0], [1.0])).seed(seed).until(1.0);
-        let estimate = run.observe(|state| state.q[0]).multilevel(target).run()?;
+        let estimate = run.observe("observable0", |state| state.q[0]).multilevel(target).run()?;
         let finest = estimate.levels().last().map_or(f64::NAN, |level| level.h());
         Ok([estimate.mean(), estimate.cost() as f64, finest])
     })
@@ -102,10 +102,10 @@ fn plain(target: f64) -> Result<Cost, wzvi::Error> {
             .start(State::new([0.0], [1.0]))
             .seed(seed)
             .steps(steps);
-        let run = run.paths(1 << 40).observe(|state| state.q[0]).named("q");
+        let run = run.paths(1 << 40).observe("q", |state| state.q[0]);
         let statistics = run.until_error("q", 0.75f64.sqrt() * target).run()?;
         let paths = statistics.last().map_or(0, |end| end.count());
-        Ok([statistics.mean("q"), (paths * steps) as f64, 1.0 / steps as f64])
+        Ok([statistics.mean("q")?, (paths * steps) as f64, 1.0 / steps as f64])
     })
 }
 
@@ -120,7 +120,7 @@ fn slope(costs: &[Cost], y: impl Fn(&Cost) -> f64) -> f64 {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let one = KUBO.ensemble::<Midpoint>(COARSEST).start(State::new([0.0], [1.0])).seed(7).until(1.0);
-    let one = one.observe(|state| state.q[0]).multilevel(1e-3).run()?;
+    let one = one.observe("observable0", |state| state.q[0]).multilevel(1e-3).run()?;
     println!("One run to ε = 1e-3; exactly {:.6}\n\n{one}\n", exact());
     let variance = one.variance_slope().unwrap_or(f64::NAN);
     println!("V_l ~ h^{variance:.2}; twice the strong order is 2\n");

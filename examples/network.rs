@@ -180,7 +180,7 @@ fn hot(network: &Network) -> Result<Panel, Box<dyn Error>> {
             .noise(network.quiet((END / h).round() as usize))
             .until(END)
             .record_every(0)
-            .observe(|state, node| {
+            .inspect(|state, node| {
                 let error = network.energy(state) / energy - 1.0;
                 momentum = momentum.max((state.p.sum() - total).abs());
                 drift = drift.max(error.abs());
@@ -229,7 +229,7 @@ fn pushed(network: &Network, modes: &Modes) -> Result<Panel, Box<dyn Error>> {
             .start(start.clone())
             .noise(Wiener::seed(4).unit(H).path(path))
             .until(10.0)
-            .observe(|state, node| energies[node.step as usize].add(network.energy(state)))
+            .inspect(|state, node| energies[node.step as usize].add(network.energy(state)))
             .run()?;
     }
     let exact = |t: f64| 0.5 * SIGMA * SIGMA * SITES as f64 * t;

@@ -70,7 +70,7 @@ where
         .start(start)
         .steps(STEPS)
         .record_every(0)
-        .observe(|state, _| {
+        .inspect(|state, _| {
             worst = worst.max((Pendulum.energy(state) - energy).abs());
             let now = (state.t, state.p[0]);
             if before.1 > 0.0 && now.1 <= 0.0 {
@@ -156,7 +156,7 @@ where
         .start(start)
         .until(SWINGS as f64 * period)
         .record_every(0)
-        .observe(|state, _| {
+        .inspect(|state, _| {
             let swing = ((state.t / period) as usize).min(SWINGS - 1);
             worst[swing] = worst[swing].max((Pendulum.energy(state) - energy).abs());
         })

@@ -194,7 +194,7 @@ fn ensemble(system: &SineGordon, paths: u64, end: f64) -> Result<Ensemble, Box<d
             .noise(Wiener::seed(8305).unit(H).path(path))
             .until(end)
             .record_every(0)
-            .observe(|state, node| {
+            .inspect(|state, node| {
                 let now: f64 = state.q.iter().map(|q| q.sin().powi(2)).sum();
                 integral += if node.step == 0 { 0.0 } else { 0.5 * H * (sum + now) };
                 sum = now;

@@ -252,7 +252,7 @@ where
         .start(start)
         .until(END)
         .record_every(0)
-        .observe(|state, node| {
+        .inspect(|state, node| {
             let error = (system.energy(state) / energy - 1.0).abs();
             run.energy = run.energy.max(error);
             run.momentum = run.momentum.max(momentum(state).norm() / scale);

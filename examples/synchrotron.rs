@@ -57,11 +57,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         .seed(7)
         .until(END)
         .record_every(STRIDE)
-        .observe(|state| BEAM.energy(state))
-        .named("energy")
+        .observe("energy", |state| BEAM.energy(state))
         .until_error("energy", TARGET)
-        .first_passage(|state| barrier - BEAM.energy(state))
-        .named("loss")
+        .first_passage("loss", |state| barrier - BEAM.energy(state))
         .run()?;
     let paths = run.last().map_or(0, |end| end.count());
     let other = BEAM
@@ -71,7 +69,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .seed(7)
         .until(END)
         .record_every(STRIDE)
-        .observe(|state| BEAM.energy(state))
+        .observe("observable0", |state| BEAM.energy(state))
         .run()?;
 
     println!(
@@ -102,7 +100,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let speed = bucket.integral(2, barrier) / bucket.integral(1, barrier);
     let seen = 1.0 + OVERSHOOT * BEAM.s * speed * H.sqrt() / barrier;
     let survival = |t: f64| theory.get((t / (unit * seen) * 1000.0).round() as usize).map_or(0.0, |at| at.1);
-    let losses = run.passage("loss").ok_or("no losses")?;
+    let losses = run.passage("loss")?;
     let histogram = losses.histogram();
     let (mut left, mut measured) = (paths as f64, vec![(0.0, 1.0)]);
     for (bin, &count) in histogram.counts().iter().enumerate() {

@@ -102,7 +102,7 @@ pub mod prelude {
     pub use wzvi_runtime::increments::{Increments, Noise};
     pub use wzvi_runtime::integrate::Integrate;
     #[cfg(feature = "noise")]
-    pub use wzvi_runtime::noise::{Wiener, WongZakai};
+    pub use wzvi_runtime::noise::{StepNormals, Wiener, WongZakai};
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
     #[cfg(feature = "report")]
     pub use wzvi_runtime::report::WorkPrecision;

@@ -7,6 +7,7 @@ mod elements {
     mod digits;
     mod integrals;
     mod long;
+    mod lowering;
     mod ranges;
     mod sites;
     mod tables;

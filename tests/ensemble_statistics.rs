@@ -40,16 +40,14 @@ fn everything(paths: u64) -> wzvi::ensemble::Ensemble<'static, Edge, DeltaPlus> 
         .start(State::new([1.0], [0.5]))
         .paths(paths)
         .seed(11)
+        .allow_losses(1.0)
         .steps(40)
-        .observe(|state| state.q[0])
-        .named("q")
-        .observe(|state| state.p[0])
-        .named("p")
+        .observe("q", |state| state.q[0])
+        .observe("p", |state| state.p[0])
         .quantiles()
         .histogram("p", -2.0, 2.0, BINS)
-        .first_passage(|state| state.p[0])
-        .named("turns")
-        .first_passage(|state| state.q[0] - 1.3)
+        .first_passage("turns", |state| state.p[0])
+        .first_passage("event1", |state| state.q[0] - 1.3)
 }
 
 /// Everything computed again from the paths themselves, in two passes: the same counts, and the same moments up to the
@@ -112,7 +110,7 @@ fn statistics_are_those_of_the_paths() {
             (passages.passed(), passages.lost(), passages.censored()),
             (times.len() as u64, lost, censored)
         );
-        assert!(times.len() > 100 && times.len() < 600, "{}", times.len());
+        assert!(times.len() > 100, "{}", times.len());
         let mean = times.iter().sum::<f64>() / times.len() as f64;
         assert!((passages.mean() - mean).abs() < 1e-13, "{} {mean}", passages.mean());
         assert_eq!(passages.histogram().total(), passages.passed());
@@ -149,7 +147,7 @@ fn brownian_passages_have_the_probability_of_the_reflection_principle() {
         .seed(5)
         .until(1.0)
         .quantiles()
-        .first_passage(|state| state.p[0] - 1.0)
+        .first_passage("event0", |state| state.p[0] - 1.0)
         .run()
         .unwrap();
     let passages = &run.passages()[0];
@@ -165,7 +163,11 @@ fn brownian_passages_have_the_probability_of_the_reflection_principle() {
     {
         let density = (-0.5f64 * x * x).exp() / std::f64::consts::TAU.sqrt();
         let allowed = 5.0 * (f * (1.0 - f) / n as f64).sqrt() / density + Quantiles::RELATIVE_ERROR * x.abs();
-        assert!((run.quantile("p0", f) - x).abs() < allowed, "{f}: {} {x}", run.quantile("p0", f));
+        assert!(
+            (run.quantile("p0", f).unwrap() - x).abs() < allowed,
+            "{f}: {} {x}",
+            run.quantile("p0", f).unwrap()
+        );
     }
 }
 
@@ -190,10 +192,9 @@ fn a_known_passage_comes_at_its_time() {
         .start(State::new([0.0], [1.0]))
         .paths(3)
         .until(4.0)
-        .first_passage(|state| state.q[0])
-        .named("at the start")
-        .first_passage(|state| if state.t > 0.0 { state.q[0] } else { 1.0 })
-        .first_passage(|state| state.q[0] - 2.0)
+        .first_passage("at the start", |state| state.q[0])
+        .first_passage("event1", |state| if state.t > 0.0 { state.q[0] } else { 1.0 })
+        .first_passage("event2", |state| state.q[0] - 2.0)
         .run()
         .unwrap();
     let [start, back, never] = run.passages() else { panic!("{run:?}") };
@@ -222,7 +223,7 @@ fn times_are_chosen() {
     assert!(config(everything(50).histogram("q", 1.0, 0.0, 3).run()).contains("width"));
     assert!(config(everything(50).keep_paths(1599).run()).contains("1600"));
     assert!(everything(50).keep_paths(1600).run().is_ok());
-    assert!(config(everything(50).observe(|_| 0.0).named("q").run()).contains("`q`"));
+    assert!(config(everything(50).observe("q", |_| 0.0).run()).contains("`q`"));
 }
 
 /// Text comes back as the numbers that it was made of.
@@ -230,8 +231,7 @@ fn times_are_chosen() {
 fn files_are_read_back() {
     let folder = std::env::temp_dir().join(format!("wzvi-ensemble-{}", std::process::id()));
     let run = everything(64)
-        .observe(|state| 1.0 / (state.t - 0.5))
-        .named("a \"quoted\", name")
+        .observe("a \"quoted\", name", |state| 1.0 / (state.t - 0.5))
         .record_at([0.5])
         .keep_paths(1 << 20)
         .run()
@@ -239,13 +239,16 @@ fn files_are_read_back() {
     run.write_csv(&folder).unwrap();
     let moments = std::fs::read_to_string(folder.join("moments.csv")).unwrap();
     let mut lines = moments.lines();
-    assert_eq!(lines.next(), Some("time,observable,count,mean,standard_error,variance"));
+    assert_eq!(
+        lines.next(),
+        Some("time,observable,count,lost,not_finite,mean,standard_error,error_bound,variance")
+    );
     assert_eq!(lines.clone().count(), 3 * 3);
     let first: Vec<&str> = lines.next().unwrap().split(',').collect();
-    assert_eq!(first[..4], ["0.0", "q", "64", "1.0"]);
+    assert_eq!(first[..6], ["0.0", "q", "64", "0", "0", "1.0"]);
     let last = run.last().unwrap();
     let q_at_end = moments.lines().find(|line| line.starts_with("2.0,q,")).unwrap();
-    let mean: f64 = q_at_end.split(',').nth(3).unwrap().parse().unwrap();
+    let mean: f64 = q_at_end.split(',').nth(5).unwrap().parse().unwrap();
     assert_eq!(mean.to_bits(), last.mean(0).to_bits());
     assert!(moments.contains("\n0.5,\"a \"\"quoted\"\", name\","), "{moments}");
     // As many lines as rows in every table.
@@ -296,6 +299,8 @@ fn tables_of_two_runs_do_not_lie_beside_each_other() {
     let run = read("run.csv");
     let columns: Vec<(&str, &str)> =
         run.lines().next().unwrap().split(',').zip(run.lines().nth(1).unwrap().split(',')).collect();
+    let (noise, columns): (Vec<_>, Vec<_>) = columns.into_iter().partition(|(name, _)| *name == "noise");
+    assert!(noise[0].1.starts_with("StepNormals (seed 18446744073709551615;"), "{noise:?}");
     let version = env!("CARGO_PKG_VERSION");
     let expected = [
         ("system", "Kramers"),
@@ -339,7 +344,7 @@ fn rates_allow_for_censoring() {
             .paths(4000)
             .seed(3)
             .until(end)
-            .first_passage(|state| state.q[0])
+            .first_passage("event0", |state| state.q[0])
             .run()
             .unwrap()
     };

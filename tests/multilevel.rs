@@ -55,7 +55,7 @@ pub struct Edge {
 
 fn kubo(h: f64, target: f64, seed: u64) -> wzvi::ensemble::Multilevel<'static, Kubo, Midpoint> {
     let run = KUBO.ensemble::<Midpoint>(h).start(State::new([0.0], [1.0])).seed(seed).until(1.0);
-    run.observe(|state| state.q[0]).multilevel(target)
+    run.observe("observable0", |state| state.q[0]).multilevel(target)
 }
 
 /// `E q` of Kubo's oscillator after `steps` steps to `t = 1`: each turns `p + iq` by the factor `(1 + iθ)/(1 - iθ)` with
@@ -151,8 +151,9 @@ fn additive_noise_heats_as_it_must() {
     for seed in 0..runs {
         let start = State::new([1.0], [0.0]);
         let run = system.ensemble::<Midpoint>(0.5).start(start).seed(seed).until(2.0);
-        let estimate =
-            run.observe(|state| 0.5 * (state.q[0].powi(2) + state.p[0].powi(2))).multilevel(target);
+        let estimate = run
+            .observe("observable0", |state| 0.5 * (state.q[0].powi(2) + state.p[0].powi(2)))
+            .multilevel(target);
         let estimate = estimate.run().unwrap();
         assert!(estimate.met_target());
         squares += (estimate.mean() - (0.5 + 1.25)).powi(2);
@@ -166,7 +167,7 @@ fn every_split_gives_the_same_bits() {
     let well = DoubleWell { s: 0.3 };
     let run = || {
         let run = well.ensemble::<Midpoint>(0.125).start(State::new([1.0], [0.5])).seed(2).until(1.0);
-        run.observe(|state| state.q[0] * state.p[0])
+        run.observe("observable0", |state| state.q[0] * state.p[0])
     };
     let one = run().threads(1).instructions(InstructionSet::Baseline).multilevel(5e-3).run_in::<1>().unwrap();
     assert!(one.levels().len() >= 3 && one.met_target());
@@ -186,7 +187,7 @@ fn the_coarsest_level_is_the_ensemble() {
     let estimate = kubo(0.25, 1e-2, 9).run().unwrap();
     let run = |h: f64, paths| {
         let run = KUBO.ensemble::<Midpoint>(h).start(State::new([0.0], [1.0])).seed(9).until(1.0);
-        run.paths(paths).observe(|state| state.q[0]).named("q").run().unwrap().mean("q")
+        run.paths(paths).observe("q", |state| state.q[0]).run().unwrap().mean("q").unwrap()
     };
     let levels = estimate.levels();
     let same = run(levels[0].h(), levels[0].paths());
@@ -199,10 +200,11 @@ fn the_coarsest_level_is_the_ensemble() {
 fn a_path_that_fails_is_an_error_with_its_level() {
     let edge = Edge { s: 0.4 };
     let run = || edge.ensemble::<DeltaPlus>(0.05).start(State::new([1.0], [0.0])).seed(4).until(1.0);
-    let failures = run().paths(256).run().unwrap();
+    let failures = run().paths(256).allow_losses(1.0).run().unwrap();
     let first = failures.failures()[0];
     for threads in [1, 3] {
-        let outcome = run().threads(threads).observe(|state| state.q[0]).multilevel(1e-2).run();
+        let outcome =
+            run().threads(threads).observe("observable0", |state| state.q[0]).multilevel(1e-2).run();
         let Err(Error::Level(error)) = outcome else { panic!("{outcome:?}") };
         let cause = LevelFailure::Step(first.error);
         assert_eq!(error, LevelError { level: 0, path: first.path, h: 0.05, cause });
@@ -210,7 +212,7 @@ fn a_path_that_fails_is_an_error_with_its_level() {
         assert!(text.contains("level 0") && text.contains("smaller step size"), "{text}");
     }
     let logarithm = KUBO.ensemble::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(9).until(1.0);
-    let outcome = logarithm.observe(|state| state.q[0].ln()).multilevel(1e-2).run();
+    let outcome = logarithm.observe("observable0", |state| state.q[0].ln()).multilevel(1e-2).run();
     let Err(Error::Level(LevelError { level: 0, cause: LevelFailure::NonFinite(value), .. })) = outcome
     else {
         panic!("{outcome:?}")
@@ -218,23 +220,32 @@ fn a_path_that_fails_is_an_error_with_its_level() {
     assert!(value.is_nan());
 }
 
-/// With `k = 1` one step of 0.5 has `|ξ| <= √2` and `θ >= (0.75 - 1)/2`, so that `q >= -0.25` in the end; two steps of 0.25 go
-/// beyond that.
+/// An observable that is undefined just beyond what the coarsest level reaches: the next level has normals of its own, and with some seed
+/// goes farther.
 #[test]
 fn a_path_may_fail_on_a_finer_level_only() {
-    let run = KUBO.ensemble::<Midpoint>(0.5).start(State::new([0.0], [1.0])).seed(9).until(0.5);
-    let run = run.truncation(Truncation::On(1.0));
-    let outcome =
-        run.observe(|state| if state.q[0] < -0.25 { f64::NAN } else { state.q[0] }).multilevel(1e-2).run();
-    let Err(Error::Level(LevelError { level, h, cause, .. })) = outcome else { panic!("{outcome:?}") };
-    assert_eq!((level, h), (1, 0.25));
+    let run = |seed| KUBO.ensemble::<Midpoint>(0.5).start(State::new([0.0], [1.0])).seed(seed).until(0.5);
+    let found = (0..50).find_map(|seed| {
+        let coarsest = run(seed).paths(1024).observe("q", |state| state.q[0]).quantiles().run().unwrap();
+        let least = coarsest.quantile("q", 0.0).unwrap();
+        let defined = move |state: &State<_>| {
+            let state: &State<wzvi::nalgebra::SVector<f64, 1>> = state;
+            if state.q[0] < least { f64::NAN } else { state.q[0] }
+        };
+        run(seed).observe("q", defined).multilevel(1e-2).run().err()
+    });
+    let Some(Error::Level(LevelError { level, h, cause, .. })) = found else { panic!("{found:?}") };
+    assert!(
+        level > 0 && (h == 0.5 / f64::from(1 << level) || h == 1.0 / f64::from(1 << level)),
+        "{level} {h}"
+    );
     assert!(matches!(cause, LevelFailure::NonFinite(value) if value.is_nan()));
 }
 
 #[test]
 fn limits_are_kept_and_said() {
     let few = KUBO.ensemble::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0).paths(1000);
-    let estimate = few.observe(|state| state.q[0]).multilevel(1e-3).run().unwrap();
+    let estimate = few.observe("observable0", |state| state.q[0]).multilevel(1e-3).run().unwrap();
     assert!(!estimate.met_target() && !estimate.is_partial());
     // In whole blocks.
     assert!(estimate.levels().iter().all(|level| level.paths() <= 1024), "{estimate}");
@@ -242,7 +253,8 @@ fn limits_are_kept_and_said() {
     assert!(!coarse.met_target() && coarse.levels().len() == 3 && coarse.bias() > 5e-4);
     assert!(coarse.to_string().contains("target not met"));
     let stopped = KUBO.ensemble::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0);
-    let stopped = stopped.stop_when(|| true).observe(|state| state.q[0]).multilevel(1e-3).run().unwrap();
+    let stopped =
+        stopped.stop_when(|| true).observe("observable0", |state| state.q[0]).multilevel(1e-3).run().unwrap();
     assert!(stopped.is_partial() && stopped.mean().is_nan() && stopped.levels().is_empty());
 }
 
@@ -258,15 +270,118 @@ fn what_makes_no_sense_is_refused() {
         state.q[0]
     };
     refused(base().multilevel(1e-2).run(), "observables");
-    refused(base().observe(q).observe(q).multilevel(1e-2).run(), "observables");
-    refused(base().observe(q).multilevel(0.0).run(), "target");
-    refused(base().observe(q).multilevel(f64::NAN).run(), "target");
-    refused(base().observe(q).multilevel(1e-2).weak_order(-1.0).run(), "weak order");
-    refused(base().observe(q).multilevel(1e-2).finest(1).run(), "finest");
-    refused(base().observe(q).antithetic().multilevel(1e-2).run(), "antithetic");
-    refused(base().observe(q).record_every(1).multilevel(1e-2).run(), "record_every");
-    refused(base().observe(q).first_passage(q).multilevel(1e-2).run(), "first_passage");
-    refused(base().observe(q).named("q").until_error("q", 1.0).multilevel(1e-2).run(), "until_error");
-    refused(base().observe(q).until(0.0).multilevel(1e-2).run(), "step");
-    refused(base().observe(q).threads(0).multilevel(1e-2).run(), "threads");
+    refused(base().observe("a", q).observe("b", q).multilevel(1e-2).run(), "observables");
+    refused(base().observe("observable0", q).multilevel(0.0).run(), "target");
+    refused(base().observe("observable0", q).multilevel(f64::NAN).run(), "target");
+    refused(base().observe("observable0", q).multilevel(1e-2).weak_order(-1.0).run(), "weak order");
+    refused(base().observe("observable0", q).multilevel(1e-2).finest(1).run(), "finest");
+    refused(base().observe("observable0", q).antithetic().multilevel(1e-2).run(), "antithetic");
+    refused(base().observe("observable0", q).record_every(1).multilevel(1e-2).run(), "record_every");
+    refused(
+        base().observe("observable0", q).first_passage("event0", q).multilevel(1e-2).run(),
+        "first_passage",
+    );
+    refused(base().observe("q", q).until_error("q", 1.0).multilevel(1e-2).run(), "until_error");
+    refused(base().observe("observable0", q).until(0.0).multilevel(1e-2).run(), "step");
+    refused(base().observe("observable0", q).threads(0).multilevel(1e-2).run(), "threads");
+    refused(base().observe("q", q).retry(Retry::halving(3)).multilevel(1e-2).run(), "retry");
+    refused(base().observe("q", q).noise(Wiener::seed(1)).multilevel(1e-2).run(), "seed");
+    refused(base().observe("q", q).covariances(false).multilevel(1e-2).run(), "covariances");
+    refused(base().observe("q", q).allow_losses(0.5).multilevel(1e-2).run(), "allow_losses");
+    // Another time than asked for.
+    let ends = |h: f64, end: f64| {
+        let run = KUBO.ensemble::<Midpoint>(h).start(State::new([0.0], [1.0])).seed(1).until(end);
+        run.observe("q", q).multilevel(2e-2).run()
+    };
+    refused(ends(0.3, 1.0), "1.2");
+    assert!(ends(0.1, 0.3).is_ok() && ends(1.0 / 3.0, 1.0).is_ok());
+    #[cfg(feature = "serde")]
+    {
+        let kept = base().observe("q", q).checkpoint(Checkpoint::to("never written"));
+        refused(kept.multilevel(1e-2).run(), "checkpoint");
+    }
+    // The paper's experiment has another limit.
+    let run =
+        WRONG.ensemble::<Uncorrected<DeltaPlus>>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0);
+    refused(run.observe("q", q).multilevel(1e-2).run(), "limit");
+}
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * a * (q * q + p * p),
+    noise = [|q, p| 0.5 * sigma * (q * q + p * p)],
+    embedding = [Uncorrected<DeltaPlus>],
+)]
+pub struct Wrong {
+    pub a: f64,
+    pub sigma: f64,
+}
+
+const WRONG: Wrong = Wrong { a: 1.5, sigma: 1.0 };
+
+/// A driven oscillator: its energy at the end is that of the end.
+#[hamiltonian(drift = |q, p, t| 0.5 * (p * p + q * q) - q * (2.0 * t).cos(), noise = [|q, p| 0.1 * q], embedding = [Midpoint])]
+pub struct Driven;
+
+/// Observables are asked at the time of the state.
+#[test]
+fn observables_know_the_time() {
+    let run =
+        || Driven.ensemble::<Midpoint>(0.25).start(State { t: 0.5, ..State::new([1.0], [0.0]) }).seed(1);
+    let time = run().until(2.0).paths(1024).observe("t", |state| state.t).multilevel(1e-2).run().unwrap();
+    assert_eq!(time.mean(), 2.0);
+    let target = 5e-3;
+    let levels =
+        run().until(2.0).observe("energy", |state| Driven.energy(state)).multilevel(target).run().unwrap();
+    let finest = levels.levels().last().unwrap().h();
+    let one = Driven.ensemble::<Midpoint>(finest).start(State { t: 0.5, ..State::new([1.0], [0.0]) }).seed(2);
+    let one = one.until(2.0).paths(20_000).observe("energy", |state| Driven.energy(state)).run().unwrap();
+    let error = one.standard_error("energy").unwrap().hypot(levels.standard_error());
+    let (mean, expected) = (levels.mean(), one.mean("energy").unwrap());
+    assert!((mean - expected).abs() < 5.0 * error, "{mean}, expected {expected} ± {error}");
+    // At the time of the start it would be another one.
+    let wrong =
+        Driven.ensemble::<Midpoint>(finest).start(State { t: 0.5, ..State::new([1.0], [0.0]) }).seed(2);
+    let at_start = |state: &State<_>| Driven.energy(&State { t: 0.5, ..*state });
+    let wrong = wrong.until(2.0).paths(20_000).observe("energy", at_start).run().unwrap();
+    assert!((wrong.mean("energy").unwrap() - expected).abs() > 50.0 * error);
+}
+
+/// An event with probability 0.001: none of the first 1024 paths of the coarsest level sees it for every third seed. Whoever believes the
+/// variance of the others says zero, and is sure of it.
+#[test]
+fn rare_events_are_not_certain_to_be_absent() {
+    // P(p(1) > 3.0902) for a Brownian motion.
+    let (exact, target, runs) = (1e-3, 2.5e-4, 20);
+    let mut far = 0;
+    for seed in 0..runs {
+        let run = BROWN.ensemble::<DeltaPlus>(0.5).start(State::new([0.0], [0.0])).seed(seed).until(1.0);
+        let estimate =
+            run.observe("far", |state| f64::from(u8::from(state.p[0] > 3.0902))).multilevel(target);
+        let estimate = estimate.run().unwrap();
+        assert!(estimate.met_target() && !estimate.is_constant(), "{estimate}");
+        assert!(estimate.error_bound() >= estimate.standard_error());
+        far += u32::from((estimate.mean() - exact).abs() > 1.96 * target);
+    }
+    // More than 6 of 20 with probability 0.06 each: 1e-4.
+    assert!(far <= 6, "{far}");
+}
+
+/// A Brownian motion in `p`.
+#[hamiltonian(drift = |q, p| 0.0 * q * p, noise = [|q, p| -s * q], embedding = [DeltaPlus])]
+pub struct Brown {
+    pub s: f64,
+}
+
+const BROWN: Brown = Brown { s: 1.0 };
+
+/// What is the same on all paths has no error that is known.
+#[test]
+fn a_constant_is_not_certain() {
+    let run = BROWN.ensemble::<DeltaPlus>(0.5).start(State::new([0.0], [0.0])).seed(1).until(1.0);
+    let estimate =
+        run.paths(5000).observe("never", |state| f64::from(u8::from(state.p[0] > 9.0))).multilevel(1e-3);
+    let estimate = estimate.run().unwrap();
+    assert!(estimate.is_constant() && !estimate.met_target() && estimate.mean() == 0.0);
+    assert!((5000..6100).contains(&estimate.levels()[0].paths()), "{estimate}");
+    assert!(estimate.to_string().contains("the same on all paths"));
 }

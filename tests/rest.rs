@@ -224,7 +224,7 @@ fn cold_ensembles_lose_no_path() {
             .seed(7)
             .until(100.0)
             .threads(1)
-            .observe(|state: &State<_>| state.q[0])
+            .observe("q", |state| state.q[0])
             .run()
             .unwrap();
         assert_eq!(statistics.failed(), 0, "sigma = {sigma:e}");

@@ -60,7 +60,7 @@ fn errors(k: f64, radial: f64, retry: Retry, end: f64) -> Result<(f64, f64, u32)
         .until(end)
         .retry(retry)
         .record_every(0)
-        .observe(|state: &State<_>, node: &wzvi::simulate::Node<'_>| {
+        .inspect(|state: &State<_>, node: &wzvi::simulate::Node<'_>| {
             // A run that starts again is another run.
             worst = if node.step == 0 { (0.0, 0.0) } else { worst };
             let error = (spring.energy(state) - energy).abs();

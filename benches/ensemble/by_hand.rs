@@ -9,8 +9,8 @@ use crate::scenes::{SEED, STEPS};
 
 /// The normals of one step after the other.
 #[inline(always)]
-fn drive<const K: usize>(path: u64, mut step: impl FnMut([f64; K])) {
-    let processes: [Normals; K] = std::array::from_fn(|k| Normals::new(SEED, k as u64));
+fn drive<const K: usize>(path: u64, h: f64, mut step: impl FnMut([f64; K])) {
+    let processes: [Normals; K] = std::array::from_fn(|k| Normals::new(SEED, k as u64, h));
     for block in 0..STEPS / 10 {
         let drawn = processes.each_ref().map(|process| process.of_path(path, block));
         (0..10).for_each(|i| step(std::array::from_fn(|k| drawn[k][i])));
@@ -24,7 +24,7 @@ pub(crate) fn kubo(paths: u64) -> f64 {
     let mut sum = 0.0;
     for path in 0..paths {
         let (mut q, mut p) = (0.0, 1.0);
-        drive(path, |[z]| {
+        drive(path, h, |[z]| {
             let half = 0.5 * (a * h + sigma * z.clamp(-bound, bound) * deviation);
             let inverse = 1.0 / (1.0 + half * half);
             let (cosine, sine) = ((1.0 - half * half) * inverse, 2.0 * half * inverse);
@@ -45,7 +45,7 @@ pub(crate) fn additive(paths: u64) -> f64 {
     let mut sum = 0.0;
     for path in 0..paths {
         let (mut q, mut p) = (0.0, 0.0);
-        drive(path, |[z1, z2]| {
+        drive(path, h, |[z1, z2]| {
             let (u, v) = (sigma * z1 * deviation * inverse, gamma * z2 * deviation * inverse);
             (q, p) = (cosine * q + sine * p + u + half * v, cosine * p - sine * q + v - half * u);
         });
@@ -61,7 +61,7 @@ pub(crate) fn double_well(paths: u64) -> f64 {
     let mut sum = 0.0;
     for path in 0..paths {
         let (mut q, mut p) = (0.5, 0.5);
-        drive(path, |[z]| {
+        drive(path, h, |[z]| {
             let w = 0.5 * s * z.clamp(-bound, bound) * deviation;
             let half = 0.5 * h;
             let k = half / (1.0 + w);

@@ -70,10 +70,10 @@ fn kubo(paths: u64, threads: usize) -> (f64, f64) {
         .seed(SEED)
         .steps(STEPS)
         .threads(threads)
-        .observe(|state| state.q[0])
+        .observe("observable0", |state| state.q[0])
         .run()
         .unwrap();
-    (run.mean("observable0"), run.standard_error("observable0"))
+    (run.mean("observable0").unwrap(), run.standard_error("observable0").unwrap())
 }
 
 #[hamiltonian(
@@ -95,10 +95,10 @@ fn additive(paths: u64, threads: usize) -> (f64, f64) {
         .seed(SEED)
         .steps(STEPS)
         .threads(threads)
-        .observe(|state| system.energy(state))
+        .observe("observable0", |state| system.energy(state))
         .run()
         .unwrap();
-    (run.mean("observable0"), run.standard_error("observable0"))
+    (run.mean("observable0").unwrap(), run.standard_error("observable0").unwrap())
 }
 
 #[hamiltonian(
@@ -118,15 +118,15 @@ fn double_well(paths: u64, threads: usize) -> (f64, f64) {
         .seed(SEED)
         .steps(STEPS)
         .threads(threads)
-        .observe(|state| state.q[0] * state.q[0])
+        .observe("observable0", |state| state.q[0] * state.q[0])
         .run()
         .unwrap();
-    (run.mean("observable0"), run.standard_error("observable0"))
+    (run.mean("observable0").unwrap(), run.standard_error("observable0").unwrap())
 }
 
 fn normals(processes: u64, paths: u64) {
     for process in 0..processes {
-        Normals::new(SEED, process).visit(0..paths, 0..STEPS / 10, InstructionSet::best(), |drawn| {
+        Normals::new(SEED, process, 0.02).visit(0..paths, 0..STEPS / 10, InstructionSet::best(), |drawn| {
             black_box(drawn);
         });
     }

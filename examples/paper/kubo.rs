@@ -154,15 +154,15 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
 }
 
 pub(crate) fn work_precision() -> Result<Report, wzvi::Error> {
-    WorkPrecision::new(&KUBO)
+    KUBO.work_precision()
         .title("Kubo oscillator")
         .start(start())
         .until(1.0)
-        .steps((3..=9).map(|k| 2f64.powi(-k)))
+        .step_sizes((3..=9).map(|k| 2f64.powi(-k)))
         .paths(400)
         .seed(7)
         .exact(|t, wiener| exact(t, wiener[0]))
-        .observable("q", |state| state.q[0])
+        .observe("q", |state| state.q[0])
         .scheme::<Midpoint>()
         .scheme::<Corrected<DeltaPlus>>()
         .scheme::<Uncorrected<DeltaPlus>>()

@@ -64,7 +64,7 @@ where
     let look = |state: &State<H::Vector>, node: &Node<'_>| {
         worst = if node.step == 0 { measure(state) } else { worst.max(measure(state)) };
     };
-    run().record_every(0).observe(look).run_partial()?;
+    run().record_every(0).inspect(look).run_partial()?;
     let clock = Instant::now();
     let (path, error) = run().record_every(0).run_partial()?;
     let time = clock.elapsed().as_nanos() as f64 / path.steps().max(1) as f64;

@@ -234,7 +234,7 @@ fn folders_that_cannot_be_written_to() {
         // Before the first step.
         let steps = std::cell::Cell::new(0);
         let run = KEPLER.run(10, 0).checkpoint(Checkpoint::to(&path));
-        let error = refused(run.observe(|_, _| steps.set(steps.get() + 1)).run());
+        let error = refused(run.inspect(|_, _| steps.set(steps.get() + 1)).run());
         assert!(matches!(&error, CheckpointError::File { .. }), "{error:?}");
         assert!(error.to_string().contains(path.to_str().unwrap()), "{error}");
         assert_eq!(steps.get(), 0);
@@ -253,7 +253,7 @@ fn a_checkpoint_that_fails_ends_the_run() {
         let outcome = KEPLER
             .run(50, 1)
             .checkpoint(Checkpoint::to(&run).every_steps(10))
-            .observe(|_, node| {
+            .inspect(|_, node| {
                 if node.step == 15 && takes {
                     fs::write(&run, "another").unwrap();
                 } else if node.step == 15 {

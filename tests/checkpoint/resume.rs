@@ -96,7 +96,7 @@ fn a_finished_run_is_returned_at_once_and_left_alone() {
     let files = contents(&folder);
     assert_eq!(files.len(), 2, "checkpoint and nodes");
     let seen = RefCell::new(0);
-    let again = run().observe(|_, _| *seen.borrow_mut() += 1).run().unwrap();
+    let again = run().inspect(|_, _| *seen.borrow_mut() += 1).run().unwrap();
     assert_eq!((bits(&first), *seen.borrow()), (bits(&again), 0));
     assert_eq!(contents(&folder), files);
 }
@@ -125,13 +125,13 @@ fn observers_see_what_is_new() {
     };
     let run = |steps| PENDULUM.run(Wiener::seed(1), steps, 0);
     let checkpoint = || Checkpoint::to(folder.join("run"));
-    run(40).observe(|state, node| look(&whole, state, node.step, node.wiener)).run().unwrap();
+    run(40).inspect(|state, node| look(&whole, state, node.step, node.wiener)).run().unwrap();
     // The sums are kept for those who look later.
     run(10).checkpoint(checkpoint()).run().unwrap();
     for steps in [25, 40] {
         run(steps)
             .checkpoint(checkpoint())
-            .observe(|state, node| look(&parts, state, node.step, node.wiener))
+            .inspect(|state, node| look(&parts, state, node.step, node.wiener))
             .run()
             .unwrap();
     }

@@ -24,8 +24,8 @@ fn a_rank_that_dies() {
     fs::copy(&file, &copy).unwrap();
 
     let event = |_: &_| 1.0;
-    let expected = bits(&run(PATHS).first_passage(event).run().unwrap());
-    let on = run(PATHS).first_passage(event).checkpoint(Checkpoint::to(&copy)).run().unwrap();
+    let expected = bits(&run(PATHS).first_passage("event0", event).run().unwrap());
+    let on = run(PATHS).first_passage("event0", event).checkpoint(Checkpoint::to(&copy)).run().unwrap();
     assert!(bits(&on) == expected);
     assert!(on_ranks(4, Plan::Survives, PATHS, &folder).well() == expected);
     assert_eq!(blocks(&file), PATHS / 512);

@@ -135,7 +135,7 @@ fn rank() {
             }
             stops
         }),
-        Plan::Dies => kept().first_passage(|state| {
+        Plan::Dies => kept().first_passage("event0", |state| {
             if last && state.t > 0.0 {
                 at_each_block(&|| {
                     if blocks(&file) >= 10 {
@@ -145,11 +145,11 @@ fn rank() {
             }
             1.0
         }),
-        Plan::Survives => kept().first_passage(|_| 1.0),
+        Plan::Survives => kept().first_passage("event0", |_| 1.0),
         Plan::Stalls | Plan::StallsAndStops => {
             let began = Instant::now();
             let stops = move || rank == 0 && began.elapsed() > Duration::from_secs(2);
-            let ensemble = run(paths).first_passage(move |state| {
+            let ensemble = run(paths).first_passage("event0", move |state| {
                 // In some block of its own, and once.
                 if last && state.t > 0.0 && calls.fetch_add(1, Ordering::Relaxed) == 20 * 2560 {
                     sleep(STALL);
@@ -158,14 +158,14 @@ fn rank() {
             });
             if plan == Plan::StallsAndStops { ensemble.stop_when(stops) } else { ensemble }
         }
-        Plan::Panics | Plan::RootPanics => run(paths).observe(move |state| {
+        Plan::Panics | Plan::RootPanics => run(paths).observe("observable0", move |state| {
             assert!(state.t == 0.0 || (plan == Plan::RootPanics) != (rank == 0), "an observable that fails");
             0.0
         }),
         Plan::OtherSeed => run(paths).seed(if last { 8 } else { 7 }),
         Plan::Mistaken => run(if last { 0 } else { paths }),
         Plan::Unwritable => run(paths).checkpoint(Checkpoint::to(folder.join("missing").join("file"))),
-        Plan::Taken => kept().first_passage(|state| {
+        Plan::Taken => kept().first_passage("event0", |state| {
             if last && state.t > 0.0 {
                 at_each_block(&|| {
                     if blocks(&file) >= 10 {

@@ -1,4 +1,4 @@
-//! The counter-term of noises that are local to their sites.
+//! The counter-term of noises of one site, of neighbours and of all sites.
 
 use wzvi::prelude::*;
 
@@ -47,17 +47,42 @@ kubo!(
     ]
 );
 
+// Noises that read neighbours, around the ring and in a sum: their counter-terms couple three sites.
+kubo!(Neighbours, &[f64], [|q, p, k| sigma[k] * (q[k] * p[(k + 1) % 6] + 0.1 * q[k].powi(3)); 6]);
+kubo!(NeighboursUnrolled, [f64; 6], [|q, p, k| sigma[k] * (q[k] * p[(k + 1) % 6] + 0.1 * q[k].powi(3)); 6]);
+kubo!(
+    Bonds,
+    &[f64],
+    [
+        |q, p| (1..q.len()).map(|i| sigma[i] * q[i] * p[i - 1]).sum::<f64>() + q[0] * q[0] * p[0],
+        |q, p| (0..q.len()).map(|i| 0.1 * (q[i] * q[i] + p[i] * p[i])).sum::<f64>(),
+    ]
+);
+kubo!(
+    BondsUnrolled,
+    [f64; 6],
+    [
+        |q: [f64; 6], p: [f64; 6]| (1..6).map(|i| sigma[i] * q[i] * p[i - 1]).sum::<f64>()
+            + q[0] * q[0] * p[0],
+        |q: [f64; 6], p: [f64; 6]| (0..6).map(|i| 0.1 * (q[i] * q[i] + p[i] * p[i])).sum::<f64>(),
+    ]
+);
+
 const SIGMA: [f64; 6] = [0.3, 0.5, 0.2, 0.4, 0.1, 0.6];
 
 #[test]
 fn corrected_steps_are_those_of_unrolled_sums() {
     let families = (Family { sigma: SIGMA }, FamilyUnrolled { sigma: SIGMA });
     let pairs = (Pair { sigma: SIGMA }, PairUnrolled { sigma: SIGMA });
+    let neighbours = (Neighbours { sigma: SIGMA }, NeighboursUnrolled { sigma: SIGMA });
+    let bonds = (Bonds { sigma: SIGMA }, BondsUnrolled { sigma: SIGMA });
     let (six, two) = ([0.1, -0.07, 0.02, 0.05, -0.11, 0.03], [0.08, -0.05]);
     macro_rules! agree {
         ($($scheme:ty),*) => {$(
             assert!(difference::<$scheme, _, _, 6>(&families.0, &families.1, 0.05, &six, 20) < ROUNDING);
             assert!(difference::<$scheme, _, _, 6>(&pairs.0, &pairs.1, 0.05, &two, 20) < ROUNDING);
+            assert!(difference::<$scheme, _, _, 6>(&neighbours.0, &neighbours.1, 0.05, &six, 20) < ROUNDING);
+            assert!(difference::<$scheme, _, _, 6>(&bonds.0, &bonds.1, 0.05, &two, 20) < ROUNDING);
         )*};
     }
     agree!(

@@ -29,7 +29,7 @@ where
 {
     match failure(system, n) {
         StepFailure::Index(error) => error,
-        other => panic!("{other:?}"),
+        other => unreachable!("{other:?}"),
     }
 }
 

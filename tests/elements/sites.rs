@@ -207,7 +207,7 @@ fn one_site_that_fails_leaves_all_of_them() {
         stepper.step(&mut state, &[]).unwrap();
     }
     assert!((Quartic.energy(&state) / start - 1.0).abs() < 1e-2);
-    let counted = allocation_counter::measure(|| drop(stepper.step(&mut state, &[])));
+    let counted = allocation_counter::measure(|| assert!(stepper.step(&mut state, &[]).is_ok()));
     assert_eq!(counted.count_total, 0);
 }
 
@@ -240,5 +240,57 @@ fn one_increment_may_act_at_all_sites() {
         let mut one = State::<DVector<f64>>::new(vec![q[i]], vec![p[i]]);
         let alone = steps::<Midpoint, _>(&Shared { s: 0.3 }, &mut one, 0.1, &[0.2], 20);
         assert_close(&alone, &[found[i], found[4 + i]]);
+    }
+}
+
+/// Linear springs, driven: the Jacobian of a step never changes.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64], t| {
+        (0..q.len()).map(|i| p[i] * p[i] / (2.0 * mass) - 0.3 * t.sin() * q[i]).sum::<f64>()
+            + (1..q.len()).map(|i| 0.5 * k * (q[i] - q[i - 1]).powi(2)).sum::<f64>() + 0.5 * k * q[0] * q[0]
+    },
+    noise = [|q, p, j| 0.1 * q[j]; 4],
+    embedding = [Midpoint],
+)]
+struct Springs {
+    k: f64,
+    mass: f64,
+}
+
+/// The same as one block.
+#[hamiltonian(
+    drift = |q: [f64; 4], p: [f64; 4], t| {
+        (0..4).map(|i| p[i] * p[i] / (2.0 * mass) - 0.3 * t.sin() * q[i]).sum::<f64>()
+            + (1..4).map(|i| 0.5 * k * (q[i] - q[i - 1]).powi(2)).sum::<f64>() + 0.5 * k * q[0] * q[0]
+    },
+    noise = [|q, p, j| 0.1 * q[j]; 4],
+    embedding = [Midpoint],
+)]
+struct SpringsBlock {
+    k: f64,
+    mass: f64,
+}
+
+#[test]
+fn linear_chains_are_factored_once() {
+    assert_eq!(<Springs as Discretized<Midpoint>>::PLAN.solver, Solver::Linear);
+    assert_eq!(<SpringsBlock as Discretized<Midpoint>>::PLAN.solver, Solver::Linear);
+    let (q, p) = start(4);
+    let dw = [0.1, -0.3, 0.2, 0.05];
+    for (k, h) in [(1.0, 0.1), (100.0, 0.5)] {
+        let (chain, block) = (Springs { k, mass: 1.5 }, SpringsBlock { k, mass: 1.5 });
+        let mut list = State::<DVector<f64>>::new(q.clone(), p.clone());
+        let mut fixed = State::<SVector<f64, 4>>::new([q[0], q[1], q[2], q[3]], [p[0], p[1], p[2], p[3]]);
+        let by_chain = steps::<Midpoint, _>(&chain, &mut list, h, &dw, 20);
+        let by_block = steps::<Midpoint, _>(&block, &mut fixed, h, &dw, 20);
+        let size = by_block.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+        for (a, b) in by_chain.iter().zip(&by_block) {
+            assert!((a - b).abs() < ROUNDING * size, "{a} {b}");
+        }
+        // One solution, and one more for what rounding left.
+        let mut stepper = chain.stepper::<Midpoint>(h).unwrap();
+        for _ in 0..5 {
+            assert!(stepper.step(&mut list, &dw).unwrap().iterations <= 3);
+        }
     }
 }

@@ -33,19 +33,17 @@ fn every_setting_is_told_apart() {
     EDGE.kept(&file).paths(1024).run().unwrap();
     let base = || EDGE.run::<DeltaPlus>();
     let fields = |run| fields(&file, run);
-    assert_eq!(fields(base().seed(8)), ["the seed"]);
+    assert_eq!(fields(base().seed(8)), ["noise seed"]);
     assert_eq!(fields(base().steps(25)), ["the number of steps", "the steps before the recorded nodes"]);
     assert_eq!(fields(base().record_every(12)), ["the steps before the recorded nodes"]);
     assert_eq!(fields(base().record_at([0.4])), ["the steps before the recorded nodes"]);
-    assert_eq!(fields(base().truncation(Truncation::On(2.0))), ["the largest normal increment"]);
+    let truncated = fields(base().truncation(Truncation::On(2.0)));
+    assert_eq!(truncated, ["the largest normal increment", "noise truncation"]);
     assert_eq!(fields(base().histogram("q", 0.0, 1.0, 3)), ["the histograms"]);
-    assert_eq!(fields(base().first_passage(|state| state.q[0])), ["the events"]);
-    assert_eq!(fields(base().observe(|_| 1.0)), ["the observables"]);
+    assert_eq!(fields(base().first_passage("event0", |state| state.q[0])), ["the events"]);
+    assert_eq!(fields(base().observe("observable0", |_| 1.0)), ["the observables"]);
     assert_eq!(fields(base().start(State::new([1.0], [-0.5]))), ["p[0] of the start"]);
     assert_eq!(fields(base().start(State::new([1.0], [0.5]).at(1.0))), ["t of the start"]);
-    // The same names, other functions.
-    let renamed = base().named("event");
-    assert_eq!(fields(renamed), ["the events"]);
     let heavier = Edge { a: 1.0_f64.next_up(), ..EDGE };
     assert_eq!(fields(heavier.run::<DeltaPlus>()), ["the parameter a"]);
     assert_eq!(bits(&base().checkpoint(Checkpoint::to(&file)).run().unwrap()), whole());
@@ -56,18 +54,31 @@ fn another_scheme_step_or_observable() {
     let file = folder("other-scheme").join("run");
     let start = || State::new([1.0], [0.5]);
     let run = || EDGE.ensemble::<DeltaPlus>(0.05).start(start()).paths(600).seed(7).steps(4);
-    run().observe(|state| state.q[0]).checkpoint(Checkpoint::to(&file)).run().unwrap();
+    run().observe("observable0", |state| state.q[0]).checkpoint(Checkpoint::to(&file)).run().unwrap();
     let observed = "what the observables and events are on path 0 (checksum)";
-    assert_eq!(fields(&file, run().observe(|state| state.p[0])), [observed]);
+    assert_eq!(fields(&file, run().observe("observable0", |state| state.p[0])), [observed]);
     // The same value at the start, but not a step later: q is 1 there.
-    assert_eq!(fields(&file, run().observe(|state| state.q[0].powi(2))), [observed]);
-    assert_eq!(fields(&file, run().observe(|state| state.q[0] * (1.0 + 1e-12 * state.t))), [observed]);
-    assert_eq!(fields(&file, run().observe(|state| state.q[0]).quantiles()), ["quantiles"]);
-    assert_eq!(fields(&file, run().observe(|state| state.q[0]).keep_paths(1 << 30)), ["paths are kept"]);
+    assert_eq!(fields(&file, run().observe("observable0", |state| state.q[0].powi(2))), [observed]);
+    assert_eq!(
+        fields(&file, run().observe("observable0", |state| state.q[0] * (1.0 + 1e-12 * state.t))),
+        [observed]
+    );
+    assert_eq!(fields(&file, run().observe("observable0", |state| state.q[0]).quantiles()), ["quantiles"]);
+    assert_eq!(
+        fields(&file, run().observe("observable0", |state| state.q[0]).keep_paths(1 << 30)),
+        ["paths are kept"]
+    );
     assert_eq!(fields(&file, run()), ["the observables"]);
-    assert_eq!(fields(&file, run().observe(|state| state.q[0]).antithetic()), ["antithetic paths"]);
+    assert_eq!(
+        fields(&file, run().observe("observable0", |state| state.q[0]).antithetic()),
+        ["noise antithetic"]
+    );
     let scheme = EDGE.ensemble::<Midpoint>(0.05).start(start()).paths(600).seed(7).steps(4);
-    assert!(fields(&file, scheme.observe(|state| state.q[0])).contains(&"the scheme".to_owned()));
+    assert!(
+        fields(&file, scheme.observe("observable0", |state| state.q[0])).contains(&"the scheme".to_owned())
+    );
     let step = EDGE.ensemble::<DeltaPlus>(0.051).start(start()).paths(600).seed(7).steps(4);
-    assert!(fields(&file, step.observe(|state| state.q[0])).contains(&"the step size".to_owned()));
+    assert!(
+        fields(&file, step.observe("observable0", |state| state.q[0])).contains(&"the step size".to_owned())
+    );
 }

@@ -28,7 +28,7 @@ fn what_is_done_is_not_done_again() {
     let file = folder("again").join("run");
     let calls = AtomicU64::new(0);
     for paths in [PATHS, 100] {
-        let run = EDGE.run::<Midpoint>().first_passage(|state| {
+        let run = EDGE.run::<Midpoint>().first_passage("event0", |state| {
             // Once at each node of a path; at the start to tell it from others.
             calls.fetch_add(u64::from(state.t > 0.0), Ordering::Relaxed);
             1.0
@@ -78,7 +78,7 @@ fn a_run_that_was_stopped() {
     let calls = AtomicU64::new(0);
     let run = || {
         let run = EDGE.ensemble::<DeltaPlus>(0.05).start(State::new([1.0], [0.5])).seed(7).steps(24);
-        run.paths(20 * 512 + 100).antithetic().quantiles().threads(1)
+        run.paths(20 * 512 + 100).antithetic().quantiles().threads(1).allow_losses(1.0)
     };
     let stopped = run().stop_when(|| calls.fetch_add(1, Ordering::Relaxed) > 40);
     let part = stopped.checkpoint(Checkpoint::to(&file)).run().unwrap();
@@ -161,7 +161,7 @@ fn a_checkpoint_that_fails_ends_the_run() {
         .seed(7)
         .steps(2)
         .threads(1)
-        .observe(|_| {
+        .observe("observable0", |_| {
             // Two nodes for each of 512 paths are a block; the tenth or so takes the file.
             if calls.fetch_add(1, Ordering::Relaxed) == 10_000 {
                 fs::write(&file, "another").unwrap();

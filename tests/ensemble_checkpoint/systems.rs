@@ -43,15 +43,13 @@ impl Edge {
             .seed(7)
             .steps(24)
             .record_every(6)
-            .observe(|state| state.q[0])
-            .named("q")
-            .observe(|state| state.q[0].ln() - state.p[0])
-            .named("mixed")
-            .first_passage(|state| state.p[0] - 0.6)
-            .named("rising")
+            .observe("q", |state| state.q[0])
+            .observe("mixed", |state| state.q[0].ln() - state.p[0])
+            .first_passage("rising", |state| state.p[0] - 0.6)
             .quantiles()
             .histogram("q", 0.0, 2.0, 20)
             .threads(2)
+            .allow_losses(1.0)
     }
 
     pub(crate) fn kept(&self, file: &Path) -> Ensemble<'_, Self, DeltaPlus> {

@@ -14,14 +14,23 @@ DeltaPlus
 Hamiltonians, as sums of elements
   H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]
 
-Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P · Δq - h H0(P, q_i)
-  q_{i+l} = q_i + l Δq
+Discrete Lagrangian of the step from t to t + h, from q, p to q', p'
+  L_d = Σ_i P[i] Δq[i] - h H0(P, q)
+  Δq = q' - q
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p
-  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q
-  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q
+  ∂L_d/∂P = 0:  Δq[i][0] is the sum of
+    P[i][0] h/mass[i]   for i = 0..n - 1
+  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of
+    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][0] - q[j][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1
+    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][0] - q[i][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j
+  p' = D2 L_d:  p'[i][0] = P[i][0]
+  ∂L_d/∂P = 0:  Δq[i][1] is the sum of
+    P[i][1] h/mass[i]   for i = 0..n - 1
+  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of
+    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][1] - q[j][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1
+    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][1] - q[i][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j
+  p' = D2 L_d:  p'[i][1] = P[i][1]
 
 Step
   assign v, Δq
@@ -344,11 +353,11 @@ const _: () = {
             __places::Places {
                 components: 2usize,
                 tables: &[
-                    __places::Table {
+                    __places::Name {
                         name: "",
                         suffix: "",
                     },
-                    __places::Table {
+                    __places::Name {
                         name: "mass",
                         suffix: "",
                     },
@@ -360,12 +369,18 @@ const _: () = {
                                 start: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: "0",
+                                    name: __places::Name {
+                                        name: "0",
+                                        suffix: "",
+                                    },
                                 },
                                 end: __places::Index {
                                     terms: &[(__places::Atom::Size, 1)],
                                     constant: 0,
-                                    text: "n",
+                                    name: __places::Name {
+                                        name: "n",
+                                        suffix: "",
+                                    },
                                 },
                             },
                         ],
@@ -377,7 +392,10 @@ const _: () = {
                                         index: __places::Index {
                                             terms: &[(__places::Atom::Loop(0usize), 1)],
                                             constant: 0,
-                                            text: "i",
+                                            name: __places::Name {
+                                                name: "i",
+                                                suffix: "",
+                                            },
                                         },
                                         is_inside: false,
                                     },
@@ -391,24 +409,36 @@ const _: () = {
                                 start: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: "0",
+                                    name: __places::Name {
+                                        name: "0",
+                                        suffix: "",
+                                    },
                                 },
                                 end: __places::Index {
                                     terms: &[(__places::Atom::Size, 1)],
                                     constant: 0,
-                                    text: "n",
+                                    name: __places::Name {
+                                        name: "n",
+                                        suffix: "",
+                                    },
                                 },
                             },
                             __places::Loop {
                                 start: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: "0",
+                                    name: __places::Name {
+                                        name: "0",
+                                        suffix: "",
+                                    },
                                 },
                                 end: __places::Index {
                                     terms: &[(__places::Atom::Loop(0usize), 1)],
                                     constant: 0,
-                                    text: "i",
+                                    name: __places::Name {
+                                        name: "i",
+                                        suffix: "",
+                                    },
                                 },
                             },
                         ],
@@ -420,7 +450,10 @@ const _: () = {
                                         index: __places::Index {
                                             terms: &[(__places::Atom::Loop(0usize), 1)],
                                             constant: 0,
-                                            text: "i",
+                                            name: __places::Name {
+                                                name: "i",
+                                                suffix: "",
+                                            },
                                         },
                                         is_inside: false,
                                     },
@@ -433,7 +466,10 @@ const _: () = {
                                         index: __places::Index {
                                             terms: &[(__places::Atom::Loop(1usize), 1)],
                                             constant: 0,
-                                            text: "j",
+                                            name: __places::Name {
+                                                name: "j",
+                                                suffix: "",
+                                            },
                                         },
                                         is_inside: false,
                                     },
@@ -800,6 +836,7 @@ const _: () = {
             counter: 0f64,
             unknowns: __wzvi::elements::Unknowns::None,
             remembers: false,
+            is_linear: false,
             has_noise: false,
         };
         #[automatically_derived]
@@ -812,7 +849,7 @@ const _: () = {
                 conserves_energy: __wzvi::Knowledge::Proven,
                 commuting: __wzvi::Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_i)\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][0] - q[j][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][0] - q[i][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][1] - q[j][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][1] - q[i][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
             const IN_LANES: __wzvi::core::primitive::bool = false;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<

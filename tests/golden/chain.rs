@@ -14,17 +14,25 @@ Midpoint
 Hamiltonians, as sums of elements
   H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]
 
-Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P · Δq - h H0(P, q_{i+1/2})
-  q_{i+l} = q_i + l Δq
+Discrete Lagrangian of the step from t to t + h, from q, p to q', p'
+  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})
+  Δq = q' - q
+  q_{1/2} = q + 1/2 Δq
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p
-  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q
-  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q
+  ∂L_d/∂P = 0:  Δq[i] is the sum of
+    P[i] h   for i = 0..n - 1
+  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of
+    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2
+    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1
+    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0
+  p' = D2 L_d:  p'[i] = P[i] + the sum of
+    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2
+    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1
+    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0
 
 Step
-  solve for v (then Δq): fixed-point iteration while it contracts, else Newton with a banded Jacobian
+  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide
 
 Facts
   H0 is a first integral: kept by the step nearly, within O(h²)
@@ -299,7 +307,10 @@ const _: () = {
                                 index: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: "0",
+                                    name: __places::Name {
+                                        name: "0",
+                                        suffix: "",
+                                    },
                                 },
                                 is_natural: true,
                             },
@@ -523,6 +534,7 @@ const _: () = {
             counter: 0f64,
             unknowns: __wzvi::elements::Unknowns::Momenta,
             remembers: true,
+            is_linear: false,
             has_noise: false,
         };
         #[automatically_derived]
@@ -535,7 +547,7 @@ const _: () = {
                 conserves_energy: __wzvi::Knowledge::Proven,
                 commuting: __wzvi::Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_{i+1/2})\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  solve for v (then Δq): fixed-point iteration while it contracts, else Newton with a banded Jacobian\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n";
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
             const IN_LANES: __wzvi::core::primitive::bool = false;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<

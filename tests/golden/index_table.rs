@@ -14,14 +14,17 @@ DeltaPlus
 Hamiltonians, as sums of elements
   H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..bonds.len() - 1) [bonds.2[i] (q[bonds.0[i]] - q[bonds.1[i]])²/2]
 
-Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P · Δq - h H0(P, q_i)
-  q_{i+l} = q_i + l Δq
+Discrete Lagrangian of the step from t to t + h, from q, p to q', p'
+  L_d = Σ_i P[i] Δq[i] - h H0(P, q)
+  Δq = q' - q
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p
-  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q
-  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q
+  ∂L_d/∂P = 0:  Δq[i] is the sum of
+    P[i] h   for i = 0..n - 1
+  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of
+    Σ_(i=0..bonds.len() - 1) [-bonds.2[i] h (q[bonds.0[i]] - q[bonds.1[i]])]   at point bonds.0[i]
+    Σ_(i=0..bonds.len() - 1) [bonds.2[i] h (q[bonds.0[i]] - q[bonds.1[i]])]   at point bonds.1[i]
+  p' = D2 L_d:  p'[i] = P[i]
 
 Step
   assign v, Δq
@@ -282,23 +285,23 @@ const _: () = {
             __places::Places {
                 components: 1usize,
                 tables: &[
-                    __places::Table {
+                    __places::Name {
                         name: "bonds.len()",
                         suffix: "",
                     },
-                    __places::Table {
+                    __places::Name {
                         name: "",
                         suffix: "",
                     },
-                    __places::Table {
+                    __places::Name {
                         name: "bonds",
                         suffix: ".0",
                     },
-                    __places::Table {
+                    __places::Name {
                         name: "bonds",
                         suffix: ".1",
                     },
-                    __places::Table {
+                    __places::Name {
                         name: "",
                         suffix: "",
                     },
@@ -310,12 +313,18 @@ const _: () = {
                                 start: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: "0",
+                                    name: __places::Name {
+                                        name: "0",
+                                        suffix: "",
+                                    },
                                 },
                                 end: __places::Index {
                                     terms: &[(__places::Atom::Given(0usize, &[]), 1)],
                                     constant: 0,
-                                    text: "bonds.len()",
+                                    name: __places::Name {
+                                        name: "bonds.len()",
+                                        suffix: "",
+                                    },
                                 },
                             },
                         ],
@@ -331,7 +340,10 @@ const _: () = {
                                                         index: __places::Index {
                                                             terms: &[(__places::Atom::Loop(0usize), 1)],
                                                             constant: 0,
-                                                            text: "i",
+                                                            name: __places::Name {
+                                                                name: "i",
+                                                                suffix: "",
+                                                            },
                                                         },
                                                         is_inside: true,
                                                     },
@@ -341,7 +353,10 @@ const _: () = {
                                         ),
                                     ],
                                     constant: 0,
-                                    text: "bonds.0[i]",
+                                    name: __places::Name {
+                                        name: "bonds.0[i]",
+                                        suffix: "",
+                                    },
                                 },
                                 is_natural: false,
                             },
@@ -356,7 +371,10 @@ const _: () = {
                                                         index: __places::Index {
                                                             terms: &[(__places::Atom::Loop(0usize), 1)],
                                                             constant: 0,
-                                                            text: "i",
+                                                            name: __places::Name {
+                                                                name: "i",
+                                                                suffix: "",
+                                                            },
                                                         },
                                                         is_inside: true,
                                                     },
@@ -366,7 +384,10 @@ const _: () = {
                                         ),
                                     ],
                                     constant: 0,
-                                    text: "bonds.1[i]",
+                                    name: __places::Name {
+                                        name: "bonds.1[i]",
+                                        suffix: "",
+                                    },
                                 },
                                 is_natural: false,
                             },
@@ -634,6 +655,7 @@ const _: () = {
             counter: 0f64,
             unknowns: __wzvi::elements::Unknowns::None,
             remembers: false,
+            is_linear: false,
             has_noise: false,
         };
         #[automatically_derived]
@@ -646,7 +668,7 @@ const _: () = {
                 conserves_energy: __wzvi::Knowledge::Proven,
                 commuting: __wzvi::Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..bonds.len() - 1) [bonds.2[i] (q[bonds.0[i]] - q[bonds.1[i]])²/2]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_i)\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..bonds.len() - 1) [bonds.2[i] (q[bonds.0[i]] - q[bonds.1[i]])²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    Σ_(i=0..bonds.len() - 1) [-bonds.2[i] h (q[bonds.0[i]] - q[bonds.1[i]])]   at point bonds.0[i]\n    Σ_(i=0..bonds.len() - 1) [bonds.2[i] h (q[bonds.0[i]] - q[bonds.1[i]])]   at point bonds.1[i]\n  p' = D2 L_d:  p'[i] = P[i]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
             const IN_LANES: __wzvi::core::primitive::bool = false;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<

@@ -14,14 +14,23 @@ DeltaPlus
 Hamiltonians, as sums of elements
   H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]
 
-Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P · Δq - h H0(P, q_i)
-  q_{i+l} = q_i + l Δq
+Discrete Lagrangian of the step from t to t + h, from q, p to q', p'
+  L_d = Σ_i P[i] Δq[i] - h H0(P, q)
+  Δq = q' - q
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p
-  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q
-  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q
+  ∂L_d/∂P = 0:  Δq[i][0] is the sum of
+    P[i][0] h   for i = 0..N - 1
+  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of
+    k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i = 0..N - 1
+    Σ_(i=0..N - 1) [-k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))]   at point ((i + 1) mod N)
+  p' = D2 L_d:  p'[i][0] = P[i][0]
+  ∂L_d/∂P = 0:  Δq[i][1] is the sum of
+    P[i][1] h   for i = 0..N - 1
+  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of
+    -h (q[i][1] - q[((i + 1) mod N)][1])   for i = 0..N - 1
+    Σ_(i=0..N - 1) [-h (q[((i + 1) mod N)][1] - q[i][1])]   at point ((i + 1) mod N)
+  p' = D2 L_d:  p'[i][1] = P[i][1]
 
 Step
   assign v, Δq
@@ -325,7 +334,7 @@ const _: () = {
             __places::Places {
                 components: 2usize,
                 tables: &[
-                    __places::Table {
+                    __places::Name {
                         name: "",
                         suffix: "",
                     },
@@ -622,6 +631,7 @@ const _: () = {
             counter: 0f64,
             unknowns: __wzvi::elements::Unknowns::None,
             remembers: false,
+            is_linear: false,
             has_noise: false,
         };
         #[automatically_derived]
@@ -635,7 +645,7 @@ const _: () = {
                 conserves_energy: __wzvi::Knowledge::Proven,
                 commuting: __wzvi::Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P · Δq - h H0(P, q_i)\n  q_{i+l} = q_i + l Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = Σ_m c_m ∂H_m/∂p\n  p_i = -D1 L_d:  P = p_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    -h (q[i][1] - q[((i + 1) mod N)][1])   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-h (q[((i + 1) mod N)][1] - q[i][1])]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
             const IN_LANES: __wzvi::core::primitive::bool = false;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<

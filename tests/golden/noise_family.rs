@@ -13,7 +13,7 @@ Midpoint
 
 Hamiltonians, as sums of elements
   H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]
-  H_k = Σ_(i=0..self . sites - 1) [sigma q[i]]
+  H_k = Σ_(i=0..sites - 1) [sigma q[i]]
 
 The sites k = 0..n - 1 are not coupled: each is a system of its own
 
@@ -32,7 +32,7 @@ Step
 
 Facts
   converges to the Stratonovich system; D = 0
-  {H_k, H0} = Σ_(i=0..self . sites - 1) [-sigma p[i]]
+  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]
   the noises commute up to a constant
   H0 is not a first integral
 
@@ -268,8 +268,8 @@ const _: () = {
             __places::Places {
                 components: 1usize,
                 tables: &[
-                    __places::Table {
-                        name: "self . sites",
+                    __places::Name {
+                        name: "sites",
                         suffix: "",
                     },
                 ],
@@ -280,12 +280,18 @@ const _: () = {
                                 start: __places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    text: "0",
+                                    name: __places::Name {
+                                        name: "0",
+                                        suffix: "",
+                                    },
                                 },
                                 end: __places::Index {
                                     terms: &[(__places::Atom::Given(0usize, &[]), 1)],
                                     constant: 0,
-                                    text: "self . sites",
+                                    name: __places::Name {
+                                        name: "sites",
+                                        suffix: "",
+                                    },
                                 },
                             },
                         ],
@@ -294,7 +300,10 @@ const _: () = {
                                 index: __places::Index {
                                     terms: &[(__places::Atom::Loop(0usize), 1)],
                                     constant: 0,
-                                    text: "i",
+                                    name: __places::Name {
+                                        name: "i",
+                                        suffix: "",
+                                    },
                                 },
                                 is_natural: true,
                             },
@@ -490,6 +499,7 @@ const _: () = {
             counter: 0f64,
             unknowns: __wzvi::elements::Unknowns::Both,
             remembers: false,
+            is_linear: false,
             has_noise: true,
         };
         type __Prepared = (
@@ -622,7 +632,7 @@ const _: () = {
                 conserves_energy: __wzvi::Knowledge::Refuted,
                 commuting: __wzvi::Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..self . sites - 1) [sigma q[i]]\n\nThe sites k = 0..n - 1 are not coupled: each is a system of its own\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq[k] - h (q[k]_{i+1/2}²/2 + P²/2) - sigma q[k]_{i+1/2} ΔW\n  Δq[k] = q[k]_{i+1} - q[k]_i\n  q[k]_{i+1/2} = Δq[k]/2 + q[k]_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[k] = P h\n  p[k]_i = -D1 L_d:  P = p[k]_i + δp[k],  δp[k] = (-q[k]_{i+1/2} h - sigma ΔW)/2\n  p[k]_{i+1} = D2 L_d:  p[k]_{i+1} - p[k]_i = 2 δp[k]\n\nStep\n  solve for δp[k]: linear (then Δq[k])\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..self . sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
+            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nThe sites k = 0..n - 1 are not coupled: each is a system of its own\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq[k] - h (q[k]_{i+1/2}²/2 + P²/2) - sigma q[k]_{i+1/2} ΔW\n  Δq[k] = q[k]_{i+1} - q[k]_i\n  q[k]_{i+1/2} = Δq[k]/2 + q[k]_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[k] = P h\n  p[k]_i = -D1 L_d:  P = p[k]_i + δp[k],  δp[k] = (-q[k]_{i+1/2} h - sigma ΔW)/2\n  p[k]_{i+1} = D2 L_d:  p[k]_{i+1} - p[k]_i = 2 δp[k]\n\nStep\n  solve for δp[k]: linear (then Δq[k])\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
             const IN_LANES: __wzvi::core::primitive::bool = false;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<

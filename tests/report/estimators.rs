@@ -28,10 +28,10 @@ struct Pendulum;
 struct Falling;
 
 pub(crate) fn kubo() -> WorkPrecision<'static, Kubo> {
-    WorkPrecision::new(&KUBO)
+    KUBO.work_precision()
         .start(State::new([0.0], [1.0]))
         .until(1.0)
-        .steps((3..=7).map(|k| 2f64.powi(-k)))
+        .step_sizes((3..=7).map(|k| 2f64.powi(-k)))
         .paths(400)
         .seed(1)
         .repetitions(2)
@@ -78,7 +78,7 @@ fn kubo_has_its_moments_and_its_strong_error() {
         .repetitions(0)
         .expectation("q", |state| state.q[0], damping * a.sin())
         .expectation("p", |state| state.p[0], damping * a.cos())
-        .observable("q on the path", |state| state.q[0])
+        .observe("q on the path", |state| state.q[0])
         .run()
         .unwrap();
     let leading = (15.0 * s.powi(6) / 144.0 + (a * s * s / 4.0).powi(2)).sqrt();
@@ -124,10 +124,11 @@ fn a_finer_run_serves_as_reference() {
 fn a_deterministic_system_takes_one_path_and_keeps_its_orders() {
     let start = State::new([1.0], [0.0]);
     let fine = Pendulum.simulate::<Midpoint>(1e-4).start(start).until(4.0).record_every(0).run().unwrap();
-    let report = WorkPrecision::new(&Pendulum)
+    let report = Pendulum
+        .work_precision()
         .start(start)
         .until(4.0)
-        .steps([0.2, 0.1, 0.05, 0.025, 0.0125])
+        .step_sizes([0.2, 0.1, 0.05, 0.025, 0.0125])
         .value(*fine.last())
         .scheme::<DeltaPlus>()
         .scheme::<Midpoint>()
@@ -154,10 +155,11 @@ fn a_deterministic_system_takes_one_path_and_keeps_its_orders() {
 
 #[test]
 fn failures_are_counted_and_told() {
-    let report = WorkPrecision::new(&Falling)
+    let report = Falling
+        .work_precision()
         .start(State::new([3.0], [0.0]))
         .until(4.0)
-        .steps([0.25, 0.125])
+        .step_sizes([0.25, 0.125])
         .value(State::new([0.0], [0.0]))
         .scheme::<DeltaPlus>()
         .run()
@@ -186,7 +188,7 @@ fn an_interruption_keeps_what_was_measured() {
 #[test]
 fn threads_do_not_show_in_the_numbers() {
     let cells = |threads: usize| {
-        let report = kubo().paths(1200).observable("q", |state| state.q[0]).repetitions(0).threads(threads);
+        let report = kubo().paths(1200).observe("q", |state| state.q[0]).repetitions(0).threads(threads);
         let report = report.run().unwrap();
         let csv = String::from_utf8(report.csv()).unwrap();
         let commas = |line: &str| line.matches(',').count();
@@ -203,14 +205,14 @@ fn threads_do_not_show_in_the_numbers() {
 
 #[test]
 fn what_is_missing_is_named() {
-    let bare = || WorkPrecision::new(&KUBO).start(State::new([0.0], [1.0])).until(1.0).steps([0.25]);
+    let bare = || KUBO.work_precision().start(State::new([0.0], [1.0])).until(1.0).step_sizes([0.25]);
     let text = |result: Result<Report, Error>| result.unwrap_err().to_string();
     assert!(text(bare().scheme::<Midpoint>().run()).contains("something to compare with"));
     assert!(text(bare().value(State::new([0.0], [1.0])).run()).contains("a scheme"));
-    let uneven = kubo().steps([0.3]).run();
+    let uneven = kubo().step_sizes([0.3]).run();
     assert!(matches!(&uneven, Err(Error::Config(ConfigError::Setting(_)))), "{uneven:?}");
     assert!(text(uneven).contains("0.3"));
-    assert!(matches!(kubo().steps([f64::NAN]).run(), Err(Error::Config(ConfigError::End { .. }))));
+    assert!(matches!(kubo().step_sizes([f64::NAN]).run(), Err(Error::Config(ConfigError::End { .. }))));
     assert!(matches!(kubo().paths(0).run(), Err(Error::Config(ConfigError::Setting(_)))));
 }
 

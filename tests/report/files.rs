@@ -48,7 +48,7 @@ fn a_target_that_is_no_folder_is_named() {
 #[test]
 fn every_number_is_in_the_files() {
     let folder = folder("numbers");
-    let report = kubo().paths(20).observable("q", |state| state.q[0]).run().unwrap();
+    let report = kubo().paths(20).observe("q", |state| state.q[0]).run().unwrap();
     report.write(&folder).unwrap();
     let json: serde_json::Value =
         serde_json::from_slice(&fs::read(folder.join("measurements.json")).unwrap()).unwrap();

@@ -11,7 +11,7 @@ use super::estimators::kubo;
 use super::files::folder;
 
 fn page() -> Document {
-    let report = kubo().paths(20).observable("<q> & \"q\"", |state| state.q[0]).run().unwrap();
+    let report = kubo().paths(20).observe("<q> & \"q\"", |state| state.q[0]).run().unwrap();
     let line = (0..5000).map(|i| (f64::from(i), f64::from(i).sin())).collect();
     let figure = Figure::new("line", "A line & <marks>", Axis::linear("t"), Axis::linear("x"))
         .shows("It says \"what\" it shows.")

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 
 use crate::backend::{back_end, elements_back_end};
 use crate::check::check;
-use crate::diagnostics::Diagnostics;
+use crate::diagnostics::{Diagnostics, internal};
 use crate::discretise::facts::Facts;
 use crate::elements::collect::collect;
 use crate::emit::stubs::Stubs;
@@ -27,6 +27,10 @@ pub(crate) fn expand_with(attribute: TokenStream, item: TokenStream, library: Li
     let mut diagnostics = Diagnostics::new();
     let mut stubs = Stubs::unrecognised(item.clone());
     let expansion = compile(attribute, item, library, &mut stubs, &mut diagnostics);
+    if expansion.is_none() && !diagnostics.has_errors() {
+        internal::broken("what is not expanded has an error");
+    }
+    internal::error().into_iter().for_each(|error| diagnostics.report(error));
     match diagnostics.finish() {
         Ok(()) => expansion.unwrap_or_default(),
         Err(errors) => stubs.with_errors(&errors),

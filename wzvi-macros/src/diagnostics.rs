@@ -2,6 +2,7 @@
 
 pub(crate) mod expressions;
 pub(crate) mod facts;
+pub(crate) mod internal;
 pub(crate) mod messages;
 
 use std::collections::HashSet;

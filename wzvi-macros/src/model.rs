@@ -13,6 +13,7 @@ use quote::ToTokens;
 
 use self::index::{Index, Loop};
 use self::symbols::Symbols;
+use crate::diagnostics::internal::Promised;
 use crate::discretise::embedding::Embedding;
 use crate::input::Shape;
 use crate::symbolic::{Expr, Graph, Symbol};
@@ -218,8 +219,9 @@ impl System {
         let mut total = Index::default();
         for noise in &self.noise {
             let count = noise.family.as_ref().map_or(Index::integer(1), |family| family.count.clone());
-            // A count beyond all integers is refused where it is lowered.
-            total = total.add(&count).unwrap_or_default();
+            total = total
+                .add(&count)
+                .promised("counts of noises beyond all integers are refused where they are lowered");
             offsets.push(total.clone());
         }
         offsets

@@ -192,10 +192,12 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The system with each degree of freedom a variable of its own; as it was, if loops are left, or indices that only the
-/// running program knows.
+/// The system with each degree of freedom a variable of its own; as it was, if it has many points, loops are left, or
+/// indices that only the running program knows.
 pub(crate) fn written_out(system: System) -> Result<Model, Box<System>> {
-    let Some(locals) = known_locals(&system) else { return Err(Box::new(system)) };
+    let is_small = system.size.as_integer().is_some_and(|points| points <= TURNS);
+    let locals = if is_small { known_locals(&system) } else { None };
+    let Some(locals) = locals else { return Err(Box::new(system)) };
     let System { graph, symbols, tables, mut parameters, t, drift, noise, invariants, .. } = system;
     let indices = Indices { tables: &tables, checked: true };
     for Local { symbol, slot } in locals {
@@ -230,7 +232,7 @@ pub(crate) fn written_out(system: System) -> Result<Model, Box<System>> {
 /// The local variables of a system that straight-line code can stand for.
 fn known_locals(system: &System) -> Option<Vec<Local>> {
     let is_single = |noise: &Noise| noise.family.is_none();
-    if system.size.as_integer().is_none() || !system.noise.iter().all(is_single) {
+    if !system.noise.iter().all(is_single) {
         return None;
     }
     let roots: Vec<Expr> = system.terms().map(|term| term.expression).collect();

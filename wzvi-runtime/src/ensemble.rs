@@ -2,15 +2,17 @@
 //!
 //! Paths run in the lanes of vector registers ([`crate::lanes`]), in blocks of fixed size that threads take one after the
 //! other; blocks are merged in the order of their numbers. So the result is the same, bit for bit, for any number of
-//! threads, any width of the lanes and any [`InstructionSet`]. Increments are `√|h| ξ` with one [`normal`] `ξ` for
-//! each (seed, process, path, step), truncated where that is asked for. They are no Wiener tree: another step size is another
-//! sample, except beside each other on the levels of [`Multilevel`].
+//! threads, any width of the lanes and any [`InstructionSet`]. Increments are those of [`StepNormals`]: `√|h| ξ` with one normal `ξ` for
+//! each (seed, step size, process, path, step), truncated where that is asked for, unless another noise is given
+//! ([`Ensemble::noise`]). They are no Wiener tree: another step size is another sample, except beside each other on the levels of
+//! [`Multilevel`].
 //!
 //! A path is that of [`Stepper::plain`](crate::step::Stepper::plain) with the same increments: to the last bit if `H` has
 //! arithmetic and roots only; elementary functions of lanes ([`crate::lanes`]) are not those of `std`. A step that the
 //! short way does not solve is the one that the stepper then takes, with the functions of `std`.
 //!
-//! A path whose step fails ends there, with its number and error in [`Statistics::failures`]; its neighbours do not notice.
+//! A path whose step fails is halved there if that is allowed ([`Ensemble::retry`]), and ends there if not, with its number and error in
+//! [`Statistics::failures`]; its neighbours do not notice. [`Ensemble::replay`] runs a single one of them again.
 
 mod account;
 mod block;
@@ -21,6 +23,8 @@ mod columnar;
 mod control;
 mod dispatch;
 mod draws;
+mod error;
+mod group;
 mod histogram;
 mod job;
 #[cfg(feature = "serde")]
@@ -31,18 +35,23 @@ mod keeping;
 mod moments;
 mod multilevel;
 mod origin;
+mod pace;
 mod passage;
 mod paths;
 mod quantiles;
+mod replay;
+mod source;
 mod statistics;
 mod table;
 
 use std::marker::PhantomData;
+use std::sync::OnceLock;
 
 use account::Account;
 use control::Control;
 pub use dispatch::{InstructionSet, Kernel};
-pub use draws::{Normals, normal};
+pub use draws::Normals;
+pub use error::{LossError, StatisticsError};
 pub use histogram::Histogram;
 use job::{Job, Observable, Stop};
 pub use multilevel::{Level, LevelError, LevelFailure, Multilevel, MultilevelEstimate};
@@ -50,30 +59,34 @@ pub use passage::Passages;
 use passage::Watch;
 pub use paths::Paths;
 pub use quantiles::Quantiles;
+use source::{Settings, Source};
 use statistics::Wanted;
-pub use statistics::{Node, PathFailure, Statistics};
+pub use statistics::{Node, PathFailure, Statistics, TargetStatus};
 
 use crate::checkpoint::Keeping;
-use crate::error::{ConfigError, Error};
+use crate::error::{ConfigError, Error, UnknownName};
+use crate::increments::Interval;
 use crate::interrupt::Interrupt;
-use crate::noise::{Truncation, clip_bound};
+use crate::noise::{Paths as PathsOfNoise, StepNormals, Truncation};
 pub use crate::persist::FileError;
 pub use crate::persist::table::{Column, Table};
-use crate::plan::Plan;
+use crate::retry::Retry;
 use crate::schedule::threads;
-use crate::simulate::{End, checked, count, steps_between};
+use crate::simulate::{End, checked, chosen_steps, count};
 use crate::state::{State, Vector};
 use crate::system::Discretized;
 
 /// More recorded nodes than anyone looks at.
 const MOST_NODES: u64 = 1 << 20;
+/// Statistics of a block of paths that take more bytes are refused: some blocks wait for others, on each thread.
+const MOST_BYTES: u128 = 1 << 30;
 /// Bins of passage times.
 const PASSAGE_BINS: usize = 100;
 
 /// An ensemble to run: [`Integrate::ensemble`](crate::integrate::Integrate::ensemble) begins it, [`Ensemble::run`] runs
 /// it.
 ///
-/// A start, an end and a number of paths are needed, and a seed if the system has noise. A later setting replaces an
+/// A start, an end and a number of paths are needed, and a seed or a noise if the system has any. A later setting replaces an
 /// earlier one.
 #[must_use = "nothing happens before `run`"]
 pub struct Ensemble<'a, H: Discretized<E>, E> {
@@ -81,15 +94,14 @@ pub struct Ensemble<'a, H: Discretized<E>, E> {
     h: f64,
     start: Option<State<H::Vector>>,
     paths: Option<u64>,
-    seed: Option<u64>,
+    source: Option<Source<'a>>,
     end: Option<End>,
     every: u64,
     chosen: Vec<f64>,
     observables: Vec<Named<'a, H::Vector>>,
     events: Vec<Named<'a, H::Vector>>,
-    /// What `named` names.
-    is_event_last: bool,
     quantiles: bool,
+    covariances: bool,
     histograms: Vec<(String, [f64; 2], usize)>,
     most_bytes: Option<u64>,
     threads: Option<usize>,
@@ -97,6 +109,7 @@ pub struct Ensemble<'a, H: Discretized<E>, E> {
     instructions: InstructionSet,
     keeping: Keeping,
     is_antithetic: bool,
+    retry: Retry,
     control: Control<'a>,
     scheme: PhantomData<fn() -> E>,
 }
@@ -109,14 +122,14 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             h,
             start: None,
             paths: None,
-            seed: None,
+            source: None,
             end: None,
             every: 0,
             chosen: Vec::new(),
             observables: Vec::new(),
             events: Vec::new(),
-            is_event_last: false,
             quantiles: false,
+            covariances: true,
             histograms: Vec::new(),
             most_bytes: None,
             threads: None,
@@ -124,6 +137,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             instructions: InstructionSet::best(),
             keeping: Keeping::default(),
             is_antithetic: false,
+            retry: Retry::never(),
             control: Control::default(),
             scheme: PhantomData,
         }
@@ -141,9 +155,34 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
         self
     }
 
-    /// What the random numbers are made of.
-    pub fn seed(mut self, seed: u64) -> Self {
-        self.seed = Some(seed);
+    /// The noise `StepNormals::seed(seed)`, the fast one.
+    pub fn seed(self, seed: u64) -> Self {
+        self.noise(StepNormals::seed(seed))
+    }
+
+    /// Where the increments come from: path `n` of the ensemble has path `n` of the noise, and [`Increments`](crate::increments::Increments)
+    /// are those of every path. A system without noise takes any and asks it for nothing.
+    ///
+    /// [`StepNormals`] are drawn in lanes; any other noise is asked for each path's increments one by one, and costs what it costs in a
+    /// single run.
+    pub fn noise(mut self, noise: impl PathsOfNoise + Clone + Send + Sync + 'a) -> Self {
+        self.source = Some(Source::new(noise));
+        self
+    }
+
+    /// Halves steps that fail ([`crate::retry`]): `Retry::halving(8)` allows 256 parts. Not done unless asked for.
+    ///
+    /// A step that does not resolve the fastest motion ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)) ends its path
+    /// nevertheless: a path that starts again would have been counted twice.
+    pub fn retry(mut self, retry: Retry) -> Self {
+        self.retry = retry;
+        self
+    }
+
+    /// How many paths may fail, as a fraction of all; 0.01 if this is not called. More are an error ([`LossError`]), which has the
+    /// statistics of the others.
+    pub fn allow_losses(mut self, fraction: f64) -> Self {
+        self.control.losses = Some(fraction);
         self
     }
 
@@ -171,29 +210,32 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
         self
     }
 
-    /// One more observable, a function of the state, at all recorded times; a value that is not finite shows in the moments of
-    /// its time. Without any, all coordinates `q0, ...`, momenta `p0, ...` and the drift Hamiltonian `energy` are.
-    pub fn observe(mut self, observable: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a) -> Self {
-        self.observables.push((None, Box::new(observable)));
-        self.is_event_last = false;
+    /// One more observable, a function of the state, at all recorded times; a value that is infinite or NaN shows in the moments of
+    /// its time ([`Node::not_finite`]). Without any, all coordinates `q0, ...`, momenta `p0, ...` and the drift Hamiltonian `energy` are.
+    pub fn observe(
+        mut self,
+        name: impl Into<String>,
+        observable: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,
+    ) -> Self {
+        self.observables.push((name.into(), Box::new(observable)));
         self
     }
 
     /// When does `event`, a function of the state, cross zero for the first time? It is asked at every node; what that
     /// means for the times is in [`Passages`]. More than one may be asked.
-    pub fn first_passage(mut self, event: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a) -> Self {
-        self.events.push((None, Box::new(event)));
-        self.is_event_last = true;
+    pub fn first_passage(
+        mut self,
+        name: impl Into<String>,
+        event: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,
+    ) -> Self {
+        self.events.push((name.into(), Box::new(event)));
         self
     }
 
-    /// Names the observable or event that was added last; without a name it is `observable0` or `event0` and so on, by its
-    /// index.
-    pub fn named(mut self, name: impl Into<String>) -> Self {
-        let last = if self.is_event_last { self.events.last_mut() } else { self.observables.last_mut() };
-        if let Some((named, _)) = last {
-            *named = Some(name.into());
-        }
+    /// Whether covariances of all pairs of observables are computed, as they are if this is not called: half the square of the
+    /// number of observables in time and memory, at each recorded time. Variances always are.
+    pub fn covariances(mut self, are_computed: bool) -> Self {
+        self.covariances = are_computed;
         self
     }
 
@@ -220,8 +262,10 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
     /// enough. Asked more than once, all errors must be that small.
     ///
     /// That is looked at after each 512 paths, in the order of their numbers, from 1024 on: the result is the same for any
-    /// number of threads. An error that is itself estimated is now and then too small by chance, and that ends the run: of 1024
-    /// normally distributed samples it is known to 2 %.
+    /// number of threads. An error that is itself estimated is now and then too small by chance, and that would end the run: compared
+    /// is an upper estimate ([`Node::error_bound`]), and an observable that has been the same number on all paths is not done before
+    /// the limit ([`TargetStatus::Constant`]). The mean is then within 1.96 targets of the true one in 95 % of the runs or more, also for
+    /// events of probability 0.001 and for the heavy tail of `exp(2 W)`, which `docs/ensembles.md` shows.
     pub fn until_error(mut self, observable: impl Into<String>, target: f64) -> Self {
         self.control.targets.push((observable.into(), target));
         self
@@ -238,7 +282,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
     /// Ends the run early when `stop` says so: a deadline, for one. The statistics are then those of the paths that are
     /// done, and [`Statistics::is_partial`].
     ///
-    /// It is asked from all threads, every 1024 steps or more often. With the feature `interrupt`, Ctrl-C stops a
+    /// It is asked from all threads, about every 10 ms, and after each step or observed path that takes longer. With the feature `interrupt`, Ctrl-C stops a
     /// run, too.
     pub fn stop_when(mut self, stop: impl Fn() -> bool + Send + Sync + 'a) -> Self {
         self.control.stop = Some(Box::new(stop));
@@ -257,7 +301,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
         self
     }
 
-    /// Whether increments are truncated; if this is not called, with `k = 4` where
+    /// Whether the increments of a seed are truncated; if this is not called, with `k = 4` where
     /// [`Plan::truncates_increments`](crate::plan::Plan::truncates_increments).
     pub fn truncation(mut self, truncation: Truncation) -> Self {
         self.truncation = truncation;
@@ -281,8 +325,9 @@ where
     /// Runs all paths.
     ///
     /// # Errors
-    /// [`Error::Config`] if a setting is missing or makes no sense, [`Error::Step`] if all paths fail: the first
-    /// failure. Fewer failures are in the [`Statistics`]. `Error::Checkpoint` if there is a checkpoint that cannot be
+    /// [`Error::Config`] if a setting is missing or makes no sense, [`Error::Noise`] if a noise that was given has no increments,
+    /// [`Error::Step`] if all paths fail: the first failure, [`Error::Losses`] if more fail than are allowed. Fewer failures are in the
+    /// [`Statistics`]. `Error::Checkpoint` if there is a checkpoint that cannot be
     /// written or gone on from.
     pub fn run(self) -> Result<Statistics, Error> {
         self.run_in::<0>()
@@ -304,7 +349,10 @@ where
         }
         let mut account = Account::open(&job, &control, keeping)?;
         job.run::<WIDTH>(account.blocks(), threads, instructions, |block| account.take(block));
-        account.close()
+        match job.failed_noise.into_inner() {
+            Some(error) => Err(error.into()),
+            None => account.close(),
+        }
     }
 
     fn job<'s>(self, stop: Stop<'s>) -> Result<Job<'s, H, E>, Error>
@@ -321,16 +369,29 @@ where
         if paths == 0 {
             return Err(ConfigError::Setting("0 paths: take at least 1".into()).into());
         }
-        if self.is_antithetic && paths % 2 == 1 {
+        let processes = system.noises();
+        let source = match self.source {
+            Some(source) if processes > 0 => source,
+            None if processes > 0 => {
+                return Err(ConfigError::Missing(
+                    "a seed for its noise: add `.seed(number)` or `.noise(...)`",
+                )
+                .into());
+            }
+            _ => Source::new(StepNormals::seed(0)),
+        };
+        let settings = Settings { truncation: self.truncation, is_antithetic: self.is_antithetic };
+        let first = Interval { start: start.t, h, step: 0 };
+        let source = source.prepared(settings, &H::PLAN, first, (processes, steps))?;
+        if self.retry.most() > 0 && !source.is_path() {
+            return Err(ConfigError::Setting(GIVEN.to_owned()).into());
+        }
+        let clip = source.normals().map_or(f64::INFINITY, |normals| normals.clip(h));
+        let is_antithetic = source.is_antithetic();
+        if is_antithetic && paths % 2 == 1 {
             let wrong = format!("{paths} antithetic paths: they come in pairs");
             return Err(ConfigError::Setting(wrong).into());
         }
-        let seed = match self.seed {
-            Some(seed) => seed,
-            None if system.noises() == 0 => 0,
-            None => return Err(ConfigError::Missing("a seed for its noise: add `.seed(number)`").into()),
-        };
-        let clip = clip(self.truncation, &H::PLAN, h)?;
         let end = start.t + steps as f64 * h;
         if !end.is_finite() {
             return Err(ConfigError::End { start: start.t, end, h }.into());
@@ -342,8 +403,8 @@ where
         } else {
             self.observables
         };
-        let (names, observables) = separated(observables, "observable");
-        let (event_names, events) = separated(self.events, "event");
+        let (names, observables): (Vec<_>, Vec<_>) = observables.into_iter().unzip();
+        let (event_names, events): (Vec<_>, Vec<_>) = self.events.into_iter().unzip();
         for names in [&names, &event_names] {
             if let Some(twice) =
                 names.iter().enumerate().find_map(|(i, name)| names[..i].contains(name).then_some(name))
@@ -369,10 +430,7 @@ where
             .into_iter()
             .map(|(name, [lower, upper], bins)| match names.iter().position(|known| *known == name) {
                 Some(observable) => Ok((observable, Histogram::new(lower, upper, bins)?)),
-                None => Err(ConfigError::Setting(format!(
-                    "a histogram of `{name}`, which is none of the observables ({})",
-                    names.join(", ")
-                ))),
+                None => Err(unknown(name, &names)),
             })
             .collect::<Result<_, ConfigError>>()?;
         if let Some(most) = self.most_bytes {
@@ -386,7 +444,6 @@ where
             }
         }
         let (quantiles, keeps_paths) = (self.quantiles, self.most_bytes.is_some());
-        let is_antithetic = self.is_antithetic;
         if is_antithetic && !events.is_empty() {
             return Err(ConfigError::Setting(
                 "first passages of antithetic paths: their errors would be those of independent ones; leave out one of the two"
@@ -394,8 +451,17 @@ where
             )
             .into());
         }
-        let has_pairs = is_antithetic;
-        let wanted = Wanted { names, times, quantiles, histograms, watches, keeps_paths, has_pairs };
+        let (has_pairs, has_covariances) = (is_antithetic, self.covariances);
+        let wanted =
+            Wanted { names, times, quantiles, histograms, watches, keeps_paths, has_pairs, has_covariances };
+        let bytes = wanted.bytes();
+        if bytes > MOST_BYTES {
+            return Err(ConfigError::Setting(format!(
+                "the statistics take {bytes} bytes for each block of paths, and {MOST_BYTES} are the most: leave covariances out with \
+                 `.covariances(false)`, or record fewer times, observables or bins"
+            ))
+            .into());
+        }
         let prepared = system.prepare(h)?;
         Ok(Job {
             system,
@@ -405,8 +471,10 @@ where
             paths,
             steps,
             recorded,
-            seed,
+            source,
             clip,
+            retry: self.retry,
+            failed_noise: OnceLock::new(),
             observables,
             events,
             wanted,
@@ -417,23 +485,14 @@ where
     }
 }
 
-type Named<'a, V> = (Option<String>, Observable<'a, V>);
+type Named<'a, V> = (String, Observable<'a, V>);
 
-/// The largest normal, in absolute value, for steps of size `h`.
-fn clip(truncation: Truncation, plan: &Plan, h: f64) -> Result<f64, ConfigError> {
-    match truncation {
-        Truncation::Off => Ok(f64::INFINITY),
-        Truncation::On(k) if k.is_finite() && k >= 1.0 => Ok(clip_bound(h, k)),
-        Truncation::On(k) => Err(ConfigError::Setting(format!("truncation with k = {k}: take at least 1"))),
-        Truncation::Unset if plan.truncates_increments() => Ok(clip_bound(h, Truncation::DEFAULT)),
-        Truncation::Unset => Ok(f64::INFINITY),
-    }
-}
+const GIVEN: &str = "`.retry(...)` needs increments between the nodes, which these do not have: use `.seed(number)`, `Wiener` or `WongZakai`, \
+                     or leave `.retry(...)` out";
 
-/// Names, with an index where the user gave none, and functions.
-fn separated<'a, V>(all: Vec<Named<'a, V>>, kind: &str) -> (Vec<String>, Vec<Observable<'a, V>>) {
-    let named = all.into_iter().enumerate();
-    named.map(|(i, (name, function))| (name.unwrap_or_else(|| format!("{kind}{i}")), function)).unzip()
+/// There is no observable of this name.
+fn unknown(name: String, names: &[String]) -> ConfigError {
+    ConfigError::Setting(UnknownName { kind: "observable", name, known: names.to_vec() }.to_string())
 }
 
 /// The steps before each recorded node, in order: 0, those asked for, all.
@@ -445,16 +504,7 @@ fn recorded(every: u64, chosen: &[f64], start: f64, h: f64, steps: u64) -> Resul
         return Err(ConfigError::Setting(wrong));
     }
     let mut recorded: Vec<u64> = (0..=steps.div_ceil(every)).map(|node| steps.min(node * every)).collect();
-    for &time in chosen {
-        match steps_between(start, time, h) {
-            Some(step) if step <= steps => recorded.push(step),
-            _ => {
-                let end = start + steps as f64 * h;
-                let wrong = format!("statistics at t = {time}, which is not between {start} and {end}");
-                return Err(ConfigError::Setting(wrong));
-            }
-        }
-    }
+    recorded.extend(chosen_steps(chosen, start, h, steps)?);
     recorded.sort_unstable();
     recorded.dedup();
     Ok(recorded)
@@ -467,12 +517,12 @@ fn standard<H: Discretized<E> + Sync, E>(system: &H, degrees: usize) -> Vec<Name
     let mut all: Vec<Named<'_, H::Vector>> = Vec::new();
     for i in 0..degrees {
         let q = component(i);
-        all.push((Some(format!("q{i}")), Box::new(move |state| q(&state.q))));
+        all.push((format!("q{i}"), Box::new(move |state| q(&state.q))));
     }
     for i in 0..degrees {
         let p = component(i);
-        all.push((Some(format!("p{i}")), Box::new(move |state| p(&state.p))));
+        all.push((format!("p{i}"), Box::new(move |state| p(&state.p))));
     }
-    all.push((Some("energy".into()), Box::new(|state| system.energy(state))));
+    all.push(("energy".into(), Box::new(|state| system.energy(state))));
     all
 }

@@ -1,17 +1,21 @@
 //! Errors. Each says where, why and what to do; none leaves a state changed.
 
-#[cfg(feature = "serde")]
+#[cfg(all(feature = "serde", feature = "ensemble"))]
 mod words;
 
 mod index;
+mod internal;
 
 use std::fmt;
 
 pub use crate::calculus::DomainError;
 pub use crate::increments::NoiseError;
-#[cfg(any(feature = "ensemble", feature = "serde", feature = "report"))]
+#[cfg(any(feature = "ensemble", feature = "serde"))]
 pub use crate::persist::FileError;
+#[doc(hidden)]
+pub use index::Name;
 pub use index::{IndexError, IndexLimit};
+pub use internal::InternalError;
 
 /// Why the equations of one step have no (usable) solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -243,7 +247,8 @@ impl fmt::Display for PathError {
             }
             Self::Uneven { every, steps } => write!(
                 f,
-                "the recorded nodes are not evenly spaced: record_every({every}) does not divide the {steps} steps"
+                "the recorded nodes are not evenly spaced: record_every({every}) does not divide the {steps} steps, or `record_at` \
+                 added others"
             ),
             Self::Empty => f.write_str("the path has no step"),
             Self::System { path, system } => write!(
@@ -258,6 +263,31 @@ impl fmt::Display for PathError {
 
 impl std::error::Error for PathError {}
 
+/// A name that nothing has.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownName {
+    /// What was asked for: `observable` or `event`.
+    pub kind: &'static str,
+    /// The name.
+    pub name: String,
+    /// The names that there are.
+    pub known: Vec<String>,
+}
+
+impl fmt::Display for UnknownName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { kind, name, known } = self;
+        write!(f, "no {kind} has the name `{name}`: ")?;
+        if known.is_empty() {
+            write!(f, "the run has none")
+        } else {
+            write!(f, "there are `{}`", known.join("`, `"))
+        }
+    }
+}
+
+impl std::error::Error for UnknownName {}
+
 /// Anything that can go wrong, for `main` and `?`.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -270,14 +300,24 @@ pub enum Error {
     Noise(NoiseError),
     /// A recorded path cannot answer.
     Path(PathError),
+    /// A run was asked for something by a name that it does not have.
+    Name(UnknownName),
     /// A discrete function was evaluated off its time scale, or combined with one on another.
     Domain(DomainError),
+    /// A mistake of the library.
+    Internal(InternalError),
     /// A file could not be written.
     #[cfg(feature = "ensemble")]
     File(FileError),
     /// A path of a multilevel run has no value.
     #[cfg(feature = "ensemble")]
     Level(crate::ensemble::LevelError),
+    /// More paths of an ensemble failed than it allows.
+    #[cfg(feature = "ensemble")]
+    Losses(Box<crate::ensemble::LossError>),
+    /// The statistics of an ensemble cannot answer a question.
+    #[cfg(feature = "ensemble")]
+    Statistics(crate::ensemble::StatisticsError),
     /// A checkpoint could not be written, or is not one of this run.
     #[cfg(feature = "serde")]
     Checkpoint(crate::checkpoint::CheckpointError),
@@ -296,11 +336,17 @@ impl fmt::Display for Error {
             Self::Step(error) => error.fmt(f),
             Self::Noise(error) => error.fmt(f),
             Self::Path(error) => error.fmt(f),
+            Self::Name(error) => error.fmt(f),
             Self::Domain(error) => error.fmt(f),
+            Self::Internal(error) => error.fmt(f),
             #[cfg(feature = "ensemble")]
             Self::File(error) => error.fmt(f),
             #[cfg(feature = "ensemble")]
             Self::Level(error) => error.fmt(f),
+            #[cfg(feature = "ensemble")]
+            Self::Losses(error) => error.fmt(f),
+            #[cfg(feature = "ensemble")]
+            Self::Statistics(error) => error.fmt(f),
             #[cfg(feature = "serde")]
             Self::Checkpoint(error) => error.fmt(f),
             #[cfg(feature = "mpi")]
@@ -318,11 +364,17 @@ impl std::error::Error for Error {
             Self::Step(error) => Some(error),
             Self::Noise(error) => Some(error),
             Self::Path(error) => Some(error),
+            Self::Name(error) => Some(error),
             Self::Domain(error) => Some(error),
+            Self::Internal(error) => Some(error),
             #[cfg(feature = "ensemble")]
             Self::File(error) => Some(error),
             #[cfg(feature = "ensemble")]
             Self::Level(error) => Some(error),
+            #[cfg(feature = "ensemble")]
+            Self::Losses(error) => Some(error.as_ref()),
+            #[cfg(feature = "ensemble")]
+            Self::Statistics(error) => Some(error),
             #[cfg(feature = "serde")]
             Self::Checkpoint(error) => Some(error),
             #[cfg(feature = "mpi")]
@@ -353,6 +405,26 @@ impl From<crate::ensemble::LevelError> for Error {
     }
 }
 
+impl From<InternalError> for Error {
+    fn from(error: InternalError) -> Self {
+        Self::Internal(error)
+    }
+}
+
+#[cfg(feature = "ensemble")]
+impl From<Box<crate::ensemble::LossError>> for Error {
+    fn from(error: Box<crate::ensemble::LossError>) -> Self {
+        Self::Losses(error)
+    }
+}
+
+#[cfg(feature = "ensemble")]
+impl From<crate::ensemble::StatisticsError> for Error {
+    fn from(error: crate::ensemble::StatisticsError) -> Self {
+        Self::Statistics(error)
+    }
+}
+
 impl From<StepError> for Error {
     fn from(error: StepError) -> Self {
         Self::Step(error)
@@ -362,6 +434,12 @@ impl From<StepError> for Error {
 impl From<NoiseError> for Error {
     fn from(error: NoiseError) -> Self {
         Self::Noise(error)
+    }
+}
+
+impl From<UnknownName> for Error {
+    fn from(error: UnknownName) -> Self {
+        Self::Name(error)
     }
 }
 

@@ -3,6 +3,8 @@
 #[cfg(feature = "ensemble")]
 use crate::ensemble::Ensemble;
 use crate::error::ConfigError;
+#[cfg(feature = "report")]
+use crate::report::WorkPrecision;
 use crate::simulate::Simulation;
 use crate::step::Stepper;
 use crate::system::{Discretized, Hamiltonian};
@@ -37,6 +39,16 @@ pub trait Integrate: Hamiltonian {
         Self: Discretized<E> + Sized,
     {
         Ensemble::new(self, h)
+    }
+
+    /// How much error several schemes and step sizes make for how much time. Whatever is wrong with the settings,
+    /// [`WorkPrecision::run`] says it.
+    #[cfg(feature = "report")]
+    fn work_precision(&self) -> WorkPrecision<'_, Self>
+    where
+        Self: Sized,
+    {
+        WorkPrecision::new(self)
     }
 }
 

@@ -3,6 +3,8 @@
 pub mod calculus;
 pub mod carry;
 mod checksum;
+#[cfg(feature = "ensemble")]
+mod clock;
 pub mod elements;
 pub mod embedding;
 #[cfg(feature = "ensemble")]
@@ -10,28 +12,28 @@ pub mod ensemble;
 pub mod error;
 pub mod increments;
 pub mod integrate;
-#[cfg(all(feature = "interrupt", any(feature = "ensemble", feature = "report")))]
+#[cfg(all(feature = "interrupt", feature = "ensemble"))]
 mod interrupt;
 #[cfg(all(feature = "ensemble", not(feature = "interrupt")))]
 #[path = "interrupt/absent.rs"]
 mod interrupt;
 #[cfg(feature = "ensemble")]
 pub mod lanes;
-#[cfg(any(feature = "ensemble", feature = "serde", feature = "report"))]
+#[cfg(any(feature = "ensemble", feature = "serde"))]
 mod names;
 #[cfg(feature = "noise")]
 pub mod noise;
 pub mod numbers;
 mod persist;
 pub mod plan;
-#[cfg(any(feature = "ensemble", feature = "report"))]
+#[cfg(feature = "ensemble")]
 mod progress;
 #[cfg(feature = "report")]
 pub mod report;
 mod rescue;
 pub mod retry;
 pub mod scalar;
-#[cfg(any(feature = "ensemble", feature = "report"))]
+#[cfg(feature = "ensemble")]
 mod schedule;
 pub mod simulate;
 pub mod solve;

@@ -2,7 +2,8 @@
 //!
 //! A [`Wiener`] is a path, not a stream: `W(t)` is a function of the seed, the path of the ensemble, the process and the time.
 //! Asking for it on any partition, forwards, backwards or at random, gives the same path bit by bit, so that runs with different
-//! step sizes share it. A [`WongZakai`] averages such a path over a window. [`Increments`] are numbers of the caller's.
+//! step sizes share it. A [`WongZakai`] averages such a path over a window. [`StepNormals`] are one normal for each step: faster, and another
+//! sample for another step size. [`Increments`] are numbers of the caller's. Each of them drives single paths and ensembles.
 //!
 //! ```
 //! use wzvi_runtime::noise::{Interval, Noise, Wiener};
@@ -15,15 +16,18 @@
 //! ```
 
 mod bridge;
+pub(crate) mod chacha;
 mod cursor;
 mod grid;
 pub(crate) mod normal;
+pub(crate) mod step_normals;
 mod stream;
 mod truncation;
 mod wiener;
 mod wong_zakai;
 
 pub use crate::increments::{Increments, Interval, Noise, NoiseError};
+pub use step_normals::StepNormals;
 pub use truncation::{Truncation, clip_bound};
 pub use wiener::Wiener;
 pub use wong_zakai::{Sampling, WongZakai};
@@ -32,4 +36,15 @@ pub use wong_zakai::{Sampling, WongZakai};
 pub trait Paths: Noise {
     /// Goes to the path with this number and keeps the memory that was allocated.
     fn set_path(&mut self, path: u64);
+
+    /// This noise, if it is one that lanes draw by themselves.
+    #[doc(hidden)]
+    fn step_normals(&self) -> Option<StepNormals> {
+        None
+    }
+}
+
+/// Numbers are one path: every member of an ensemble has it.
+impl Paths for Increments {
+    fn set_path(&mut self, _path: u64) {}
 }

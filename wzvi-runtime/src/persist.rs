@@ -5,10 +5,10 @@ pub mod checkpoint;
 #[cfg(not(feature = "serde"))]
 #[path = "persist/checkpoint/absent.rs"]
 pub(crate) mod checkpoint;
-#[cfg(any(feature = "ensemble", feature = "serde", feature = "report"))]
+#[cfg(any(feature = "ensemble", feature = "serde"))]
 pub(crate) mod file;
-#[cfg(any(feature = "ensemble", feature = "report"))]
+#[cfg(feature = "ensemble")]
 pub(crate) mod table;
 
-#[cfg(any(feature = "ensemble", feature = "serde", feature = "report"))]
+#[cfg(any(feature = "ensemble", feature = "serde"))]
 pub use file::FileError;

@@ -1,7 +1,9 @@
 //! How far a long run is: one line on a terminal, nothing elsewhere.
 
 use std::io::{IsTerminal, Write, stderr};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use crate::clock::{self, Moment};
 
 /// Runs that are over by then show nothing.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -12,27 +14,36 @@ const PAUSE: Duration = Duration::from_millis(100);
 pub(crate) struct Progress {
     /// What is counted.
     unit: &'static str,
-    began: Instant,
-    next: Instant,
+    /// `None` where nobody looks, or where there is no clock.
+    watch: Option<Watch>,
     is_shown: bool,
-    is_silent: bool,
+}
+
+struct Watch {
+    began: Moment,
+    /// The last look at the line.
+    looked: Moment,
+    wait: Duration,
 }
 
 impl Progress {
     pub(crate) fn new(unit: &'static str, is_quiet: bool) -> Self {
-        let began = Instant::now();
         let is_silent = is_quiet || !stderr().is_terminal();
-        Self { unit, began, next: began + PATIENCE, is_shown: false, is_silent }
+        let now = if is_silent { None } else { clock::now() };
+        let watch = now.map(|now| Watch { began: now, looked: now, wait: PATIENCE });
+        Self { unit, watch, is_shown: false }
     }
 
     /// So many are done, of so many.
     pub(crate) fn show(&mut self, done: u64, all: u64) {
-        if self.is_silent || Instant::now() < self.next {
+        let Some(watch) = &mut self.watch else { return };
+        let Some(now) = clock::now() else { return };
+        if clock::between(&watch.looked, &now) < watch.wait {
             return;
         }
-        self.next = Instant::now() + PAUSE;
+        (watch.looked, watch.wait) = (now, PAUSE);
         self.is_shown = true;
-        let line = line(self.unit, done, all, self.began.elapsed());
+        let line = line(self.unit, done, all, clock::since(&watch.began));
         // Who cannot write to the terminal cannot say so there either.
         let _ = write!(stderr(), "\r\x1b[K{line}").and_then(|()| stderr().flush());
     }

@@ -5,6 +5,7 @@
 //! fastest motion ([`StepFailure::Unresolved`]) cannot be repaired where it is noticed, because the energy is in the wrong
 //! motion already: the run starts again, all its steps subdivided once more, so that they stay uniform.
 
+use crate::carry::Carry;
 use crate::error::{ConfigError, Error, StepError, StepFailure};
 use crate::increments::{Interval, Noise};
 use crate::state::State;
@@ -36,7 +37,7 @@ impl Retry {
 }
 
 /// Walks from node to node of a run, subdividing where it has to and may.
-pub(crate) struct Walker<'a, H: Discretized<E>, E> {
+pub(crate) struct Walker<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f64>> {
     system: &'a H,
     h: f64,
     retry: Retry,
@@ -44,19 +45,19 @@ pub(crate) struct Walker<'a, H: Discretized<E>, E> {
     /// Halvings of every step of this run.
     base: u32,
     /// Takes the steps of `base`.
-    pub(crate) stepper: Stepper<'a, H, E>,
+    pub(crate) stepper: Stepper<'a, H, E, C>,
     /// Increments of a part of a step.
     part: Vec<f64>,
 }
 
-impl<'a, H: Discretized<E>, E> Walker<'a, H, E> {
+impl<'a, H: Discretized<E>, E, C: Carry<f64>> Walker<'a, H, E, C> {
     pub(crate) fn new(system: &'a H, h: f64, retry: Retry, is_watched: bool) -> Result<Self, ConfigError> {
         let stepper = Self::stepper(system, h, is_watched)?;
         Ok(Self { system, h, retry, is_watched, base: 0, stepper, part: vec![0.0; system.noises()] })
     }
 
-    fn stepper(system: &'a H, h: f64, is_watched: bool) -> Result<Stepper<'a, H, E>, ConfigError> {
-        let stepper = Stepper::new(system, h)?;
+    fn stepper(system: &'a H, h: f64, is_watched: bool) -> Result<Stepper<'a, H, E, C>, ConfigError> {
+        let stepper = Stepper::new(system, h)?.carrying();
         Ok(if is_watched { stepper } else { stepper.unwatched() })
     }
 
@@ -98,7 +99,7 @@ impl<'a, H: Discretized<E>, E> Walker<'a, H, E> {
 
     /// The step in `2^from` parts, or as many more as it takes.
     #[cold]
-    fn subdivide<N: Noise>(
+    pub(crate) fn subdivide<N: Noise>(
         &mut self,
         state: &mut State<H::Vector>,
         interval: &Interval,
@@ -131,7 +132,7 @@ impl<'a, H: Discretized<E>, E> Walker<'a, H, E> {
     /// The `2^level` parts of a step by `finer`, or by the stepper of the run.
     fn parts<N: Noise>(
         &mut self,
-        finer: Option<&mut Stepper<'a, H, E>>,
+        finer: Option<&mut Stepper<'a, H, E, C>>,
         state: &mut State<H::Vector>,
         interval: &Interval,
         noise: &mut Option<N>,
@@ -160,7 +161,7 @@ fn part_of(h: f64, level: u32) -> f64 {
 }
 
 /// Whether a shorter step may help it. One that does not resolve the fastest motion is no matter of one step.
-fn is_curable(cause: StepFailure) -> bool {
+pub(crate) fn is_curable(cause: StepFailure) -> bool {
     match cause {
         StepFailure::NotConverged { .. }
         | StepFailure::Singular { .. }

@@ -1,6 +1,8 @@
 //! One path: a builder, and the loop that it starts.
 
+use std::fmt;
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 use crate::checkpoint::Keeping;
 use crate::error::{ConfigError, Error, StepFailure};
@@ -10,7 +12,7 @@ use crate::state::{State, Vector};
 use crate::step::StepInfo;
 use crate::sum::Sums;
 use crate::system::Discretized;
-use crate::trajectory::{Recorder, Trajectory};
+use crate::trajectory::{Recorder, Recording, Trajectory};
 
 /// Step numbers are exact as `f64` up to here; time is `t_0 + n h`.
 pub(crate) const MOST_STEPS: u64 = 1 << 53;
@@ -66,6 +68,24 @@ pub(crate) enum End {
     Steps(u64),
 }
 
+/// A function of the state.
+type Observable<'a, V> = Arc<dyn Fn(&State<V>) -> f64 + Send + Sync + 'a>;
+
+/// Functions of the state, by name.
+struct Observables<'a, V>(Vec<(String, Observable<'a, V>)>);
+
+impl<V> Clone for Observables<'_, V> {
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+}
+
+impl<V> fmt::Debug for Observables<'_, V> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.0.iter().map(|(name, _)| name)).finish()
+    }
+}
+
 /// One path to run: [`Integrate::simulate`](crate::integrate::Integrate::simulate) begins it, [`Simulation::run`]
 /// runs it.
 ///
@@ -78,7 +98,9 @@ pub struct Simulation<'a, H: Discretized<E>, E, N = NoNoise, O = Unobserved> {
     start: Option<State<H::Vector>>,
     noise: Option<N>,
     end: Option<End>,
-    every: u64,
+    every: Option<u64>,
+    chosen: Vec<f64>,
+    observables: Observables<'a, H::Vector>,
     observer: O,
     retry: Retry,
     is_watched: bool,
@@ -95,7 +117,9 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
             start: None,
             noise: None,
             end: None,
-            every: 1,
+            every: None,
+            chosen: Vec::new(),
+            observables: Observables(Vec::new()),
             observer: Unobserved,
             retry: Retry::never(),
             is_watched: true,
@@ -123,6 +147,8 @@ impl<'a, H: Discretized<E>, E, N, O> Simulation<'a, H, E, N, O> {
             start: self.start,
             end: self.end,
             every: self.every,
+            chosen: self.chosen,
+            observables: self.observables,
             observer: self.observer,
             retry: self.retry,
             is_watched: self.is_watched,
@@ -145,12 +171,29 @@ impl<'a, H: Discretized<E>, E, N, O> Simulation<'a, H, E, N, O> {
         self
     }
 
-    /// Keeps every `stride`-th node, the start and the last; 1 (all of them) if this is not called.
+    /// Keeps every `stride`-th node, the start and the last; 1 (all of them) if neither this nor [`Simulation::record_at`] is called.
     ///
     /// With 0, only the start and the last node are kept and an observer sees every node: the memory of the run
     /// does not grow.
     pub fn record_every(mut self, stride: u64) -> Self {
-        self.every = stride;
+        self.every = Some(stride);
+        self
+    }
+
+    /// Keeps the nodes at these times, too: each the first node at or beyond it. Without [`Simulation::record_every`], only these, the start
+    /// and the last.
+    pub fn record_at(mut self, times: impl IntoIterator<Item = f64>) -> Self {
+        self.chosen.extend(times);
+        self
+    }
+
+    /// One more observable, a function of the state: [`Trajectory::observed`] has its values at the recorded nodes.
+    pub fn observe(
+        mut self,
+        name: impl Into<String>,
+        observable: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,
+    ) -> Self {
+        self.observables.0.push((name.into(), Arc::new(observable)));
         self
     }
 
@@ -171,9 +214,9 @@ impl<'a, H: Discretized<E>, E, N, O> Simulation<'a, H, E, N, O> {
         self
     }
 
-    /// Calls `observer(state, node)` at each recorded node (each node with `record_every(0)`), start and end
-    /// included, as the run gets there.
-    pub fn observe<F>(self, observer: F) -> Simulation<'a, H, E, N, F>
+    /// Calls `observer(state, node)` at each recorded node (each node with `record_every(0)` or [`Simulation::record_at`] alone), start and
+    /// end included, as the run gets there: for whoever wants to see increments and iterations, or to act on the way.
+    pub fn inspect<F>(self, observer: F) -> Simulation<'a, H, E, N, F>
     where
         F: FnMut(&State<H::Vector>, &Node<'_>),
     {
@@ -185,6 +228,8 @@ impl<'a, H: Discretized<E>, E, N, O> Simulation<'a, H, E, N, O> {
             noise: self.noise,
             end: self.end,
             every: self.every,
+            chosen: self.chosen,
+            observables: self.observables,
             retry: self.retry,
             is_watched: self.is_watched,
             keeping: self.keeping,
@@ -213,12 +258,24 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
     /// [`Error::Config`] or [`Error::Noise`] (`Error::Checkpoint` with the feature `serde`) if the run could not start:
     /// then there is no trajectory.
     pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error> {
-        let Self { system, h, start, noise, end, every, mut observer, retry, is_watched, keeping, .. } = self;
+        let Self { system, h, start, noise, end, every, chosen, observables, mut observer, .. } = self;
+        let (retry, is_watched, keeping) = (self.retry, self.is_watched, self.keeping);
+        let names = observables.0.iter().map(|(name, _)| name).enumerate();
+        if let Some((_, twice)) =
+            names.clone().find(|&(i, name)| names.clone().take(i).any(|(_, known)| known == name))
+        {
+            return Err(ConfigError::Setting(format!("two observables have the name `{twice}`")).into());
+        }
+        let finish = |recorder: Recorder<H::Vector>, state: State<H::Vector>| -> Trajectory<H::Vector, E> {
+            recorder.finish(state).observing(observables.0.iter().map(|(name, f)| (name, &**f)))
+        };
         let mut walker = Walker::<H, E>::new(system, h, retry, is_watched)?;
         let mut state = checked(system, start)?;
         let start = state.clone();
         let origin = start.t;
         let steps = count(end, origin, h)?;
+        let every = every.unwrap_or(if chosen.is_empty() { 1 } else { 0 });
+        let recording = Recording { every, chosen: chosen_steps(&chosen, origin, h, steps)? };
         let processes = system.noises();
         // A deterministic system asks its noise for nothing.
         let mut noise = noise.filter(|_| processes > 0);
@@ -232,7 +289,7 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
         }
         let mut dw = vec![0.0; processes];
         let mut path = Sums::new(processes);
-        let mut recorder = Recorder::new(&state, h, processes, every, steps)?;
+        let mut recorder = Recorder::new(&state, h, processes, &recording, steps)?;
         let mut keeper = keeping.open(
             &mut walker.stepper,
             &mut state,
@@ -258,11 +315,11 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
                         state = start.clone();
                         dw.fill(0.0);
                         path = Sums::new(processes);
-                        recorder = Recorder::new(&state, h, processes, every, steps)?;
+                        recorder = Recorder::new(&state, h, processes, &recording, steps)?;
                         begin = 0;
                         continue 'run;
                     }
-                    Err(error) => return Ok((recorder.finish(state), Some(error))),
+                    Err(error) => return Ok((finish(recorder, state), Some(error))),
                 };
                 recorder.step(&dw, &info);
                 let node = step + 1;
@@ -280,10 +337,10 @@ impl<H: Discretized<E>, E, N: Noise, O: Observer<H::Vector>> Simulation<'_, H, E
                     && let Err(error) =
                         keeper.save(&mut walker.stepper, &mut state, &mut recorder, &mut path, node)
                 {
-                    return Ok((recorder.finish(state), Some(error)));
+                    return Ok((finish(recorder, state), Some(error)));
                 }
             }
-            return Ok((recorder.finish(state), None));
+            return Ok((finish(recorder, state), None));
         }
     }
 }
@@ -323,6 +380,22 @@ pub(crate) fn count(end: Option<End>, start: f64, h: f64) -> Result<u64, ConfigE
         End::Steps(steps) if steps <= MOST_STEPS => Ok(steps),
         End::Steps(steps) => Err(ConfigError::End { start, end: start + steps as f64 * h, h }),
     }
+}
+
+/// The steps before the nodes at these times, in order: each the first at or beyond it.
+pub(crate) fn chosen_steps(times: &[f64], start: f64, h: f64, steps: u64) -> Result<Vec<u64>, ConfigError> {
+    let step = |&time: &f64| match steps_between(start, time, h) {
+        Some(step) if step <= steps => Ok(step),
+        _ => {
+            let end = start + steps as f64 * h;
+            let wrong = format!("recorded at t = {time}, which is not between {start} and {end}");
+            Err(ConfigError::Setting(wrong))
+        }
+    };
+    let mut chosen: Vec<u64> = times.iter().map(step).collect::<Result<_, _>>()?;
+    chosen.sort_unstable();
+    chosen.dedup();
+    Ok(chosen)
 }
 
 /// `⌈(end - start)/h⌉`, or the integer that the quotient would be but for rounding; `None` if it is negative, NaN or

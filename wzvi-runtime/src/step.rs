@@ -114,14 +114,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         self.carrying()
     }
 
-    /// The same steps, but none is refused because it does not resolve the fastest motion
-    /// ([`StepFailure::Unresolved`]): for whoever watches the energy.
-    pub fn unwatched(mut self) -> Self {
-        self.strain = Strain::ignored();
-        self
-    }
-
-    fn carrying<C: Carry<f64>>(self) -> Stepper<'a, H, E, C> {
+    pub(crate) fn carrying<C: Carry<f64>>(self) -> Stepper<'a, H, E, C> {
         Stepper {
             carry: C::default(),
             clock: Clock::started(f64::NAN),
@@ -138,6 +131,13 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
 }
 
 impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
+    /// The same steps, but none is refused because it does not resolve the fastest motion
+    /// ([`StepFailure::Unresolved`]): for whoever watches the energy.
+    pub fn unwatched(mut self) -> Self {
+        self.strain = Strain::ignored();
+        self
+    }
+
     /// Whether what rounding takes is carried.
     pub fn is_compensated(&self) -> bool {
         C::CARRIES

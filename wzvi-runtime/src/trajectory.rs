@@ -9,7 +9,7 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use crate::calculus::{Function, Interior, Nodes, TimeScale};
-use crate::error::{ConfigError, PathError};
+use crate::error::{ConfigError, PathError, UnknownName};
 use crate::state::{State, Vector};
 use crate::step::StepInfo;
 use crate::sum::Sum;
@@ -57,6 +57,49 @@ struct Path<V> {
     increments: Vec<f64>,
     states: Vec<State<V>>,
     last: State<V>,
+    /// Nodes that are recorded besides the `every`-th.
+    #[cfg_attr(feature = "serde", serde(default))]
+    chosen: u64,
+    /// What was observed at the recorded nodes, by name.
+    #[cfg_attr(feature = "serde", serde(default = "Vec::new"))]
+    observed: Vec<(String, Vec<f64>)>,
+}
+
+/// Which nodes a run records, besides the start and the end.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Recording {
+    /// Every so many steps; 0 for none.
+    pub(crate) every: u64,
+    /// After so many steps, in order.
+    pub(crate) chosen: Vec<u64>,
+}
+
+impl Recording {
+    /// Whether a run adds nodes before its end.
+    #[cfg(feature = "serde")]
+    pub(crate) fn adds(&self) -> bool {
+        self.every > 0 || !self.chosen.is_empty()
+    }
+
+    /// Chosen nodes up to this step that are not recorded anyway.
+    fn extra(&self, step: u64) -> u64 {
+        let is_regular = |chosen: u64| chosen.checked_rem(self.every) == Some(0);
+        let extra = self.chosen.iter().filter(|&&chosen| chosen > 0 && chosen <= step && !is_regular(chosen));
+        extra.count() as u64
+    }
+
+    /// Nodes after the start that are recorded when this step has been taken, the end not counted.
+    #[cfg(feature = "serde")]
+    pub(crate) fn nodes(&self, step: u64) -> u64 {
+        step.checked_div(self.every).unwrap_or(0) + self.extra(step)
+    }
+
+    /// The next step, after this one, whose node is recorded; the largest number if there is none.
+    fn next(&self, step: u64) -> u64 {
+        let regular = step.checked_div(self.every).map(|count| (count + 1).saturating_mul(self.every));
+        let chosen = self.chosen.get(self.chosen.partition_point(|&chosen| chosen <= step)).copied();
+        regular.unwrap_or(u64::MAX).min(chosen.unwrap_or(u64::MAX))
+    }
 }
 
 impl<V: Clone, E> Clone for Trajectory<V, E> {
@@ -67,7 +110,8 @@ impl<V: Clone, E> Clone for Trajectory<V, E> {
 
 impl<V: fmt::Debug, E> fmt::Debug for Trajectory<V, E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Path { h, every, steps, iterations, processes, increments, states, last: _ } = &self.path;
+        let Path { h, every, steps, iterations, processes, increments, states, last: _, chosen, observed } =
+            &self.path;
         f.debug_struct("Trajectory")
             .field("h", h)
             .field("every", every)
@@ -76,6 +120,8 @@ impl<V: fmt::Debug, E> fmt::Debug for Trajectory<V, E> {
             .field("processes", processes)
             .field("increments", increments)
             .field("states", states)
+            .field("chosen", chosen)
+            .field("observed", observed)
             .finish()
     }
 }
@@ -100,6 +146,30 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// The recorded states in order.
     pub fn iter(&self) -> std::slice::Iter<'_, State<V>> {
         self.path.states.iter()
+    }
+
+    /// What was observed under this name ([`Simulation::observe`](crate::simulate::Simulation::observe)), at each recorded node.
+    ///
+    /// # Errors
+    /// [`UnknownName`] for a name that the run did not have.
+    pub fn observed(&self, name: &str) -> Result<&[f64], UnknownName> {
+        let found = self.path.observed.iter().find(|(known, _)| known == name);
+        found.map(|(_, values)| values.as_slice()).ok_or_else(|| UnknownName {
+            kind: "observable",
+            name: name.to_owned(),
+            known: self.path.observed.iter().map(|(known, _)| known.clone()).collect(),
+        })
+    }
+
+    /// Adds what functions of the state are at the recorded nodes.
+    pub(crate) fn observing<'f, F>(mut self, functions: impl Iterator<Item = (&'f String, F)>) -> Self
+    where
+        F: Fn(&State<V>) -> f64,
+    {
+        let states = &self.path.states;
+        let columns = functions.map(|(name, f)| (name.clone(), states.iter().map(&f).collect()));
+        self.path.observed = columns.collect();
+        self
     }
 
     /// Number of recorded nodes, at least 1.
@@ -191,9 +261,9 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// # Errors
     /// [`PathError::Empty`] for a path without steps, [`PathError::Uneven`] if the last interval is shorter.
     pub fn time_scale(&self) -> Result<TimeScale, PathError> {
-        let Path { every, steps, states, last, .. } = &self.path;
+        let Path { every, steps, states, last, chosen, .. } = &self.path;
         let [first, .., _] = states.as_slice() else { return Err(PathError::Empty) };
-        if *every > 1 && states.len() > 2 && steps % every != 0 {
+        if *chosen > 0 || *every > 1 && states.len() > 2 && steps % every != 0 {
             return Err(PathError::Uneven { every: *every, steps: *steps });
         }
         Ok(TimeScale::new(first.t, last.t, states.len() - 1)?)
@@ -305,10 +375,12 @@ impl<'a, V, E> IntoIterator for &'a Trajectory<V, E> {
 /// A trajectory in the making.
 pub(crate) struct Recorder<V> {
     path: Path<V>,
+    recording: Recording,
     /// Sums of the increments since the last recorded node.
     pending: Vec<Sum>,
-    /// Steps since then.
-    since: u64,
+    /// The step of the last recorded node, and that of the next.
+    kept: u64,
+    next: u64,
 }
 
 impl<V: Vector> Recorder<V> {
@@ -318,10 +390,12 @@ impl<V: Vector> Recorder<V> {
         start: &State<V>,
         h: f64,
         processes: usize,
-        every: u64,
+        recording: &Recording,
         steps: u64,
     ) -> Result<Self, ConfigError> {
-        let intervals = if every == 0 { steps.min(1) } else { steps.div_ceil(every) };
+        let every = recording.every;
+        let regular = if every == 0 { steps.min(1) } else { steps.div_ceil(every) };
+        let intervals = regular.saturating_add(recording.extra(steps));
         let (mut states, mut increments) = (Vec::new(), Vec::new());
         let reserved = usize::try_from(intervals).ok().and_then(|intervals| {
             states.try_reserve_exact(intervals.checked_add(1)?).ok()?;
@@ -334,8 +408,11 @@ impl<V: Vector> Recorder<V> {
         states.push(start.clone());
         let iterations = Iterations::default();
         let last = start.clone();
-        let path = Path { h, every, steps: 0, iterations, processes, increments, states, last };
-        Ok(Self { path, pending: vec![Sum::default(); processes], since: 0 })
+        let (chosen, observed) = (0, Vec::new());
+        let path =
+            Path { h, every, steps: 0, iterations, processes, increments, states, last, chosen, observed };
+        let (recording, next) = (recording.clone(), recording.next(0));
+        Ok(Self { path, recording, pending: vec![Sum::default(); processes], kept: 0, next })
     }
 
     /// A step was taken.
@@ -349,17 +426,16 @@ impl<V: Vector> Recorder<V> {
         counts.doubtful += u64::from(info.is_doubtful);
         counts.halved += u64::from(info.halvings > 0);
         counts.halvings = counts.halvings.max(info.halvings);
-        self.since += 1;
         for (sum, &dw) in self.pending.iter_mut().zip(dw) {
             sum.add(dw);
         }
     }
 
-    /// Keeps the node just reached if it is one of the `every`-th; whether an observer is to see it. The last node is
+    /// Keeps the node just reached if it is to be recorded; whether an observer is to see it. The last node is
     /// kept by [`Recorder::finish`].
     #[inline]
     pub(crate) fn reach(&mut self, state: &State<V>) -> bool {
-        let due = self.since == self.path.every;
+        let due = self.path.steps == self.next;
         if due {
             self.keep(state);
         }
@@ -370,15 +446,18 @@ impl<V: Vector> Recorder<V> {
         self.path.states.push(state.clone());
         self.path.increments.extend(self.pending.iter().map(|sum| sum.total()));
         self.pending.fill(Sum::default());
-        self.since = 0;
+        self.kept = self.path.steps;
+        self.next = self.recording.next(self.kept);
     }
 
     /// The trajectory, which ends at `last`.
     pub(crate) fn finish<E>(mut self, last: State<V>) -> Trajectory<V, E> {
-        if self.since > 0 {
+        if self.path.steps > self.kept {
             self.keep(&last);
         }
         self.path.last = last;
+        // The last node is recorded anyway.
+        self.path.chosen = self.recording.extra(self.path.steps.saturating_sub(1));
         Trajectory { path: self.path, scheme: PhantomData }
     }
 }

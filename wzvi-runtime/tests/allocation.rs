@@ -42,7 +42,7 @@ fn steps_allocate_nothing() {
         let simulation = kubo.simulate::<Midpoint>(0.02).start(State::new([0.0], [1.0])).noise(noise);
         let simulation = simulation.steps(steps as u64).record_every(every);
         let mut seen = 0;
-        let (allocations, path) = count(|| simulation.observe(|_, _| seen += 1).run());
+        let (allocations, path) = count(|| simulation.inspect(|_, _| seen += 1).run());
         assert_eq!(path.unwrap().last().t, steps as f64 * 0.02);
         (allocations, seen)
     };

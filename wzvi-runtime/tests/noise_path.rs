@@ -212,3 +212,26 @@ fn errors_say_what_is_wrong() {
     let error = ask(&mut Increments::from([0.5]), Interval { step: 1, ..step });
     assert_eq!(error.to_string(), "step 1 has no increments: 1 steps were given; give more or end earlier");
 }
+
+/// Times that are none have no integral, on either side.
+#[test]
+fn integrals_of_no_time_are_errors() {
+    for (a, b) in [(f64::NAN, 1.0), (1.0, f64::NAN), (f64::NAN, f64::NAN), (0.0, f64::INFINITY)] {
+        for outcome in [Wiener::seed(1).integral(0, a, b), Wiener::seed(1).area(0, a, b)] {
+            assert!(matches!(outcome, Err(NoiseError::Time { .. })), "{a} {b}: {outcome:?}");
+        }
+    }
+}
+
+/// A process has its path whatever its number, and whichever others were asked for before.
+#[test]
+fn every_process_has_a_path() {
+    let mut all = Wiener::seed(3).path(2);
+    for process in [usize::MAX, 5000, 3, usize::MAX - 1, 1000, 2000, 5000, usize::MAX] {
+        let value = Wiener::seed(3).path(2).value(process, 0.7).unwrap();
+        assert_eq!(all.value(process, 0.7).unwrap().to_bits(), value.to_bits(), "{process}");
+    }
+    all.value(0, 0.1).unwrap();
+    let again = Wiener::seed(3).path(4).value(usize::MAX, 0.7).unwrap();
+    assert_eq!(all.path(4).value(usize::MAX, 0.7).unwrap(), again);
+}

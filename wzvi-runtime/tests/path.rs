@@ -104,7 +104,7 @@ fn observers_see_the_recorded_nodes() {
             .noise(Increments::from(path(1000, H)))
             .steps(1000)
             .record_every(every)
-            .observe(|state, node| {
+            .inspect(|state, node| {
                 seen.push((node.step, *state));
                 last_w = node.wiener[0];
                 assert_eq!(node.increments.len(), 1);
@@ -313,4 +313,47 @@ fn a_source_is_told_what_it_serves() {
     let rest = State::new(vec![0.0; 2], vec![0.0; 2]).at(2.0);
     rotors.simulate::<DeltaPlus>(0.1).start(rest).noise(&mut source).until(3.0).run().unwrap();
     assert_eq!(source.told, Some((false, 0.1, 2, 2.0)));
+}
+
+/// Chosen times are recorded beside the regular ones, with the increments in between; observables are columns of the recorded nodes.
+#[test]
+fn chosen_nodes_and_named_observables() {
+    let all = run(1);
+    let base =
+        || KUBO.simulate::<Midpoint>(H).start(start()).noise(Increments::from(path(1000, H))).steps(1000);
+    let observed = || base().observe("q", |state| state.q[0]).observe("time", |state| state.t);
+    // 0.07 is no node: the next one; 2.0 is regular; 20.0 is the end.
+    for (every, expected) in [
+        (None, vec![0, 4, 100, 333, 1000]),
+        (Some(0), vec![0, 4, 100, 333, 1000]),
+        (Some(100), vec![0, 4, 100, 200, 300, 333, 400, 500, 600, 700, 800, 900, 1000]),
+        (Some(1), (0..=1000).collect()),
+    ] {
+        let run = observed().record_at([2.0, 0.07, 333.0 * H, 20.0, 0.0, 2.0]);
+        let run = match every {
+            Some(every) => run.record_every(every),
+            None => run,
+        };
+        let trajectory = run.run().unwrap();
+        let states: Vec<_> = expected.iter().map(|&n: &usize| all.states()[n]).collect();
+        assert_eq!(trajectory.states(), states, "{every:?}");
+        let w = all.wiener(0);
+        for (got, &n) in trajectory.wiener(0).iter().zip(&expected) {
+            // Compensated sums of the same numbers, in other pieces.
+            assert!((got - w[n]).abs() <= 4.0 * f64::EPSILON * w[n].abs().max(1.0));
+        }
+        assert!(trajectory.observed("q").unwrap().iter().zip(&states).all(|(q, state)| *q == state.q[0]));
+        assert_eq!(trajectory.observed("time").unwrap().len(), expected.len());
+        let error = trajectory.observed("p").unwrap_err();
+        assert!(error.to_string().contains("`q`, `time`"), "{error}");
+        assert_eq!(trajectory.time_scale().is_ok(), every == Some(1), "{every:?}");
+    }
+    let whole = base().record_every(0).record_at([20.0]).run().unwrap();
+    assert!(whole.len() == 2 && whole.time_scale().is_ok());
+    let refused = |run: Result<Trajectory<V1, Midpoint>, Error>, word: &str| {
+        let Err(Error::Config(error)) = run else { panic!("no error") };
+        assert!(error.to_string().contains(word), "{error}");
+    };
+    refused(base().record_at([20.1]).run(), "20.1");
+    refused(observed().observe("q", |_| 0.0).run(), "`q`");
 }

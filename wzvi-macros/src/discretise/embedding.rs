@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::diagnostics::internal::Promised;
 use crate::symbolic::Rational;
 
 /// A scheme as the user wrote it.
@@ -39,7 +40,8 @@ impl Embedding {
             Self::Midpoint => (Rational::HALF, Rational::HALF),
             Self::DeltaMinus => (Rational::ONE, Rational::ONE),
             &Self::Lambda(n, d) => {
-                let l = Rational::new(n.into(), d.into()).unwrap_or(Rational::ZERO);
+                let l =
+                    Rational::new(n.into(), d.into()).promised("quadrature points are fractions of 32 bits");
                 (l, l)
             }
             Self::Mixed(drift, noise) => (drift.quadrature().0, noise.quadrature().1),

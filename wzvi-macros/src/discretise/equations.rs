@@ -7,6 +7,7 @@
 //! p_{i+1} = D_2 L_d  :  p_{i+1} - p_i = v + (D_2 L_d - P)
 //! ```
 
+use crate::diagnostics::internal::Promised;
 use crate::discretise::lagrangian::DiscreteLagrangian;
 use crate::symbolic::{Expr, Graph, Rational};
 
@@ -57,7 +58,7 @@ fn momentum_update(
     }
     for stage in &lagrangian.symbols.stages {
         let Some(inverse) = stage.complement().recip() else { continue };
-        let ratio = stage.l.multiply(inverse).unwrap_or(Rational::ZERO);
+        let ratio = stage.l.multiply(inverse).promised("quadrature points are fractions of 32 bits");
         let difference = graph.linear_combination(&[(rest, Rational::ONE), (phi_v, ratio.negate())]);
         if graph.is_zero(difference) {
             return MomentumUpdate::Multiple(inverse);

@@ -4,6 +4,7 @@
 use super::branches::{Boundary, Crossing, boundaries};
 use super::embedding::{Correction, Embedding};
 use super::sums::{Half, Increments, Space, Sum, Weighted};
+use crate::diagnostics::internal::Promised;
 use crate::elements::describe::noise_numbers;
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, Extent, Reads, System, Term};
@@ -120,9 +121,10 @@ impl Hamiltonians {
         let space =
             Space::new(system.size.clone(), system.components, system.names.clone(), tables, elements);
         let noise = system.noise.iter().zip(system.noise_offsets()).map(|(noise, offset)| {
-            // Numbers of noises beyond all integers are refused where they are lowered.
             let number = match &noise.family {
-                Some(family) => offset.add(&Index::atom(Atom::Loop(family.variable))).unwrap_or_default(),
+                Some(family) => offset
+                    .add(&Index::atom(Atom::Loop(family.variable)))
+                    .promised("numbers of noises are integers"),
                 None => offset,
             };
             sum_of(&noise.term, &[number])
@@ -136,6 +138,12 @@ impl Hamiltonians {
             invariants: system.invariants.iter().map(|term| (term.extent, sum_of(term, &[]))).collect(),
         }
     }
+}
+
+/// The drift, and the noises times their increments.
+pub(crate) fn drift_and_noise(system: &System) -> [Sum; 2] {
+    let Hamiltonians { drift, noise, .. } = Hamiltonians::of(system);
+    [drift, noise.concat()]
 }
 
 fn sum_of(term: &Term, increments: &[Index]) -> Sum {
@@ -222,7 +230,7 @@ impl Facts {
 
     /// `D = (1/2 - l) Σ_k ∂H_k/∂q · ∂H_k/∂p`, as text.
     pub(crate) fn defect(&self, graph: &mut Graph, l: Rational) -> String {
-        let weight = Rational::HALF.add(l.negate()).unwrap_or(Rational::ZERO);
+        let weight = Rational::HALF.add(l.negate()).promised("quadrature points are fractions of 32 bits");
         if weight.is_zero() {
             return "0".to_owned();
         }

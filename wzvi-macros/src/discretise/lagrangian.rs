@@ -10,6 +10,7 @@
 
 use std::collections::HashMap;
 
+use crate::diagnostics::internal::Promised;
 use crate::model::{Model, Phase};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
@@ -134,7 +135,7 @@ fn node_index(l: Rational) -> String {
 impl Stage {
     /// `1 - l`; exact, because `l` is a fraction of small integers.
     pub(crate) fn complement(&self) -> Rational {
-        Rational::ONE.add(self.l.negate()).unwrap_or(Rational::ZERO)
+        Rational::ONE.add(self.l.negate()).promised("quadrature points are fractions of 32 bits")
     }
 
     /// Phase-space symbols to the symbols of this stage.
@@ -194,7 +195,8 @@ fn counter_term(graph: &mut Graph, symbols: &StepSymbols, stage: &Stage, noise: 
         let (force, velocity) = (weighted_slope(q), weighted_slope(p));
         terms.push(graph.multiply(force, velocity));
     }
-    let half_minus_l = Rational::HALF.add(stage.l.negate()).unwrap_or(Rational::ZERO);
+    let half_minus_l =
+        Rational::HALF.add(stage.l.negate()).promised("quadrature points are fractions of 32 bits");
     let sum = graph.sum(&terms);
     graph.scale(sum, half_minus_l)
 }

@@ -1,15 +1,17 @@
 //! The derivation as text: sums and indices instead of components.
 
+mod sweep;
+
 use std::fmt::Write;
 
-use super::plan::{Strategy, Unknowns};
+use super::plan::Strategy;
+use crate::diagnostics::internal::Promised;
 use crate::discretise::Scheme;
 use crate::discretise::describe::{derivation, properties};
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, System, Table};
-use crate::symbolic::Rational;
 
 const LETTERS: [&str; 6] = ["i", "j", "k", "l", "m", "n"];
 
@@ -79,7 +81,7 @@ pub(crate) fn index_in(system: &System, element: &Element, index: &Index) -> Str
 fn element(model: &System, element: &Element) -> String {
     let mut text = String::new();
     for known in &element.loops {
-        let last = known.end.shifted(-1).unwrap_or_default();
+        let last = known.end.shifted(-1).promised("ends of loops are integers");
         let (start, last) = (index_in(model, element, &known.start), index_in(model, element, &last));
         let _ = write!(text, "Σ_({}={start}..{last}) ", letter(element, known.variable));
     }
@@ -96,7 +98,7 @@ fn term(model: &System, elements: &[Element]) -> String {
 pub(crate) fn noise_numbers(model: &System) -> Vec<String> {
     let table = |id: u32| model.tables.get(id as usize).map_or("?", |table| table.name.as_str());
     let numbers = model.noise.iter().zip(model.noise_offsets()).map(|(noise, offset)| {
-        let first = offset.shifted(1).unwrap_or_default();
+        let first = offset.shifted(1).promised("numbers of noises are integers");
         match (&noise.family, offset.as_integer()) {
             (None, Some(_)) => index(&first, &table, &|_| "k"),
             (None, None) => format!("_({})", index(&first, &table, &|_| "k")),
@@ -120,7 +122,9 @@ pub(crate) fn describe(
         let _ = writeln!(text, "  H{number} = {}", term(model, &noise.term.elements));
     }
     match strategy {
-        Strategy::Sweep(unknowns) => sweep(model, facts, embedding, *unknowns, &mut text),
+        Strategy::Sweep { unknowns, is_linear } => {
+            sweep::sweep(model, facts, embedding, (*unknowns, *is_linear), &mut text);
+        }
         Strategy::Sites(_, scheme) => sites(model, scheme, &mut text),
     }
     properties(&mut model.graph, facts, embedding, &mut text);
@@ -129,41 +133,9 @@ pub(crate) fn describe(
 
 /// The equations of one site, which are those of all.
 fn sites(model: &mut System, scheme: &Scheme, text: &mut String) {
-    let last = model.size.shifted(-1).unwrap_or_default();
+    let last = model.size.shifted(-1).promised("sizes are integers");
     let table = |id: u32| model.tables.get(id as usize).map_or("?", |table| table.name.as_str());
     let last = index(&last, &table, &|_| "k");
     let _ = writeln!(text, "\nThe sites k = 0..{last} are not coupled: each is a system of its own");
     derivation(&mut model.graph, scheme, text);
-}
-
-/// The equations of all sites at once.
-fn sweep(model: &System, facts: &Facts, embedding: &Embedding, unknowns: Unknowns, text: &mut String) {
-    let [q, p] = &model.names;
-    let (drift_l, noise_l) = embedding.quadrature();
-    let point = |l: Rational| if l.is_zero() { format!("{q}_i") } else { format!("{q}_{{i+{l}}}") };
-    let noise = match model.noise.is_empty() {
-        true => String::new(),
-        false => format!(" - Σ_k ΔW_k H_k(P, {})", point(noise_l)),
-    };
-    let _ = writeln!(text, "\nDiscrete Lagrangian of the step from t_i to t_i + h");
-    let _ = writeln!(text, "  L_d = P · Δ{q} - h H0(P, {}){noise}", point(drift_l));
-    if !facts.counter_of(embedding).is_empty() {
-        let _ = writeln!(
-            text,
-            "        - (1/2 - {noise_l}) (Σ_j ΔW_j ∂H_j/∂{q}) · (Σ_k ΔW_k ∂H_k/∂{p}) at (P, {})",
-            point(noise_l)
-        );
-    }
-    let _ = writeln!(text, "  {q}_{{i+l}} = {q}_i + l Δ{q}");
-    let _ = writeln!(text, "\nDiscrete Euler-Lagrange equations");
-    let _ = writeln!(text, "  ∂L_d/∂P = 0:  Δ{q} = Σ_m c_m ∂H_m/∂{p}");
-    let _ = writeln!(text, "  {p}_i = -D1 L_d:  P = {p}_i + v,  v = -Σ_m (1 - l_m) c_m ∂H_m/∂{q}");
-    let _ = writeln!(text, "  {p}_{{i+1}} = D2 L_d:  {p}_{{i+1}} - {p}_i = v - Σ_m l_m c_m ∂H_m/∂{q}");
-    let _ = writeln!(text, "\nStep");
-    let iteration = "fixed-point iteration while it contracts, else Newton with a banded Jacobian";
-    let _ = match unknowns {
-        Unknowns::None => writeln!(text, "  assign v, Δ{q}"),
-        Unknowns::Momenta => writeln!(text, "  solve for v (then Δ{q}): {iteration}"),
-        Unknowns::Both => writeln!(text, "  solve for Δ{q}, v: {iteration}"),
-    };
 }

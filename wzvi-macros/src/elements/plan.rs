@@ -18,7 +18,7 @@ use crate::discretise::facts::Facts;
 use crate::discretise::sites::Site;
 use crate::discretise::{Scheme, discretise};
 use crate::model::{Element, Reads, System};
-use crate::symbolic::Rational;
+use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Unknowns {
@@ -29,8 +29,8 @@ pub(crate) enum Unknowns {
 
 /// How the steps of a scheme are solved.
 pub(crate) enum Strategy {
-    /// For all unknowns at once, in loops.
-    Sweep(Unknowns),
+    /// For all unknowns at once, in loops; with a Jacobian that never changes if `is_linear`.
+    Sweep { unknowns: Unknowns, is_linear: bool },
     /// Site by site: what a small system does at each of them.
     Sites(Rc<Site>, Box<Scheme>),
 }
@@ -43,14 +43,37 @@ pub(crate) fn strategy(
     embedding: &Embedding,
 ) -> Strategy {
     match (unknowns(system, facts, embedding), site) {
-        (Unknowns::None, _) => Strategy::Sweep(Unknowns::None),
+        (Unknowns::None, _) => Strategy::Sweep { unknowns: Unknowns::None, is_linear: false },
         (_, Some(site)) => {
             let scheme =
                 site.with_model(system, super::emit::site_entry, |model| discretise(model, facts, embedding));
             Strategy::Sites(site.clone(), Box::new(scheme))
         }
-        (unknowns, None) => Strategy::Sweep(unknowns),
+        (unknowns, None) => {
+            let is_linear = facts.counter_of(embedding).is_empty() && has_constant_curvature(system);
+            Strategy::Sweep { unknowns, is_linear }
+        }
     }
+}
+
+/// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor increments.
+fn has_constant_curvature(system: &mut System) -> bool {
+    let System { graph, drift, noise, t, .. } = system;
+    let mut curvature = |element: &Element, allowed: &dyn Fn(&Graph, Expr, &[Symbol]) -> bool| {
+        let read = element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol);
+        let state: Vec<Symbol> = read.collect();
+        let moving = [state.as_slice(), &[*t]].concat();
+        state.iter().all(|&x| {
+            let slope = graph.derivative(element.value, x);
+            state.iter().all(|&y| {
+                let curvature = graph.derivative(slope, y);
+                allowed(graph, curvature, &moving)
+            })
+        })
+    };
+    let mut of_noise = noise.iter().flat_map(|noise| &noise.term.elements);
+    drift.elements.iter().all(|e| curvature(e, &|graph, value, moving| !graph.depends_on(value, moving)))
+        && of_noise.all(|e| curvature(e, &|graph, value, _| graph.is_zero(value)))
 }
 
 fn unknowns(model: &System, facts: &Facts, embedding: &Embedding) -> Unknowns {

@@ -6,6 +6,7 @@ use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use super::program::{Level, Op, Operation, Program};
+use crate::diagnostics::internal::broken;
 use crate::symbolic::{Function, Relation};
 
 /// An expression of more operations than this is broken by a name even if it is used once.
@@ -152,8 +153,10 @@ impl<'p> Printer<'p> {
         }
         match self.program.operation(op) {
             Operation::Constant(bits) => constant(f64::from_bits(*bits)),
-            // Every input is bound before it is read.
-            Operation::Input(_) => (quote!(()), Binding::Atom),
+            Operation::Input(_) => {
+                broken("inputs are bound before they are read");
+                (quote!(()), Binding::Atom)
+            }
             Operation::Add(a, b) => {
                 let (a, b) = if self.is_scalar(*a) { (*a, *b) } else { (*b, *a) };
                 let (a, b) = (self.at_least(a, Binding::Sum), self.at_least(b, Binding::Product));
@@ -263,7 +266,10 @@ impl<'p> Printer<'p> {
                 let (a, b) = (truth(a), truth(b));
                 quote!((#a | #b))
             }
-            _ => quote!(()),
+            _ => {
+                broken("conditions are made of comparisons");
+                quote!(())
+            }
         }
     }
 }

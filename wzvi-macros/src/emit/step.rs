@@ -220,7 +220,7 @@ impl<'f> Step<'f> {
         match sizes.is_empty() {
             // The parameter of the alias must be used.
             true => quote!(__wzvi::core::marker::PhantomData<__S>),
-            false => quote!((#(__wzvi::Extrapolation<__S, #sizes>,)*)),
+            false => tuple(sizes.iter().map(|size| quote!(__wzvi::Extrapolation<__S, #size>)).collect()),
         }
     }
 
@@ -428,6 +428,28 @@ impl Given {
     }
 }
 
+/// The standard library knows tuples of up to so many parts.
+const PARTS: usize = 12;
+
+/// A tuple of any number of types, in tuples of tuples.
+fn tuple(types: Vec<TokenStream>) -> TokenStream {
+    if types.len() <= PARTS {
+        return quote!((#(#types,)*));
+    }
+    tuple(types.chunks(PARTS).map(|part| tuple(part.to_vec())).collect())
+}
+
+/// `.0.3`: part `index` of a [`tuple`] of `count` types.
+fn place_in_tuple(index: usize, count: usize) -> TokenStream {
+    let digit = proc_macro2::Literal::usize_unsuffixed(index % PARTS);
+    let outer = if count <= PARTS {
+        TokenStream::new()
+    } else {
+        place_in_tuple(index / PARTS, count.div_ceil(PARTS))
+    };
+    quote!(#outer . #digit)
+}
+
 /// The statements of a step, block by block.
 struct SolveBody<'f> {
     flow: &'f Flow,
@@ -544,15 +566,15 @@ impl SolveBody<'_> {
             }
         });
         let used = self.uses_memory();
-        let index = proc_macro2::Literal::usize_unsuffixed(index);
-        self.records.push(quote!(__memory.#index.record::<#used>([#(#names),*]);));
+        let place = place_in_tuple(index, self.flow.newton_sizes().len());
+        self.records.push(quote!(__memory #place.record::<#used>([#(#names),*]);));
         for (&op, name) in unknowns.iter().zip(&names) {
             self.printer.set(op, name.clone());
         }
         quote! {
             #statements
             let ([#(#names),*], #count) = __wzvi::newton::<__S, #n, #symmetric, #used, __CAREFUL>(
-                __memory.#index.guess::<#used>(),
+                __memory #place.guess::<#used>(),
                 __wzvi::Block {
                     evaluate: move |__x: &[__S; #n]| #equations::<__S>(#passed, *__x),
                     rounded: move |__x: &[__S; #n], __lane: __wzvi::core::primitive::usize| {

@@ -134,7 +134,8 @@ fn declared(drift: &Hamiltonian) -> syn::Result<PhaseSpace> {
         (None, None) => Shape::Real,
     };
     let has_names = shape.size().is_some_and(|size| size <= DEGREES);
-    if !has_names && !(is_named_array(q) && is_named_array(p)) {
+    let are_arrays = is_named_array(q) && is_named_array(p);
+    if !(has_names || are_arrays) {
         return Err(messages::too_many_degrees(q, DEGREES));
     }
     let whole = [array_name(q, "q"), array_name(p, "p")];

@@ -125,8 +125,8 @@ pub(crate) fn source(tokens: &impl ToTokens) -> String {
     let mut text = String::with_capacity(spaced.len());
     for (i, part) in spaced.split(' ').enumerate() {
         let tight = |part: &str, ends: &str| part.chars().next().is_some_and(|c| ends.contains(c));
-        let after = text.chars().last().is_some_and(|c| "<[(&:".contains(c));
-        if i > 0 && !after && !tight(part, "<>[](),;:") {
+        let after = text.chars().last().is_some_and(|c| "<[(&:.".contains(c));
+        if i > 0 && !after && !tight(part, "<>[](),;:.") {
             text.push(' ');
         }
         text.push_str(part);

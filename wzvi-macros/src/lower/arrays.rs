@@ -40,7 +40,8 @@ pub(super) struct Array {
 impl<'a> Interpreter<'a, '_> {
     /// A size of the phase space or of a family, as it was written.
     pub(super) fn size(&mut self, expr: &syn::Expr) -> Index {
-        self.named_size(&source(expr), &expr.to_token_stream())
+        let name = source(expr).replace(" . ", ".");
+        self.named_size(name.strip_prefix("self.").unwrap_or(&name), &expr.to_token_stream())
     }
 
     /// What is not negative and known by `name` to a reader.

@@ -19,6 +19,7 @@ impl<'a> Interpreter<'a, '_> {
             Some(_) => self.scope.snapshot(),
             None => self.scope.clone(),
         };
+        self.has_mutation |= super::control::assigns_captured(syntax);
         self.closures.push(Closure { syntax, scope });
         Value::Closure(self.closures.len() - 1)
     }
@@ -75,7 +76,8 @@ impl<'a> Interpreter<'a, '_> {
         self.awaits_definitions() && may_be_shared(path) && !is_variable()
     }
 
-    fn awaits_definitions(&self) -> bool {
+    /// Whether calls of functions that are not known yet are no mistakes.
+    pub(super) fn awaits_definitions(&self) -> bool {
         self.root.is_some_and(|root| root.is_pending)
     }
 
@@ -117,7 +119,7 @@ impl<'a> Interpreter<'a, '_> {
         if !self.spend(1, &at.to_token_stream()) {
             return Value::Poison;
         }
-        let scope = std::mem::take(&mut self.scope);
+        let (scope, frame) = (std::mem::take(&mut self.scope), std::mem::take(&mut self.frame));
         let library = self.library.replace(&function.library);
         self.calls.push(function);
         for (pattern, argument) in parameters.into_iter().zip(arguments) {
@@ -126,7 +128,7 @@ impl<'a> Interpreter<'a, '_> {
         let value = self.block(&function.block);
         self.calls.pop();
         self.library = library;
-        self.scope = scope;
+        (self.scope, self.frame) = (scope, frame);
         value
     }
 
@@ -148,12 +150,13 @@ impl<'a> Interpreter<'a, '_> {
         if !self.spend(1 + captured.len() / 16, &at.to_token_stream()) {
             return Value::Poison;
         }
+        let frame = std::mem::replace(&mut self.frame, captured.len());
         let caller = std::mem::replace(&mut self.scope, captured);
         for (pattern, argument) in syntax.inputs.iter().zip(arguments) {
             self.bind(pattern, argument);
         }
         let value = self.evaluate(&syntax.body);
-        self.scope = caller;
+        (self.scope, self.frame) = (caller, frame);
         value
     }
 

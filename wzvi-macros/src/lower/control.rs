@@ -13,6 +13,9 @@ use super::value::{Sequence, Value};
 use crate::diagnostics::expressions;
 use crate::symbolic::{Expr, Symbol};
 
+/// A variable that a loop adds to, with what it holds.
+type Total = (Rc<Binding>, Expr);
+
 impl<'a> Interpreter<'a, '_> {
     pub(super) fn block(&mut self, block: &'a Block) -> Value {
         let outer = self.scope.len();
@@ -89,9 +92,12 @@ impl<'a> Interpreter<'a, '_> {
         };
         let error = match name.and_then(|name| self.scope.find_from_anywhere(name)) {
             Some(binding) if binding.branch == self.branch => {
-                let (binding, loops) = (binding.clone(), self.loop_depth());
-                if binding.loops == loops || value.is_poison() {
-                    *binding.value.borrow_mut() = value;
+                let binding = binding.clone();
+                if self.is_abandoned() {
+                    return;
+                }
+                if binding.loops == self.loop_depth() || value.is_poison() {
+                    self.scope.assign(&binding, value, self.frame);
                 } else if !self.request_turns(|_| true) {
                     self.report(expressions::long_for_loop(target));
                 }
@@ -201,12 +207,14 @@ impl<'a> Interpreter<'a, '_> {
         let value = self.evaluate(&syntax.expr);
         let Some(stream) = self.as_stream(&value, &syntax.expr) else { return Value::Poison };
         let Some(totals) = self.totals(&syntax.body) else { return Value::Poison };
-        if let Some(totals) = &totals {
+        // What a closure assigns to is not seen here.
+        let goes_by_items = self.has_mutation && self.has_known_items(&stream);
+        if let Some(totals) = totals.as_ref().filter(|_| !goes_by_items) {
             match self.summing_loop(&stream, totals, syntax) {
                 Added::All(values) => {
                     for ((binding, before), added) in totals.iter().zip(values) {
                         let total = self.graph.add(*before, added);
-                        binding.value.replace(Value::Real(total));
+                        self.scope.assign(binding, Value::Real(total), self.frame);
                     }
                     return Value::unit();
                 }
@@ -235,10 +243,10 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// The variables from outside that a block assigns to, with what they hold: `None` inside if that is not real numbers.
-    fn totals(&mut self, body: &Block) -> Option<Option<Vec<(Rc<Binding>, Expr)>>> {
+    fn totals(&mut self, body: &Block) -> Option<Option<Vec<Total>>> {
         let mut targets = Assigned::default();
         targets.visit_block(body);
-        let mut totals: Vec<(Rc<Binding>, Expr)> = Vec::new();
+        let mut totals: Vec<Total> = Vec::new();
         for name in targets.0 {
             let Some(binding) = self.scope.find_from_anywhere(&name).cloned() else { continue };
             if totals.iter().any(|(known, _)| Rc::ptr_eq(known, &binding)) {
@@ -264,8 +272,8 @@ impl<'a> Interpreter<'a, '_> {
         let placeholders: Vec<Symbol> =
             totals.iter().map(|(binding, _)| self.graph.new_symbol(binding.name.to_string())).collect();
         let mut added = Vec::new();
-        // One pass for each total, so that each has sums of its own.
-        for (wanted, &placeholder) in placeholders.iter().enumerate() {
+        // One pass for each total, so that each has sums of its own; one pass for the mistakes of a loop without any.
+        for wanted in 0..totals.len().max(1) {
             let mut is_sum = true;
             let sum = self.accumulate(stream, &syntax.for_token, &mut |this, item| {
                 let outer = this.scope.len();
@@ -274,10 +282,13 @@ impl<'a> Interpreter<'a, '_> {
                     let total = Value::Real(this.graph.symbol(placeholder));
                     this.declare(binding.name.clone(), total);
                 }
-                let own = this.scope.get(outer + wanted);
                 this.turn(syntax, item);
+                let own = this.scope.get(outer + wanted).filter(|_| wanted < totals.len());
                 this.scope.leave(outer);
-                let value = own.map_or(Value::Poison, |own| own.value.borrow().clone());
+                let (Some(own), Some(&placeholder)) = (own, placeholders.get(wanted)) else {
+                    return Some(this.graph.integer(0));
+                };
+                let value = own.value.borrow().clone();
                 let Value::Real(next) = value else {
                     is_sum &= value.is_poison();
                     return None;
@@ -318,6 +329,17 @@ enum Added {
     NoSum,
     /// A mistake was reported.
     Failed,
+}
+
+/// Whether a closure assigns to a variable that is not its own.
+pub(super) fn assigns_captured(closure: &syn::ExprClosure) -> bool {
+    let (mut assigned, mut own) = (Assigned::default(), Names::default());
+    assigned.visit_expr(&closure.body);
+    if assigned.0.is_empty() {
+        return false;
+    }
+    own.visit_expr_closure(closure);
+    assigned.0.iter().any(|name| !own.0.contains(name))
 }
 
 /// The variables that a block assigns to.

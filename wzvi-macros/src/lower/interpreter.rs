@@ -41,6 +41,10 @@ pub(super) struct Interpreter<'a, 'd> {
     pub(super) library: Option<&'a Library>,
     /// The shared functions around the current expression.
     pub(super) calls: Vec<&'a Function>,
+    /// Where in the scope the variables of the closure that is called begin, after those that it captured.
+    pub(super) frame: usize,
+    /// Whether a closure assigns to what it captured: the items of what it maps have to be made in their order.
+    pub(super) has_mutation: bool,
     /// Number of undecided branches around the current expression.
     pub(super) branch: u32,
     pub(super) symbols: Symbols,
@@ -68,6 +72,8 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             root: None,
             library: None,
             calls: Vec::new(),
+            frame: 0,
+            has_mutation: false,
             branch: 0,
             symbols,
             tables: Tables::default(),
@@ -86,6 +92,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.loops = Loops::default();
         self.calls.clear();
         self.library = self.root;
+        (self.frame, self.has_mutation) = (0, false);
         (self.branch, self.steps, self.depth, self.exhausted) = (0, 0, 0, false);
     }
 

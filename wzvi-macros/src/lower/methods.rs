@@ -57,6 +57,9 @@ impl<'a> Interpreter<'a, '_> {
         if arguments.len() != expected {
             return self.report(expressions::argument_count(&syntax.method, expected, arguments.len()));
         }
+        // Lists are made at once; where no order can tell, their items are made when they are asked for.
+        let makes_list =
+            matches!(name, "collect" | "to_vec") || name == "map" && stream.describe() == "a list";
         let value = match (name, arguments.as_slice()) {
             ("sum" | "product" | "fold" | "len" | "count", arguments) => {
                 self.reduce(name, &stream, arguments, syntax)
@@ -70,6 +73,12 @@ impl<'a> Interpreter<'a, '_> {
             (_, [argument, ..]) => {
                 self.adapt(name, stream, argument, syntax).map(|stream| Value::Stream(stream.into()))
             }
+        };
+        let value = match value {
+            Some(Value::Stream(list)) if makes_list && self.has_mutation => {
+                self.items(&list, None, origin(&syntax.receiver)).map(Value::list)
+            }
+            value => value,
         };
         self.bounded(value.unwrap_or(Value::Poison), syntax)
     }

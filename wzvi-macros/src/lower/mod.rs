@@ -158,8 +158,9 @@ impl<'s> Space<'s> {
         let mistakes = interpreter.mistakes();
         interpreter.start();
         let value = self.value(interpreter, hamiltonian, member);
-        if value.is_none() && interpreter.mistakes() == mistakes && !interpreter.is_abandoned() {
-            // All that fails in silence is arithmetic on indices.
+        let is_explained = interpreter.mistakes() > mistakes || interpreter.awaits_definitions();
+        if value.is_none() && !is_explained && !interpreter.is_abandoned() {
+            // All else that fails in silence is arithmetic on indices.
             interpreter.report(expressions::integer_arithmetic(interpreter::result_of(&closure.body)));
         }
         let extent = Extent::of(&closure.body);

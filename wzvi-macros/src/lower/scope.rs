@@ -39,6 +39,20 @@ impl Scope {
         self.0.push(Rc::new(Binding { name, value: RefCell::new(value), branch, loops }));
     }
 
+    /// Gives a variable a new value. One of the frame that starts at `frame` becomes a new variable: whatever was made of
+    /// the old one, and is evaluated later, keeps its value. One that a closure captured is shared with those around it.
+    pub(super) fn assign(&mut self, variable: &Rc<Binding>, value: Value, frame: usize) {
+        let own = self.0.get_mut(frame..).unwrap_or_default();
+        match own.iter_mut().rev().find(|known| Rc::ptr_eq(known, variable)) {
+            Some(slot) => {
+                let Binding { name, branch, loops, .. } = &**variable;
+                let (name, branch, loops) = (name.clone(), *branch, *loops);
+                *slot = Rc::new(Binding { name, value: RefCell::new(value), branch, loops });
+            }
+            None => drop(variable.value.replace(value)),
+        }
+    }
+
     /// The variable at a position.
     pub(super) fn get(&self, position: usize) -> Option<Rc<Binding>> {
         self.0.get(position).cloned()

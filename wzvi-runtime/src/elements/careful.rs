@@ -43,6 +43,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     fn search(&self, memory: &mut Memory<S>, shortens: bool) -> Result<Effort, StepFailure> {
         memory.guess(memory.known);
         let is_guess = memory.known > 0;
+        memory.factored = None;
         let Memory { work, linear, rounding, .. } = memory;
         let Some(linear) = linear else { return Err(astray(0, f64::INFINITY)) };
         let most = if shortens { MOST_SHORTENED } else { PATIENCE };

@@ -42,6 +42,8 @@ pub struct Scheme {
     pub unknowns: Unknowns,
     /// Whether past steps start the iteration: not where increments decide.
     pub remembers: bool,
+    /// Whether the Jacobian reads the step size and parameters only.
+    pub is_linear: bool,
     /// Whether there are noises.
     pub has_noise: bool,
 }
@@ -302,20 +304,23 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     ) -> Result<Solved, StepFailure> {
         memory.guess(known);
         let is_guess = known > 0;
+        // A band that never changes is factored once.
+        let has_factors = self.scheme.is_linear && memory.factored == Some(self.h);
+        let is_constant = self.scheme.is_linear && matches!(memory.linear, Some(Linear::Band(_)));
         let mut newton = match iteration {
             Iteration::Newton => true,
-            Iteration::Automatic => memory.prefers_newton,
+            Iteration::Automatic => memory.prefers_newton || is_constant,
             Iteration::FixedPoint => false,
         };
         // Fresh factors in every iteration, or only where old ones contract too slowly.
-        let mut is_stale = true;
+        let mut is_stale = !has_factors || iteration == Iteration::Newton;
         let mut prefers_newton = true;
         let mut last = f64::INFINITY;
         // Whether that is of unknowns beyond rounding only.
         let mut is_beyond = false;
         let mut variation = f64::INFINITY;
         for iterations in 1..=MOST_ITERATIONS {
-            let Memory { work, linear, .. } = &mut *memory;
+            let Memory { work, linear, factored, .. } = &mut *memory;
             std::mem::swap(&mut work.correction, &mut work.previous);
             self.residual(work);
             let was_refreshed = newton && is_stale;
@@ -323,7 +328,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             if newton {
                 let Some(linear) = linear else { return Err(astray(iterations, last)) };
                 if is_stale {
+                    *factored = None;
                     self.linearise(work, linear)?;
+                    *factored = is_constant.then_some(self.h);
                 }
                 is_stale = iteration == Iteration::Newton || matches!(linear, Linear::Krylov(_));
                 let before = largest(&work.correction);
@@ -349,12 +356,15 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             let is_slow = last < f64::INFINITY && ratio > CONTRACTS;
             let stagnates = is_slow && ratio > 0.5;
             let mut settles = false;
-            if stagnates && !is_misled {
+            // Far from the solution a fixed point that does not contract gives way to Newton's method anyway.
+            let is_final = newton || iteration == Iteration::FixedPoint || relative <= NEARLY_SOLVED;
+            if stagnates && is_final && !is_misled {
                 let beyond = self.beyond_rounding(memory);
                 if beyond == 0.0 {
                     let before = std::mem::replace(&mut variation, self.variation(&memory.work));
                     // Derivatives that a number carries converge after it.
-                    if size_of::<S>() == size_of::<f64>() || !(variation < 0.5 * before) {
+                    let vary = size_of::<S>() != size_of::<f64>() && variation < 0.5 * before;
+                    if !vary {
                         return Ok(solved);
                     }
                 }

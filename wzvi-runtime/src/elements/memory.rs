@@ -33,6 +33,8 @@ pub struct Memory<S> {
     /// Whether the fixed point contracted too slowly in the last step.
     pub(super) prefers_newton: bool,
     pub(super) linear: Option<Linear<S>>,
+    /// The step size of factors that no state enters.
+    pub(super) factored: Option<f64>,
     pub(super) rounding: Option<Box<Rounding>>,
 }
 
@@ -112,6 +114,7 @@ impl<S> Default for Memory<S> {
             known: 0,
             prefers_newton: false,
             linear: None,
+            factored: None,
             rounding: None,
         }
     }
@@ -120,7 +123,17 @@ impl<S> Default for Memory<S> {
 /// What the steps before left: scratch says nothing to anyone but the step that fills it.
 impl<S: Scalar> std::fmt::Debug for Memory<S> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { degrees, iteration, past, known, prefers_newton, work: _, linear: _, rounding: _ } = self;
+        let Self {
+            degrees,
+            iteration,
+            past,
+            known,
+            prefers_newton,
+            work: _,
+            linear: _,
+            factored: _,
+            rounding: _,
+        } = self;
         formatter
             .debug_struct("Memory")
             .field("degrees", degrees)
@@ -187,6 +200,7 @@ impl<S: Scalar> Memory<S> {
         (self.past, self.known, self.prefers_newton) = (left.past, left.known, left.prefers_newton);
         if self.degrees == 0 {
             (self.degrees, self.work, self.linear) = (left.degrees, left.work, left.linear);
+            self.factored = left.factored;
         }
         let unknowns = self.work.x.len();
         if self.known == 0 && self.past[0].len() != unknowns {
@@ -234,6 +248,7 @@ impl<S: Scalar> Memory<S> {
             self.known = 0;
         }
         self.degrees = degrees;
+        self.factored = None;
         self.linear = is_implicit.then(|| linear(system, scheme, degrees, unknowns));
     }
 }

@@ -12,6 +12,8 @@ use std::ops::Range;
 use super::Elements;
 use crate::error::{IndexError, IndexLimit, StepFailure};
 
+pub use crate::error::Name;
+
 /// An integer expression: `constant + Σ coefficient · atom`.
 #[derive(Debug)]
 pub struct Index {
@@ -20,7 +22,7 @@ pub struct Index {
     /// What is added last.
     pub constant: i128,
     /// As it is displayed.
-    pub text: &'static str,
+    pub name: Name,
 }
 
 /// What an [`Index`] is made of.
@@ -87,22 +89,13 @@ pub struct Nest {
     pub slots: &'static [Slot],
 }
 
-/// A list or an integer of the system.
-#[derive(Debug)]
-pub struct Table {
-    /// As the Hamiltonian names it.
-    pub name: &'static str,
-    /// What follows the indices: the part of a tuple, a length.
-    pub suffix: &'static str,
-}
-
 /// Everything that a system reads and the compiler has not proven to be there.
 #[derive(Debug)]
 pub struct Places {
     /// Components of a point.
     pub components: usize,
     /// Tables by their numbers.
-    pub tables: &'static [Table],
+    pub tables: &'static [Name],
     /// What is read, by loops.
     pub nests: &'static [Nest],
 }
@@ -243,7 +236,7 @@ impl<H: Elements> Survey<'_, H> {
     }
 
     /// Whether all is in range in the loops of `nest` inside of `fixed`.
-    fn prove(&self, nest: &Nest, fixed: Option<&Bounds<'_>>) -> Result<(), Fault> {
+    fn prove(&self, nest: &'static Nest, fixed: Option<&Bounds<'_>>) -> Result<(), Fault> {
         let Err(fault) = self.slots(nest, fixed) else { return Ok(()) };
         if let Some(last) = fixed.filter(|last| !last.span.is_single()) {
             return last
@@ -261,7 +254,7 @@ impl<H: Elements> Survey<'_, H> {
     }
 
     /// The next loop inwards, with all values that its variable takes.
-    fn next<'b>(&self, nest: &Nest, fixed: Option<&'b Bounds<'b>>) -> Result<Next<'b>, Fault> {
+    fn next<'b>(&self, nest: &'static Nest, fixed: Option<&'b Bounds<'b>>) -> Result<Next<'b>, Fault> {
         let depth = fixed.map_or(0, |last| last.depth + 1);
         let Some(known) = nest.loops.get(depth) else { return Ok(Next::Body) };
         let (start, end) = (self.span(&known.start, fixed)?, self.span(&known.end, fixed)?);
@@ -273,7 +266,7 @@ impl<H: Elements> Survey<'_, H> {
         })
     }
 
-    fn slots(&self, nest: &Nest, fixed: Option<&Bounds<'_>>) -> Result<(), Fault> {
+    fn slots(&self, nest: &'static Nest, fixed: Option<&Bounds<'_>>) -> Result<(), Fault> {
         match self.next(nest, fixed)? {
             Next::Inside(inner) => self.slots(nest, Some(&inner)),
             Next::Nothing => Ok(()),
@@ -292,7 +285,7 @@ impl<H: Elements> Survey<'_, H> {
 
     /// Why `index`, which may be `value`, is no place in the state: the integer of the system in it that is no point, or
     /// all of it.
-    fn outside(&self, index: &Index, value: i128, at: Option<&Bounds<'_>>) -> Fault {
+    fn outside(&self, index: &'static Index, value: i128, at: Option<&Bounds<'_>>) -> Fault {
         let components = H::PLACES.components;
         let points = self.degrees / components;
         for (atom, coefficient) in index.terms {
@@ -310,17 +303,17 @@ impl<H: Elements> Survey<'_, H> {
                 return Fault { error, needs_degrees: false };
             }
         }
-        let error = IndexError::new(index.text, "", value, IndexLimit::Points(self.degrees));
+        let error = IndexError::new(&index.name, value, IndexLimit::Points(self.degrees));
         Fault { error, needs_degrees: value >= 0 && !index.reads_lists() }
     }
 
     fn error(&self, table: usize, value: i128, limit: IndexLimit) -> IndexError {
-        let (name, suffix) = H::PLACES.tables.get(table).map_or(("", ""), |table| (table.name, table.suffix));
-        IndexError::new(name, suffix, value, limit)
+        let name = H::PLACES.tables.get(table).unwrap_or(&Name { name: "", suffix: "" });
+        IndexError::new(name, value, limit)
     }
 
     /// The values of an index, each of them an `isize` like all sums on the way.
-    fn span(&self, index: &Index, at: Option<&Bounds<'_>>) -> Result<Span, Fault> {
+    fn span(&self, index: &'static Index, at: Option<&Bounds<'_>>) -> Result<Span, Fault> {
         let mut sum = Span::at(0);
         let parts =
             index.terms.iter().map(|(atom, coefficient)| Ok((self.atom(atom, index, at)?, *coefficient)));
@@ -333,12 +326,17 @@ impl<H: Elements> Survey<'_, H> {
         Ok(sum)
     }
 
-    fn atom(&self, atom: &Atom, whole: &Index, at: Option<&Bounds<'_>>) -> Result<Span, Fault> {
-        let both = |[a, b]: &[Index; 2]| Ok((self.span(a, at)?, self.span(b, at)?));
-        let divisor = |operands: &[Index; 2]| {
+    fn atom(
+        &self,
+        atom: &'static Atom,
+        whole: &'static Index,
+        at: Option<&Bounds<'_>>,
+    ) -> Result<Span, Fault> {
+        let both = |[a, b]: &'static [Index; 2]| Ok((self.span(a, at)?, self.span(b, at)?));
+        let divisor = |operands: &'static [Index; 2]| {
             let (a, b) = both(operands)?;
             let is_zero = b.low <= 0 && b.high >= 0;
-            let error = || IndexError::new(operands[1].text, "", 0, IndexLimit::Divisor);
+            let error = || IndexError::new(&operands[1].name, 0, IndexLimit::Divisor);
             if is_zero { Err(Fault { error: error(), needs_degrees: false }) } else { Ok((a, b)) }
         };
         let value = match atom {
@@ -383,7 +381,7 @@ impl<H: Elements> Survey<'_, H> {
     fn given(
         &self,
         table: usize,
-        positions: &[Position],
+        positions: &'static [Position],
         at: Option<&Bounds<'_>>,
     ) -> Result<Option<Span>, Fault> {
         let (mut few, mut many) = ([0; 8], Vec::new());
@@ -400,7 +398,7 @@ impl<H: Elements> Survey<'_, H> {
     fn entries(
         &self,
         table: usize,
-        positions: &[Position],
+        positions: &'static [Position],
         outer: &mut [usize],
         level: usize,
         at: Option<&Bounds<'_>>,
@@ -451,8 +449,8 @@ impl<H: Elements> Survey<'_, H> {
     /// Raises `most` to the largest value of `index`: halves of intervals that cannot beat it are left out.
     fn largest(
         &self,
-        nest: &Nest,
-        index: &Index,
+        nest: &'static Nest,
+        index: &'static Index,
         fixed: Option<&Bounds<'_>>,
         most: &mut i128,
     ) -> Result<(), Fault> {
@@ -476,7 +474,12 @@ impl<H: Elements> Survey<'_, H> {
     }
 
     /// What `index` is not above inside of `fixed`, -1 at least.
-    fn bound(&self, nest: &Nest, index: &Index, fixed: Option<&Bounds<'_>>) -> Result<i128, Fault> {
+    fn bound(
+        &self,
+        nest: &'static Nest,
+        index: &'static Index,
+        fixed: Option<&Bounds<'_>>,
+    ) -> Result<i128, Fault> {
         match self.next(nest, fixed)? {
             Next::Inside(inner) => self.bound(nest, index, Some(&inner)),
             Next::Body => Ok(self.span(index, fixed)?.high.max(-1)),
@@ -527,11 +530,11 @@ fn outlier(span: Span) -> Option<i128> {
     [span.high, span.low].into_iter().find(|&value| isize::try_from(value).is_err())
 }
 
-fn integers(span: Span, index: &Index) -> Result<Span, Fault> {
+fn integers(span: Span, index: &'static Index) -> Result<Span, Fault> {
     match outlier(span) {
         None => Ok(span),
         Some(value) => {
-            let error = IndexError::new(index.text, "", value, IndexLimit::Integers);
+            let error = IndexError::new(&index.name, value, IndexLimit::Integers);
             Err(Fault { error, needs_degrees: false })
         }
     }

@@ -2,7 +2,7 @@
 
 use std::ops::{ControlFlow, Range};
 
-use super::control::{Control, Targets};
+use super::control::{Control, Targets, unless_lost};
 use super::job::Job;
 use super::keeping::BlockKeeper;
 use super::origin::Origin;
@@ -20,6 +20,8 @@ pub(super) struct Account {
     progress: Progress,
     /// Paths of the run, at most.
     limit: u64,
+    /// The fraction of them that may fail.
+    allowed_losses: f64,
     /// Blocks that are still to be done.
     blocks: Range<u64>,
     error: Option<Error>,
@@ -38,6 +40,7 @@ impl Account {
         H::Prepared: Send + Sync,
     {
         let targets = control.targets(&job.wanted.names)?;
+        let allowed_losses = control.allowed_losses()?;
         let mut statistics = Statistics::new(&job.wanted);
         statistics.origin = Some(Origin::of(job));
         if let Some(paths) = &mut statistics.paths {
@@ -49,7 +52,16 @@ impl Account {
             blocks.end = blocks.start;
         }
         let progress = Progress::new("paths", control.is_quiet);
-        Ok(Self { statistics, keeper, targets, progress, limit: job.paths, blocks, error: None })
+        Ok(Self {
+            statistics,
+            keeper,
+            targets,
+            progress,
+            limit: job.paths,
+            allowed_losses,
+            blocks,
+            error: None,
+        })
     }
 
     /// The numbers of the blocks that are still to be done.
@@ -78,10 +90,10 @@ impl Account {
         }
         self.keeper.close(self.blocks.start, &mut self.statistics)?;
         let mut statistics = self.statistics;
-        statistics.met_targets = self.targets.met(&statistics);
+        statistics.targets = self.targets.statuses(&statistics);
         match (statistics.last().map_or(0, Node::count), statistics.failures().first()) {
             (0, Some(failure)) => Err(failure.error.into()),
-            _ => Ok(statistics),
+            _ => Ok(unless_lost(statistics, self.allowed_losses)?),
         }
     }
 }

@@ -91,7 +91,10 @@ where
         let hands = Hands { threads, work, stop: &stop };
         let served =
             serve::serve(&world, queue, hands, || Statistics::new(&job.wanted), |block| account.take(block));
-        let statistics = served.outcome.and_then(|()| account.close());
+        let statistics = served.outcome.and_then(|()| match job.failed_noise.get() {
+            Some(error) => Err(error.clone().into()),
+            None => account.close(),
+        });
         Orders(&world).end(statistics.as_ref().err().map(ToString::to_string).as_deref());
         drop(guard);
         if served.has_stragglers {

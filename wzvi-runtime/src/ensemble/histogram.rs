@@ -4,7 +4,11 @@ use crate::error::ConfigError;
 #[cfg(feature = "serde")]
 use crate::numbers::Tape;
 
-/// How many samples fell into each of several bins of equal width, `[lower, upper)` in all.
+/// More bins than anyone looks at, 128 MiB of them.
+const MOST_BINS: usize = 1 << 24;
+
+/// How many samples fell into each of several bins of equal width, `[lower, upper)` in all: bin `b` has those from
+/// [`edge(b)`](Histogram::edge) on and below `edge(b + 1)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
     lower: f64,
@@ -19,7 +23,7 @@ impl Histogram {
     /// So many bins from `lower` to `upper`, all empty.
     ///
     /// # Errors
-    /// [`ConfigError::Setting`] unless there is a bin, and they have a width.
+    /// [`ConfigError::Setting`] unless there is a bin, they have a width, and there are 2^24 at most.
     pub fn new(lower: f64, upper: f64, bins: usize) -> Result<Self, ConfigError> {
         let width = (upper - lower) / bins as f64;
         if bins == 0 || !width.is_finite() || width <= 0.0 {
@@ -27,24 +31,40 @@ impl Histogram {
                 format!("a histogram with {bins} bins from {lower} to {upper}: they need a width above 0");
             return Err(ConfigError::Setting(wrong));
         }
+        if bins > MOST_BINS {
+            return Err(ConfigError::Setting(format!(
+                "a histogram with {bins} bins: take {MOST_BINS} at most"
+            )));
+        }
         Ok(Self { lower, upper, counts: vec![0; bins], below: 0, above: 0, undefined: 0 })
     }
 
     /// One more sample.
     pub fn push(&mut self, sample: f64) {
-        let bins = self.counts.len();
-        if sample < self.lower {
+        if sample.is_nan() {
+            self.undefined += 1;
+        } else if sample < self.lower {
             self.below += 1;
         } else if sample >= self.upper {
             self.above += 1;
         } else {
-            let place = (sample - self.lower) / (self.upper - self.lower) * bins as f64;
-            // What is below `upper` may round to it; NaN becomes 0 but is none of them.
-            match self.counts.get_mut((place as usize).min(bins - 1)) {
-                Some(count) if !sample.is_nan() => *count += 1,
-                _ => self.undefined += 1,
-            }
+            let bin = self.bin(sample);
+            self.counts[bin] += 1;
         }
+    }
+
+    /// The bin of a sample between `lower` and `upper`. The quotient rounds, and so do the edges: the edges decide.
+    fn bin(&self, sample: f64) -> usize {
+        let last = self.counts.len() - 1;
+        let place = (sample - self.lower) / (self.upper - self.lower) * self.counts.len() as f64;
+        let mut bin = (place as usize).min(last);
+        while bin > 0 && sample < self.edge(bin) {
+            bin -= 1;
+        }
+        while bin < last && sample >= self.edge(bin + 1) {
+            bin += 1;
+        }
+        bin
     }
 
     /// The samples of both; they have the same bins.
@@ -133,6 +153,31 @@ mod tests {
         let mut twice = histogram.clone();
         twice.merge(&histogram);
         assert_eq!((twice.counts(), twice.total()), (&[4, 4, 4][..], 24));
+    }
+
+    /// A sample at an edge is in the bin that begins there, and its neighbour below in the one before.
+    #[test]
+    fn edges_decide() {
+        for (lower, upper, bins) in
+            [(-1.0, 1.0, 7), (0.0, 1.0, 10), (-2.0, 2.0, 80), (0.1, 0.7, 182), (1e9, 1e9 + 1.0, 33)]
+        {
+            let empty = Histogram::new(lower, upper, bins).unwrap();
+            for bin in 0..bins {
+                let edge = empty.edge(bin);
+                for (sample, expected) in [(edge, Some(bin)), (edge.next_down(), bin.checked_sub(1))] {
+                    let mut histogram = empty.clone();
+                    histogram.push(sample);
+                    let found = histogram.counts().iter().position(|&count| count == 1);
+                    assert_eq!(found, expected, "{sample} of {bins} bins from {lower} to {upper}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn more_bins_than_memory_are_refused() {
+        assert!(Histogram::new(0.0, 1.0, 1 << 40).is_err() && Histogram::new(0.0, 1.0, usize::MAX).is_err());
+        assert!(Histogram::new(0.0, 1.0, 1 << 20).is_ok());
     }
 
     #[test]

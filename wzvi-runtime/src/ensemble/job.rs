@@ -1,11 +1,15 @@
 //! A checked ensemble: everything that its blocks share.
 
 use std::ops::{ControlFlow, Range};
+use std::sync::OnceLock;
 
 use super::block::{Block, PATHS};
 use super::dispatch::InstructionSet;
+use super::source::Source;
 use super::statistics::{Statistics, Wanted};
+use crate::increments::NoiseError;
 use crate::lanes::Lanes;
+use crate::retry::Retry;
 use crate::schedule::in_order;
 use crate::state::State;
 use crate::system::Discretized;
@@ -23,9 +27,12 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) steps: u64,
     /// Steps before each recorded node: 0 first, all last.
     pub(super) recorded: Vec<u64>,
-    pub(super) seed: u64,
+    pub(super) source: Source<'a>,
     /// The largest normal, in absolute value.
     pub(super) clip: f64,
+    pub(super) retry: Retry,
+    /// Why a noise that was given had no increments, which ends the run.
+    pub(super) failed_noise: OnceLock<NoiseError>,
     pub(super) observables: Vec<Observable<'a, H::Vector>>,
     pub(super) events: Vec<Observable<'a, H::Vector>>,
     pub(super) wanted: Wanted,
@@ -40,8 +47,14 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
 pub(super) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
 impl<H: Discretized<E>, E> Job<'_, H, E> {
-    pub(super) fn is_stopped(&self) -> bool {
-        (self.stop)()
+    /// Ends the run: without increments there is nothing to say.
+    pub(super) fn fail_noise(&self, error: NoiseError) {
+        // One of the reasons is enough.
+        let _ = self.failed_noise.set(error);
+    }
+
+    pub(super) fn has_failed(&self) -> bool {
+        self.failed_noise.get().is_some()
     }
 
     /// Increments from standard normals: truncated, times `√|h|`.

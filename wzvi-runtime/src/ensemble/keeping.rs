@@ -2,12 +2,11 @@
 
 use super::Ensemble;
 use super::block::PATHS;
-use super::draws::normal;
 use super::job::Job;
 use super::statistics::{Statistics, Wanted};
-use crate::checkpoint::{self, Checkpoint, Described, Extent, Keeping};
+use crate::checkpoint::{self, Checkpoint, CheckpointError, Described, Extent, Keeping};
 use crate::error::Error;
-use crate::lanes::Lanes;
+use crate::increments::{Identity, Interval};
 use crate::step::Stepper;
 use crate::system::Discretized;
 
@@ -42,6 +41,9 @@ impl BlockKeeper {
         job: &Job<'_, H, E>,
         statistics: &mut Statistics,
     ) -> Result<Self, Error> {
+        if keeping.is_set() && job.source.identity().is_none() {
+            return Err(CheckpointError::Noise.into());
+        }
         let extent = Extent { paths: job.paths, block: PATHS };
         keeping.open_blocks(|| described(job), extent, |tape| statistics.pass(tape)).map(Self)
     }
@@ -64,7 +66,7 @@ impl BlockKeeper {
 
 /// What makes this run another than others.
 pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Described {
-    let Wanted { names, quantiles, histograms, watches, keeps_paths, .. } = &job.wanted;
+    let Wanted { names, quantiles, histograms, watches, keeps_paths, has_covariances, .. } = &job.wanted;
     let listed = match job.recorded.len() {
         0..=MOST_LISTED => format!("{:?}", job.recorded),
         nodes => format!("{nodes} (checksum {})", checkpoint::checksum(&job.recorded)),
@@ -80,7 +82,6 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Described 
     let settings = [
         ("the number of steps", job.steps.to_string()),
         ("the steps before the recorded nodes", listed),
-        ("the seed", job.seed.to_string()),
         ("the largest normal increment", format!("{:?}", job.clip)),
         ("the number of paths in a block", PATHS.to_string()),
         ("the observables", names.join(", ")),
@@ -88,9 +89,11 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Described 
         ("quantiles", quantiles.to_string()),
         ("the histograms", histograms.join(", ")),
         ("paths are kept", keeps_paths.to_string()),
-        ("antithetic paths", job.is_antithetic.to_string()),
+        ("covariances", has_covariances.to_string()),
+        ("the halvings allowed", job.retry.most().to_string()),
     ];
-    let settings = settings.map(|(name, value)| (name.to_owned(), value)).into();
+    let mut settings: Vec<(String, String)> = settings.map(|(name, value)| (name.to_owned(), value)).into();
+    settings.extend(job.source.identity().map(Identity::into_settings).unwrap_or_default());
     Described::new(job.system, &job.prepared, job.h, &job.start, settings, &observed(job))
 }
 
@@ -103,11 +106,10 @@ fn observed<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Vec<f64> {
     // The same has been prepared for the job.
     let Ok(stepper) = Stepper::<H, E>::new(job.system, job.h) else { return values };
     let mut stepper = stepper.plain();
+    let (mut noise, mut dw) = (job.source.path(0), vec![0.0; job.system.noises()]);
     for step in 0..job.steps.min(COMPARED_STEPS) {
-        let normal = |process| Lanes::new([normal(job.seed, process as u64, 0, step)]);
-        let increment = |process| job.increment(normal(process), job.h.abs().sqrt())[0];
-        let dw: Vec<f64> = (0..job.system.noises()).map(increment).collect();
-        if stepper.step(&mut state, &dw).is_err() {
+        let interval = Interval { start: job.start.t, h: job.h, step };
+        if noise.increments(&interval, &mut dw).is_err() || stepper.step(&mut state, &dw).is_err() {
             break;
         }
         values.extend(functions().map(|function| function(&state)));

@@ -6,13 +6,62 @@
 #[cfg(feature = "serde")]
 use crate::numbers::Tape;
 
+/// How often the largest deviation of a sample may come again without having been expected: ten times more than it was seen is the 95 %
+/// bound of Poisson's law for events that were seen 25 times, and beyond it for fewer. The coverage that follows is measured in `control`.
+const AGAIN: f64 = 10.0;
+
+/// An upper estimate of the standard error of a mean of `count` samples: as if the largest deviation had come [`AGAIN`] times more.
+/// The sample variance alone is zero until a rare event is seen, and too small for heavy tails where the mean is too small as well.
+fn error_bound(count: u64, variance: f64, largest: f64) -> f64 {
+    let n = count as f64;
+    ((variance + AGAIN * largest * (largest / n)) / n).sqrt()
+}
+
+/// The least and the greatest of some numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Extremes([f64; 2]);
+
+impl Extremes {
+    const NONE: Self = Self([f64::INFINITY, f64::NEG_INFINITY]);
+
+    fn push(&mut self, value: f64) {
+        self.merge(&Self([value, value]));
+    }
+
+    fn merge(&mut self, other: &Self) {
+        let [least, greatest] = other.0;
+        // Zeros of both signs count as one, or the order of merging would show.
+        self.0 = [self.0[0].min(least) + 0.0, self.0[1].max(greatest) + 0.0];
+    }
+
+    /// Whether there are numbers, all of them equal.
+    fn is_constant(&self) -> bool {
+        self.0[0] == self.0[1]
+    }
+
+    fn width(&self) -> f64 {
+        self.0[1] - self.0[0]
+    }
+
+    fn largest_deviation(&self, mean: f64) -> f64 {
+        (self.0[1] - mean).max(mean - self.0[0])
+    }
+}
+
 /// Mean and variance of one quantity.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Welford {
     count: u64,
     mean: f64,
     /// Sum of squares of deviations.
     squares: f64,
+    extremes: Extremes,
+}
+
+impl Default for Welford {
+    fn default() -> Self {
+        Self { count: 0, mean: 0.0, squares: 0.0, extremes: Extremes::NONE }
+    }
 }
 
 impl Welford {
@@ -21,6 +70,7 @@ impl Welford {
         let deviation = value - self.mean;
         self.mean += deviation / self.count as f64;
         self.squares += deviation * (value - self.mean);
+        self.extremes.push(value);
     }
 
     /// The samples of both. The order matters to the last bit.
@@ -33,12 +83,14 @@ impl Welford {
         self.squares += other.squares + difference * difference * (a * b / (a + b));
         self.mean += difference * (b / (a + b));
         self.count += other.count;
+        self.extremes.merge(&other.extremes);
     }
 
     #[cfg(feature = "serde")]
     pub(super) fn pass(&mut self, tape: &mut Tape) {
         tape.word(&mut self.count);
         tape.numbers([&mut self.mean, &mut self.squares]);
+        tape.numbers(&mut self.extremes.0);
     }
 
     pub(super) fn count(&self) -> u64 {
@@ -58,6 +110,22 @@ impl Welford {
     pub(super) fn standard_error(&self) -> f64 {
         (self.variance() / self.count as f64).sqrt()
     }
+
+    /// Whether all samples are the same number: then nothing is known of how far others may be from it.
+    pub(super) fn is_constant(&self) -> bool {
+        self.extremes.is_constant()
+    }
+
+    /// The distance between the least and the greatest sample.
+    pub(super) fn width(&self) -> f64 {
+        self.extremes.width()
+    }
+
+    /// An upper estimate of the variance, where a sample may be `unseen` away from the mean although none was.
+    pub(super) fn variance_bound(&self, unseen: f64) -> f64 {
+        let largest = self.extremes.largest_deviation(self.mean).max(unseen);
+        self.count as f64 * error_bound(self.count, self.variance(), largest).powi(2)
+    }
 }
 
 /// Means and covariances of several observables.
@@ -65,28 +133,70 @@ impl Welford {
 pub(super) struct Moments {
     count: u64,
     mean: Vec<f64>,
-    /// Sums of products of deviations: the lower triangle, by rows.
+    /// Sums of products of deviations: the lower triangle, by rows, or the diagonal alone.
     comoment: Vec<f64>,
+    has_covariances: bool,
+    extremes: Vec<Extremes>,
+    /// Values that are NaN or infinite, by observable: how many, and their sum, which is the sum of all.
+    not_finite: Vec<(u64, f64)>,
 }
 
 impl Moments {
-    pub(super) fn new(observables: usize) -> Self {
+    pub(super) fn new(observables: usize, has_covariances: bool) -> Self {
+        let products = if has_covariances { observables * (observables + 1) / 2 } else { observables };
         Self {
             count: 0,
             mean: vec![0.0; observables],
-            comoment: vec![0.0; observables * (observables + 1) / 2],
+            comoment: vec![0.0; products],
+            has_covariances,
+            extremes: vec![Extremes::NONE; observables],
+            not_finite: vec![(0, 0.0); observables],
         }
+    }
+
+    /// Bytes that the moments of so many observables take.
+    pub(super) fn bytes(observables: usize, has_covariances: bool) -> u128 {
+        let n = observables as u128;
+        8 * (if has_covariances { n * (n + 1) / 2 } else { n } + 5 * n)
     }
 
     /// One more sample; `scratch` has as many elements as `values`.
     pub(super) fn push(&mut self, values: &[f64], scratch: &mut [f64]) {
+        if values.iter().all(|value| value.is_finite()) {
+            return self.push_finite(values, scratch);
+        }
+        let all = self.not_finite.iter_mut().zip(&self.mean).zip(values);
+        let finite: Vec<f64> = all
+            .map(|(((count, sum), mean), &value)| {
+                if value.is_finite() {
+                    return value;
+                }
+                (*count, *sum) = (*count + 1, *sum + value);
+                // In its place, what changes no moment of the others.
+                *mean
+            })
+            .collect();
+        self.push_finite(&finite, scratch);
+    }
+
+    fn push_finite(&mut self, values: &[f64], scratch: &mut [f64]) {
         self.count += 1;
         let weight = 1.0 / self.count as f64;
         for ((mean, deviation), value) in self.mean.iter_mut().zip(scratch.iter_mut()).zip(values) {
             *deviation = value - *mean;
             *mean += *deviation * weight;
         }
+        for (extremes, value) in self.extremes.iter_mut().zip(values) {
+            extremes.push(*value);
+        }
         let mut sums = self.comoment.iter_mut();
+        if !self.has_covariances {
+            let values = values.iter().zip(&self.mean);
+            for ((deviation, (value, mean)), sum) in scratch.iter().zip(values).zip(sums) {
+                *sum += deviation * (value - mean);
+            }
+            return;
+        }
         for (i, deviation) in scratch.iter().enumerate() {
             for ((value, mean), sum) in values.iter().zip(&self.mean).take(i + 1).zip(&mut sums) {
                 *sum += deviation * (value - mean);
@@ -105,12 +215,19 @@ impl Moments {
             other.mean.iter().zip(&self.mean).map(|(theirs, ours)| theirs - ours).collect();
         let mut sums = self.comoment.iter_mut().zip(&other.comoment);
         for (i, first) in difference.iter().enumerate() {
-            for (second, (sum, theirs)) in difference.iter().take(i + 1).zip(&mut sums) {
+            let partners = if self.has_covariances { &difference[..=i] } else { &difference[i..=i] };
+            for (second, (sum, theirs)) in partners.iter().zip(&mut sums) {
                 *sum += theirs + first * second * (a * b / total);
             }
         }
         for (mean, difference) in self.mean.iter_mut().zip(&difference) {
             *mean += difference * (b / total);
+        }
+        for (ours, theirs) in self.extremes.iter_mut().zip(&other.extremes) {
+            ours.merge(theirs);
+        }
+        for ((count, sum), (more, theirs)) in self.not_finite.iter_mut().zip(&other.not_finite) {
+            (*count, *sum) = (*count + more, *sum + theirs);
         }
         self.count += other.count;
     }
@@ -119,23 +236,60 @@ impl Moments {
     pub(super) fn pass(&mut self, tape: &mut Tape) {
         tape.word(&mut self.count);
         tape.numbers(self.mean.iter_mut().chain(&mut self.comoment));
+        self.extremes.iter_mut().for_each(|extremes| tape.numbers(&mut extremes.0));
+        for (count, sum) in &mut self.not_finite {
+            tape.word(count);
+            tape.number(sum);
+        }
     }
 
     pub(super) fn count(&self) -> u64 {
         self.count
     }
 
+    pub(super) fn has_covariances(&self) -> bool {
+        self.has_covariances
+    }
+
+    /// Values of an observable that are NaN or infinite.
+    pub(super) fn not_finite(&self, observable: usize) -> u64 {
+        self.not_finite.get(observable).map_or(0, |(count, _)| *count)
+    }
+
+    /// NaN without samples; infinite with an infinite one, NaN with infinite ones of both signs.
     pub(super) fn mean(&self, observable: usize) -> f64 {
-        if self.count == 0 { f64::NAN } else { self.mean.get(observable).copied().unwrap_or(f64::NAN) }
+        match (self.mean.get(observable), self.not_finite.get(observable)) {
+            (Some(mean), Some((0, _))) if self.count > 0 => *mean,
+            (Some(_), Some((1.., sum))) => *sum,
+            _ => f64::NAN,
+        }
     }
 
     pub(super) fn covariance(&self, a: usize, b: usize) -> f64 {
         let n = self.mean.len();
-        if a >= n || b >= n || self.count < 2 {
+        let is_known = a < n && b < n && (self.has_covariances || a == b);
+        if !is_known || self.count < 2 || self.not_finite(a) + self.not_finite(b) > 0 {
             return f64::NAN;
         }
         let (row, column) = (a.max(b), a.min(b));
-        self.comoment[row * (row + 1) / 2 + column] / (self.count - 1) as f64
+        let index = if self.has_covariances { row * (row + 1) / 2 + column } else { a };
+        self.comoment[index] / (self.count - 1) as f64
+    }
+
+    /// Whether all samples of an observable are the same number.
+    pub(super) fn is_constant(&self, observable: usize) -> bool {
+        self.not_finite(observable) == 0 && self.extremes.get(observable).is_some_and(Extremes::is_constant)
+    }
+
+    pub(super) fn standard_error(&self, observable: usize) -> f64 {
+        (self.covariance(observable, observable) / self.count as f64).sqrt()
+    }
+
+    /// As [`error_bound`]; NaN where the variance is.
+    pub(super) fn error_bound(&self, observable: usize) -> f64 {
+        let Some(extremes) = self.extremes.get(observable) else { return f64::NAN };
+        let largest = extremes.largest_deviation(self.mean(observable));
+        error_bound(self.count, self.covariance(observable, observable), largest)
     }
 }
 
@@ -155,9 +309,9 @@ mod tests {
         let covariance =
             |i, j| samples.iter().map(|x| centred(x, i) * centred(x, j)).sum::<f64>() / (n - 1.0);
         for parts in [1, 2, 7, 3000] {
-            let (mut moments, mut single) = (Moments::new(2), Welford::default());
+            let (mut moments, mut single) = (Moments::new(2, true), Welford::default());
             for chunk in samples.chunks(samples.len().div_ceil(parts)) {
-                let (mut part, mut part_single) = (Moments::new(2), Welford::default());
+                let (mut part, mut part_single) = (Moments::new(2, true), Welford::default());
                 for sample in chunk {
                     part.push(sample, &mut [0.0; 2]);
                     part_single.push(sample[0]);
@@ -176,5 +330,49 @@ mod tests {
             assert!((single.variance() - covariance(0, 0)).abs() < 2.4e-5 && single.count() == 3000);
             assert_eq!(single.standard_error(), (single.variance() / n).sqrt());
         }
+    }
+
+    /// What is not finite is the mean of its observable, and no business of the others.
+    #[test]
+    fn infinite_samples_show_in_their_own_mean_only() {
+        let rows = [[1.0, f64::INFINITY, 2.0], [3.0, 1.0, -5.0], [5.0, 2.0, 9.0], [7.0, f64::INFINITY, 2.5]];
+        let mut all = Moments::new(3, true);
+        let mut parts = Moments::new(3, true);
+        for pair in rows.chunks(2) {
+            let mut part = Moments::new(3, true);
+            for row in pair {
+                all.push(row, &mut [0.0; 3]);
+                part.push(row, &mut [0.0; 3]);
+            }
+            parts.merge(&part);
+        }
+        for moments in [&all, &parts] {
+            assert_eq!([moments.mean(0), moments.mean(1)], [4.0, f64::INFINITY]);
+            assert_eq!([moments.not_finite(0), moments.not_finite(1)], [0, 2]);
+            assert!(moments.covariance(0, 1).is_nan() && moments.covariance(1, 1).is_nan());
+            assert!(moments.error_bound(1).is_nan());
+            // Variance of 1, 3, 5, 7: 20/3.
+            assert!((moments.covariance(0, 0) - 20.0 / 3.0).abs() < 1e-14);
+        }
+        all.push(&[0.0, f64::NEG_INFINITY, 0.0], &mut [0.0; 3]);
+        assert!(all.mean(1).is_nan() && all.mean(0) == 3.2);
+    }
+
+    #[test]
+    fn variances_alone_are_the_same() {
+        let (mut full, mut lean) = (Moments::new(2, true), Moments::new(2, false));
+        for i in 0..50_i32 {
+            let row = [f64::from(i * i % 7), f64::from(i % 5)];
+            let (mut a, mut b) = (Moments::new(2, true), Moments::new(2, false));
+            a.push(&row, &mut [0.0; 2]);
+            b.push(&row, &mut [0.0; 2]);
+            full.merge(&a);
+            lean.merge(&b);
+        }
+        for i in [0, 1] {
+            assert_eq!(full.covariance(i, i).to_bits(), lean.covariance(i, i).to_bits());
+        }
+        assert!(lean.covariance(0, 1).is_nan() && !full.covariance(0, 1).is_nan());
+        assert!(Moments::bytes(3000, true) > 100 * Moments::bytes(3000, false));
     }
 }

@@ -25,21 +25,26 @@ mod estimate;
 mod pairs;
 
 use std::ops::ControlFlow;
+use std::sync::OnceLock;
 
 pub use estimate::{Level, LevelError, LevelFailure, MultilevelEstimate};
-use estimate::{Samples, bias, variance_slope};
+use estimate::{Samples, bias, variance_bounds, variance_slope};
 use pairs::{Pairs, block_size};
 
+use super::Ensemble;
 use super::control::Control;
 use super::dispatch::InstructionSet;
 use super::job::Job;
-use super::{Ensemble, clip};
+use super::source::Source;
 use crate::error::{ConfigError, Error};
+use crate::increments::Noise as _;
 use crate::interrupt::Interrupt;
-use crate::noise::Truncation;
+use crate::noise::StepNormals;
 use crate::plan::NoiseClass;
 use crate::progress::Progress;
+use crate::retry::Retry;
 use crate::schedule::{in_order, threads};
+use crate::simulate::End;
 use crate::system::Discretized;
 
 /// The part `θ` of the squared error that is left to the bias.
@@ -50,6 +55,8 @@ const FIRST_PATHS: u64 = 256;
 const LEAST_LEVELS: usize = 3;
 /// Finest level unless the user says so: steps a million times shorter than the coarsest.
 const MOST_LEVELS: u32 = 20;
+/// Paths of the coarsest level on which an observable may be the same number, unless the user says how many.
+const MOST_CONSTANT: u64 = 1 << 20;
 /// Numbers of paths this close to the best ones are good enough.
 const TOLERANCE: f64 = 0.01;
 
@@ -108,10 +115,16 @@ where
         let control = std::mem::take(&mut self.ensemble.control);
         let interrupt = Interrupt::watch();
         let stop = || interrupt.requested() || control.is_stopped();
-        let (truncation, instructions) = (self.ensemble.truncation, self.ensemble.instructions);
+        let instructions = self.ensemble.instructions;
         let threads = threads(self.ensemble.threads)?;
+        let most_constant = self.ensemble.paths.unwrap_or(MOST_CONSTANT);
         let most_paths = *self.ensemble.paths.get_or_insert(1 << 50);
+        let end = self.ensemble.end;
+        let truncation = self.ensemble.truncation;
         let base = self.ensemble.job(&stop)?;
+        let Source::Normals(normals) = &base.source else { return Err(wrong(NOT_OURS.into()).into()) };
+        let normals = normals.clone().with_truncation(truncation);
+        check_end(end, &base)?;
         if base.steps == 0 {
             return Err(
                 ConfigError::Setting("a multilevel run without a step: take a later end".into()).into()
@@ -120,10 +133,11 @@ where
         Run {
             base: &base,
             levels: Vec::new(),
-            truncation,
+            normals,
             instructions,
             threads,
             most_paths,
+            most_constant,
             target: self.target,
             weak_order: self.weak_order,
             finest: self.finest as usize,
@@ -134,7 +148,14 @@ where
 
     fn check(&self) -> Result<(), ConfigError> {
         let Self { ensemble, target, weak_order, finest } = self;
-        let wrong = |what: String| Err(ConfigError::Setting(what));
+        let wrong = |what: String| Err(wrong(what));
+        if !H::PLAN.consistent {
+            return wrong(
+                "a multilevel run of a scheme that does not converge to the system: its levels add up to another limit; take `Corrected<...>` \
+                 or `Midpoint`"
+                    .into(),
+            );
+        }
         if matches!(H::PLAN.noise, NoiseClass::None) {
             return wrong("a multilevel run of a system without noise: one path says it all".into());
         }
@@ -149,13 +170,17 @@ where
         }
         let Control { targets, .. } = &ensemble.control;
         let meaningless = [
+            ("allow_losses", ensemble.control.losses.is_some()),
             ("antithetic", ensemble.is_antithetic),
+            ("checkpoint", ensemble.keeping.is_set()),
+            ("covariances", !ensemble.covariances),
             ("first_passage", !ensemble.events.is_empty()),
             ("histogram", !ensemble.histograms.is_empty()),
             ("keep_paths", ensemble.most_bytes.is_some()),
             ("quantiles", ensemble.quantiles),
             ("record_at", !ensemble.chosen.is_empty()),
             ("record_every", ensemble.every != 0),
+            ("retry", ensemble.retry.most() > 0),
             ("until_error", !targets.is_empty()),
         ];
         if let Some((name, _)) = meaningless.into_iter().find(|(_, is_set)| *is_set) {
@@ -165,19 +190,46 @@ where
         }
         match ensemble.observables.len() {
             1 => Ok(()),
-            n => wrong(format!("{n} observables in a multilevel run: give it one, with `.observe(...)`")),
+            n => wrong(format!(
+                "{n} observables in a multilevel run: give it one, with `.observe(name, function)`"
+            )),
         }
     }
+}
+
+fn wrong(what: String) -> ConfigError {
+    ConfigError::Setting(what)
+}
+
+const NOT_OURS: &str =
+    "a multilevel run with a noise that is given: its levels draw normals of their own, with `.seed(number)`";
+
+/// Whether the coarsest steps end where the run shall: all levels end there.
+fn check_end<H: Discretized<E>, E>(end: Option<End>, base: &Job<'_, H, E>) -> Result<(), ConfigError> {
+    let Some(End::Time(end)) = end else { return Ok(()) };
+    let (start, h, steps) = (base.start.t, base.h, base.steps);
+    let (reached, span) = (start + steps as f64 * h, end - start);
+    // The roundings that counting the steps allows for, and those of the product.
+    let allowed = 4.0 * f64::EPSILON * (span.abs() + start.abs() + end.abs());
+    if (reached - end).abs() <= allowed {
+        return Ok(());
+    }
+    Err(wrong(format!(
+        "steps of {h} do not end at t = {end}, but at {reached}: take a coarsest step that fits a whole number of times, {} for one",
+        span / steps as f64
+    )))
 }
 
 /// A checked run.
 struct Run<'j, 'a, H: Discretized<E>, E> {
     base: &'j Job<'a, H, E>,
     levels: Vec<Stage<'a, H, E>>,
-    truncation: Truncation,
+    normals: StepNormals,
     instructions: InstructionSet,
     threads: usize,
     most_paths: u64,
+    /// Paths of the first level, at most, as long as the observable is the same on all.
+    most_constant: u64,
     target: f64,
     weak_order: f64,
     finest: usize,
@@ -206,6 +258,18 @@ where
             if self.sample::<WIDTH>(&wanted)?.is_break() {
                 return Ok(self.estimate(true));
             }
+            if let Some(base) = self.levels.first()
+                && base.samples.is_constant()
+            {
+                // Nothing says how far others may be from it: look for them.
+                let count = base.samples.count();
+                if count >= self.most_constant {
+                    return Ok(self.estimate(false));
+                }
+                wanted = vec![0; self.levels.len()];
+                wanted[0] = count.saturating_mul(2).min(self.most_constant);
+                continue;
+            }
             let best = self.best_numbers();
             let is_enough = best.iter().zip(&self.levels).all(|(best, level)| {
                 let count = level.samples.count();
@@ -230,6 +294,8 @@ where
         let Some(steps) = steps else {
             return Err(ConfigError::End { start: base.start.t, end, h }.into());
         };
+        let mut normals = self.normals.clone().on_level(level);
+        normals.prepare(&H::PLAN, h, base.system.noises(), base.start.t)?;
         let job = Job {
             system: base.system,
             prepared: base.system.prepare(h)?,
@@ -238,8 +304,10 @@ where
             paths: u64::MAX,
             steps,
             recorded: Vec::new(),
-            seed: base.seed,
-            clip: clip(self.truncation, &H::PLAN, h)?,
+            clip: normals.clip(h),
+            source: Source::Normals(normals),
+            retry: Retry::never(),
+            failed_noise: OnceLock::new(),
             observables: Vec::new(),
             events: Vec::new(),
             wanted: Default::default(),
@@ -292,10 +360,11 @@ where
 
     /// The numbers of paths that reach the target at the least cost, as far as the variances are known.
     fn best_numbers(&self) -> Vec<u64> {
-        let slope = variance_slope(&self.samples()).unwrap_or(1.0).clamp(0.5, 4.0);
+        let samples = self.samples();
+        let slope = variance_slope(&samples).unwrap_or(1.0).clamp(0.5, 4.0);
+        let bounds = variance_bounds(&samples);
         let mut variances: Vec<f64> = Vec::new();
-        for (level, stage) in self.levels.iter().enumerate() {
-            let mut variance = stage.samples.variance();
+        for (level, mut variance) in bounds.into_iter().enumerate() {
             if let Some(coarser) = variances.last().filter(|_| level >= 2) {
                 // A few paths may miss what is rare.
                 variance = variance.max(0.5 * coarser / 2f64.powf(slope));
@@ -324,6 +393,7 @@ where
 
     fn estimate(self, is_partial: bool) -> MultilevelEstimate {
         let steps = |level| levels_steps(self.base.steps, level);
+        let is_constant = self.levels.first().is_none_or(|level| level.samples.is_constant());
         let levels = self.levels.iter().enumerate();
         let levels = levels
             .filter(|(_, stage)| stage.samples.count() > 0)
@@ -331,11 +401,12 @@ where
             .collect();
         let met = |error: f64, bias: f64| {
             !is_partial
+                && !is_constant
                 // What the tolerance on the numbers of paths may add.
                 && error * error <= (1.0 + TOLERANCE) * (1.0 - BIAS_PART) * self.target * self.target
                 && bias <= BIAS_PART.sqrt() * self.target
         };
-        MultilevelEstimate::new(levels, self.weak_order, is_partial, met)
+        MultilevelEstimate::new(levels, self.weak_order, is_partial, is_constant, met)
     }
 }
 

@@ -13,7 +13,10 @@ pub(super) struct Origin {
     /// Time of the first state.
     pub(super) start: f64,
     pub(super) steps: u64,
+    /// 0 for a noise without one.
     pub(super) seed: u64,
+    /// What the increments are of, in words.
+    pub(super) noise: String,
     /// Paths that were asked for, at most.
     pub(super) paths: u64,
 }
@@ -26,7 +29,8 @@ impl Origin {
             h: job.h,
             start: job.start.t,
             steps: job.steps,
-            seed: job.seed,
+            seed: job.source.seed(),
+            noise: job.source.in_words(),
             paths: job.paths,
         }
     }

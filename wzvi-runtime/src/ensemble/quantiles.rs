@@ -110,7 +110,7 @@ impl Quantiles {
             return f64::NAN;
         }
         let Some([least, greatest]) = self.extremes else { return f64::NAN };
-        let rank = (fraction * self.count as f64).ceil() as u64;
+        let rank = rank(fraction, self.count);
         if rank <= 1 {
             return least;
         }
@@ -123,6 +123,18 @@ impl Quantiles {
             seen >= rank
         });
         found.map_or(greatest, |(&bin, _)| middle(bin).clamp(least, greatest))
+    }
+}
+
+/// The least `k` for which `k / n` is not below the fraction. The quotient decides, not the product: 0.07 is the number next to 7/100, but
+/// 0.07 · 100 is above 7.
+fn rank(fraction: f64, n: u64) -> u64 {
+    let is_enough = |k: u64| k as f64 / n as f64 >= fraction;
+    let near = ((fraction * n as f64).ceil() as u64).min(n);
+    match near {
+        1.. if is_enough(near - 1) => near - 1,
+        _ if is_enough(near) => near,
+        _ => near + 1,
     }
 }
 
@@ -167,6 +179,24 @@ mod tests {
         }
         assert_eq!([sketch.at(0.0), sketch.at(1.0)], [sorted[0], sorted[n - 1]]);
         assert!(sketch.at(-0.1).is_nan() && sketch.at(f64::NAN).is_nan());
+    }
+
+    /// Every decimal fraction of a number of samples that it divides has the rank of that part.
+    #[test]
+    fn ranks_of_decimal_fractions_are_exact() {
+        for (digits, n) in [(100_u32, 100_u64), (100, 300), (1000, 1000), (1000, 7000)] {
+            for part in 0..=digits {
+                let fraction: f64 = format!("{}e-{}", part, digits.ilog10()).parse().unwrap();
+                assert_eq!(
+                    rank(fraction, n),
+                    u64::from(part) * n / u64::from(digits),
+                    "{part}/{digits} of {n}"
+                );
+            }
+        }
+        let mut sketch = Quantiles::default();
+        (1..=100).for_each(|i| sketch.push(f64::from(i)));
+        assert_eq!(sketch.at(0.07), middle(bin(7.0)));
     }
 
     #[test]

@@ -1,14 +1,17 @@
 //! What is known of an ensemble, in memory that does not grow with the number of paths.
 
+use std::fmt;
+
+use super::error::StatisticsError;
 use super::histogram::Histogram;
 use super::moments::Moments;
 use super::origin::Origin;
 use super::passage::{Passages, Watch};
 use super::paths::Paths;
 use super::quantiles::Quantiles;
-use crate::error::StepError;
 #[cfg(feature = "serde")]
 use crate::error::StepFailure;
+use crate::error::{StepError, UnknownName};
 #[cfg(feature = "serde")]
 use crate::numbers::Tape;
 
@@ -29,12 +32,25 @@ pub(super) struct Wanted {
     pub(super) keeps_paths: bool,
     /// Whether paths `2k` and `2k + 1` are antithetic.
     pub(super) has_pairs: bool,
+    pub(super) has_covariances: bool,
+}
+
+impl Wanted {
+    /// Bytes of memory that it takes for a block of paths, without the paths themselves.
+    pub(super) fn bytes(&self) -> u128 {
+        let moments = Moments::bytes(self.names.len(), self.has_covariances);
+        let bins: u128 = self.histograms.iter().map(|(_, empty)| 8 * empty.counts().len() as u128).sum();
+        let pairs = if self.has_pairs { 2 } else { 1 };
+        self.times.len() as u128 * (pairs * moments + bins)
+    }
 }
 
 /// All paths at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
     time: f64,
+    /// Paths that failed before.
+    lost: u64,
     moments: Moments,
     /// Of the means of antithetic pairs.
     pairs: Option<Moments>,
@@ -47,11 +63,17 @@ impl Node {
         let observables = wanted.names.len();
         Self {
             time,
-            moments: Moments::new(observables),
-            pairs: wanted.has_pairs.then(|| Moments::new(observables)),
+            lost: 0,
+            moments: Moments::new(observables, wanted.has_covariances),
+            pairs: wanted.has_pairs.then(|| Moments::new(observables, wanted.has_covariances)),
             quantiles: vec![Quantiles::default(); if wanted.quantiles { observables } else { 0 }],
             histograms: wanted.histograms.iter().map(|(_, empty)| empty.clone()).collect(),
         }
+    }
+
+    /// One more path that failed before.
+    pub(super) fn lose(&mut self) {
+        self.lost += 1;
     }
 
     /// The observables of one more path; `scratch` has as many elements.
@@ -75,6 +97,7 @@ impl Node {
     }
 
     fn merge(&mut self, other: &Self) {
+        self.lost += other.lost;
         self.moments.merge(&other.moments);
         if let (Some(ours), Some(theirs)) = (&mut self.pairs, &other.pairs) {
             ours.merge(theirs);
@@ -89,6 +112,7 @@ impl Node {
 
     #[cfg(feature = "serde")]
     fn pass(&mut self, tape: &mut Tape) {
+        tape.word(&mut self.lost);
         self.moments.pass(tape);
         self.pairs.iter_mut().for_each(|pairs| pairs.pass(tape));
         self.quantiles.iter_mut().for_each(|quantiles| quantiles.pass(tape));
@@ -105,12 +129,23 @@ impl Node {
         self.moments.count()
     }
 
-    /// The mean of an observable; NaN for one that does not exist, and without paths.
+    /// Number of paths that failed before, and are missing here.
+    pub fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// Number of paths whose value of an observable is NaN or infinite.
+    pub fn not_finite(&self, observable: usize) -> u64 {
+        self.moments.not_finite(observable)
+    }
+
+    /// The mean of an observable; NaN for an index that does not exist, and without paths; infinite if a value is.
     pub fn mean(&self, observable: usize) -> f64 {
         self.moments.mean(observable)
     }
 
-    /// The unbiased covariance of two observables; NaN where [`Node::mean`] is, and for a single path.
+    /// The unbiased covariance of two observables; NaN where [`Node::mean`] is or is infinite, for a single path, and of two different
+    /// ones if the run was told to leave covariances out.
     pub fn covariance(&self, a: usize, b: usize) -> f64 {
         self.moments.covariance(a, b)
     }
@@ -123,8 +158,28 @@ impl Node {
     /// The standard error of the mean: `√(variance / count)`, and for antithetic paths, which depend on each other, that of
     /// the means of their pairs, `√(variance of pairs / number of pairs)`.
     pub fn standard_error(&self, observable: usize) -> f64 {
-        let samples = self.pairs.as_ref().unwrap_or(&self.moments);
-        (samples.covariance(observable, observable) / samples.count() as f64).sqrt()
+        self.independent().standard_error(observable)
+    }
+
+    /// An upper estimate of the standard error of the mean, `√((variance + 10 D² / count) / count)` with the largest deviation `D` from the
+    /// mean that was seen: as if that had come ten times more. The standard error itself is zero until a rare event is seen, and with
+    /// heavy tails too small just where the mean is, too; this one is what [`Ensemble::until_error`](super::Ensemble::until_error) compares.
+    pub fn error_bound(&self, observable: usize) -> f64 {
+        self.independent().error_bound(observable)
+    }
+
+    /// Whether an observable is the same number on all paths: then nothing is known of how often, and how far, it is another.
+    pub fn is_constant(&self, observable: usize) -> bool {
+        self.moments.is_constant(observable)
+    }
+
+    pub(super) fn has_covariances(&self) -> bool {
+        self.moments.has_covariances()
+    }
+
+    /// Samples that do not depend on each other.
+    fn independent(&self) -> &Moments {
+        self.pairs.as_ref().unwrap_or(&self.moments)
     }
 
     /// The quantiles of an observable, if the run was asked for them.
@@ -163,7 +218,9 @@ impl PathFailure {
 /// What an ensemble found out.
 ///
 /// A path that fails counts until the last node that it reached, and is missing after that: [`Statistics::failed`] says of
-/// how many that is true.
+/// how many that is true, [`Node::lost`] at each time, and printing the statistics shows both beside each mean.
+///
+/// Questions by name are about the end of the paths; a name that does not exist is an error that lists those that do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statistics {
     names: Vec<String>,
@@ -175,9 +232,22 @@ pub struct Statistics {
     failed: u64,
     failures: Vec<PathFailure>,
     pub(super) is_partial: bool,
-    pub(super) met_targets: Option<bool>,
+    /// What was to be found out to a standard error, by observable.
+    pub(super) targets: Vec<(usize, TargetStatus)>,
     /// What the whole run is of; a block does not say so.
     pub(super) origin: Option<Origin>,
+}
+
+/// What became of a standard error that a run was to reach ([`Ensemble::until_error`](super::Ensemble::until_error)).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TargetStatus {
+    /// It was reached.
+    Met,
+    /// It was not: the number of paths, or whoever stopped the run, was in the way.
+    NotMet,
+    /// The observable is the same number on every path, so that nothing is known of its error: either it is a constant, or what changes it is
+    /// rarer than `3 / paths` (with 95 % confidence).
+    Constant,
 }
 
 impl Statistics {
@@ -191,7 +261,7 @@ impl Statistics {
             failed: 0,
             failures: Vec::new(),
             is_partial: false,
-            met_targets: None,
+            targets: Vec::new(),
             origin: None,
         }
     }
@@ -260,34 +330,72 @@ impl Statistics {
         self.nodes.last()
     }
 
-    /// The mean of an observable at the end; NaN for a name that does not exist.
-    pub fn mean(&self, name: &str) -> f64 {
+    /// The index of an observable.
+    fn known(&self, name: &str) -> Result<usize, StatisticsError> {
+        let known = || self.names.clone();
+        let unknown = || UnknownName { kind: "observable", name: name.to_owned(), known: known() };
+        self.index(name).ok_or_else(|| StatisticsError::Unknown(unknown()))
+    }
+
+    fn at_end<T>(&self, name: &str, what: impl Fn(&Node, usize) -> T) -> Result<T, StatisticsError> {
+        let index = self.known(name)?;
+        let end =
+            self.nodes.last().ok_or(StatisticsError::NotComputed { what: "end", remedy: ".until(time)" })?;
+        Ok(what(end, index))
+    }
+
+    /// The mean of an observable at the end, as [`Node::mean`].
+    ///
+    /// # Errors
+    /// [`StatisticsError::Unknown`] for a name that does not exist.
+    pub fn mean(&self, name: &str) -> Result<f64, StatisticsError> {
         self.at_end(name, Node::mean)
     }
 
-    /// Its variance.
-    pub fn variance(&self, name: &str) -> f64 {
+    /// Its variance, as [`Node::variance`].
+    ///
+    /// # Errors
+    /// Those of [`Statistics::mean`].
+    pub fn variance(&self, name: &str) -> Result<f64, StatisticsError> {
         self.at_end(name, Node::variance)
     }
 
-    /// The standard error of its mean.
-    pub fn standard_error(&self, name: &str) -> f64 {
+    /// The standard error of its mean, as [`Node::standard_error`].
+    ///
+    /// # Errors
+    /// Those of [`Statistics::mean`].
+    pub fn standard_error(&self, name: &str) -> Result<f64, StatisticsError> {
         self.at_end(name, Node::standard_error)
     }
 
+    /// An upper estimate of it, as [`Node::error_bound`].
+    ///
+    /// # Errors
+    /// Those of [`Statistics::mean`].
+    pub fn error_bound(&self, name: &str) -> Result<f64, StatisticsError> {
+        self.at_end(name, Node::error_bound)
+    }
+
     /// The covariance of two observables at the end, as [`Node::covariance`].
-    pub fn covariance(&self, a: &str, b: &str) -> f64 {
-        let b = self.index(b);
-        self.at_end(a, |node, a| b.map_or(f64::NAN, |b| node.covariance(a, b)))
+    ///
+    /// # Errors
+    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was told to leave covariances out.
+    pub fn covariance(&self, a: &str, b: &str) -> Result<f64, StatisticsError> {
+        let (a, b) = (self.known(a)?, self.known(b)?);
+        match self.nodes.last() {
+            Some(end) if a == b || end.moments.has_covariances() => Ok(end.covariance(a, b)),
+            _ => Err(StatisticsError::NotComputed { what: "covariances", remedy: ".covariances(true)" }),
+        }
     }
 
-    /// The quantile of an observable at the end, as [`Quantiles::at`]; NaN if the run was not asked for quantiles.
-    pub fn quantile(&self, name: &str, fraction: f64) -> f64 {
-        self.at_end(name, |node, index| node.quantiles(index).map_or(f64::NAN, |all| all.at(fraction)))
-    }
-
-    fn at_end(&self, name: &str, what: impl Fn(&Node, usize) -> f64) -> f64 {
-        self.last().zip(self.index(name)).map_or(f64::NAN, |(node, index)| what(node, index))
+    /// The quantile of an observable at the end, as [`Quantiles::at`].
+    ///
+    /// # Errors
+    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was not asked for quantiles.
+    pub fn quantile(&self, name: &str, fraction: f64) -> Result<f64, StatisticsError> {
+        let quantile = |node: &Node, index| node.quantiles(index).map(|all| all.at(fraction));
+        let missing = StatisticsError::NotComputed { what: "quantiles", remedy: ".quantiles()" };
+        self.at_end(name, quantile)?.ok_or(missing)
     }
 
     /// The observable of each of [`Node::histograms`], by its index.
@@ -295,11 +403,16 @@ impl Statistics {
         &self.histogrammed
     }
 
-    /// The first histogram of an observable at the end, if the run was asked for one.
-    pub fn histogram(&self, name: &str) -> Option<&Histogram> {
-        let observable = self.index(name)?;
-        let position = self.histogrammed.iter().position(|&known| known == observable)?;
-        self.last()?.histograms().get(position)
+    /// The first histogram of an observable at the end.
+    ///
+    /// # Errors
+    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was not asked for one.
+    pub fn histogram(&self, name: &str) -> Result<&Histogram, StatisticsError> {
+        let observable = self.known(name)?;
+        let position = self.histogrammed.iter().position(|&known| known == observable);
+        let histogram = position.and_then(|position| self.nodes.last()?.histograms().get(position));
+        let remedy = ".histogram(name, lower, upper, bins)";
+        histogram.ok_or(StatisticsError::NotComputed { what: "histogram of this observable", remedy })
     }
 
     /// When paths passed, event by event.
@@ -308,8 +421,14 @@ impl Statistics {
     }
 
     /// When paths passed the event of this name.
-    pub fn passage(&self, name: &str) -> Option<&Passages> {
-        self.passages.iter().find(|passages| passages.name() == name)
+    ///
+    /// # Errors
+    /// [`StatisticsError::Unknown`] for a name that does not exist.
+    pub fn passage(&self, name: &str) -> Result<&Passages, StatisticsError> {
+        let found = self.passages.iter().find(|passages| passages.name() == name);
+        let known = || self.passages.iter().map(|passages| passages.name().to_owned()).collect();
+        let unknown = || UnknownName { kind: "event", name: name.to_owned(), known: known() };
+        found.ok_or_else(|| StatisticsError::Unknown(unknown()))
     }
 
     /// The paths themselves, if they were kept.
@@ -323,10 +442,24 @@ impl Statistics {
         self.is_partial
     }
 
-    /// Whether all standard errors are below what [`Ensemble::until_error`](super::Ensemble::until_error) asked for; `None` if it
-    /// was not called.
+    /// Whether all standard errors are what [`Ensemble::until_error`](super::Ensemble::until_error) asked for; `None` if it was not called.
     pub fn met_targets(&self) -> Option<bool> {
-        self.met_targets
+        let met = self.targets.iter().all(|(_, status)| *status == TargetStatus::Met);
+        (!self.targets.is_empty()).then_some(met)
+    }
+
+    /// What became of the standard error that was asked for an observable.
+    ///
+    /// # Errors
+    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if none was asked for.
+    pub fn target(&self, name: &str) -> Result<TargetStatus, StatisticsError> {
+        let observable = self.known(name)?;
+        // Asked for more than once, the first that was not met.
+        let mut found =
+            self.targets.iter().filter(|(known, _)| *known == observable).map(|(_, status)| *status);
+        let first = found.next();
+        let missing = StatisticsError::NotComputed { what: "target", remedy: ".until_error(name, target)" };
+        first.map(|first| found.fold(first, TargetStatus::worse)).ok_or(missing)
     }
 
     /// Number of paths that ended early.
@@ -337,5 +470,41 @@ impl Statistics {
     /// The first thousand of them by number, with their errors.
     pub fn failures(&self) -> &[PathFailure] {
         &self.failures
+    }
+}
+
+impl TargetStatus {
+    fn worse(self, other: Self) -> Self {
+        if self == Self::Met { other } else { self }
+    }
+}
+
+/// The means at the end, with their standard errors and the paths that are missing in them.
+impl fmt::Display for Statistics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(end) = self.nodes.last() else { return Ok(()) };
+        let partial = if self.is_partial { " (partial)" } else { "" };
+        write!(f, "{} paths at t = {}{partial}", end.count(), end.time())?;
+        if end.lost() > 0 {
+            write!(f, ", {} of {} lost", end.lost(), self.begun())?;
+        }
+        for (index, name) in self.names.iter().enumerate() {
+            write!(f, "\n{name}: {} ± {:.1e}", end.mean(index), end.standard_error(index))?;
+            if end.lost() > 0 {
+                write!(f, " ({} lost)", end.lost())?;
+            }
+            if end.not_finite(index) > 0 {
+                write!(f, " ({} not finite)", end.not_finite(index))?;
+            }
+            if let Some((_, status)) = self.targets.iter().find(|(observable, _)| *observable == index) {
+                let words = match status {
+                    TargetStatus::Met => "target met",
+                    TargetStatus::NotMet => "target not met",
+                    TargetStatus::Constant => "the same on all paths",
+                };
+                write!(f, " ({words})")?;
+            }
+        }
+        Ok(())
     }
 }

@@ -67,8 +67,8 @@ impl Statistics {
     ///
     /// | table | one row for each | columns |
     /// |---|---|---|
-    /// | `run` | run | `system`, `scheme`, `version`, `step_size`, `start`, `steps`, `seed`, `paths_wanted`, `paths`, `failed`, `extent` (`whole` or `partial`), `targets` (`met`, `missed` or `none`) |
-    /// | `moments` | time, observable | `count`, `mean`, `standard_error`, `variance` |
+    /// | `run` | run | `system`, `scheme`, `version`, `step_size`, `start`, `steps`, `seed`, `noise`, `paths_wanted`, `paths`, `failed`, `extent` (`whole` or `partial`), `targets` (`met`, `missed` or `none`) |
+    /// | `moments` | time, observable | `count`, `lost`, `not_finite`, `mean`, `standard_error`, `error_bound`, `variance` |
     /// | `covariances` | time, pair of observables | `covariance` |
     /// | `quantiles` | time, observable, fraction | `quantile` |
     /// | `histograms` | time, observable, bin | `lower`, `upper`, `count`, `density` |
@@ -102,6 +102,7 @@ impl Statistics {
             ("start", NUMBER),
             ("steps", COUNT),
             ("seed", COUNT),
+            ("noise", TEXT),
             ("paths_wanted", COUNT),
             ("paths", COUNT),
             ("failed", COUNT),
@@ -109,7 +110,7 @@ impl Statistics {
             ("targets", TEXT),
         ];
         let mut table = Table::new("run", columns, []);
-        let Some(Origin { system, scheme, h, start, steps, seed, paths }) = &self.origin else {
+        let Some(Origin { system, scheme, h, start, steps, seed, noise, paths }) = &self.origin else {
             return table;
         };
         let targets = match self.met_targets() {
@@ -125,6 +126,7 @@ impl Statistics {
             Number(*start),
             Count(*steps),
             Count(*seed),
+            Text(noise),
             Count(*paths),
             Count(self.begun()),
             Count(self.failed()),
@@ -144,16 +146,25 @@ impl Statistics {
     fn moments(&self) -> Table {
         let mut table = Table::new(
             "moments",
-            [("time", NUMBER), ("observable", TEXT), ("count", COUNT)],
-            ["mean", "standard_error", "variance"],
+            [
+                ("time", NUMBER),
+                ("observable", TEXT),
+                ("count", COUNT),
+                ("lost", COUNT),
+                ("not_finite", COUNT),
+            ],
+            ["mean", "standard_error", "error_bound", "variance"],
         );
         for (node, index, name) in self.each() {
             table.row([
                 Number(node.time()),
                 Text(name),
                 Count(node.count()),
+                Count(node.lost()),
+                Count(node.not_finite(index)),
                 Number(node.mean(index)),
                 Number(node.standard_error(index)),
+                Number(node.error_bound(index)),
                 Number(node.variance(index)),
             ]);
         }
@@ -164,7 +175,8 @@ impl Statistics {
         let columns = [("time", NUMBER), ("first", TEXT), ("second", TEXT)];
         let mut table = Table::new("covariances", columns, ["covariance"]);
         for (node, a, first) in self.each() {
-            for (b, second) in self.observables().iter().enumerate().skip(a) {
+            let partners = if node.has_covariances() { self.observables().len() } else { a + 1 };
+            for (b, second) in self.observables().iter().enumerate().take(partners).skip(a) {
                 let covariance = node.covariance(a, b);
                 table.row([Number(node.time()), Text(first), Text(second), Number(covariance)]);
             }

@@ -5,15 +5,35 @@ use std::fmt;
 /// Lists inside of lists of which an error says the place.
 const LEVELS: usize = 3;
 
+/// A list or an integer of a system.
+#[doc(hidden)]
+#[derive(Debug, PartialEq)]
+pub struct Name {
+    /// As the Hamiltonian names it.
+    pub name: &'static str,
+    /// What follows the indices: the part of a tuple, a length.
+    pub suffix: &'static str,
+}
+
 /// An integer of a system that is out of range: which one, its value, and what it would have to be.
 #[derive(Clone, Copy, PartialEq)]
 pub struct IndexError {
-    name: &'static str,
-    suffix: &'static str,
-    at: [usize; LEVELS],
-    levels: usize,
-    value: i128,
-    limit: IndexLimit,
+    name: &'static Name,
+    at: [u32; LEVELS],
+    levels: u8,
+    limit: Limit,
+    /// What the limit counts.
+    count: usize,
+    /// The halves of an `i128`, high and low, which keep errors small.
+    value: [u64; 2],
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Limit {
+    Points,
+    Entries,
+    Integers,
+    Divisor,
 }
 
 /// What an integer of a system has to be.
@@ -30,13 +50,20 @@ pub enum IndexLimit {
 }
 
 impl IndexError {
-    pub(crate) fn new(name: &'static str, suffix: &'static str, value: i128, limit: IndexLimit) -> Self {
-        Self { name, suffix, at: [0; LEVELS], levels: 0, value, limit }
+    pub(crate) fn new(name: &'static Name, value: i128, limit: IndexLimit) -> Self {
+        let (limit, count) = match limit {
+            IndexLimit::Points(count) => (Limit::Points, count),
+            IndexLimit::Entries(count) => (Limit::Entries, count),
+            IndexLimit::Integers => (Limit::Integers, 0),
+            IndexLimit::Divisor => (Limit::Divisor, 0),
+        };
+        let value = [(value >> 64) as u64, value as u64];
+        Self { name, at: [0; LEVELS], levels: 0, limit, count, value }
     }
 
-    /// Adds an index to the name.
+    /// Adds an index to the name, up to what it has room for.
     pub(crate) fn push(&mut self, index: i128) {
-        if let (Some(at), Ok(index)) = (self.at.get_mut(self.levels), usize::try_from(index)) {
+        if let (Some(at), Ok(index)) = (self.at.get_mut(usize::from(self.levels)), u32::try_from(index)) {
             *at = index;
             self.levels += 1;
         }
@@ -44,20 +71,27 @@ impl IndexError {
 
     /// The value.
     pub fn value(&self) -> i128 {
-        self.value
+        let [high, low] = self.value;
+        (i128::from(high) << 64) | i128::from(low)
     }
 
     /// What it has to be.
     pub fn limit(&self) -> IndexLimit {
-        self.limit
+        match self.limit {
+            Limit::Points => IndexLimit::Points(self.count),
+            Limit::Entries => IndexLimit::Entries(self.count),
+            Limit::Integers => IndexLimit::Integers,
+            Limit::Divisor => IndexLimit::Divisor,
+        }
     }
 
     /// What has the value, as the Hamiltonian names it: `bonds[17].1`. For [`IndexLimit::Entries`] the list that is read
     /// there.
     pub fn name(&self) -> String {
-        let at: String = self.at[..self.levels].iter().map(|index| format!("[{index}]")).collect();
-        let suffix = if matches!(self.limit, IndexLimit::Entries(_)) { "" } else { self.suffix };
-        format!("{}{at}{suffix}", self.name)
+        let at: String =
+            self.at[..usize::from(self.levels)].iter().map(|index| format!("[{index}]")).collect();
+        let suffix = if self.limit == Limit::Entries { "" } else { self.name.suffix };
+        format!("{}{at}{suffix}", self.name.name)
     }
 }
 
@@ -65,16 +99,16 @@ impl fmt::Debug for IndexError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("IndexError")
             .field("name", &self.name())
-            .field("value", &self.value)
-            .field("limit", &self.limit)
+            .field("value", &self.value())
+            .field("limit", &self.limit())
             .finish()
     }
 }
 
 impl fmt::Display for IndexError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, value) = (self.name(), self.value);
-        match self.limit {
+        let (name, value) = (self.name(), self.value());
+        match self.limit() {
             IndexLimit::Points(points) => write!(f, "`{name}` is {value}, the state has {points}")?,
             IndexLimit::Entries(length) => write!(f, "`{name}` is read at {value}, it has {length} entries")?,
             IndexLimit::Integers => {

@@ -1,6 +1,6 @@
 //! Why a step failed, as words: for checkpoints and messages.
 
-use super::{IndexError, IndexLimit, StepFailure};
+use super::{IndexError, IndexLimit, Name, StepFailure};
 use crate::numbers::Tape;
 
 impl StepFailure {
@@ -40,7 +40,11 @@ impl StepFailure {
             5 => Self::Increments { expected: usize::try_from(a).ok()?, got: usize::try_from(b).ok()? },
             6 => Self::Dimension { expected: usize::try_from(a).ok()?, got: usize::try_from(b).ok()? },
             7 => Self::NonFiniteInput,
-            8 => Self::Index(IndexError::new("an integer", "", (a as i64).into(), IndexLimit::Integers)),
+            8 => Self::Index(IndexError::new(
+                &Name { name: "an integer", suffix: "" },
+                (a as i64).into(),
+                IndexLimit::Integers,
+            )),
             _ => return None,
         })
     }
@@ -61,7 +65,11 @@ mod tests {
             StepFailure::Increments { expected: 3, got: usize::MAX },
             StepFailure::Dimension { expected: 0, got: 2 },
             StepFailure::NonFiniteInput,
-            StepFailure::Index(IndexError::new("an integer", "", -1, IndexLimit::Integers)),
+            StepFailure::Index(IndexError::new(
+                &Name { name: "an integer", suffix: "" },
+                -1,
+                IndexLimit::Integers,
+            )),
         ];
         for failure in all {
             assert_eq!(StepFailure::from_words(failure.words()), Some(failure));

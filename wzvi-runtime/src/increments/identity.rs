@@ -1,6 +1,6 @@
 //! What a source of increments is.
 
-use std::fmt::Debug;
+use std::fmt::{self, Debug};
 
 /// What a source of increments is: its kind and its settings, by name. Two sources with equal identities give the same
 /// increments for the same step.
@@ -32,5 +32,21 @@ impl Identity {
     #[cfg(feature = "serde")]
     pub(crate) fn into_settings(self) -> Vec<(String, String)> {
         self.settings
+    }
+}
+
+/// The kind, and the settings in brackets.
+impl fmt::Display for Identity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut settings = self.settings.iter();
+        if let Some((_, kind)) = settings.next() {
+            write!(f, "{kind}")?;
+        }
+        let mut separator = " (";
+        for (name, value) in settings {
+            write!(f, "{separator}{} {value}", name.trim_start_matches("noise "))?;
+            separator = "; ";
+        }
+        if separator == "; " { write!(f, ")") } else { Ok(()) }
     }
 }

@@ -10,16 +10,12 @@
 //! | 24..28 | version of this layout and of the tree (a change of either changes every path) |
 //! | 28, 29, 30 | side of zero, octave, depth of the page (`grid`) |
 //!
-//! The stream number is the index of the cell among those of its octave and depth; the words are 0 to 63 of that stream, the
-//! four blocks that `rand_chacha` computes at once. All integers are little-endian.
+//! The stream number is the index of the cell among those of its octave and depth; the words are 0 to 63 of that stream. All integers are little-endian.
 
-use rand_chacha::ChaCha8Rng;
-use rand_core::{Rng, SeedableRng};
+use super::chacha::{self, PAGE};
 
-/// Words in a page.
-const WORDS: usize = 64;
 /// Pairs of normals in a page.
-pub(super) const PAIRS: usize = WORDS / 3;
+pub(super) const PAIRS: usize = PAGE / 3;
 const VERSION: u32 = 1;
 
 /// What distinguishes one Wiener process from all others.
@@ -41,24 +37,17 @@ pub(super) struct Address {
 
 /// The random words of one page.
 #[derive(Clone, Debug)]
-pub(super) struct Words([u8; 4 * WORDS]);
+pub(super) struct Words([u8; 4 * PAGE]);
 
 impl Words {
-    pub(super) const EMPTY: Self = Self([0; 4 * WORDS]);
+    pub(super) const EMPTY: Self = Self([0; 4 * PAGE]);
 
     /// Fills the page of an address.
     pub(super) fn fill(&mut self, source: &Source, address: &Address) {
-        let mut key = [0u8; 32];
-        key[..8].copy_from_slice(&source.seed.to_le_bytes());
-        key[8..16].copy_from_slice(&source.path.to_le_bytes());
-        key[16..24].copy_from_slice(&source.process.to_le_bytes());
-        key[24..28].copy_from_slice(&VERSION.to_le_bytes());
-        key[28] = u8::from(address.negative);
-        key[29] = address.octave;
-        key[30] = address.depth;
-        let mut generator = ChaCha8Rng::from_seed(key);
-        generator.set_stream(address.cell);
-        generator.fill_bytes(&mut self.0);
+        let words = |x: u64| [x as u32, (x >> 32) as u32];
+        let ([a, b], [c, d], [e, f]) = (words(source.seed), words(source.path), words(source.process));
+        let place = u32::from_le_bytes([u8::from(address.negative), address.octave, address.depth, 0]);
+        chacha::page(&[a, b, c, d, e, f, VERSION, place], address.cell, &mut self.0);
     }
 
     /// The `index`-th pair of normals, `index < PAIRS`.

@@ -1,5 +1,7 @@
 //! The Wiener process as a function of time.
 
+use std::collections::BTreeMap;
+
 use super::bridge::Span;
 use super::cursor::Cursor;
 use super::grid::{FARTHEST, Point};
@@ -30,9 +32,14 @@ pub struct Wiener {
     unit: f64,
     truncation: Truncation,
     cursors: Vec<Cursor>,
+    /// Those of single processes far from all others.
+    distant: BTreeMap<usize, Cursor>,
     /// The end of the last step: the next one starts there.
     reached: (f64, Point),
 }
+
+/// Processes up to so many beyond those that are known are made along with the one that is asked for.
+const FEW: usize = 1024;
 
 /// No time equals NaN.
 pub(super) const NOWHERE: (f64, Point) = (f64::NAN, Point::ZERO);
@@ -40,7 +47,15 @@ pub(super) const NOWHERE: (f64, Point) = (f64::NAN, Point::ZERO);
 impl Wiener {
     /// The paths of a seed.
     pub fn seed(seed: u64) -> Self {
-        Self { seed, path: 0, unit: 1.0, truncation: Truncation::Unset, cursors: vec![], reached: NOWHERE }
+        Self {
+            seed,
+            path: 0,
+            unit: 1.0,
+            truncation: Truncation::Unset,
+            cursors: vec![],
+            distant: BTreeMap::new(),
+            reached: NOWHERE,
+        }
     }
 
     /// Another member of an ensemble (the default is 0).
@@ -50,7 +65,7 @@ impl Wiener {
     }
 
     pub(super) fn with_seed(self, seed: u64) -> Self {
-        Self { seed, cursors: vec![], ..self }
+        Self { seed, cursors: vec![], distant: BTreeMap::new(), ..self }
     }
 
     /// The unit of time of the tree (the default is 1): `W(t) = sqrt(unit) B(t / unit)`.
@@ -60,11 +75,12 @@ impl Wiener {
     pub fn unit(mut self, unit: f64) -> Self {
         self.unit = unit;
         self.cursors.clear();
+        self.distant.clear();
         self.reached = NOWHERE;
         self
     }
 
-    /// Truncates the increments of steps to `+-sqrt(h) A_h`, `A_h = sqrt(2 k max(1, |ln h|))`, `k >= 1` ([`clip_bound`](super::clip_bound)).
+    /// Truncates the increments of steps to `+-sqrt(h) A_h`, `A_h = max(6, sqrt(2 k |ln h|))`, `k >= 1` ([`clip_bound`](super::clip_bound)).
     ///
     /// The path itself is not changed: [`Wiener::value`], [`Wiener::increment`] and [`Wiener::integral`] are not truncated.
     pub fn truncated(mut self, k: impl Into<f64>) -> Self {
@@ -105,6 +121,9 @@ impl Wiener {
     /// # Errors
     /// [`NoiseError::Time`], [`NoiseError::Unit`].
     pub fn integral(&mut self, process: usize, a: f64, b: f64) -> Result<f64, NoiseError> {
+        // The order of times that are none is no order.
+        self.point(a)?;
+        self.point(b)?;
         let sign = if b < a { -1.0 } else { 1.0 };
         let (from, to) = (a.min(b), a.max(b));
         let start = self.value(process, from)?;
@@ -155,6 +174,9 @@ impl Wiener {
         if self.cursors.len() <= process {
             let source =
                 |process: usize| Source { seed: self.seed, path: self.path, process: process as u64 };
+            if process - self.cursors.len() >= FEW {
+                return self.distant.entry(process).or_insert_with(|| Cursor::new(source(process)));
+            }
             self.cursors.extend((self.cursors.len()..=process).map(|process| Cursor::new(source(process))));
         }
         &mut self.cursors[process]
@@ -171,7 +193,7 @@ impl Wiener {
 
     /// A cursor on the same paths at another place: what a window needs at its second end.
     pub(super) fn twin(&self) -> Self {
-        Self { cursors: vec![], ..*self }
+        Self { cursors: vec![], distant: BTreeMap::new(), ..*self }
     }
 }
 
@@ -225,6 +247,6 @@ impl Noise for Wiener {
 impl Paths for Wiener {
     fn set_path(&mut self, path: u64) {
         self.path = path;
-        self.cursors.iter_mut().for_each(|cursor| cursor.set_path(path));
+        self.cursors.iter_mut().chain(self.distant.values_mut()).for_each(|cursor| cursor.set_path(path));
     }
 }

@@ -162,6 +162,10 @@ impl Keeping {
     pub(crate) fn to(checkpoint: Checkpoint) -> Self {
         Self(Some(checkpoint))
     }
+
+    pub(crate) fn is_set(&self) -> bool {
+        self.0.is_some()
+    }
 }
 
 /// The checksum of several words.

@@ -52,7 +52,7 @@ fn folder(path: &Path) -> &Path {
 }
 
 /// Creates a folder and what leads to it.
-#[cfg(any(feature = "ensemble", feature = "report"))]
+#[cfg(feature = "ensemble")]
 pub(crate) fn create_folder(path: &Path) -> Result<(), FileError> {
     fs::create_dir_all(path).map_err(FileError::system(path, "create the folder"))
 }
@@ -177,6 +177,7 @@ pub(crate) fn publish_set(staged: Vec<Staged>) -> Result<(), FileError> {
 const WRITE: &str = "write";
 
 /// Replaces the content of `path` by what `write` writes. Nothing is left behind if this fails.
+#[cfg(any(test, feature = "ensemble"))]
 pub(crate) fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,

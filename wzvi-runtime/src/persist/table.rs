@@ -86,6 +86,7 @@ impl Table {
 
     /// `{"column":[entries], ...}`; numbers come back to the last bit, but JSON has `null` for those that are none or
     /// infinite.
+    #[cfg(feature = "ensemble")]
     pub(crate) fn write_json(&self, to: &mut impl Write) -> io::Result<()> {
         for (i, (name, column)) in self.columns.iter().enumerate() {
             write!(to, "{}{}:[", if i == 0 { "{" } else { "," }, escaped(name))?;
@@ -122,6 +123,7 @@ fn quote(line: &mut String, text: &str) {
     }
 }
 
+#[cfg(feature = "ensemble")]
 pub(crate) fn escaped(text: &str) -> String {
     let mut json = String::from("\"");
     for c in text.chars() {

@@ -7,7 +7,7 @@ use super::measure::{Reference, WorkPrecision};
 use super::run::{Run, Settings, TIMED_STEPS, Work, draw};
 use super::scheme::{Given, Outcome, Scheme};
 use super::statistics::{Estimate, Trend};
-use crate::error::Error;
+use crate::error::{Error, InternalError};
 use crate::increments::Noise as _;
 use crate::noise::Paths;
 use crate::schedule::in_order;
@@ -93,7 +93,8 @@ where
         stopped: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<State<H::Vector>>, Error> {
         let mut states = Vec::with_capacity(plan.paths);
-        let Some(reference) = &self.reference else { return Ok(states) };
+        let no_reference = || InternalError::new("a measurement has a reference", &self.title);
+        let reference = self.reference.as_ref().ok_or_else(no_reference)?;
         let block = |paths| self.ends(plan, reference, paths);
         self.in_blocks(plan, plan.reference_steps, stopped, block, |block| {
             work.advance(plan.reference_steps * block.len());
@@ -157,7 +158,7 @@ where
                     let given = Given { start, h: *h, steps: plan.reference_steps, increments: &increments };
                     let outcome = scheme.run(self.system, &given, &mut |_| {})?;
                     match outcome.failure {
-                        Some(error) => return Err(error.into()),
+                        Some(error) => return Err(error),
                         None => outcome.last,
                     }
                 }
@@ -176,9 +177,9 @@ where
         work: &mut Work,
         stopped: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Cell>, Error> {
-        let Some(scheme) = self.schemes.get(run.scheme) else { return Ok(None) };
+        let scheme = self.scheme_of(run)?;
         let mut found = Found::new(self.observables.len());
-        let block = |paths| self.block(plan, run, scheme.as_ref(), references, paths);
+        let block = |paths| self.block(plan, run, scheme, references, paths);
         self.in_blocks(plan, run.steps, stopped, block, |block: Found| {
             work.advance(run.steps * (block.good.len() + block.failures));
             found.append(block);

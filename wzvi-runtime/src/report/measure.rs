@@ -93,8 +93,8 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     }
 
     /// The step sizes, in any order.
-    pub fn steps(mut self, steps: impl IntoIterator<Item = f64>) -> Self {
-        self.steps = steps.into_iter().collect();
+    pub fn step_sizes(mut self, sizes: impl IntoIterator<Item = f64>) -> Self {
+        self.steps = sizes.into_iter().collect();
         self
     }
 
@@ -160,7 +160,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     }
 
     /// Measures the weak error of `f`: the mean over paths of `f(z_N) - f(z(T))` on the same path.
-    pub fn observable(
+    pub fn observe(
         mut self,
         name: impl Into<String>,
         f: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,

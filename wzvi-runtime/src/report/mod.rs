@@ -1,14 +1,14 @@
 //! How much error for how much time: measurements, tables, plots and one HTML page.
 //!
 //! ```ignore
-//! let report = WorkPrecision::new(&kubo)
+//! let report = kubo.work_precision()
 //!     .start(State::new([0.0], [1.0]))
 //!     .until(1.0)
-//!     .steps((4..=9).map(|k| 2f64.powi(-k)))
+//!     .step_sizes((4..=9).map(|k| 2f64.powi(-k)))
 //!     .paths(400)
 //!     .seed(7)
 //!     .exact(|t, wiener| kubo.exact(t, wiener[0]))
-//!     .observable("q", |state| state.q[0])
+//!     .observe("q", |state| state.q[0])
 //!     .scheme::<Midpoint>()
 //!     .scheme::<Corrected<DeltaPlus>>()
 //!     .run()?;

@@ -8,7 +8,7 @@ use super::measure::{Reference, WorkPrecision};
 use super::number;
 use super::scheme::{Given, Scheme};
 use super::statistics::Spread;
-use crate::error::{ConfigError, Error, StepFailure};
+use crate::error::{ConfigError, Error, InternalError, StepFailure};
 use crate::increments::Interval;
 use crate::interrupt::Interrupt;
 use crate::noise::{Paths, Wiener};
@@ -109,7 +109,7 @@ where
             return Err(missing("a scheme: add `.scheme::<Midpoint>()`"));
         }
         if self.steps.is_empty() {
-            return Err(missing("step sizes: add `.steps([...])`"));
+            return Err(missing("step sizes: add `.step_sizes([...])`"));
         }
         if self.paths == 0 {
             return Err(ConfigError::Setting("no paths: `.paths(0)` leaves nothing to measure".into()));
@@ -206,6 +206,12 @@ where
         Ok(())
     }
 
+    pub(super) fn scheme_of(&self, run: &Run) -> Result<&(dyn Scheme<H> + Send + Sync + 'a), InternalError> {
+        let none =
+            || InternalError::new("a run has a scheme", format!("{} of {}", run.scheme, self.schemes.len()));
+        Ok(self.schemes.get(run.scheme).ok_or_else(none)?.as_ref())
+    }
+
     fn is(&self, run: &Run, cell: &Cell) -> bool {
         let name = self.schemes.get(run.scheme).map(|scheme| scheme.name());
         run.h == cell.h && name.as_ref() == Some(&cell.scheme)
@@ -219,10 +225,10 @@ where
         numbers: &[u64],
         passes: u32,
     ) -> Result<(Duration, Duration), Error> {
-        let Some(scheme) = self.schemes.get(run.scheme) else { return Ok(Default::default()) };
+        let scheme = self.scheme_of(run)?;
         let row = run.steps * self.system.noises();
         let mut increments = vec![0.0; row * numbers.len()];
-        let mut noise = self.driver(scheme.as_ref(), run.h, plan.start.t)?;
+        let mut noise = self.driver(scheme, run.h, plan.start.t)?;
         let begin = Instant::now();
         if row > 0 {
             for (path, increments) in numbers.iter().zip(increments.chunks_mut(row)) {

@@ -4,19 +4,22 @@ use std::hint::black_box;
 use std::marker::PhantomData;
 use std::time::{Duration, Instant};
 
-use crate::error::{ConfigError, StepError};
+use crate::error::{ConfigError, Error, NoiseError};
+use crate::increments::{Interval, Noise};
 use crate::names::short_name;
 use crate::plan::Plan;
+use crate::simulate::{Node, Simulation};
 use crate::state::State;
 use crate::step::Stepper;
 use crate::system::{Discretized, Hamiltonian};
+use crate::trajectory::Iterations;
 
 /// How a path went.
 pub(crate) struct Outcome<V> {
     pub(crate) last: State<V>,
     pub(crate) iterations: u64,
     pub(crate) largest: u32,
-    pub(crate) failure: Option<StepError>,
+    pub(crate) failure: Option<Error>,
 }
 
 /// One embedding of a system.
@@ -33,7 +36,7 @@ pub(crate) trait Scheme<H: Hamiltonian> {
         system: &H,
         path: &Given<'_, H::Vector>,
         see: &mut dyn FnMut(&State<H::Vector>),
-    ) -> Result<Outcome<H::Vector>, ConfigError>;
+    ) -> Result<Outcome<H::Vector>, Error>;
 
     /// How long several paths take, one after the other, `passes` times over; nothing but steps is inside.
     fn time(&self, system: &H, paths: &[Given<'_, H::Vector>], passes: u32) -> Result<Duration, ConfigError>;
@@ -52,6 +55,19 @@ impl<V> Given<'_, V> {
     #[inline(always)]
     fn rows(&self, processes: usize) -> impl Iterator<Item = &[f64]> {
         (0..self.steps).map(move |i| self.increments.get(i * processes..(i + 1) * processes).unwrap_or(&[]))
+    }
+}
+
+/// Increments that were drawn before, by rows.
+struct Rows<'a>(&'a [f64]);
+
+impl Noise for Rows<'_> {
+    fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
+        let rows = self.0.len().checked_div(dw.len()).unwrap_or(0);
+        let row =
+            usize::try_from(interval.step).ok().and_then(|step| self.0.chunks_exact(dw.len()).nth(step));
+        let exhausted = NoiseError::Exhausted { step: interval.step, available: rows };
+        row.map(|row| dw.copy_from_slice(row)).ok_or(exhausted)
     }
 }
 
@@ -78,25 +94,16 @@ impl<H: Discretized<E>, E> Scheme<H> for Embedding<E> {
         system: &H,
         path: &Given<'_, H::Vector>,
         see: &mut dyn FnMut(&State<H::Vector>),
-    ) -> Result<Outcome<H::Vector>, ConfigError> {
-        let mut stepper = Stepper::<H, E>::new(system, path.h)?;
-        let last = path.start.clone();
-        let mut outcome = Outcome { last, iterations: 0, largest: 0, failure: None };
-        see(&outcome.last);
-        for dw in path.rows(system.noises()) {
-            match stepper.step(&mut outcome.last, dw) {
-                Ok(info) => {
-                    outcome.iterations += u64::from(info.iterations);
-                    outcome.largest = outcome.largest.max(info.iterations);
-                    see(&outcome.last);
-                }
-                Err(error) => {
-                    outcome.failure = Some(error);
-                    break;
-                }
-            }
-        }
-        Ok(outcome)
+    ) -> Result<Outcome<H::Vector>, Error> {
+        let run =
+            Simulation::<H, E>::new(system, path.h).start(path.start.clone()).noise(Rows(path.increments));
+        let run = run
+            .steps(path.steps as u64)
+            .record_every(0)
+            .inspect(|state: &State<H::Vector>, _: &Node<'_>| see(state));
+        let (trajectory, failure) = run.run_partial()?;
+        let Iterations { total, largest, .. } = trajectory.iterations();
+        Ok(Outcome { last: trajectory.last().clone(), iterations: total, largest, failure })
     }
 
     fn time(&self, system: &H, paths: &[Given<'_, H::Vector>], passes: u32) -> Result<Duration, ConfigError> {

@@ -201,7 +201,8 @@ impl Progress {
             return Verdict::Converged;
         }
         // False for NaN, too: one comparison on the way that is taken.
-        if !(relative < 0.5 * self.last) {
+        let contracts = relative < 0.5 * self.last;
+        if !contracts {
             if relative.is_nan() {
                 return Verdict::Straying;
             }
@@ -211,12 +212,13 @@ impl Progress {
             }
             // What is rounding may have been the larger part of the correction before.
             let last = if self.is_beyond_rounding { self.last } else { self.last.max(relative) };
-            if !(beyond < 0.5 * last) {
-                return Verdict::Straying;
+            // False for NaN, too.
+            if beyond < 0.5 * last {
+                self.is_beyond_rounding = true;
+                self.expect(beyond);
+                return Verdict::Contracting;
             }
-            self.is_beyond_rounding = true;
-            self.expect(beyond);
-            return Verdict::Contracting;
+            return Verdict::Straying;
         }
         self.expect(relative);
         Verdict::Contracting
@@ -327,19 +329,18 @@ pub(super) fn newton<
         match progress.judge(largest, beyond) {
             Verdict::Converged => return Ok((end, Effort::fast(progress.iterations))),
             Verdict::Contracting => x = end,
-            Verdict::Straying => return Err(explain(progress.iterations, largest, &jacobian)),
+            Verdict::Straying => {
+                let pivot = jacobian[0][0].magnitude();
+                return Err(explain::<N>(progress.iterations, largest, pivot));
+            }
         }
     }
 }
 
-/// A slope of zero is the cause of the infinity that follows from it.
+/// A slope of zero is the cause of the infinity that follows from it. Numbers, not the matrix: what has its address in a
+/// function is kept in memory in every iteration.
 #[cold]
-fn explain<S: Scalar, const N: usize>(
-    iterations: u32,
-    correction: f64,
-    jacobian: &[[S; N]; N],
-) -> StepFailure {
-    let pivot = jacobian[0][0].magnitude();
+fn explain<const N: usize>(iterations: u32, correction: f64, pivot: f64) -> StepFailure {
     if N == 1 && pivot < f64::EPSILON {
         StepFailure::Singular { pivot, scale: 1.0 }
     } else {

@@ -1,6 +1,6 @@
 //! What of a trajectory in the making a checkpoint keeps.
 
-use super::{Iterations, Path, Recorder};
+use super::{Iterations, Path, Recorder, Recording};
 use crate::numbers::Tape;
 use crate::state::{State, Vector};
 
@@ -10,11 +10,21 @@ pub(crate) type Kept<V> = (Vec<State<V>>, Vec<f64>);
 impl<V: Vector> Recorder<V> {
     /// Everything that steps change but the recorded nodes, which only grow.
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
-        let Self { path, pending, since } = self;
-        let Path { h: _, every: _, steps, iterations, processes: _, increments: _, states: _, last: _ } =
-            path;
+        let Self { path, recording, pending, kept, next } = self;
+        let Path {
+            h: _,
+            every: _,
+            steps,
+            iterations,
+            processes: _,
+            increments: _,
+            states: _,
+            last: _,
+            chosen: _,
+            observed: _,
+        } = path;
         let Iterations { total, largest, hard, doubtful, halved, halvings } = iterations;
-        for word in [steps, total, hard, doubtful, halved, since] {
+        for word in [&mut *steps, total, hard, doubtful, halved, kept] {
             tape.word(word);
         }
         tape.count(largest);
@@ -22,11 +32,12 @@ impl<V: Vector> Recorder<V> {
         for sum in pending {
             sum.pass(tape);
         }
+        *next = recording.next(*steps);
     }
 
-    /// What `record_every` is.
-    pub(crate) fn every(&self) -> u64 {
-        self.path.every
+    /// Which nodes are recorded.
+    pub(crate) fn recording(&self) -> &Recording {
+        &self.recording
     }
 
     /// The nodes recorded after the first `known`, the start not counted, and the increments that led to them.

@@ -37,8 +37,8 @@ pub(crate) fn measure(seed: u64, paths: u64, blocks: u64) -> Law {
         largest: 0.0,
         products: [[0.0; 2]; 4],
     };
-    let other = Normals::new(seed, 1);
-    let first = Normals::new(seed, 0);
+    let other = Normals::new(seed, 1, 0.01);
+    let first = Normals::new(seed, 0, 0.01);
     let set = InstructionSet::best();
     let mut before = [[0.0; 16]; 10];
     for path in (0..paths).step_by(16) {

@@ -1,5 +1,6 @@
 //! The dependency graph of the unknowns: components and feedback vertices.
 
+use crate::diagnostics::internal::Promised;
 use crate::discretise::equations::Equations;
 use crate::discretise::lagrangian::StepSymbols;
 use crate::discretise::structure::Unknown;
@@ -59,7 +60,9 @@ impl Dependencies {
         let (forced, free): (Vec<usize>, Vec<usize>) =
             component.iter().partition(|&&vertex| self.reads[vertex].contains(&vertex));
         let feedback = self.smallest_feedback(component, &forced, &free);
-        let assigned = self.order_without(component, &feedback).unwrap_or_default();
+        let assigned = self
+            .order_without(component, &feedback)
+            .promised("without its feedback a component has an order");
         let named = |vertices: Vec<usize>| vertices.into_iter().map(|a| unknown(a, self.degrees)).collect();
         (named(feedback), named(assigned))
     }
@@ -157,7 +160,7 @@ impl Tarjan<'_> {
             }
         }
         if Some(self.low[vertex]) == self.index[vertex] {
-            let start = self.stack.iter().rposition(|&v| v == vertex).unwrap_or(0);
+            let start = self.stack.iter().rposition(|&v| v == vertex).promised("a root is on the stack");
             let mut component = self.stack.split_off(start);
             for &member in &component {
                 self.on_stack[member] = false;

@@ -2,9 +2,11 @@
 
 use std::fmt::Write;
 
+use super::locality::is_condition;
 use super::{Space, Sum};
+use crate::diagnostics::internal::Promised;
 use crate::elements::describe::index as index_text;
-use crate::model::index::{Atom, Index, Loop};
+use crate::model::index::{Index, Loop};
 use crate::model::{Element, Slot};
 use crate::symbolic::{Expr, Graph, Rational};
 
@@ -12,7 +14,7 @@ const LETTERS: [&str; 6] = ["i", "j", "k", "l", "m", "n"];
 
 impl Space {
     /// Where loop variables of depth 0, 1, ... are `i`, `j`, ...
-    fn index(&self, index: &Index) -> String {
+    pub(crate) fn index(&self, index: &Index) -> String {
         let letter = |variable: u32| {
             let depth = variable.saturating_sub(self.first) as usize;
             LETTERS[depth.min(LETTERS.len() - 1)]
@@ -72,14 +74,11 @@ impl Space {
         parts.join(" + ")
     }
 
-    fn range(&self, known: &Loop) -> String {
-        let is_condition = known.start == Index::default()
-            && matches!(known.end.terms.as_slice(), [(Atom::Minimum(both), 1)]
-                if known.end.constant == 0 && (both.0 == Index::integer(1) || both.1 == Index::integer(1)));
-        if is_condition {
+    pub(super) fn range(&self, known: &Loop) -> String {
+        if is_condition(known) {
             return format!("(where {} > 0) ", self.index(&known.end));
         }
-        let last = known.end.shifted(-1).unwrap_or_default();
+        let last = known.end.shifted(-1).promised("ends of loops are integers");
         let letter = self.index(&super::variable(known.variable));
         format!("Σ_({letter}={}..{}) ", self.index(&known.start), self.index(&last))
     }

@@ -27,7 +27,8 @@ impl Space {
         let mut width = 1;
         for Weighted { element, increments } in sum {
             let form = Form { space: self, loops: &element.loops };
-            if element.loops.iter().filter(|known| form.length(known).is_none()).count() > 1 {
+            let is_long = |known: &&Loop| form.length(known).is_none() && !is_condition(known);
+            if element.loops.iter().filter(is_long).count() > 1 {
                 return None;
             }
             for known in element.loops.iter().filter(|known| form.length(known).is_none()) {
@@ -118,6 +119,24 @@ fn lifted(index: &Index, n: i128, stride: i128) -> Option<Index> {
     sum.plus(&size, times)?.shifted(rest)
 }
 
+/// Whether a loop runs at most once, as a condition.
+pub(super) fn is_condition(known: &Loop) -> bool {
+    let is_bounded_by_one = |end: &Index| match end.terms.as_slice() {
+        [(Atom::Minimum(both), 1)] if end.constant == 0 => has_one(both),
+        _ => false,
+    };
+    known.start == Index::default() && is_bounded_by_one(&known.end)
+}
+
+/// Whether one is 1, or bounded by it.
+fn has_one(both: &(Index, Index)) -> bool {
+    [&both.0, &both.1].into_iter().any(|part| match part.terms.as_slice() {
+        [] => part.constant == 1,
+        [(Atom::Minimum(inner), 1)] if part.constant == 0 => has_one(inner),
+        _ => false,
+    })
+}
+
 struct Form<'s> {
     space: &'s Space,
     loops: &'s [Loop],
@@ -136,7 +155,11 @@ impl Form<'_> {
         let own = self.space.size.terms.first().map(|(atom, _)| atom);
         match index.terms.as_slice() {
             [] => Some(index.constant.abs()),
-            [(atom, 1)] if Some(atom) == own => Some(index.constant.abs()),
+            [(atom, 1 | -1)] if Some(atom) == own => Some(index.constant.abs()),
+            // What an integer leaves when it is divided by a larger size.
+            [(Atom::Remainder(both), 1 | -1)] if both.1 == self.space.size => {
+                both.0.as_integer()?.checked_abs()?.checked_add(index.constant.abs())
+            }
             [(Atom::Minimum(both) | Atom::Maximum(both), 1)] => {
                 let inside = self.anchor(&both.0)?.max(self.anchor(&both.1)?);
                 inside.checked_add(index.constant.abs())

@@ -13,6 +13,7 @@ mod contract;
 mod display;
 mod instance;
 mod locality;
+mod slopes;
 mod solve;
 #[cfg(test)]
 mod tests;
@@ -25,6 +26,7 @@ use crate::model::{Element, Local, Slot};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 pub(crate) use contract::Increments;
+pub(crate) use slopes::Slope;
 
 /// Loop variables of a sum that was made here are numbered by their depth.
 const DEEPEST: u32 = 1 << 10;

@@ -9,11 +9,13 @@
 //! | `v + x = 0` with a loop variable `v` | `v = -x`; the range of `v` is then a condition |
 //! | `a mod n = b mod n` with `-n < a - b < n` | `a = b` |
 //! | `(v + a) mod n = b` with `v` in `0..n` and `0 <= b < n` | `v = (b - a) mod n` |
+//! | `(b + c) mod n = b` with `0 <= b < n` | true where `n` divides `c`, else never |
 //!
 //! A condition that is not known to hold restricts a loop. What is left undecided (two entries of tables) is a loop that
 //! runs once where it holds and not at all where it does not.
 
 use super::{Space, variable};
+use crate::diagnostics::internal::Promised;
 use crate::model::index::{Atom, Index, Loop};
 
 /// The loops of two elements where their slots meet.
@@ -238,6 +240,11 @@ impl Solver<'_> {
                 let atom = Index::atom(Atom::Remainder(Box::new((inner.clone(), modulus.clone()))));
                 let rest = difference.plus(&atom, -coefficient)?;
                 let target = Index::default().plus(&rest, -coefficient)?;
+                if let Some(distance) =
+                    inner.subtract(&target)?.as_integer().filter(|distance| *distance != 0)
+                {
+                    return self.close_ring(distance, &target, wrapped);
+                }
                 let own = self.loops.iter().find(|own| {
                     inner.slope(own.variable) == Some(1)
                         && own.start == Index::default()
@@ -261,6 +268,26 @@ impl Solver<'_> {
             }
             _ => Some(false),
         }
+    }
+
+    /// `(b + c) mod n = b` with `0 <= b < n`: only where `n` is a divisor of `c`, which the size decides.
+    fn close_ring(
+        &mut self,
+        distance: i128,
+        target: &Index,
+        (inner, modulus): &(Index, Index),
+    ) -> Option<bool> {
+        let in_range = self.is_nonnegative(target) && self.is_positive(&modulus.subtract(target)?);
+        if !in_range || !self.is_nonnegative(inner) {
+            return Some(false);
+        }
+        let turns = Index::integer(distance.abs()).remainder(modulus)?;
+        match simplified(self.space, &turns, &self.loops)?.as_integer() {
+            Some(0) => {}
+            Some(_) => self.push_guard(Index::default()),
+            None => self.guard(&turns)?,
+        }
+        Some(true)
     }
 
     /// A loop that runs once where the index is 0, and else not at all.
@@ -339,8 +366,9 @@ fn in_order(mut loops: Vec<Loop>) -> Vec<Loop> {
             read.extend(own.end.loops());
             !loops.iter().any(|other| read.contains(&other.variable))
         };
-        // Ranges of loops read outer ones only, and solutions never read what depends on them: there is a free one.
-        let at = loops.iter().position(is_free).unwrap_or(0);
+        let at = loops.iter().position(is_free);
+        let at = at
+            .promised("ranges of loops read outer ones only, and solutions never read what depends on them");
         ordered.push(loops.remove(at));
     }
     ordered

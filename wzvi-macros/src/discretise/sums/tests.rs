@@ -133,6 +133,22 @@ fn site_maps_that_never_share_a_site() {
 }
 
 #[test]
+fn families_beside_one_another_and_beside_single_noises() {
+    let even = "[|q, p, k| sigma * q[2 * k] * p[2 * k]; $h]";
+    let odd = "[|q, p, k| 0.5 * (q[2 * k + 1].powi(2) + p[2 * k + 1].powi(2)); $h]";
+    let expected = Expected {
+        noise: Multiplicative,
+        consistent: Is::Refuted,
+        energy: Is::Refuted,
+        commuting: Is::Proven,
+    };
+    check("f64", 2, OSCILLATORS, &format!("{even}, {odd}"), &expected);
+    // {q_0 p_0, q_0} is not constant.
+    let expected = Expected { commuting: Is::Refuted, ..expected };
+    check("f64", 2, OSCILLATORS, &format!("{even}, {odd}, |q, p| q[0]"), &expected);
+}
+
+#[test]
 fn neighbours_that_do_not_commute() {
     // H_k = p_k q_(k+1): D = 0 and {H_k, H_(k+1)} = p_k q_(k+2).
     for (state, n) in sizes("f64", 3) {
@@ -237,9 +253,40 @@ fn bonds_of_a_table_keep_the_total_momentum() {
 }
 
 #[test]
+fn what_fails_at_a_small_size_only_is_refuted_where_the_size_is_free() {
+    // D = Σ_k [k = k + 1 mod n] q_k p_k is not constant for one site only.
+    let ring = "|q, p, k| p[k] * q[(k + 1) % q.len()]; $n";
+    for (state, n) in sizes("f64", 1) {
+        let attribute = at(
+            &format!("drift = |q: $q, p: $q| {OSCILLATORS}, noise = [{ring}], embedding = Midpoint"),
+            &state,
+            &n,
+        );
+        let (_, facts) = facts_of(&attribute);
+        let wanted = match n.as_str() {
+            "1" | "N" => Is::Refuted,
+            // The number of noises is another than that of points.
+            "self.sites" => Is::Unknown,
+            _ => Is::Proven,
+        };
+        assert_eq!(verdict(&facts.defect_is_constant), wanted, "{attribute}: {:?}", facts.defect_is_constant);
+    }
+}
+
+#[test]
+fn what_only_the_running_program_knows_is_unknown_or_refuted() {
+    // Two bonds may share a site.
+    let attribute = "drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>(), \
+        noise = [|q, p, k| q[bonds[k].0] * p[bonds[k].1]; self.bonds.len()], embedding = Midpoint";
+    let (_, facts) = facts_of(attribute);
+    assert_ne!(verdict(&facts.defect_is_constant), Is::Proven);
+    assert_ne!(verdict(&facts.commuting), Is::Proven);
+}
+
+#[test]
 fn the_defect_is_printed_in_indices() {
     let attribute = "drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>(), \
         noise = [|q, p, k| sigma * q[k] * p[k]; self.sites], embedding = Midpoint";
     let (mut graph, facts) = facts_of(attribute);
-    assert_eq!(facts.defect(&mut graph, Rational::ZERO), "Σ_(i=0..self . sites - 1) [sigma² q[i] p[i]/2]");
+    assert_eq!(facts.defect(&mut graph, Rational::ZERO), "Σ_(i=0..sites - 1) [sigma² q[i] p[i]/2]");
 }

@@ -133,11 +133,21 @@ impl Space {
                 false => format!("it cancels at {} points, but no proof covers every size", tried.join(", ")),
             })
         };
+        if !tried.is_empty() && sum.iter().all(is_the_same_at_all_sizes) {
+            return Knowledge::Proven;
+        }
         let Some(first) = self.deciding_size(sum) else { return unknown() };
         for size in 1..=first + 1 {
             match self.instance(graph, sum, (size, Numbers::Free), increments, question) {
-                Written::Tested(ZeroTest::Zero) | Written::OutOfRange if size < first => {}
                 Written::Tested(ZeroTest::Zero) => {}
+                Written::OutOfRange if size < first => {}
+                // Few points are a ring that meets itself: a witness, if it is none of free numbers.
+                Written::Tested(ZeroTest::Nonzero(_)) => {
+                    return match self.instance(graph, sum, (size, Numbers::Known), increments, question) {
+                        Written::Tested(ZeroTest::Nonzero(witness)) => Knowledge::Refuted(witness),
+                        _ => unknown(),
+                    };
+                }
                 _ => return unknown(),
             }
         }
@@ -223,6 +233,14 @@ enum Written {
     Tested(ZeroTest),
     OutOfRange,
     TooLarge,
+}
+
+/// Whether no index of it reads a size or a table.
+fn is_the_same_at_all_sizes(weighted: &Weighted) -> bool {
+    let Weighted { element, increments } = weighted;
+    let of_loops = element.loops.iter().flat_map(|known| [&known.start, &known.end]);
+    let of_slots = element.locals.iter().flat_map(|local| local.slot.indices());
+    of_loops.chain(of_slots).chain(increments).all(Index::is_closed)
 }
 
 fn test_element(graph: &mut Graph, element: &Element, question: Question) -> ZeroTest {

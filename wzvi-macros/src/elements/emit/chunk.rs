@@ -9,6 +9,7 @@ use quote::{format_ident, quote};
 
 use super::indices::{Indices, variable};
 use super::kernel::Target;
+use crate::diagnostics::internal::Promised;
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::{Element, Local, Slot};
 use crate::symbolic::Expr;
@@ -399,7 +400,7 @@ fn zero() -> TokenStream {
 fn slot_index(slot: &Slot) -> Index {
     match slot {
         Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Number(index) => index.clone(),
-        Slot::Entry(_, indices) => indices.first().cloned().unwrap_or_default(),
+        Slot::Entry(_, indices) => indices.first().cloned().promised("entries of tables have an index"),
     }
 }
 

@@ -17,6 +17,7 @@ pub(super) struct Road {
     pub(super) items: TokenStream,
     pub(super) plan: TokenStream,
     pub(super) unknowns: Unknowns,
+    pub(super) is_linear: bool,
     /// `Prepared`, `Memory` and what works on them.
     pub(super) step: TokenStream,
     /// The body of `step_momentum`.
@@ -31,7 +32,7 @@ pub(super) fn emit(
     road: &Road,
     text: &str,
 ) -> TokenStream {
-    let Road { items, plan, unknowns, step, momentum } = road;
+    let Road { items, plan, unknowns, is_linear, step, momentum } = road;
     let scheme = embedding_type(embedding, &quote!(__wzvi));
     let (drift_l, noise_l) = embedding.quadrature();
     let (drift_l, noise_l) = (drift_l.to_f64(), noise_l.to_f64());
@@ -55,6 +56,7 @@ pub(super) fn emit(
                 counter: #counter,
                 unknowns: #elements::Unknowns::#unknowns,
                 remembers: #remembers,
+                is_linear: #is_linear,
                 has_noise: #has_noise,
             };
 
@@ -103,7 +105,13 @@ pub(super) fn emit(
 }
 
 /// All sites at once, in loops.
-pub(super) fn sweep(model: &System, facts: &Facts, embedding: &Embedding, unknowns: Unknowns) -> Road {
+pub(super) fn sweep(
+    model: &System,
+    facts: &Facts,
+    embedding: &Embedding,
+    unknowns: Unknowns,
+    is_linear: bool,
+) -> Road {
     let nan_checks = model.parameters.iter().map(|parameter| &parameter.tokens);
     let f64 = f64_type();
     let elements = quote!(__wzvi::elements);
@@ -166,15 +174,26 @@ pub(super) fn sweep(model: &System, facts: &Facts, embedding: &Embedding, unknow
     };
     Road {
         items: TokenStream::new(),
-        plan: plan(model, facts, embedding, unknowns),
+        plan: plan(model, facts, embedding, unknowns, is_linear),
         unknowns,
+        is_linear,
         step,
         momentum: quote!(#elements::step_momentum(self, &__SCHEME, __before, __h, __dw)),
     }
 }
 
-fn plan(model: &System, facts: &Facts, embedding: &Embedding, chosen: Unknowns) -> TokenStream {
-    let solver = if chosen == Unknowns::None { quote!(Explicit) } else { quote!(Newton) };
+fn plan(
+    model: &System,
+    facts: &Facts,
+    embedding: &Embedding,
+    chosen: Unknowns,
+    is_linear: bool,
+) -> TokenStream {
+    let solver = match chosen {
+        Unknowns::None => quote!(Explicit),
+        _ if is_linear => quote!(Linear),
+        _ => quote!(Newton),
+    };
     let per_degree: usize = match chosen {
         Unknowns::None => 0,
         Unknowns::Momenta => 1,

@@ -2,6 +2,7 @@
 
 use super::indices::{Indices, variable};
 use super::{Wanted, degrees, element_code, noise_count, parameters, sizes, vector_type};
+use crate::diagnostics::internal::Promised;
 use crate::emit::{f64_type, parameter};
 use crate::model::index::Index;
 use crate::model::{Element, Family, Noise, System, Term};
@@ -174,7 +175,7 @@ fn noise_arm(model: &mut System, noise: &Noise, offset: &Index, wanted: Wanted) 
         return quote!(#pattern => { #body });
     };
     let name = variable(*id);
-    let last = indices.value(&offset.add(count).unwrap_or_default());
+    let last = indices.value(&offset.add(count).promised("numbers of noises are integers"));
     // The member is given: its loop goes once.
     let mut elements = elements_of(&noise.term, wanted);
     elements.iter_mut().for_each(|element| drop(element.loops.remove(0)));

@@ -45,7 +45,10 @@ impl Indices<'_> {
     /// The index as a `usize`.
     pub(crate) fn position(&self, index: &Index) -> TokenStream {
         if let Some(known) = index.as_integer().and_then(|known| usize::try_from(known).ok()) {
-            let known = Literal::usize_unsuffixed(known);
+            let known = match self.checked {
+                true => Literal::usize_suffixed(known),
+                false => Literal::usize_unsuffixed(known),
+            };
             return quote!(#known);
         }
         let value = self.value(index);

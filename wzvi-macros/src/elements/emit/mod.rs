@@ -15,6 +15,7 @@ use quote::{format_ident, quote};
 use self::combine::Combined;
 pub(crate) use self::indices::Indices;
 use self::kernel::{Context, Target};
+use crate::diagnostics::internal::Promised;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::sums::Weighted;
@@ -39,7 +40,9 @@ pub(crate) fn emit(
     for ((embedding, strategy), text) in schemes.iter().zip(equations) {
         let road = match strategy {
             Strategy::Sites(site, scheme) => sites::emit(model, facts, site, scheme),
-            Strategy::Sweep(unknowns) => discretized::sweep(model, facts, embedding, *unknowns),
+            Strategy::Sweep { unknowns, is_linear } => {
+                discretized::sweep(model, facts, embedding, *unknowns, *is_linear)
+            }
         };
         generated.extend(discretized::emit(model, facts, embedding, &road, text));
     }
@@ -94,7 +97,7 @@ fn degrees(model: &System) -> TokenStream {
 }
 
 fn noise_count(model: &System) -> TokenStream {
-    let count = model.noise_offsets().pop().unwrap_or_default();
+    let count = model.noise_offsets().pop().promised("the last offset is the number of noises");
     match count.as_integer().and_then(|count| usize::try_from(count).ok()) {
         Some(count) => quote!(#count),
         None => {
@@ -211,7 +214,9 @@ fn noise_elements(model: &System) -> Vec<(Element, TokenStream)> {
     let weigh = |(noise, offset): (&Noise, Index)| {
         // Where the family is the innermost loop, its increments are an input like any other.
         let number = match &noise.family {
-            Some(family) => offset.add(&Index::atom(Atom::Loop(family.variable))).unwrap_or_default(),
+            Some(family) => offset
+                .add(&Index::atom(Atom::Loop(family.variable)))
+                .promised("numbers of noises are integers"),
             None => offset,
         };
         let position = match number.as_integer().and_then(|number| usize::try_from(number).ok()) {

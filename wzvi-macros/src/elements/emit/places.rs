@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
+use crate::diagnostics::internal::Promised;
 use crate::elements::describe;
 use crate::model::index::{Atom, Bounds, Index, Loop};
 use crate::model::{Element, Slot, System, Table, Term};
@@ -28,7 +29,7 @@ pub(super) fn emit(system: &System) -> TokenStream {
     let tables = system.tables.iter().enumerate().map(|(id, table)| {
         let is_read = places.arms.keys().any(|(known, _)| *known == id);
         let (name, suffix) = if is_read { names(table) } else { Default::default() };
-        quote!(__places::Table { name: #name, suffix: #suffix },)
+        quote!(__places::Name { name: #name, suffix: #suffix },)
     });
     let arms = places.arms.values();
     let usize = quote!(__wzvi::core::primitive::usize);
@@ -72,7 +73,8 @@ impl Places<'_> {
         let is_unsigned = |table: u32| self.system.tables.get(table as usize).is_some_and(|t| t.is_unsigned);
         let bounds = Bounds { loops: &element.loops, is_unsigned: &is_unsigned };
         let sizes = Sizes { system: self.system, loops: &element.loops };
-        let total = self.system.size.multiply(&Index::integer(self.system.components)).unwrap_or_default();
+        let total =
+            self.system.size.multiply(&Index::integer(self.system.components)).promised("sizes are integers");
         let is_proven = |slot: &Slot| match slot {
             Slot::Coordinate(index) | Slot::Momentum(index) => {
                 sizes.is_integer(index) && is_within(&bounds, index, &total)
@@ -127,7 +129,7 @@ impl Places<'_> {
             .collect();
         let (constant, text) =
             (Literal::i128_unsuffixed(index.constant), describe::index_in(self.system, element, index));
-        quote!(__places::Index { terms: &[#terms], constant: #constant, text: #text })
+        quote!(__places::Index { terms: &[#terms], constant: #constant, name: __places::Name { name: #text, suffix: "" } })
     }
 
     fn atom(&mut self, atom: &Atom, element: &Element) -> TokenStream {

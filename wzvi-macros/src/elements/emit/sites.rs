@@ -155,5 +155,12 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
         Some(factors) => quote!(#sites::step_momentum(&__before.p, &__after.p, [#(#factors),*])),
         None => quote!(__wzvi::elements::step_momentum(self, &__SCHEME, __before, __h, __dw)),
     };
-    Road { items, plan: step::plan(facts, scheme), unknowns: Unknowns::Both, step, momentum }
+    Road {
+        items,
+        plan: step::plan(facts, scheme),
+        unknowns: Unknowns::Both,
+        is_linear: false,
+        step,
+        momentum,
+    }
 }

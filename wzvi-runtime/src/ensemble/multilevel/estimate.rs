@@ -27,10 +27,21 @@ impl Samples {
         self.difference.count()
     }
 
-    /// Of the difference.
-    pub(super) fn variance(&self) -> f64 {
-        self.difference.variance()
+    /// Whether the observable is the same number on all paths.
+    pub(super) fn is_constant(&self) -> bool {
+        self.fine.is_constant()
     }
+}
+
+/// Upper estimates of the variances of the differences, level by level. Where all differences of a level are equal, one that has not been
+/// seen may be as large as values differ on any level.
+pub(super) fn variance_bounds(samples: &[Samples]) -> Vec<f64> {
+    let width = samples.iter().map(|samples| samples.fine.width()).fold(0.0, f64::max);
+    let bound = |samples: &Samples| {
+        let unseen = if samples.difference.is_constant() { width } else { 0.0 };
+        samples.difference.variance_bound(unseen)
+    };
+    samples.iter().map(bound).collect()
 }
 
 /// The bias that is left, as far as the last three differences show: a remainder of `m / (2^α - 1)` after a difference `m`,
@@ -126,7 +137,10 @@ impl Level {
 pub struct MultilevelEstimate {
     levels: Vec<Level>,
     bias: f64,
+    /// Upper estimate of the standard error.
+    error_bound: f64,
     is_partial: bool,
+    is_constant: bool,
     met_target: bool,
 }
 
@@ -135,13 +149,16 @@ impl MultilevelEstimate {
         levels: Vec<Level>,
         order: f64,
         is_partial: bool,
+        is_constant: bool,
         met: impl Fn(f64, f64) -> bool,
     ) -> Self {
         let samples: Vec<Samples> = levels.iter().map(|level| level.samples).collect();
         let bias = bias(&samples, order);
-        let mut estimate = Self { levels, bias, is_partial, met_target: false };
-        estimate.met_target = met(estimate.standard_error(), bias);
-        estimate
+        let bounds = variance_bounds(&samples);
+        let squares = bounds.iter().zip(&samples).map(|(bound, samples)| bound / samples.count() as f64);
+        let error_bound = squares.sum::<f64>().sqrt();
+        let met_target = met(error_bound, bias);
+        Self { levels, bias, error_bound, is_partial, is_constant, met_target }
     }
 
     /// The mean: the sum of those of all levels; NaN if there is none.
@@ -153,6 +170,18 @@ impl MultilevelEstimate {
     pub fn standard_error(&self) -> f64 {
         let square = |level: &Level| level.variance() / level.paths() as f64;
         if self.levels.is_empty() { f64::NAN } else { self.levels.iter().map(square).sum::<f64>().sqrt() }
+    }
+
+    /// An upper estimate of it, which allows for what may be too rare to have been seen on enough paths: as
+    /// [`Node::error_bound`](super::super::Node::error_bound), and where all differences of a level are equal, for one as large as the range of the
+    /// observable. This one is what the target is compared with.
+    pub fn error_bound(&self) -> f64 {
+        if self.levels.is_empty() { f64::NAN } else { self.error_bound }
+    }
+
+    /// Whether the observable is the same number on all paths: then nothing is known of its error, and the target is not met.
+    pub fn is_constant(&self) -> bool {
+        self.is_constant
     }
 
     /// About how far the mean of the finest step size is from its limit, in absolute value, from the last three levels and the
@@ -224,6 +253,8 @@ impl fmt::Display for MultilevelEstimate {
         write!(f, "mean {} ± {:.1e}, bias {:.1e} or less", self.mean(), self.standard_error(), self.bias())?;
         if self.is_partial {
             write!(f, " (partial)")?;
+        } else if self.is_constant {
+            write!(f, " (the same on all paths)")?;
         } else if !self.met_target {
             write!(f, " (target not met)")?;
         }

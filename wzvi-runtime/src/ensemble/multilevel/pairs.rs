@@ -2,9 +2,10 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use super::super::block::{Group, LOOK};
 use super::super::dispatch::Kernel;
+use super::super::group::Group;
 use super::super::job::{Job, Observable};
+use super::super::pace::Pace;
 use super::estimate::{LevelError, LevelFailure, Samples};
 use crate::lanes::Lanes;
 use crate::scalar::Scalar;
@@ -42,6 +43,7 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
         let mut fine = Group::<H, E, L>::new(self.fine);
         let mut coarse = self.coarse.map(Group::<H, E, L>::new);
         let mut sums = vec![Lanes::from_f64(0.0); self.fine.system.noises()];
+        let mut pace = Pace::new(self.fine.stop);
         let size = block_size(self.fine.level);
         let (mut path, end) = (self.number * size, (self.number + 1) * size);
         while path < end {
@@ -50,7 +52,7 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
                 coarse.begin(path, end);
             }
             for step in 0..self.fine.steps {
-                if step % LOOK == 0 && self.fine.is_stopped() {
+                if pace.is_stopped() {
                     return Ok(None);
                 }
                 for (process, sum) in sums.iter_mut().enumerate() {
@@ -97,15 +99,16 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
             if !fine.is_path(lane) {
                 continue;
             }
-            let value = |group: &mut Group<'_, '_, H, E, L>, h: f64| {
-                let value = (self.observable)(group.look(lane));
+            let value = |group: &mut Group<'_, '_, H, E, L>, Job { h, steps, .. }: &Job<'_, H, E>| {
+                let value = (self.observable)(group.state_after(lane, *steps));
+                let h = *h;
                 let cause = LevelFailure::NonFinite(value);
                 let path = first + lane as u64;
                 if value.is_finite() { Ok(value) } else { Err(LevelError { level, path, h, cause }) }
             };
-            let end = value(fine, self.fine.h)?;
+            let end = value(fine, self.fine)?;
             let difference = match (&mut coarse, self.coarse) {
-                (Some(coarse), Some(job)) => end - value(coarse, job.h)?,
+                (Some(coarse), Some(job)) => end - value(coarse, job)?,
                 _ => end,
             };
             samples.push(end, difference);

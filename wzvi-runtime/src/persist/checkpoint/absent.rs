@@ -18,6 +18,11 @@ pub(crate) struct Keeping(());
 pub(crate) struct Keeper;
 
 impl Keeping {
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn is_set(&self) -> bool {
+        false
+    }
+
     #[inline(always)]
     pub(crate) fn open<H: Discretized<E>, E, C: Carry<f64>, N>(
         self,

@@ -4,6 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::error::InternalError;
 use crate::persist::FileError;
 
 /// A checkpoint that could not be written, or cannot be gone on from. No file was changed.
@@ -79,6 +80,8 @@ pub enum CheckpointError {
     },
     /// The source of the increments does not say what it is.
     Noise,
+    /// A mistake of the library. Nothing was written.
+    Internal(InternalError),
 }
 
 /// What happened to a file.
@@ -183,6 +186,7 @@ impl fmt::Display for CheckpointError {
                 "{} was changed or removed while the run went on; let only one run at a time use it",
                 path.display()
             ),
+            Self::Internal(error) => error.fmt(f),
             Self::Noise => f.write_str(
                 "the source of the increments does not say what it is, so that a checkpoint cannot tell whether it \
                  is the same one; implement `Noise::identity` for it",

@@ -12,6 +12,7 @@ use crate::retry::Retry;
 use crate::state::{State, Vector};
 use crate::step::Stepper;
 use crate::system::{Discretized, Hamiltonian};
+use crate::trajectory::Recording;
 
 /// Names and values.
 pub(super) type Fields = Vec<(String, String)>;
@@ -20,14 +21,17 @@ pub(super) type Fields = Vec<(String, String)>;
 pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
     stepper: &Stepper<'_, H, E, C>,
     degrees: usize,
-    every: u64,
+    recording: &Recording,
     retry: Retry,
     noise: Fields,
 ) -> Fields {
     let system = stepper.system();
     let mut fields = scheme::<H, E>(system, degrees, stepper.step_size());
     let mut set = |name: &str, value: String| fields.push((name.to_owned(), value));
-    set("record_every", every.to_string());
+    set("record_every", recording.every.to_string());
+    if !recording.chosen.is_empty() {
+        set("record_at (checksum of the steps)", checksum(recording.chosen.iter().copied()));
+    }
     set("the halvings allowed", retry.most().to_string());
     set("compensated summation", stepper.is_compensated().to_string());
     fields.extend(parameters(system));
@@ -97,7 +101,6 @@ pub(super) fn forces<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> St
 }
 
 /// The checksum of several words.
-#[cfg(feature = "ensemble")]
 pub(super) fn checksum(words: impl IntoIterator<Item = u64>) -> String {
     let mut checksum = Checksum::default();
     words.into_iter().for_each(|word| checksum.add(&word.to_le_bytes()));

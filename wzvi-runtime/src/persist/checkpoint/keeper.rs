@@ -58,7 +58,7 @@ impl Keeping {
         let own = Own::new(&checkpoint.path)?;
         let mut keep = Keep {
             due: Due::new(checkpoint.steps, checkpoint.interval, 0, steps),
-            settings: identity::settings(stepper, degrees, recorder.every(), retry, noise),
+            settings: identity::settings(stepper, degrees, recorder.recording(), retry, noise),
             derived: identity::derived(stepper.system(), stepper.prepared(), state),
             start: format::words(Tape::write(|tape| identity::pass_state(state, tape))),
             nodes: Nodes::new(own.path(), degrees, stepper.system().noises()),
@@ -67,7 +67,7 @@ impl Keeping {
         let first = match keep.own.read()? {
             Some(saved) => keep.restore(saved, steps, stepper, state, recorder, path)?,
             None => {
-                keep.check_alone(recorder.every())?;
+                keep.check_alone(recorder.recording().adds())?;
                 keep.save(stepper, state, recorder, path, 0)?;
                 0
             }
@@ -117,9 +117,9 @@ impl Keeper {
 
 impl Keep {
     /// Nodes without a checkpoint are someone's: this run writes its first checkpoint before its first node.
-    fn check_alone(&self, every: u64) -> Result<(), CheckpointError> {
+    fn check_alone(&self, records: bool) -> Result<(), CheckpointError> {
         let nodes = self.nodes.path();
-        let is_there = every > 0 && nodes.try_exists().map_err(CheckpointError::file(nodes, "read"))?;
+        let is_there = records && nodes.try_exists().map_err(CheckpointError::file(nodes, "read"))?;
         match is_there {
             true => {
                 Err(CheckpointError::Orphan { nodes: nodes.to_owned(), path: self.own.path().to_owned() })
@@ -143,7 +143,7 @@ impl Keep {
         if step > steps {
             return Err(CheckpointError::Beyond { path: self.own.path().to_owned(), step, steps });
         }
-        let expected = step.checked_div(recorder.every()).unwrap_or(0);
+        let expected = recorder.recording().nodes(step);
         let parts = (saved.nodes == expected)
             .then_some(())
             .and_then(|()| Tape::read(format::bits(&saved.state), |tape| identity::pass_state(state, tape)))

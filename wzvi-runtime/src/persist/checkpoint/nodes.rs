@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::{CheckpointError, Damage};
 use crate::checksum::Checksum;
+use crate::error::InternalError;
 use crate::persist::file::{self, flush_folder, with_ending};
 use crate::state::{State, Vector};
 use crate::trajectory::{Kept, Recorder};
@@ -89,15 +90,12 @@ impl Nodes {
         for _ in 0..count {
             file.read_exact(&mut row).map_err(failed())?;
             self.checksum.add(&row);
-            let mut numbers =
-                row.chunks_exact(WORD).map(|word| f64::from_le_bytes(word.try_into().unwrap_or_default()));
-            let mut state = State {
-                q: V::zeros(self.degrees),
-                p: V::zeros(self.degrees),
-                t: numbers.next().unwrap_or_default(),
-            };
-            for vector in [&mut state.q, &mut state.p] {
-                vector.components_mut().iter_mut().zip(&mut numbers).for_each(|(x, number)| *x = number);
+            let (words, _) = row.as_chunks::<WORD>();
+            let mut numbers = words.iter().map(|word| f64::from_le_bytes(*word));
+            let mut state = State { q: V::zeros(self.degrees), p: V::zeros(self.degrees), t: 0.0 };
+            let components = state.q.components_mut().iter_mut().chain(state.p.components_mut());
+            for (number, from) in [&mut state.t].into_iter().chain(components).zip(&mut numbers) {
+                *number = from;
             }
             states.push(state);
             increments.extend(numbers);
@@ -112,6 +110,12 @@ impl Nodes {
         if states.is_empty() {
             return Ok(());
         }
+        if increments.len() != states.len() * self.processes {
+            let found =
+                format!("{} states, {} increments of {}", states.len(), increments.len(), self.processes);
+            let error = InternalError::new("each recorded node has its increments", found);
+            return Err(CheckpointError::Internal(error));
+        }
         let mut file = match self.file.take() {
             Some(file) => file,
             None => self.open()?,
@@ -120,7 +124,7 @@ impl Nodes {
         let mut write = || {
             let mut buffer = Vec::with_capacity(PIECE.max(self.row));
             for (i, state) in states.iter().enumerate() {
-                let dw = increments.get(i * self.processes..(i + 1) * self.processes).unwrap_or(&[]);
+                let dw = &increments[i * self.processes..(i + 1) * self.processes];
                 let numbers =
                     [&state.t].into_iter().chain(state.q.components()).chain(state.p.components()).chain(dw);
                 if buffer.len() + self.row > PIECE {

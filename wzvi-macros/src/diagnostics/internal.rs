@@ -1,0 +1,75 @@
+//! Promises that the compiler makes to itself. One that it does not keep is an error of the expansion, with where and what, and never a
+//! number that was made up.
+
+use std::cell::RefCell;
+use std::panic::Location;
+
+thread_local! {
+    /// What was broken since it was last asked for. An expansion is on one thread.
+    static BROKEN: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
+}
+
+/// What cannot be absent.
+pub(crate) trait Promised {
+    /// What is there.
+    type Value;
+
+    /// What is there, because of `reason`. Where it is not, something of its type, and an error at the end of the expansion.
+    fn promised(self, reason: &str) -> Self::Value;
+}
+
+impl<T: Default> Promised for Option<T> {
+    type Value = T;
+
+    #[track_caller]
+    fn promised(self, reason: &str) -> T {
+        match self {
+            Some(value) => value,
+            None => {
+                broken(reason);
+                T::default()
+            }
+        }
+    }
+}
+
+/// Notes that `reason` does not hold.
+#[track_caller]
+pub(crate) fn broken(reason: &str) {
+    let place = Location::caller();
+    BROKEN.with_borrow_mut(|broken| broken.push(format!("{}:{}: {reason}", place.file(), place.line())));
+}
+
+/// What was broken since the last call, as an error.
+pub(crate) fn error() -> Option<syn::Error> {
+    let broken = BROKEN.take();
+    (!broken.is_empty()).then(|| {
+        let message = format!(
+            "this is a mistake of wzvi {}, not of yours; please report it with this struct: it relies on something that does not \
+             hold ({})",
+            env!("CARGO_PKG_VERSION"),
+            broken.join("; ")
+        );
+        syn::Error::new(proc_macro2::Span::call_site(), message)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::symbolic::Rational;
+
+    #[test]
+    fn what_is_absent_is_an_error_once() {
+        assert!(error().is_none());
+        assert_eq!(Some(Rational::HALF).promised("it is there"), Rational::HALF);
+        assert!(error().is_none());
+        assert_eq!(None::<Rational>.promised("halves are small"), Rational::ZERO);
+        broken("loops are closed");
+        let text = error().map(|error| error.to_string()).unwrap_or_default();
+        for part in ["please report", "internal.rs:", "halves are small", "loops are closed"] {
+            assert!(text.contains(part), "{text}");
+        }
+        assert!(error().is_none());
+    }
+}

@@ -1,0 +1,76 @@
+//! What can be wrong with a question to an ensemble, and with its answer.
+
+use std::fmt;
+
+use super::statistics::{PathFailure, Statistics};
+use crate::error::UnknownName;
+
+/// A question that the statistics of an ensemble cannot answer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum StatisticsError {
+    /// Nothing has this name.
+    Unknown(UnknownName),
+    /// The run was not asked to find it out.
+    NotComputed {
+        /// What was asked for.
+        what: &'static str,
+        /// What the run needs for it.
+        remedy: &'static str,
+    },
+}
+
+impl fmt::Display for StatisticsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown(error) => error.fmt(f),
+            Self::NotComputed { what, remedy } => write!(f, "the run has no {what}: add `{remedy}` to it"),
+        }
+    }
+}
+
+impl std::error::Error for StatisticsError {}
+
+/// More paths failed than the run allows ([`Ensemble::allow_losses`](super::Ensemble::allow_losses)): the means are those of the others, and
+/// nothing says how far the lost ones would have moved them.
+#[derive(Clone, PartialEq)]
+pub struct LossError {
+    /// Paths that failed.
+    pub failed: u64,
+    /// Paths in all.
+    pub begun: u64,
+    /// The fraction that is allowed.
+    pub allowed: f64,
+    /// The first that failed.
+    pub first: PathFailure,
+    /// What is known of the others.
+    pub statistics: Box<Statistics>,
+}
+
+/// Without the statistics, which are long.
+impl fmt::Debug for LossError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { failed, begun, allowed, first, statistics: _ } = self;
+        let mut fields = f.debug_struct("LossError");
+        fields.field("failed", failed).field("begun", begun).field("allowed", allowed).field("first", first);
+        fields.finish_non_exhaustive()
+    }
+}
+
+impl fmt::Display for LossError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { failed, begun, allowed, first, .. } = self;
+        write!(
+            f,
+            "{failed} of {begun} paths failed, more than the fraction of {allowed} that is allowed, and are missing in the means; the first, \
+             path {}: {}. Halve steps that fail with `.retry(Retry::halving(n))`, take a smaller step, or add `.allow_losses(fraction)`",
+            first.path, first.error
+        )
+    }
+}
+
+impl std::error::Error for LossError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        Some(&self.first.error)
+    }
+}

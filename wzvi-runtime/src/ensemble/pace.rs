@@ -1,0 +1,76 @@
+//! How often a run asks whether it was stopped.
+
+use std::time::Duration;
+
+use super::job::Stop;
+use crate::clock::{self, Moment};
+
+/// About how long a run works between two questions: a tenth of what a person notices.
+const WANTED: Duration = Duration::from_millis(10);
+/// Pieces of work between two questions, at most: one question a step would cost as much as a short step.
+const MOST: u32 = 1024;
+
+/// Asks now and then, more often where a piece of work (a step of some paths, the observables of one) takes longer.
+pub(super) struct Pace<'s> {
+    stop: Stop<'s>,
+    left: u32,
+    between: u32,
+    asked: Option<Moment>,
+}
+
+impl<'s> Pace<'s> {
+    pub(super) fn new(stop: Stop<'s>) -> Self {
+        Self { stop, left: 1, between: 1, asked: None }
+    }
+
+    /// Before each piece of work: whether to stop.
+    #[inline(always)]
+    pub(super) fn is_stopped(&mut self) -> bool {
+        self.left -= 1;
+        self.left == 0 && self.ask()
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn ask(&mut self) -> bool {
+        let now = clock::now();
+        if let (Some(now), Some(asked)) = (&now, &self.asked) {
+            let ratio = WANTED.as_secs_f64() / clock::between(asked, now).as_secs_f64().max(1e-9);
+            // At most twice as many at once: what comes may be slower.
+            self.between = ((f64::from(self.between) * ratio.min(2.0)) as u32).clamp(1, MOST);
+        }
+        self.asked = now;
+        self.left = self.between;
+        (self.stop)()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicU32, Ordering};
+    use std::thread::sleep;
+
+    use super::*;
+
+    #[test]
+    fn slow_work_asks_often_and_fast_work_seldom() {
+        let asked = AtomicU32::new(0);
+        let stop = || {
+            asked.fetch_add(1, Ordering::Relaxed);
+            false
+        };
+        let mut pace = Pace::new(&stop);
+        for _ in 0..1_000_000 {
+            assert!(!pace.is_stopped());
+        }
+        let fast = asked.swap(0, Ordering::Relaxed);
+        assert!(fast < 50_000, "{fast}");
+        let mut pace = Pace::new(&stop);
+        for _ in 0..10 {
+            sleep(Duration::from_millis(12));
+            pace.is_stopped();
+        }
+        // The second question may come after two pieces of work, the others after each.
+        assert!(asked.into_inner() >= 9);
+    }
+}

@@ -1,0 +1,134 @@
+//! What drives the paths of an ensemble: the normals of its lanes, or any noise that has a path for each member.
+
+use crate::error::{ConfigError, Error};
+use crate::increments::{Identity, Interval, Noise};
+use crate::noise::{Paths, StepNormals, Truncation};
+use crate::plan::Plan;
+
+/// A noise that every thread can have a copy of.
+pub(super) trait Driver: Send + Sync {
+    fn copy(&self) -> Box<dyn Paths + '_>;
+    fn noise(&mut self) -> &mut dyn Noise;
+    fn identity(&self) -> Option<Identity>;
+}
+
+impl<N: Paths + Clone + Send + Sync> Driver for N {
+    fn copy(&self) -> Box<dyn Paths + '_> {
+        Box::new(self.clone())
+    }
+
+    fn noise(&mut self) -> &mut dyn Noise {
+        self
+    }
+
+    fn identity(&self) -> Option<Identity> {
+        Noise::identity(self)
+    }
+}
+
+/// Where the increments of an ensemble come from.
+pub(super) enum Source<'a> {
+    /// Drawn in lanes.
+    Normals(StepNormals),
+    /// Asked for path by path.
+    Paths(Box<dyn Driver + 'a>),
+}
+
+impl<'a> Source<'a> {
+    pub(super) fn new(noise: impl Paths + Clone + Send + Sync + 'a) -> Self {
+        match noise.step_normals() {
+            Some(normals) => Self::Normals(normals),
+            None => Self::Paths(Box::new(noise)),
+        }
+    }
+
+    /// With what the builder says of it, and ready for a run of so many steps from `start`.
+    pub(super) fn prepared(
+        self,
+        settings: Settings,
+        plan: &Plan,
+        first: Interval,
+        (processes, steps): (usize, u64),
+    ) -> Result<Self, Error> {
+        let Settings { truncation, is_antithetic } = settings;
+        let wrong = |what: &str| Err(ConfigError::Setting(what.to_owned()).into());
+        match self {
+            Self::Normals(mut normals) => {
+                normals = normals.with_truncation(truncation);
+                if is_antithetic {
+                    normals = normals.antithetic();
+                }
+                normals.prepare(plan, first.h, processes, first.start)?;
+                Ok(Self::Normals(normals))
+            }
+            Self::Paths(_) if is_antithetic => wrong(
+                "antithetic paths of a noise that is given: use `.seed(number)`, or leave `.antithetic()` out",
+            ),
+            Self::Paths(_) if truncation != Truncation::Unset => wrong(
+                "`.truncation(...)` of a noise that is given: truncate the noise itself, as in `Wiener::seed(7).truncated(4)`",
+            ),
+            Self::Paths(mut driver) => {
+                let noise = driver.noise();
+                noise.prepare(plan, first.h, processes, first.start)?;
+                // What ends too early says so before the run.
+                if let Some(step) = steps.checked_sub(1) {
+                    noise.increments(&Interval { step, ..first }, &mut vec![0.0; processes])?;
+                }
+                Ok(Self::Paths(driver))
+            }
+        }
+    }
+
+    /// The noise of one path, which drives a [`Simulation`](crate::simulate::Simulation) just so.
+    pub(super) fn path(&self, path: u64) -> Box<dyn Paths + '_> {
+        let mut noise: Box<dyn Paths + '_> = match self {
+            Self::Normals(normals) => Box::new(normals.clone()),
+            Self::Paths(driver) => driver.copy(),
+        };
+        noise.set_path(path);
+        noise
+    }
+
+    /// The normals, if lanes draw them.
+    pub(super) fn normals(&self) -> Option<&StepNormals> {
+        match self {
+            Self::Normals(normals) => Some(normals),
+            Self::Paths(_) => None,
+        }
+    }
+
+    pub(super) fn is_antithetic(&self) -> bool {
+        self.normals().is_some_and(StepNormals::is_antithetic)
+    }
+
+    /// Whether a step can be halved.
+    pub(super) fn is_path(&self) -> bool {
+        self.path(0).is_path()
+    }
+
+    /// The seed of the normals; 0 of other noises, which [`Source::in_words`] has.
+    pub(super) fn seed(&self) -> u64 {
+        self.normals().map_or(0, StepNormals::seed_number)
+    }
+
+    /// What it is, for people.
+    pub(super) fn in_words(&self) -> String {
+        self.identity().map_or_else(|| "given".to_owned(), |identity| identity.to_string())
+    }
+
+    /// What it is; `None` if it does not promise to be the same again.
+    pub(super) fn identity(&self) -> Option<Identity> {
+        match self {
+            // Of all paths, not of one.
+            Self::Normals(normals) => Noise::identity(normals),
+            Self::Paths(driver) => driver.identity(),
+        }
+    }
+}
+
+/// What a builder says of the noise.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Settings {
+    pub(super) truncation: Truncation,
+    pub(super) is_antithetic: bool,
+}

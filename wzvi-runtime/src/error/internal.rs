@@ -1,0 +1,32 @@
+//! What the library promises to itself.
+
+use std::fmt;
+
+/// A mistake of wzvi and not of its user: something that it relies on does not hold. Nothing was returned that depends on it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InternalError {
+    promise: &'static str,
+    data: String,
+}
+
+impl InternalError {
+    /// `promise` does not hold, as `data` shows.
+    #[cfg(any(feature = "serde", feature = "report"))]
+    pub(crate) fn new(promise: &'static str, data: impl fmt::Display) -> Self {
+        Self { promise, data: data.to_string() }
+    }
+}
+
+impl fmt::Display for InternalError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "this is a mistake of wzvi {}, not of yours; please report it: it does not hold that {} ({})",
+            env!("CARGO_PKG_VERSION"),
+            self.promise,
+            self.data
+        )
+    }
+}
+
+impl std::error::Error for InternalError {}
