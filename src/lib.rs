@@ -80,8 +80,18 @@ pub use wzvi_runtime::{
 #[cfg(feature = "ensemble")]
 pub use wzvi_runtime::{ensemble, lanes};
 
+#[cfg(not(all(feature = "report", feature = "serde")))]
+#[doc(hidden)]
+pub mod absent;
+
 /// Everything that a scene needs: `use wzvi::prelude::*`.
 pub mod prelude {
+    #[cfg(not(feature = "serde"))]
+    #[doc(hidden)]
+    pub use crate::absent::Checkpoint;
+    #[cfg(not(feature = "report"))]
+    #[doc(hidden)]
+    pub use crate::absent::WorkPrecision;
     pub use wzvi_macros::{hamiltonian, hamiltonian_fn};
     #[cfg(feature = "serde")]
     pub use wzvi_runtime::checkpoint::Checkpoint;

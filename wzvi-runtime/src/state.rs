@@ -42,6 +42,46 @@ impl Vector for DVector<f64> {
     }
 }
 
+/// What coordinates and momenta are given as: arrays with one number for each degree of freedom, `Vec`s for systems of any
+/// size, vectors of nalgebra.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` are not the coordinates or momenta of this system",
+    label = "the system has as many degrees of freedom as `{V}` has components",
+    note = "a state holds one number for each degree of freedom: `State::new([q1, q2], [p1, p2])` for two; for points in the \
+            plane or in space, the components of the first point come first",
+    note = "systems of any size (`&[f64]`) take a `Vec<f64>` or an array of any length"
+)]
+pub trait Components<V> {
+    /// The same numbers as a vector.
+    fn into_vector(self) -> V;
+}
+
+impl<V: Vector> Components<V> for V {
+    #[inline(always)]
+    fn into_vector(self) -> V {
+        self
+    }
+}
+
+impl<const D: usize> Components<SVector<f64, D>> for [f64; D] {
+    #[inline(always)]
+    fn into_vector(self) -> SVector<f64, D> {
+        self.into()
+    }
+}
+
+impl<const D: usize> Components<DVector<f64>> for [f64; D] {
+    fn into_vector(self) -> DVector<f64> {
+        self.to_vec().into()
+    }
+}
+
+impl Components<DVector<f64>> for Vec<f64> {
+    fn into_vector(self) -> DVector<f64> {
+        self.into()
+    }
+}
+
 /// A state: coordinates `q`, canonical momenta `p` and time `t`, in the units of the Hamiltonian.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -56,8 +96,8 @@ pub struct State<V> {
 
 impl<V: Vector> State<V> {
     /// The state with coordinates `q` and momenta `p` at `t = 0`, from arrays, `Vec`s or nalgebra vectors.
-    pub fn new(q: impl Into<V>, p: impl Into<V>) -> Self {
-        Self { q: q.into(), p: p.into(), t: 0.0 }
+    pub fn new(q: impl Components<V>, p: impl Components<V>) -> Self {
+        Self { q: q.into_vector(), p: p.into_vector(), t: 0.0 }
     }
 
     /// The same point of phase space at time `t`.
