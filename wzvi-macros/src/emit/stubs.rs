@@ -22,7 +22,7 @@ pub(crate) struct Stubs {
 impl Stubs {
     /// Nothing but the tokens of the item.
     pub(crate) fn unrecognised(item: TokenStream) -> Self {
-        Self { item, system: None, schemes: Vec::new(), crate_path: None, degrees: Some(1) }
+        Self { item, system: None, schemes: Vec::new(), crate_path: None, degrees: None }
     }
 
     /// The attribute was read.

@@ -139,6 +139,10 @@ pub(super) fn iterate<const L: usize, const N: usize>(
             }
         }
         if progress.done.all() {
+            // An infinite slope corrects nothing.
+            if N == 1 && !jacobian[0][0].is_finite().all() {
+                x[0] = Lanes::select(jacobian[0][0].is_finite(), x[0], poison());
+            }
             return (x, Effort::fast(progress.iterations));
         }
     }

@@ -327,6 +327,10 @@ pub(super) fn newton<
         }
         let beyond = |roundings| beyond_in_any_lane(equations, &x, &correction, &end, roundings);
         match progress.judge(largest, beyond) {
+            // An infinite slope corrects nothing. With more unknowns the factorisation says so.
+            Verdict::Converged if N == 1 && !jacobian[0][0].is_finite().all() => {
+                return Err(StepFailure::NonFinite);
+            }
             Verdict::Converged => return Ok((end, Effort::fast(progress.iterations))),
             Verdict::Contracting => x = end,
             Verdict::Straying => {
@@ -450,6 +454,16 @@ mod tests {
         assert!(matches!(outcome, Err(StepFailure::Singular { .. })), "{outcome:?}");
         for outcome in scalar(0.0, |_| (f64::NAN, 1.0)) {
             assert_eq!(outcome, Err(StepFailure::NonFinite));
+        }
+    }
+
+    #[test]
+    fn an_infinite_slope_is_no_solution() {
+        for outcome in scalar(0.0, |x| (1.0 + x, f64::INFINITY)) {
+            assert!(
+                matches!(outcome, Err(StepFailure::NonFinite | StepFailure::Singular { .. })),
+                "{outcome:?}"
+            );
         }
     }
 

@@ -159,7 +159,8 @@ impl Flow {
 
     /// Everything that the step computes.
     pub(crate) fn roots(&self) -> Vec<Op> {
-        let mut roots: Vec<Op> = self.dq.iter().chain(&self.dp).chain(&self.momentum).copied().collect();
+        let ends = self.dq.iter().chain(&self.dp).chain(&self.momentum);
+        let mut roots: Vec<Op> = ends.chain(&self.isolated).copied().collect();
         for solve in &self.solves {
             match solve {
                 Solve::Inverted { .. } => {}

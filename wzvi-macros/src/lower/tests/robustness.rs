@@ -8,7 +8,11 @@ use super::STRUCT;
 use crate::compile::expand;
 
 /// Attributes that between them use everything.
-const VALID: [&str; 6] = [
+const VALID: [&str; 7] = [
+    // Momenta that are isolated by what is prepared, in front of an iteration on coordinates.
+    "drift = |q: [f64; 3], p: [f64; 3]| p.iter().map(|p| 0.5 * p * p).sum::<f64>() \
+     + (0..2).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2)).sum::<f64>() \
+     + (0..3).map(|i| 0.1 * q[2 - i] * p[i]).sum::<f64>() + 0.1 * q[1].cos(), embedding = Midpoint",
     "drift = |q, p| 0.5 * a * (q * q + p * p), noise = [|q, p| 0.5 * sigma * (q * q + p * p)], \
      embedding = [Uncorrected<DeltaPlus>, Corrected<DeltaPlus>, Midpoint], invariant = [|q, p| q * q + p * p]",
     "drift = |[x, y], [px, _]| { let (s, c) = x.sin_cos(); let f = move |u: f64, (v, w)| u * v - *w; \
