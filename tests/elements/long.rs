@@ -41,10 +41,11 @@ fn memory_is_a_few_vectors() {
     let explicit = bytes_per_site::<DeltaPlus>(n, 0.05);
     println!("DeltaPlus: {explicit:.0} bytes per site");
     assert!(explicit < 60.0, "{explicit}");
-    for h in [0.05, 2.0] {
+    // A stiff chain also holds a band, and what judges the rounding of each equation: that is all there is to it.
+    for (h, most) in [(0.05, 220.0), (2.0, 384.0)] {
         let implicit = bytes_per_site::<Midpoint>(n, h);
         println!("Midpoint, h = {h}: {implicit:.0} bytes per site");
-        assert!(implicit < 220.0, "h = {h}: {implicit}");
+        assert!(implicit < most, "h = {h}: {implicit}");
     }
     let long = Long { beta: 0.3 };
     let mut stepper = long.stepper::<Midpoint>(2.0).unwrap();
