@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use wzvi::prelude::*;
-use wzvi::state::Vector;
+use wzvi::state::{Components, Vector};
 
 use crate::by_hand;
 
@@ -177,7 +177,10 @@ const PENDULUM_START: [[f64; 1]; 2] = [[2.0], [0.0]];
 const KEPLER_START: [[f64; 2]; 2] = [[0.4, 0.0], [0.0, 2.0]];
 const HENON_START: [[f64; 2]; 2] = [[0.1, -0.2], [0.3, 0.15]];
 
-fn state<const D: usize, V: Vector + From<[f64; D]>>([q, p]: [[f64; D]; 2]) -> State<V> {
+fn state<const D: usize, V: Vector>([q, p]: [[f64; D]; 2]) -> State<V>
+where
+    [f64; D]: Components<V>,
+{
     State::new(q, p)
 }
 
