@@ -65,7 +65,7 @@ fn of_a_run_in_which_a_rank_stalls() {
     assert!(took(&folder, 0) < STALL, "rank 0 returned after {:?}", took(&folder, 0));
     assert!(took(&folder, 1) >= STALL);
     let event = |_: &_| 1.0;
-    assert!(ended.well() == bits(&run(paths).first_passage(event).run().unwrap()));
+    assert!(ended.well() == bits(&run(paths).first_passage("event0", event).run().unwrap()));
 }
 
 /// It does not hold up whoever stops the run either.
