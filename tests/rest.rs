@@ -230,3 +230,22 @@ fn cold_ensembles_lose_no_path() {
         assert_eq!(statistics.failed(), 0, "sigma = {sigma:e}");
     }
 }
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + e * (0.25 * (q / s).powi(4) - 0.5 * (q / s).powi(2)),
+    embedding = Midpoint,
+)]
+struct Tiny {
+    s: f64,
+    e: f64,
+}
+
+/// The slope of the equation of this step has `1 / s⁴`, beyond all numbers: an error, not a step that does not move.
+#[test]
+fn a_slope_beyond_all_numbers_is_an_error() {
+    let start = State::new([1.5e-100], [0.0]);
+    let tiny = Tiny { s: 1e-100, e: 1e-200 };
+    let mut state = start.clone();
+    let error = tiny.stepper::<Midpoint>(0.05).unwrap().step(&mut state, &[]).unwrap_err();
+    assert_eq!((error.step, &state), (0, &start), "{error}");
+}
