@@ -245,7 +245,7 @@ struct Tiny {
 fn a_slope_beyond_all_numbers_is_an_error() {
     let start = State::new([1.5e-100], [0.0]);
     let tiny = Tiny { s: 1e-100, e: 1e-200 };
-    let mut state = start.clone();
+    let mut state = start;
     let error = tiny.stepper::<Midpoint>(0.05).unwrap().step(&mut state, &[]).unwrap_err();
     assert_eq!((error.step, &state), (0, &start), "{error}");
 }
