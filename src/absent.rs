@@ -25,6 +25,7 @@ pub enum WorkPrecision {}
 #[cfg(not(feature = "report"))]
 impl WorkPrecision {
     /// Says which feature is off.
+    #[expect(clippy::new_ret_no_self, reason = "stands in for the constructor of the same name")]
     pub fn new<T: ReportFeature>(system: T) -> T::Value {
         system.value()
     }
