@@ -21,7 +21,6 @@ pub mod cluster;
 #[cfg(feature = "columnar")]
 mod columnar;
 mod control;
-mod dispatch;
 mod draws;
 mod error;
 mod group;
@@ -47,6 +46,7 @@ mod table;
 use std::marker::PhantomData;
 use std::sync::OnceLock;
 
+use crate::lanes::instructions as dispatch;
 use account::Account;
 use control::Control;
 pub use dispatch::{InstructionSet, Kernel};

@@ -11,6 +11,7 @@ pub mod embedding;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 pub mod error;
+pub mod gauss;
 pub mod increments;
 pub mod integrate;
 #[cfg(all(feature = "interrupt", feature = "ensemble"))]
@@ -18,7 +19,6 @@ mod interrupt;
 #[cfg(all(feature = "ensemble", not(feature = "interrupt")))]
 #[path = "interrupt/absent.rs"]
 mod interrupt;
-#[cfg(feature = "ensemble")]
 pub mod lanes;
 pub mod memory;
 #[cfg(any(feature = "ensemble", feature = "serde"))]

@@ -7,14 +7,12 @@ mod banded;
 mod damped;
 mod dense;
 mod krylov;
-#[cfg(feature = "ensemble")]
 mod lanes;
 mod newton;
 
 pub use banded::{Banded, reverse_cuthill_mckee};
 pub use dense::{Factor, SymmetricFactor, prepared, reciprocal_above_one};
 pub use krylov::Krylov;
-#[cfg(feature = "ensemble")]
 pub use lanes::LaneByLane;
 pub use newton::{Block, Effort, Equations, Extrapolation};
 pub(crate) use newton::{Progress, Verdict, astray, larger};

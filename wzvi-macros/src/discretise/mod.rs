@@ -10,6 +10,7 @@ pub(crate) mod describe;
 pub(crate) mod embedding;
 pub(crate) mod equations;
 pub(crate) mod facts;
+pub(crate) mod gauss;
 pub(crate) mod lagrangian;
 pub(crate) mod sites;
 pub(crate) mod structure;
