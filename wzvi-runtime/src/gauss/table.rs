@@ -170,6 +170,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::needless_range_loop, reason = "indices as in the formula")]
     fn coefficients_are_symplectic_to_the_last_bit() {
         for s in 1..=MOST_STAGES {
             let Coefficients { b, matrices: [mu, ..], .. } = Coefficients::new(s);
