@@ -2,11 +2,11 @@
 //! then with corrections that are shortened until the next one is smaller (the natural monotonicity test), and with a
 //! doubt about its own result wherever a correction is not less than half of the one before.
 
-use super::iterate::{Step, Unknowns};
+use super::iterate::Step;
 use super::jacobian::Linear;
 use super::memory::Work;
 use super::rounding::Rounding;
-use super::{Elements, Memory};
+use super::{Elements, Memory, Unknowns};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
 use crate::solve::{Effort, Progress, Verdict, astray, larger};

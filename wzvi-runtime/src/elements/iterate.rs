@@ -1,9 +1,11 @@
 //! One step: `x = φ(x)` solved to rounding.
 
 use super::jacobian::Linear;
-use super::memory::Work;
+use super::memory::{Staged, Work};
 use super::passes::{Corrected, add, are_finite, largest, subtract};
-use super::{CONTRACTS, Elements, Iteration, Memory, Point, Terms};
+use super::{
+    CONTRACTS, Curvature, Elements, Iteration, Memory, MomentumUpdate, Point, Scheme, Slopes, Stage, Unknowns,
+};
 use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
@@ -17,48 +19,6 @@ const FORCING: f64 = 1e-3;
 const NEARLY_SOLVED: f64 = 1e-9;
 /// More iterations than any step needs that converges at all.
 const MOST_ITERATIONS: u32 = 100;
-
-/// Which unknowns are iterated on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unknowns {
-    /// None: `v` and then `u` are assigned.
-    None,
-    /// `v`, from which `u` follows.
-    Momenta,
-    /// `u` and `v`.
-    Both,
-}
-
-/// What the compiler decided about a scheme.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scheme {
-    /// Quadrature point of the drift.
-    pub drift_l: f64,
-    /// Quadrature point of the noises.
-    pub noise_l: f64,
-    /// The factor `1/2 - l` of the counter-term; 0 if there is none.
-    pub counter: f64,
-    /// What is iterated on.
-    pub unknowns: Unknowns,
-    /// Whether past steps start the iteration: not where increments decide.
-    pub remembers: bool,
-    /// Whether the Jacobian reads the step size and parameters only.
-    pub is_linear: bool,
-    /// Whether there are noises.
-    pub has_noise: bool,
-}
-
-/// The groups of terms that share a quadrature point.
-pub(super) fn stages(scheme: &Scheme) -> impl Iterator<Item = (usize, f64, Terms)> {
-    let terms = |drift, noise| {
-        let counter = if noise { scheme.counter } else { 0.0 };
-        Terms { drift, noise, counter, by_q: true, by_p: true }
-    };
-    let together = !scheme.has_noise || scheme.drift_l == scheme.noise_l;
-    let first = (0, scheme.drift_l, terms(true, together));
-    let second = (1, scheme.noise_l, terms(false, true));
-    [Some(first), (!together).then_some(second)].into_iter().flatten()
-}
 
 /// The givens of one step.
 pub(super) struct Step<'a, H, S> {
@@ -108,7 +68,7 @@ pub fn advance<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         let solved = step.solve(memory)?;
         (Effort::fast(solved.iterations), solved.prefers_newton)
     };
-    if !C::CARRIES && step.is_at_start() {
+    if !C::CARRIES && scheme.unknowns == Unknowns::None && scheme.update == MomentumUpdate::Multiple(1.0) {
         // `P` is the new momentum.
         let Work { u, momentum, .. } = &mut memory.work;
         if !(add(u, q) && are_finite(momentum)) {
@@ -133,8 +93,10 @@ fn store<S: Scalar, C: Carry<S>>(
     carry: &mut C,
 ) -> Result<(), StepFailure> {
     // What the sums lose takes the place of slopes and stages.
-    let Work { u, by_p: dp, by_q, stage, .. } = work;
-    let (lost_q, lost_p) = (&mut by_q[0], &mut stage[0]);
+    let Work { u, by_p: dp, stages, .. } = work;
+    let Some(Staged { q: lost_q, by_q: lost_p }) = stages.first_mut() else {
+        return Err(StepFailure::NonFinite);
+    };
     let is_finite = if C::CARRIES {
         for (i, (u, (&q, lost))) in u.iter_mut().zip(q.iter().zip(&mut *lost_q)).enumerate() {
             (*u, *lost) = C::add(q, *u, carry.of_coordinate(i));
@@ -196,67 +158,90 @@ struct Solved {
 }
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
-    /// `φ` at `x`, for the scheme's unknowns, as the correction `x - φ(x)`; leaves `u`, `P`, the stages and slopes.
+    /// `φ` at `x`, for the scheme's unknowns, as the correction `x - φ(x)`, which is `(∂L_d/∂P, -D_1 L_d - p_i)` or the
+    /// second of them; leaves `u`, `P`, the stages and slopes.
     pub(super) fn residual(&self, work: &mut Work<S>) {
         self.refresh(work);
-        let Work { x, correction, u, momentum, stage, by_q, by_p, .. } = work;
-        let zero = S::from_f64(0.0);
+        let Work { x, correction, u, momentum, stages, by_p, .. } = work;
         let is_both = self.scheme.unknowns == Unknowns::Both;
         if is_both {
-            by_p.fill(zero);
+            by_p.fill(S::from_f64(0.0));
         }
-        for (s, l, terms) in stages(self.scheme) {
-            self.place(&mut stage[s], &mut by_q[s], u, l);
-            let at = self.at(&stage[s], momentum, l);
-            self.system.slopes(Terms { by_p: is_both, ..terms }, &at, &mut by_q[s], by_p);
+        let wanted = if is_both { Slopes::ALL } else { Slopes::BY_COORDINATES };
+        for (stage, Staged { q, by_q }) in self.scheme.stages.iter().zip(&mut *stages) {
+            self.place(stage, q, by_q, u);
+            self.slopes(stage, q, momentum, wanted, by_q, by_p);
         }
-        for (s, l, _) in stages(self.scheme) {
-            let (weight, force) = (1.0 - l, &by_q[s]);
+        for (s, (stage, Staged { by_q, .. })) in self.scheme.stages.iter().zip(&*stages).enumerate() {
+            let weight = stage.start;
             match (is_both, s) {
                 (true, 0) => {
                     let unknowns = correction.as_chunks_mut().0.iter_mut().zip(x.as_chunks().0);
-                    for (([c_u, c_v], &[u, v]), (&by_p, &force)) in unknowns.zip(by_p.iter().zip(force)) {
-                        (*c_u, *c_v) = (u - by_p, v + force * weight);
+                    for (([c_u, c_v], &[u, v]), (&by_p, &by_q)) in unknowns.zip(by_p.iter().zip(by_q)) {
+                        (*c_u, *c_v) = (u - by_p, v + by_q * weight);
                     }
                 }
                 (true, _) => {
-                    for ([_, c], &force) in correction.as_chunks_mut().0.iter_mut().zip(force) {
-                        *c = *c + force * weight;
+                    for ([_, c], &by_q) in correction.as_chunks_mut().0.iter_mut().zip(by_q) {
+                        *c = *c + by_q * weight;
                     }
                 }
                 (false, 0) => {
-                    for (c, (&x, &force)) in correction.iter_mut().zip(x.iter().zip(force)) {
-                        *c = x + force * weight;
+                    for (c, (&x, &by_q)) in correction.iter_mut().zip(x.iter().zip(by_q)) {
+                        *c = x + by_q * weight;
                     }
                 }
                 (false, _) => {
-                    for (c, &force) in correction.iter_mut().zip(force) {
-                        *c = *c + force * weight;
+                    for (c, &by_q) in correction.iter_mut().zip(by_q) {
+                        *c = *c + by_q * weight;
                     }
                 }
             }
         }
     }
 
-    /// `Q_l = q_i + l u`, and room for the slopes there.
-    fn place(&self, stage: &mut [S], by_q: &mut [S], u: &[S], l: f64) {
-        for ((point, slope), (&q, &u)) in stage.iter_mut().zip(by_q).zip(self.q.iter().zip(u)) {
-            *point = q + u * l;
+    /// `Q = q_i + c u`, and room for the slopes there.
+    fn place(&self, stage: &Stage, q: &mut [S], by_q: &mut [S], u: &[S]) {
+        for ((point, slope), (&q, &u)) in q.iter_mut().zip(by_q).zip(self.q.iter().zip(u)) {
+            *point = q + u * stage.point;
             *slope = S::from_f64(0.0);
         }
     }
 
-    /// Adds to `u` what follows from `P`, where that does not read `u` itself.
-    fn velocities(&self, momentum: &[S], by_p: &mut [S], u: &mut [S]) {
-        for (_, l, terms) in stages(self.scheme) {
-            // Elements that read both are at the node `q_i` here, by the choice of unknowns.
-            let at = self.at(self.q, momentum, l);
-            self.system.slopes(Terms { by_q: false, ..terms }, &at, by_p, u);
+    /// Adds to `u` what follows from `P`, where that does not read `u` itself: elements that read coordinates and momenta
+    /// are at the node `q_i` then, by the choice of unknowns. What else these add goes to `by_q`.
+    fn velocities(&self, momentum: &[S], by_q: &mut [S], u: &mut [S]) {
+        for stage in self.scheme.stages {
+            self.slopes(stage, self.q, momentum, Slopes::BY_MOMENTA, by_q, u);
         }
     }
 
-    pub(super) fn at<'b>(&'b self, q: &'b [S], p: &'b [S], l: f64) -> Point<'b, S> {
-        Point { q, p, t: self.t + l * self.h, h: self.h, dw: self.dw }
+    /// Adds the slopes of the parts at a stage.
+    fn slopes(&self, stage: &Stage, q: &[S], p: &[S], wanted: Slopes, by_q: &mut [S], by_p: &mut [S]) {
+        let at = self.at(stage, q, p);
+        for &(part, weight) in stage.parts {
+            self.system.slopes(part, weight, &at, wanted, by_q, by_p);
+        }
+    }
+
+    /// Adds the second derivatives of the parts at a stage.
+    pub(super) fn curvature(
+        &self,
+        stage: &Stage,
+        q: &[S],
+        p: &[S],
+        wanted: Slopes,
+        into: &mut impl Curvature<S>,
+    ) {
+        let at = self.at(stage, q, p);
+        for &(part, weight) in stage.parts {
+            self.system.curvature(part, weight, &at, wanted, into);
+        }
+    }
+
+    fn at<'b>(&'b self, stage: &Stage, q: &'b [S], p: &'b [S]) -> Point<'b, S> {
+        let (t, acting) = (self.t + stage.point * self.h, 0..self.dw.len());
+        Point { q, p, t, h: self.h, dw: self.dw, acting }
     }
 
     /// Solves for the unknowns by the short way.
@@ -279,17 +264,17 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         Ok(solved)
     }
 
-    /// `v` from the terms at `q_i`, then `u`.
+    /// `P` from the slopes that `D_1 L_d` has, all of them at `q_i`, then `u`.
     pub(super) fn explicit(&self, work: &mut Work<S>) {
-        let Work { u, momentum, by_q, by_p, .. } = work;
+        let Work { u, momentum, stages, by_p, .. } = work;
+        let Some(Staged { by_q, .. }) = stages.first_mut() else { return };
         let zero = S::from_f64(0.0);
-        by_q[0].fill(zero);
+        by_q.fill(zero);
         u.fill(zero);
-        for (_, l, terms) in stages(self.scheme).filter(|(_, l, _)| *l == 0.0) {
-            let at = self.at(self.q, self.p, l);
-            self.system.slopes(Terms { by_p: false, ..terms }, &at, &mut by_q[0], by_p);
+        for stage in self.scheme.stages.iter().filter(|stage| stage.start != 0.0) {
+            self.slopes(stage, self.q, self.p, Slopes::BY_COORDINATES, by_q, by_p);
         }
-        for (momentum, (&p, &force)) in momentum.iter_mut().zip(self.p.iter().zip(&by_q[0])) {
+        for (momentum, (&p, &force)) in momentum.iter_mut().zip(self.p.iter().zip(&*by_q)) {
             *momentum = p - force;
         }
         self.velocities(momentum, by_p, u);
@@ -432,44 +417,27 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 
     /// `p_{i+1} - p_i` into `by_p`.
     fn finish(&self, work: &mut Work<S>) {
-        let Work { x, u, momentum, stage, by_q, by_p, correction, .. } = work;
-        let l = self.scheme.drift_l;
-        let is_both = self.scheme.unknowns == Unknowns::Both;
-        let is_explicit = self.scheme.unknowns == Unknowns::None;
-        if self.is_at_start() {
-            by_p.iter_mut().zip(&by_q[0]).for_each(|(dp, &force)| *dp = -force);
-            return;
-        }
-        if is_explicit {
-            for (dp, (&momentum, &p)) in by_p.iter_mut().zip(momentum.iter().zip(self.p)) {
-                *dp = momentum - p;
+        let Work { x, u, momentum, stages, by_p: dp, correction, .. } = work;
+        match self.scheme.unknowns {
+            Unknowns::None => {
+                let forces = stages.first().map_or(&[][..], |stage| &stage.by_q);
+                dp.iter_mut().zip(forces).for_each(|(dp, &force)| *dp = -force);
             }
-        } else if is_both {
-            by_p.iter_mut().zip(x.as_chunks().0).for_each(|(dp, &[_, v])| *dp = v);
-        } else {
-            by_p.copy_from_slice(x);
+            Unknowns::Momenta => dp.copy_from_slice(x),
+            Unknowns::Both => dp.iter_mut().zip(x.as_chunks().0).for_each(|(dp, &[_, v])| *dp = v),
         }
-        if !is_explicit && l != 1.0 && self.has_one_point() {
-            // With one quadrature point `l < 1` the forces at the solution follow from `v`.
-            let factor = 1.0 / (1.0 - l);
-            by_p.iter_mut().for_each(|dp| *dp = *dp * factor);
-            return;
+        match self.scheme.update {
+            MomentumUpdate::Multiple(1.0) => {}
+            MomentumUpdate::Multiple(factor) => dp.iter_mut().for_each(|dp| *dp = *dp * factor),
+            MomentumUpdate::Slopes => {
+                let ends = self.scheme.stages.iter().zip(stages).filter(|(stage, _)| stage.end != 0.0);
+                for (stage, Staged { q, by_q }) in ends {
+                    self.place(stage, q, by_q, u);
+                    // Slopes with respect to momenta go where nobody looks.
+                    self.slopes(stage, q, momentum, Slopes::BY_COORDINATES, by_q, correction);
+                    dp.iter_mut().zip(&*by_q).for_each(|(dp, &force)| *dp = *dp - force * stage.end);
+                }
+            }
         }
-        // Slopes with respect to momenta go where nobody looks.
-        for (s, l, terms) in stages(self.scheme).filter(|(_, l, _)| *l != 0.0) {
-            self.place(&mut stage[s], &mut by_q[s], u, l);
-            let at = self.at(&stage[s], momentum, l);
-            self.system.slopes(Terms { by_p: false, ..terms }, &at, &mut by_q[s], correction);
-            by_p.iter_mut().zip(&by_q[s]).for_each(|(dp, &force)| *dp = *dp - force * l);
-        }
-    }
-
-    /// Whether the step is explicit with all its quadrature points at its start.
-    fn is_at_start(&self) -> bool {
-        self.scheme.unknowns == Unknowns::None && stages(self.scheme).all(|(_, l, _)| l == 0.0)
-    }
-
-    fn has_one_point(&self) -> bool {
-        !self.scheme.has_noise || self.scheme.drift_l == self.scheme.noise_l
     }
 }
