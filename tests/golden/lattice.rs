@@ -619,7 +619,14 @@ const _: () = {
                 __h: __wzvi::core::primitive::f64,
                 __dw: &[__wzvi::core::primitive::f64],
             ) -> Self::Vector {
-                __wzvi::elements::step_momentum(self, &__SCHEME, __before, __h, __dw)
+                __wzvi::elements::step_momentum(
+                    self,
+                    &__SCHEME,
+                    __before,
+                    __after,
+                    __h,
+                    __dw,
+                )
             }
         }
     };

@@ -34,7 +34,7 @@ mod scheme;
 #[doc(hidden)]
 pub mod sites;
 
-pub use iterate::advance;
+pub use iterate::{advance, step_momentum};
 pub use memory::{CompensationVec, Memory};
 pub use scheme::{MomentumUpdate, Scheme, Stage, Unknowns};
 
@@ -233,35 +233,6 @@ pub fn energy_rate<H: Elements>(system: &H, k: usize, state: &State<H::Vector>) 
         a.components().iter().zip(b.components()).map(|(a, b)| a * b).sum()
     };
     dot(&noise.p, &drift.q) - dot(&noise.q, &drift.p)
-}
-
-/// `P` of the step between two states: the step is taken once more. NaN if that fails.
-pub fn step_momentum<H: Elements>(
-    system: &H,
-    scheme: &Scheme,
-    before: &State<H::Vector>,
-    h: f64,
-    dw: &[f64],
-) -> H::Vector {
-    let (mut q, mut p) = (before.q.clone(), before.p.clone());
-    let mut memory = Memory::<f64>::default();
-    let solved = advance::<H, f64, crate::carry::Plain, true>(
-        system,
-        scheme,
-        before.t,
-        h,
-        q.components_mut(),
-        p.components_mut(),
-        dw,
-        &mut memory,
-        &mut crate::carry::Plain,
-    );
-    let momentum = p.components_mut();
-    match (solved, memory.momentum()) {
-        (Ok(_), Some(known)) => momentum.copy_from_slice(known),
-        _ => momentum.fill(f64::NAN),
-    }
-    p
 }
 
 /// What the discrete Lagrangian is evaluated at: a segment whose sizes were checked, and increments.

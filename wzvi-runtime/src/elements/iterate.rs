@@ -10,6 +10,7 @@ use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
 use crate::solve::{Effort, astray};
+use crate::state::{State, Vector};
 
 /// Corrections below this fraction of the largest unknown change nothing.
 const ROUNDING: f64 = f64::EPSILON;
@@ -29,6 +30,8 @@ pub(super) struct Step<'a, H, S> {
     pub(super) q: &'a [S],
     pub(super) p: &'a [S],
     pub(super) dw: &'a [S],
+    /// `u`, if both nodes are known and `P` alone is not.
+    pub(super) increment: Option<&'a [S]>,
 }
 
 /// One step from `(q, p)` at `t` in place; on `Err` nothing but scratch is changed.
@@ -61,7 +64,7 @@ pub fn advance<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     if dw.len() != system.noises() {
         return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
     }
-    let step = Step { system, scheme, t, h, q, p, dw };
+    let step = Step { system, scheme, t, h, q, p, dw, increment: None };
     let (effort, prefers_newton) = if CAREFUL {
         (step.careful(memory)?, scheme.unknowns != Unknowns::None)
     } else {
@@ -83,6 +86,50 @@ pub fn advance<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     memory.record();
     memory.prefers_newton = prefers_newton;
     Ok(effort)
+}
+
+/// `P` of the step between two states, from `p_i = -D_1 L_d(q_i, q_{i+1}, P)`. NaN where that has no solution, or sizes do
+/// not fit.
+pub fn step_momentum<H: Elements>(
+    system: &H,
+    scheme: &Scheme,
+    before: &State<H::Vector>,
+    after: &State<H::Vector>,
+    h: f64,
+    dw: &[f64],
+) -> H::Vector {
+    let mut momentum = before.p.clone();
+    match momentum_increment(system, scheme, before, after, h, dw) {
+        Some(v) => momentum.components_mut().iter_mut().zip(v).for_each(|(p, v)| *p += v),
+        None => momentum.components_mut().fill(f64::NAN),
+    }
+    momentum
+}
+
+/// `v = P - p_i`, if it is known.
+fn momentum_increment<H: Elements>(
+    system: &H,
+    scheme: &Scheme,
+    before: &State<H::Vector>,
+    after: &State<H::Vector>,
+    h: f64,
+    dw: &[f64],
+) -> Option<Vec<f64>> {
+    let [q, p, end_q, end_p] = [&before.q, &before.p, &after.q, &after.p].map(Vector::components);
+    if [p.len(), end_q.len(), end_p.len()] != [q.len(); 3] || dw.len() != system.noises() {
+        return None;
+    }
+    let change = |start: &[f64], end: &[f64]| start.iter().zip(end).map(|(a, b)| b - a).collect::<Vec<_>>();
+    if let MomentumUpdate::Multiple(factor) = scheme.update {
+        return Some(change(p, end_p).into_iter().map(|dp| dp / factor).collect());
+    }
+    let u = change(q, end_q);
+    let scheme = &Scheme { unknowns: Unknowns::Momenta, remembers: false, ..*scheme };
+    let mut memory = Memory::default();
+    memory.fit(system, scheme, q.len()).ok()?;
+    let step = Step { system, scheme, t: before.t, h, q, p, dw, increment: Some(&u) };
+    step.careful(&mut memory).ok()?;
+    Some(memory.work.x)
 }
 
 /// Adds the increments of a step to the state. Sums are made before anything is stored.
@@ -394,7 +441,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             for ((momentum, u), (&p, &x)) in momentum.iter_mut().zip(&mut *u).zip(self.p.iter().zip(&*x)) {
                 (*u, *momentum) = (S::from_f64(0.0), p + x);
             }
-            self.velocities(momentum, by_p, u);
+            match self.increment {
+                Some(known) => u.copy_from_slice(known),
+                None => self.velocities(momentum, by_p, u),
+            }
         }
     }
 

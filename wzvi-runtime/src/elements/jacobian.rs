@@ -57,7 +57,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     pub(super) fn linearise(&self, work: &mut Work<S>, linear: &mut Linear<S>) -> Result<(), StepFailure> {
         if self.scheme.unknowns == Unknowns::Momenta {
             work.diagonal.fill(S::from_f64(0.0));
-            for stage in self.scheme.stages {
+            let free = if self.increment.is_some() { &[] } else { self.scheme.stages };
+            for stage in free {
                 let into = &mut Velocities(&mut work.diagonal);
                 self.curvature(stage, self.q, &work.momentum, Slopes::BY_MOMENTA, into);
             }
@@ -134,7 +135,7 @@ pub(super) fn pattern<H: Elements>(
         }
     }
     let (zeros, dw) = (vec![0.0; degrees], vec![0.0; system.noises()]);
-    let step = Step { system, scheme, t: 0.0, h: 1.0, q: &zeros, p: &zeros, dw: &dw };
+    let step = Step { system, scheme, t: 0.0, h: 1.0, q: &zeros, p: &zeros, dw: &dw, increment: None };
     step.entries(&Work::of_solution(scheme, degrees), &mut Places(visit));
 }
 

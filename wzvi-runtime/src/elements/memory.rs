@@ -219,11 +219,6 @@ impl<S: Scalar> Memory<S> {
         memory
     }
 
-    /// `P` of the last step.
-    pub(super) fn momentum(&self) -> Option<&[S]> {
-        (self.degrees != 0).then_some(&self.work.momentum)
-    }
-
     /// Makes room for `degrees`, after checking that the indices of the system fit.
     pub(super) fn fit<H: Elements>(
         &mut self,

@@ -174,7 +174,7 @@ pub(super) fn sweep(
         unknowns,
         is_linear,
         step,
-        momentum: quote!(#elements::step_momentum(self, &__SCHEME, __before, __h, __dw)),
+        momentum: quote!(#elements::step_momentum(self, &__SCHEME, __before, __after, __h, __dw)),
     }
 }
 
