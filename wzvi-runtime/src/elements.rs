@@ -23,8 +23,10 @@
 //! products with the Jacobian, which is never stored ([`Method::Krylov`]: lattices, random graphs, all pairs).
 
 mod careful;
+mod hamiltonian;
 mod iterate;
 mod jacobian;
+mod lagrangian;
 mod memory;
 mod passes;
 #[doc(hidden)]
@@ -33,8 +35,11 @@ mod rounding;
 mod scheme;
 #[doc(hidden)]
 pub mod sites;
+mod step;
 
-pub use iterate::{advance, step_momentum};
+pub use hamiltonian::{differentiate, energy_rate, evaluate, invariant};
+pub use iterate::advance;
+pub use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::{CompensationVec, Memory};
 pub use scheme::{MomentumUpdate, Scheme, Stage, Unknowns};
 
@@ -44,8 +49,7 @@ pub use crate::memory::{Iteration, Method};
 
 use crate::error::{ConfigError, StepFailure};
 use crate::scalar::Scalar;
-use crate::state::{State, Vector};
-use crate::system::{Hamiltonian, LagrangianGradient, Segment};
+use crate::system::Hamiltonian;
 
 /// Fixed-point iterations and old factors are kept while corrections shrink to this fraction.
 pub const CONTRACTS: f64 = 0.2;
@@ -94,11 +98,6 @@ pub trait Curvature<S> {
     /// `∂²/∂p_i ∂p_j`
     fn add_pp(&mut self, i: usize, j: usize, is_diagonal: bool, value: S);
 }
-
-/// The part that is the drift, `h H_0`.
-const DRIFT: usize = 0;
-/// The part that is the noises, `Σ_k ΔW_k H_k`.
-const NOISE: usize = 1;
 
 /// A system whose Hamiltonians are sums of elements.
 ///
@@ -166,154 +165,4 @@ pub fn prepare<H: Elements>(system: &H) -> Result<(), ConfigError> {
             places::index_error(system, degrees).map_or(Ok(()), |error| Err(ConfigError::Index(error)))
         }
     }
-}
-
-/// Whether `q` and `p` are those of a state of the system.
-fn fits<H: Elements, S>(system: &H, q: &[S], p: &[S]) -> bool {
-    q.len() == p.len() && check(system, q.len()).is_ok()
-}
-
-/// The part that Hamiltonian `term` belongs to, and the noises of it that act.
-fn part_of(term: usize) -> (usize, Range<usize>) {
-    match term.checked_sub(1) {
-        None => (DRIFT, 0..0),
-        Some(noise) => (NOISE, noise..term),
-    }
-}
-
-/// [`Hamiltonian::evaluate`]
-pub fn evaluate<H: Elements, S: Scalar>(system: &H, term: usize, q: &[S], p: &[S], t: f64) -> S {
-    if term > system.noises() || !fits(system, q, p) {
-        return S::from_f64(f64::NAN);
-    }
-    let dw = vec![S::from_f64(1.0); term];
-    let (part, acting) = part_of(term);
-    system.value(part, 1.0, &Point { q, p, t, h: 1.0, dw: &dw, acting })
-}
-
-/// [`Hamiltonian::differentiate`]
-pub fn differentiate<H: Elements, S: Scalar>(
-    system: &H,
-    term: usize,
-    q: &[S],
-    p: &[S],
-    t: f64,
-    by_q: &mut [S],
-    by_p: &mut [S],
-) {
-    let is_known =
-        term <= system.noises() && fits(system, q, p) && by_q.len() == q.len() && by_p.len() == q.len();
-    let start = S::from_f64(if is_known { 0.0 } else { f64::NAN });
-    by_q.fill(start);
-    by_p.fill(start);
-    if is_known {
-        let dw = vec![S::from_f64(1.0); term];
-        let (part, acting) = part_of(term);
-        system.slopes(part, 1.0, &Point { q, p, t, h: 1.0, dw: &dw, acting }, Slopes::ALL, by_q, by_p);
-    }
-}
-
-/// [`Hamiltonian::invariant`]
-pub fn invariant<H: Elements>(system: &H, number: usize, state: &State<H::Vector>) -> f64 {
-    let (q, p) = (state.q.components(), state.p.components());
-    if number >= system.invariants() || !fits(system, q, p) {
-        return f64::NAN;
-    }
-    let at = Point { q, p, t: state.t, h: 1.0, dw: &[], acting: 0..0 };
-    system.value(H::INTEGRALS + number, 1.0, &at)
-}
-
-/// [`Hamiltonian::energy_rate`]
-pub fn energy_rate<H: Elements>(system: &H, k: usize, state: &State<H::Vector>) -> f64 {
-    if k >= system.noises() {
-        return f64::NAN;
-    }
-    let (noise, drift) = (system.noise_gradient(k, state), system.energy_gradient(state));
-    let dot = |a: &H::Vector, b: &H::Vector| -> f64 {
-        a.components().iter().zip(b.components()).map(|(a, b)| a * b).sum()
-    };
-    dot(&noise.p, &drift.q) - dot(&noise.q, &drift.p)
-}
-
-/// What the discrete Lagrangian is evaluated at: a segment whose sizes were checked, and increments.
-struct Evaluated<'a, V> {
-    segment: &'a Segment<V>,
-    dw: &'a [f64],
-}
-
-impl<'a, V: Vector> Evaluated<'a, V> {
-    /// `None` if sizes do not fit.
-    fn new<H: Elements>(system: &H, segment: &'a Segment<V>, dw: &'a [f64]) -> Option<Self> {
-        let (q0, q1, p) = (segment.q0.components(), segment.q1.components(), segment.p.components());
-        let fits = q1.len() == q0.len() && dw.len() == system.noises() && fits(system, q0, p);
-        fits.then_some(Self { segment, dw })
-    }
-
-    /// `q_{i+1} - q_i`
-    fn increment(&self) -> impl Iterator<Item = f64> {
-        let ends = self.segment.q0.components().iter().zip(self.segment.q1.components());
-        ends.map(|(start, end)| end - start)
-    }
-
-    /// Calls `take` with each part of the step Hamiltonian, its stage, its weight and its point.
-    fn for_each(&self, scheme: &Scheme, mut take: impl FnMut(usize, &Stage, f64, &Point<'_, f64>)) {
-        let Segment { q0, p, t, h, .. } = self.segment;
-        for stage in scheme.stages {
-            let q: Vec<f64> =
-                q0.components().iter().zip(self.increment()).map(|(q, u)| q + stage.point * u).collect();
-            let (t, acting) = (t + stage.point * h, 0..self.dw.len());
-            let at = Point { q: &q, p: p.components(), t, h: *h, dw: self.dw, acting };
-            stage.parts.iter().for_each(|&(part, weight)| take(part, stage, weight, &at));
-        }
-    }
-}
-
-/// `L_d = P · (q_{i+1} - q_i) - F`, NaN if sizes do not fit.
-pub fn discrete_lagrangian<H: Elements>(
-    system: &H,
-    scheme: &Scheme,
-    segment: &Segment<H::Vector>,
-    dw: &[f64],
-) -> f64 {
-    let Some(evaluated) = Evaluated::new(system, segment, dw) else { return f64::NAN };
-    let mut value: f64 = segment.p.components().iter().zip(evaluated.increment()).map(|(p, u)| p * u).sum();
-    evaluated.for_each(scheme, |part, _, weight, at| value -= system.value(part, weight, at));
-    value
-}
-
-/// The gradient of [`discrete_lagrangian`], NaN if sizes do not fit.
-pub fn discrete_lagrangian_gradient<H: Elements>(
-    system: &H,
-    scheme: &Scheme,
-    segment: &Segment<H::Vector>,
-    dw: &[f64],
-) -> LagrangianGradient<H::Vector> {
-    let Some(evaluated) = Evaluated::new(system, segment, dw) else {
-        let d = segment.q0.components().len();
-        let nan = || {
-            let mut nan = H::Vector::zeros(d);
-            nan.components_mut().fill(f64::NAN);
-            nan
-        };
-        return LagrangianGradient { q0: nan(), q1: nan(), p: nan() };
-    };
-    let mut gradient =
-        LagrangianGradient { q0: segment.p.clone(), q1: segment.p.clone(), p: segment.q1.clone() };
-    let [by_start, by_end, by_momentum] =
-        [&mut gradient.q0, &mut gradient.q1, &mut gradient.p].map(Vector::components_mut);
-    by_start.iter_mut().for_each(|p| *p = -*p);
-    by_momentum.iter_mut().zip(evaluated.increment()).for_each(|(by_p, u)| *by_p = u);
-    let mut force = vec![0.0; by_start.len()];
-    let mut velocity = force.clone();
-    evaluated.for_each(scheme, |part, stage, weight, at| {
-        force.fill(0.0);
-        velocity.fill(0.0);
-        system.slopes(part, weight, at, Slopes::ALL, &mut force, &mut velocity);
-        for i in 0..force.len() {
-            by_start[i] -= stage.start * force[i];
-            by_end[i] -= stage.end * force[i];
-            by_momentum[i] -= velocity[i];
-        }
-    });
-    gradient
 }

@@ -1,9 +1,9 @@
 //! The equations of a sweep for the steps where the short way fails: what [`damped`] asks of them.
 
-use super::iterate::Step;
 use super::jacobian::Linear;
 use super::memory::Work;
 use super::rounding::Rounding;
+use super::step::Step;
 use super::{Elements, Memory, Unknowns};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;

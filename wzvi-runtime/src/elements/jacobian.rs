@@ -1,7 +1,7 @@
 //! The Jacobian `I - φ'` of a step, entry by entry: into a band, into products with it, or as the pattern alone.
 
-use super::iterate::Step;
 use super::memory::{Staged, Work};
+use super::step::Step;
 use super::{Curvature, Elements, Scheme, Slopes, Stage, Unknowns};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;

@@ -3,9 +3,9 @@
 //! Judged for each unknown by the terms of its own equation, so that no site counts for another. It takes a pass that costs
 //! several times as much as one of the iteration, and is done only where that does not get any further.
 
-use super::iterate::Step;
 use super::memory::Work;
 use super::passes::relative_to_largest;
+use super::step::Step;
 use super::{Elements, Memory};
 use crate::scalar::{Rounded, Scalar};
 use crate::solve::larger;
