@@ -145,6 +145,34 @@ struct Solved {
     prefers_newton: bool,
 }
 
+/// Where the short way is.
+struct Progress {
+    iterations: u32,
+    /// Past steps that make the start; 0 for zero.
+    known: u8,
+    pinned: Iteration,
+    /// Whether corrections are Newton's, and not those of the fixed point.
+    is_newton: bool,
+    /// Whether factors are to be made: in every iteration, or only where old ones contract too slowly.
+    is_stale: bool,
+    prefers_newton: bool,
+    /// The correction before, relative to the largest unknown.
+    last: f64,
+    /// Whether that is of unknowns beyond rounding only.
+    is_beyond: bool,
+    variation: f64,
+}
+
+/// A correction that was taken.
+struct Taken {
+    /// Relative to the largest unknown.
+    relative: f64,
+    /// How much longer the correction of the fixed point would have been.
+    stretch: f64,
+    /// Whether it comes from factors that were made for it.
+    is_fresh: bool,
+}
+
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// Solves for the unknowns by the short way.
     fn solve(&self, memory: &mut Memory<S>) -> Result<Solved, StepFailure> {
@@ -167,104 +195,138 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// From the guess in `memory`.
-    fn iterate(
-        &self,
-        memory: &mut Memory<S>,
-        known: u8,
-        iteration: Iteration,
-    ) -> Result<Solved, StepFailure> {
+    fn iterate(&self, memory: &mut Memory<S>, known: u8, pinned: Iteration) -> Result<Solved, StepFailure> {
         memory.guess(known);
-        let is_guess = known > 0;
-        // A band that never changes is factored once.
-        let has_factors = self.scheme.is_linear && memory.factored == Some(self.h);
-        let is_constant = self.scheme.is_linear && matches!(memory.linear, Some(Linear::Band(_)));
-        let mut newton = match iteration {
-            Iteration::Newton => true,
-            Iteration::Automatic => memory.prefers_newton || is_constant,
-            Iteration::FixedPoint => false,
-        };
-        // Fresh factors in every iteration, or only where old ones contract too slowly.
-        let mut is_stale = !has_factors || iteration == Iteration::Newton;
-        let mut prefers_newton = true;
-        let mut last = f64::INFINITY;
-        // Whether that is of unknowns beyond rounding only.
-        let mut is_beyond = false;
-        let mut variation = f64::INFINITY;
-        for iterations in 1..=MOST_ITERATIONS {
-            let Memory { work, linear, factored, .. } = &mut *memory;
-            std::mem::swap(&mut work.correction, &mut work.previous);
-            self.residual(work);
-            let was_refreshed = newton && is_stale;
-            let mut stretch = 1.0;
-            if newton {
-                let Some(linear) = linear else { return Err(astray(iterations, last)) };
-                if is_stale {
-                    *factored = None;
-                    self.linearise(work, linear)?;
-                    *factored = is_constant.then_some(self.h);
-                }
-                is_stale = iteration == Iteration::Newton || matches!(linear, Linear::Krylov(_));
-                let before = largest(&work.correction);
-                self.correct(work, linear, FORCING)?;
-                stretch = before / largest(&work.correction);
-            }
-            let mut relative = subtract(&mut work.x, &work.correction);
-            if relative.is_nan() {
-                // A fixed point that diverges overflows in the end.
-                let diverges = iteration == Iteration::FixedPoint && (1.0..f64::INFINITY).contains(&last);
-                let not_converged = StepFailure::NotConverged { iterations, correction: last };
-                return Err(if diverges { not_converged } else { StepFailure::NonFinite });
-            }
-            let solved = Solved { iterations, prefers_newton: newton && prefers_newton };
-            let ratio = relative / last;
-            let predicts = last < f64::INFINITY && ratio < 0.5;
-            let is_enough = relative <= ROUNDING || (predicts && relative * ratio <= 0.25 * ROUNDING);
-            if is_enough && self.resolves(work, if predicts { ratio } else { 1.0 }) {
-                return Ok(solved);
-            }
-            // A guess claims to be near the solution.
-            let is_misled = newton && is_guess && iterations == 1 && relative >= 1.0;
-            let is_slow = last < f64::INFINITY && ratio > CONTRACTS;
-            let stagnates = is_slow && ratio > 0.5;
-            let mut settles = false;
-            // Far from the solution a fixed point that does not contract gives way to Newton's method anyway.
-            let is_final = newton || iteration == Iteration::FixedPoint || relative <= NEARLY_SOLVED;
-            if stagnates && is_final && !is_misled {
-                let beyond = self.beyond_rounding(memory);
-                if beyond == 0.0 {
-                    let before = std::mem::replace(&mut variation, self.variation(&memory.work));
-                    // Derivatives that a number carries converge after it.
-                    let vary = size_of::<S>() != size_of::<f64>() && variation < 0.5 * before;
-                    if !vary {
-                        return Ok(solved);
-                    }
-                }
-                // What is rounding may have been the larger part of the correction before.
-                settles = beyond < 0.5 * if is_beyond { last } else { last.max(relative) };
-                if settles {
-                    (is_beyond, relative) = (true, beyond);
-                }
-            }
-            // Fresh factors that do not halve the correction: the solution is not near.
-            if is_misled || (was_refreshed && stagnates && !settles) {
-                return Err(astray(iterations, relative));
-            }
-            if newton && iterations == 1 && iteration == Iteration::Automatic {
-                // Where `J` is about the identity the fixed point contracts as well.
-                prefers_newton = (stretch - 1.0).abs() > 0.5 * CONTRACTS;
-            }
-            last = relative;
-            let is_worth = stagnates || relative > NEARLY_SOLVED;
-            if is_slow && !settles && is_worth && iteration == Iteration::Automatic {
-                // Old factors, or none, do not contract.
-                if !newton && stagnates {
-                    memory.guess(known);
-                    last = f64::INFINITY;
-                }
-                (newton, is_stale, is_beyond) = (true, true, false);
+        let mut progress = self.begin(memory, known, pinned);
+        while progress.iterations < MOST_ITERATIONS {
+            progress.iterations += 1;
+            let taken = self.take(memory, &mut progress)?;
+            if self.is_solved(memory, &mut progress, &taken)? {
+                let prefers_newton = progress.is_newton && progress.prefers_newton;
+                return Ok(Solved { iterations: progress.iterations, prefers_newton });
             }
         }
-        Err(StepFailure::NotConverged { iterations: MOST_ITERATIONS, correction: last })
+        Err(StepFailure::NotConverged { iterations: MOST_ITERATIONS, correction: progress.last })
+    }
+
+    fn begin(&self, memory: &Memory<S>, known: u8, pinned: Iteration) -> Progress {
+        // A band that never changes is factored once.
+        let has_factors = self.scheme.is_linear && memory.factored == Some(self.h);
+        Progress {
+            iterations: 0,
+            known,
+            pinned,
+            is_newton: match pinned {
+                Iteration::Newton => true,
+                Iteration::Automatic => memory.prefers_newton || self.has_constant_band(memory),
+                Iteration::FixedPoint => false,
+            },
+            is_stale: !has_factors || pinned == Iteration::Newton,
+            prefers_newton: true,
+            last: f64::INFINITY,
+            is_beyond: false,
+            variation: f64::INFINITY,
+        }
+    }
+
+    fn has_constant_band(&self, memory: &Memory<S>) -> bool {
+        self.scheme.is_linear && matches!(memory.linear, Some(Linear::Band(_)))
+    }
+
+    /// Takes the correction of the fixed point, or Newton's.
+    fn take(&self, memory: &mut Memory<S>, progress: &mut Progress) -> Result<Taken, StepFailure> {
+        let is_constant = self.has_constant_band(memory);
+        let Memory { work, linear, factored, .. } = memory;
+        std::mem::swap(&mut work.correction, &mut work.previous);
+        self.residual(work);
+        let is_fresh = progress.is_newton && progress.is_stale;
+        let mut stretch = 1.0;
+        if progress.is_newton {
+            let Some(linear) = linear else { return Err(astray(progress.iterations, progress.last)) };
+            if is_fresh {
+                *factored = None;
+                self.linearise(work, linear)?;
+                *factored = is_constant.then_some(self.h);
+            }
+            progress.is_stale = progress.pinned == Iteration::Newton || matches!(linear, Linear::Krylov(_));
+            let before = largest(&work.correction);
+            self.correct(work, linear, FORCING)?;
+            stretch = before / largest(&work.correction);
+        }
+        let relative = subtract(&mut work.x, &work.correction);
+        if relative.is_nan() {
+            // A fixed point that diverges overflows in the end.
+            let (iterations, correction) = (progress.iterations, progress.last);
+            let diverges =
+                progress.pinned == Iteration::FixedPoint && (1.0..f64::INFINITY).contains(&correction);
+            let not_converged = StepFailure::NotConverged { iterations, correction };
+            return Err(if diverges { not_converged } else { StepFailure::NonFinite });
+        }
+        Ok(Taken { relative, stretch, is_fresh })
+    }
+
+    /// Whether no more corrections are needed; else how the next one is to be made.
+    ///
+    /// # Errors
+    /// If the solution is not near.
+    fn is_solved(
+        &self,
+        memory: &mut Memory<S>,
+        progress: &mut Progress,
+        taken: &Taken,
+    ) -> Result<bool, StepFailure> {
+        let Progress { iterations, known, pinned, is_newton, last, .. } = *progress;
+        let mut relative = taken.relative;
+        let ratio = relative / last;
+        let predicts = last < f64::INFINITY && ratio < 0.5;
+        let is_enough = relative <= ROUNDING || (predicts && relative * ratio <= 0.25 * ROUNDING);
+        if is_enough && self.resolves(&memory.work, if predicts { ratio } else { 1.0 }) {
+            return Ok(true);
+        }
+        // A guess claims to be near the solution.
+        let is_misled = is_newton && known > 0 && iterations == 1 && relative >= 1.0;
+        let is_slow = last < f64::INFINITY && ratio > CONTRACTS;
+        let stagnates = is_slow && ratio > 0.5;
+        // Far from the solution a fixed point that does not contract gives way to Newton's method anyway.
+        let is_final = is_newton || pinned == Iteration::FixedPoint || relative <= NEARLY_SOLVED;
+        let mut settles = false;
+        if stagnates && is_final && !is_misled {
+            let beyond = self.beyond_rounding(memory);
+            if beyond == 0.0 && !self.varies(memory, progress) {
+                return Ok(true);
+            }
+            // What is rounding may have been the larger part of the correction before.
+            settles = beyond < 0.5 * if progress.is_beyond { last } else { last.max(relative) };
+            if settles {
+                (progress.is_beyond, relative) = (true, beyond);
+            }
+        }
+        // Fresh factors that do not halve the correction: the solution is not near.
+        if is_misled || (taken.is_fresh && stagnates && !settles) {
+            return Err(astray(iterations, relative));
+        }
+        if is_newton && iterations == 1 && pinned == Iteration::Automatic {
+            // Where `J` is about the identity the fixed point contracts as well.
+            progress.prefers_newton = (taken.stretch - 1.0).abs() > 0.5 * CONTRACTS;
+        }
+        progress.last = relative;
+        let is_worth = stagnates || relative > NEARLY_SOLVED;
+        if is_slow && !settles && is_worth && pinned == Iteration::Automatic {
+            // Old factors, or none, do not contract.
+            if !is_newton && stagnates {
+                memory.guess(known);
+                progress.last = f64::INFINITY;
+            }
+            (progress.is_newton, progress.is_stale, progress.is_beyond) = (true, true, false);
+        }
+        Ok(false)
+    }
+
+    /// Whether derivatives that the unknowns carry, which converge after them, still do.
+    fn varies(&self, memory: &Memory<S>, progress: &mut Progress) -> bool {
+        let variation = self.variation(&memory.work);
+        let before = std::mem::replace(&mut progress.variation, variation);
+        size_of::<S>() != size_of::<f64>() && variation < 0.5 * before
     }
 
     /// Whether what is left of each correction, by the contraction of all and of its own unknown, is below the rounding of

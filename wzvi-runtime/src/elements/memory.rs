@@ -78,6 +78,7 @@ impl<S> Default for Work<S> {
 impl<S: Scalar> Work<S> {
     /// Scratch for the equations of a step of a system of so many degrees of freedom.
     pub(super) fn of_equations(scheme: &Scheme, degrees: usize) -> Self {
+        debug_assert!(!scheme.stages.is_empty(), "a discrete Lagrangian has a quadrature point");
         let zeros = |length: usize| vec![S::from_f64(0.0); length];
         let unknowns = match scheme.unknowns {
             Unknowns::None => 0,
