@@ -248,8 +248,10 @@ const _: () = {
                                 let __i1 = __low + __k as __wzvi::core::primitive::isize;
                                 let __l0 = __s0[__k];
                                 let __c = __at
-                                    .dw[((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
+                                    .increment(
+                                        ((__i1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                    );
                                 __b0 = __b0 + __l0 * __c * __a0;
                             }
                             __i1 += __len as __wzvi::core::primitive::isize;
@@ -350,8 +352,10 @@ const _: () = {
                                     let __i1 = __low + __k as __wzvi::core::primitive::isize;
                                     let __l0 = __s0[__k];
                                     let __c = __at
-                                        .dw[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)];
+                                        .increment(
+                                            ((__i1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                        );
                                     __b0[__k] = __b0[__k] + __c * __a0;
                                 }
                                 __i1 += __len as __wzvi::core::primitive::isize;

@@ -83,10 +83,18 @@ pub struct Point<'a, S> {
     pub t: f64,
     /// The increment of the drift.
     pub h: f64,
-    /// The increments of the noises.
+    /// The increments of the noises that act.
     pub dw: &'a [S],
-    /// The noises that act, of those that have an increment.
+    /// The numbers of the noises that act: all in a step, one where it is asked for.
     pub acting: Range<usize>,
+}
+
+impl<S: Copy> Point<'_, S> {
+    /// The increment of a noise that acts.
+    #[inline(always)]
+    pub fn increment(&self, noise: usize) -> S {
+        self.dw[noise - self.acting.start]
+    }
 }
 
 /// Second derivatives of a sum of elements, entry by entry. Pairs of different variables come once.

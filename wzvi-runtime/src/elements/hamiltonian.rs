@@ -29,8 +29,7 @@ pub fn evaluate<H: Elements, S: Scalar>(system: &H, term: usize, q: &[S], p: &[S
     if term > system.noises() || !fits(system, q, p) {
         return S::from_f64(f64::NAN);
     }
-    let dw = vec![S::from_f64(1.0); term];
-    let (part, acting) = part_of(term);
+    let (dw, (part, acting)) = ([S::from_f64(1.0)], part_of(term));
     system.value(part, 1.0, &Point { q, p, t, h: 1.0, dw: &dw, acting })
 }
 
@@ -50,8 +49,7 @@ pub fn differentiate<H: Elements, S: Scalar>(
     by_q.fill(start);
     by_p.fill(start);
     if is_known {
-        let dw = vec![S::from_f64(1.0); term];
-        let (part, acting) = part_of(term);
+        let (dw, (part, acting)) = ([S::from_f64(1.0)], part_of(term));
         system.slopes(part, 1.0, &Point { q, p, t, h: 1.0, dw: &dw, acting }, Slopes::ALL, by_q, by_p);
     }
 }

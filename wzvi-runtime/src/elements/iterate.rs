@@ -146,7 +146,7 @@ struct Solved {
 }
 
 /// Where the short way is.
-struct Progress {
+struct IterationState {
     iterations: u32,
     /// Past steps that make the start; 0 for zero.
     known: u8,
@@ -197,22 +197,22 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// From the guess in `memory`.
     fn iterate(&self, memory: &mut Memory<S>, known: u8, pinned: Iteration) -> Result<Solved, StepFailure> {
         memory.guess(known);
-        let mut progress = self.begin(memory, known, pinned);
-        while progress.iterations < MOST_ITERATIONS {
-            progress.iterations += 1;
-            let taken = self.take(memory, &mut progress)?;
-            if self.is_solved(memory, &mut progress, &taken)? {
-                let prefers_newton = progress.is_newton && progress.prefers_newton;
-                return Ok(Solved { iterations: progress.iterations, prefers_newton });
+        let mut iteration = self.begin(memory, known, pinned);
+        while iteration.iterations < MOST_ITERATIONS {
+            iteration.iterations += 1;
+            let taken = self.take(memory, &mut iteration)?;
+            if self.is_solved(memory, &mut iteration, &taken)? {
+                let prefers_newton = iteration.is_newton && iteration.prefers_newton;
+                return Ok(Solved { iterations: iteration.iterations, prefers_newton });
             }
         }
-        Err(StepFailure::NotConverged { iterations: MOST_ITERATIONS, correction: progress.last })
+        Err(StepFailure::NotConverged { iterations: MOST_ITERATIONS, correction: iteration.last })
     }
 
-    fn begin(&self, memory: &Memory<S>, known: u8, pinned: Iteration) -> Progress {
+    fn begin(&self, memory: &Memory<S>, known: u8, pinned: Iteration) -> IterationState {
         // A band that never changes is factored once.
         let has_factors = self.scheme.is_linear && memory.factored == Some(self.h);
-        Progress {
+        IterationState {
             iterations: 0,
             known,
             pinned,
@@ -234,21 +234,21 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// Takes the correction of the fixed point, or Newton's.
-    fn take(&self, memory: &mut Memory<S>, progress: &mut Progress) -> Result<Taken, StepFailure> {
+    fn take(&self, memory: &mut Memory<S>, iteration: &mut IterationState) -> Result<Taken, StepFailure> {
         let is_constant = self.has_constant_band(memory);
         let Memory { work, linear, factored, .. } = memory;
         std::mem::swap(&mut work.correction, &mut work.previous);
         self.residual(work);
-        let is_fresh = progress.is_newton && progress.is_stale;
+        let is_fresh = iteration.is_newton && iteration.is_stale;
         let mut stretch = 1.0;
-        if progress.is_newton {
-            let Some(linear) = linear else { return Err(astray(progress.iterations, progress.last)) };
+        if iteration.is_newton {
+            let Some(linear) = linear else { return Err(astray(iteration.iterations, iteration.last)) };
             if is_fresh {
                 *factored = None;
                 self.linearise(work, linear)?;
                 *factored = is_constant.then_some(self.h);
             }
-            progress.is_stale = progress.pinned == Iteration::Newton || matches!(linear, Linear::Krylov(_));
+            iteration.is_stale = iteration.pinned == Iteration::Newton || matches!(linear, Linear::Krylov(_));
             let before = largest(&work.correction);
             self.correct(work, linear, FORCING)?;
             stretch = before / largest(&work.correction);
@@ -256,9 +256,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let relative = subtract(&mut work.x, &work.correction);
         if relative.is_nan() {
             // A fixed point that diverges overflows in the end.
-            let (iterations, correction) = (progress.iterations, progress.last);
+            let (iterations, correction) = (iteration.iterations, iteration.last);
             let diverges =
-                progress.pinned == Iteration::FixedPoint && (1.0..f64::INFINITY).contains(&correction);
+                iteration.pinned == Iteration::FixedPoint && (1.0..f64::INFINITY).contains(&correction);
             let not_converged = StepFailure::NotConverged { iterations, correction };
             return Err(if diverges { not_converged } else { StepFailure::NonFinite });
         }
@@ -272,10 +272,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     fn is_solved(
         &self,
         memory: &mut Memory<S>,
-        progress: &mut Progress,
+        iteration: &mut IterationState,
         taken: &Taken,
     ) -> Result<bool, StepFailure> {
-        let Progress { iterations, known, pinned, is_newton, last, .. } = *progress;
+        let IterationState { iterations, known, pinned, is_newton, last, .. } = *iteration;
         let mut relative = taken.relative;
         let ratio = relative / last;
         let predicts = last < f64::INFINITY && ratio < 0.5;
@@ -292,13 +292,13 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let mut settles = false;
         if stagnates && is_final && !is_misled {
             let beyond = self.beyond_rounding(memory);
-            if beyond == 0.0 && !self.varies(memory, progress) {
+            if beyond == 0.0 && !self.varies(memory, iteration) {
                 return Ok(true);
             }
             // What is rounding may have been the larger part of the correction before.
-            settles = beyond < 0.5 * if progress.is_beyond { last } else { last.max(relative) };
+            settles = beyond < 0.5 * if iteration.is_beyond { last } else { last.max(relative) };
             if settles {
-                (progress.is_beyond, relative) = (true, beyond);
+                (iteration.is_beyond, relative) = (true, beyond);
             }
         }
         // Fresh factors that do not halve the correction: the solution is not near.
@@ -307,25 +307,25 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
         if is_newton && iterations == 1 && pinned == Iteration::Automatic {
             // Where `J` is about the identity the fixed point contracts as well.
-            progress.prefers_newton = (taken.stretch - 1.0).abs() > 0.5 * CONTRACTS;
+            iteration.prefers_newton = (taken.stretch - 1.0).abs() > 0.5 * CONTRACTS;
         }
-        progress.last = relative;
+        iteration.last = relative;
         let is_worth = stagnates || relative > NEARLY_SOLVED;
         if is_slow && !settles && is_worth && pinned == Iteration::Automatic {
             // Old factors, or none, do not contract.
             if !is_newton && stagnates {
                 memory.guess(known);
-                progress.last = f64::INFINITY;
+                iteration.last = f64::INFINITY;
             }
-            (progress.is_newton, progress.is_stale, progress.is_beyond) = (true, true, false);
+            (iteration.is_newton, iteration.is_stale, iteration.is_beyond) = (true, true, false);
         }
         Ok(false)
     }
 
     /// Whether derivatives that the unknowns carry, which converge after them, still do.
-    fn varies(&self, memory: &Memory<S>, progress: &mut Progress) -> bool {
+    fn varies(&self, memory: &Memory<S>, iteration: &mut IterationState) -> bool {
         let variation = self.variation(&memory.work);
-        let before = std::mem::replace(&mut progress.variation, variation);
+        let before = std::mem::replace(&mut iteration.variation, variation);
         size_of::<S>() != size_of::<f64>() && variation < 0.5 * before
     }
 

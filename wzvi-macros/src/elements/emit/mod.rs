@@ -360,7 +360,7 @@ fn weight(model: &System, part: &PartElements, Weighted { increments, .. }: &Wei
     let factor = part.is_weighted.then(|| quote!(*__weight));
     let increments = increments.iter().map(|number| {
         let position = indices.position(number);
-        quote!(__at.dw[#position])
+        quote!(__at.increment(#position))
     });
     match increments.reduce(|product, increment| quote!(#product * #increment)) {
         Some(product) => quote!(#product #factor),
