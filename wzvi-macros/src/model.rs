@@ -154,7 +154,7 @@ impl Element {
 /// A Hamiltonian.
 #[derive(Clone)]
 pub(crate) struct Term {
-    /// As the user wrote it, with a symbol for each sum.
+    /// As the user wrote it, with a symbol for each sum: until elements are made of it.
     pub(crate) expression: Expr,
     /// Each reads only coordinates, only momenta, or what cannot be parted: for derivatives.
     pub(crate) elements: Vec<Element>,

@@ -11,11 +11,12 @@ mod lanes;
 mod newton;
 
 pub use banded::{Banded, reverse_cuthill_mckee};
+pub(crate) use damped::{Problem, damped};
 pub use dense::{Factor, SymmetricFactor, prepared, reciprocal_above_one};
 pub use krylov::Krylov;
 pub use lanes::LaneByLane;
 pub use newton::{Block, Effort, Equations, Extrapolation};
-pub(crate) use newton::{Progress, Verdict, astray, larger};
+pub(crate) use newton::{astray, larger};
 
 use crate::error::StepFailure;
 use crate::scalar::Scalar;

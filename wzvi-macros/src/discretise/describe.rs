@@ -50,9 +50,9 @@ fn lagrangian(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
         let end = node.strip_suffix("_i").map_or_else(|| node.clone(), |name| format!("{name}_{{i+1}}"));
         line(text, format_args!("  {increment} = {end} - {node}"));
     }
-    for stage in symbols.stages.iter().filter(|stage| !stage.l.is_zero()) {
+    for stage in symbols.stages.iter().filter(|stage| !stage.at.l.is_zero()) {
         for (i, &point) in stage.q.iter().enumerate() {
-            let value = shifted(graph, symbols.q0[i], symbols.u[i], stage.l);
+            let value = shifted(graph, symbols.q0[i], symbols.u[i], stage.at.l);
             line(text, format_args!("  {} = {}", graph.symbol_name(point), graph.display(value)));
         }
     }

@@ -5,6 +5,7 @@ use quote::quote;
 
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
+use crate::discretise::quadrature::{Quadrature, Stage};
 use crate::elements::plan::Unknowns;
 use crate::emit::plan::Plan;
 use crate::emit::{embedding_type, f64_type};
@@ -34,16 +35,21 @@ pub(super) fn emit(
 ) -> TokenStream {
     let Road { items, plan, unknowns, is_linear, step, momentum } = road;
     let scheme = embedding_type(embedding, &quote!(__wzvi));
-    let (drift_l, noise_l) = embedding.quadrature();
-    let (drift_l, noise_l) = (drift_l.to_f64(), noise_l.to_f64());
-    let has_noise = !model.noise.is_empty();
-    let remembers = !has_noise && *unknowns != Unknowns::None;
+    let quadrature = Quadrature::new(facts, embedding);
+    let stages = quadrature.stages.iter().map(stage);
+    let update = match quadrature.momentum_update() {
+        Some(factor) => {
+            let factor = factor.to_f64();
+            quote!(Multiple(#factor))
+        }
+        None => quote!(Slopes),
+    };
+    let remembers = model.noise.is_empty() && *unknowns != Unknowns::None;
     let unknowns = match unknowns {
         Unknowns::None => quote!(None),
         Unknowns::Momenta => quote!(Momenta),
         Unknowns::Both => quote!(Both),
     };
-    let counter = if facts.counter_of(embedding).is_empty() { 0.0 } else { 0.5 - noise_l };
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let f64 = f64_type();
@@ -51,13 +57,11 @@ pub(super) fn emit(
     quote! {
         const _: () = {
             const __SCHEME: #elements::Scheme = #elements::Scheme {
-                drift_l: #drift_l,
-                noise_l: #noise_l,
-                counter: #counter,
+                stages: &[#(#stages),*],
+                update: #elements::MomentumUpdate::#update,
                 unknowns: #elements::Unknowns::#unknowns,
                 remembers: #remembers,
                 is_linear: #is_linear,
-                has_noise: #has_noise,
             };
 
             #items
@@ -101,6 +105,18 @@ pub(super) fn emit(
                 }
             }
         };
+    }
+}
+
+/// A quadrature point, as the run time reads it.
+fn stage(stage: &Stage) -> TokenStream {
+    let (point, start, end) = (stage.l.to_f64(), stage.start().to_f64(), stage.end().to_f64());
+    let parts = stage.parts.iter().map(|&(part, weight)| {
+        let (number, weight) = (part as usize, weight.to_f64());
+        quote!((#number, #weight))
+    });
+    quote! {
+        __wzvi::elements::Stage { point: #point, start: #start, end: #end, parts: &[#(#parts),*] }
     }
 }
 
@@ -158,7 +174,7 @@ pub(super) fn sweep(
         unknowns,
         is_linear,
         step,
-        momentum: quote!(#elements::step_momentum(self, &__SCHEME, __before, __h, __dw)),
+        momentum: quote!(#elements::step_momentum(self, &__SCHEME, __before, __after, __h, __dw)),
     }
 }
 

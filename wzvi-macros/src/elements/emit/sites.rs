@@ -145,7 +145,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
     };
     let momentum = match momentum_factors {
         Some(factors) => quote!(#sites::step_momentum(&__before.p, &__after.p, [#(#factors),*])),
-        None => quote!(__wzvi::elements::step_momentum(self, &__SCHEME, __before, __h, __dw)),
+        None => quote!(__wzvi::elements::step_momentum(self, &__SCHEME, __before, __after, __h, __dw)),
     };
     Road {
         items,
