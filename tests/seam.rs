@@ -3,5 +3,5 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps says what it expects")]
 
-#[path = "seam/values.rs"]
-mod values;
+#[path = "seam/sizes.rs"]
+mod sizes;

@@ -1,0 +1,336 @@
+//! The same closures where the size is a literal, a const generic or that of a slice, from one site to many.
+
+use wzvi::plan::Knowledge;
+use wzvi::prelude::*;
+use wzvi::scalar::Rounded;
+use wzvi::state::Vector;
+
+/// Oscillators whose frequencies diffuse: sites that are not coupled.
+macro_rules! kubo {
+    ($name:ident, [$($generics:tt)*], $state:ty, $count:expr) => {
+        #[hamiltonian(
+            drift = |q: $state, p: $state| (0..q.len()).map(|i| 0.5 * a * (q[i] * q[i] + p[i] * p[i])).sum::<f64>(),
+            noise = [|q, p, k| 0.5 * s * (q[k] * q[k] + p[k] * p[k]); $count],
+            embedding = [Midpoint],
+            invariant = |q, p| q.iter().zip(p.iter()).map(|(q, p)| q * q + p * p).sum::<f64>(),
+        )]
+        pub(super) struct $name$($generics)* {
+            a: f64,
+            s: f64,
+            #[allow(dead_code, reason = "only slices ask for it")]
+            sites: usize,
+        }
+    };
+}
+
+/// A Fermi-Pasta chain between walls.
+macro_rules! chain {
+    ($name:ident, [$($generics:tt)*], $state:ty, $count:expr) => {
+        #[hamiltonian(
+            drift = |q: $state, p: $state| {
+                let v = |d: f64| 0.5 * d * d + 0.25 * a * d.powi(4);
+                let n = q.len();
+                p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+                    + (1..n).map(|i| v(q[i] - q[i - 1])).sum::<f64>()
+                    + v(q[0]) + v(q[n - 1])
+            },
+            embedding = [DeltaPlus, Midpoint],
+        )]
+        pub(super) struct $name$($generics)* {
+            a: f64,
+            #[allow(dead_code, reason = "others read it")]
+            s: f64,
+            #[allow(dead_code, reason = "others read it")]
+            sites: usize,
+        }
+    };
+}
+
+/// Every site repels every other one.
+macro_rules! pairs {
+    ($name:ident, [$($generics:tt)*], $state:ty, $count:expr) => {
+        #[hamiltonian(
+            drift = |q: $state, p: $state| {
+                let n = q.len();
+                (0..n).map(|i| 0.5 * (p[i] * p[i] + q[i] * q[i])).sum::<f64>()
+                    + (0..n).map(|i| (0..i).map(|j| a / (1.0 + (q[i] - q[j]).powi(2))).sum::<f64>()).sum::<f64>()
+            },
+            embedding = [DeltaPlus, Midpoint],
+        )]
+        pub(super) struct $name$($generics)* {
+            a: f64,
+            #[allow(dead_code, reason = "others read it")]
+            s: f64,
+            #[allow(dead_code, reason = "others read it")]
+            sites: usize,
+        }
+    };
+}
+
+/// A chain of which every site is pushed.
+macro_rules! pushed {
+    ($name:ident, [$($generics:tt)*], $state:ty, $count:expr) => {
+        #[hamiltonian(
+            drift = |q: $state, p: $state| {
+                (0..q.len()).map(|i| 0.5 * p[i] * p[i] + 0.25 * q[i].powi(4)).sum::<f64>()
+                    + (1..q.len()).map(|i| 0.5 * a * (q[i] - q[i - 1]).powi(2)).sum::<f64>()
+            },
+            noise = [|q, p, k| s * q[k]; $count],
+            embedding = [DeltaPlus, Midpoint],
+        )]
+        pub(super) struct $name$($generics)* {
+            a: f64,
+            s: f64,
+            #[allow(dead_code, reason = "only slices ask for it")]
+            sites: usize,
+        }
+    };
+}
+
+/// Every spelling of a system.
+macro_rules! spellings {
+    ($($system:ident),*) => {$(
+        mod $system {
+            use wzvi::prelude::*;
+            $system!(Slices, [], &[f64], sites);
+            $system!(Generic, [<const N: usize>], [f64; N], N);
+            $system!(Sites1, [], [f64; 1], 1);
+            $system!(Sites2, [], [f64; 2], 2);
+            $system!(Sites3, [], [f64; 3], 3);
+            $system!(Sites8, [], [f64; 8], 8);
+            $system!(Sites15, [], [f64; 15], 15);
+            $system!(Sites16, [], [f64; 16], 16);
+            $system!(Sites17, [], [f64; 17], 17);
+            $system!(Sites18, [], [f64; 18], 18);
+            $system!(Sites64, [], [f64; 64], 64);
+
+            pub(super) fn check<E>(plan: Plan, is_alone_special: bool)
+            where
+                Slices: super::Driven<E>,
+                Generic<1>: Discretized<E>, Sites1: Discretized<E>,
+                Generic<2>: Discretized<E>, Sites2: Discretized<E>,
+                Generic<3>: Discretized<E>, Sites3: Discretized<E>,
+                Generic<8>: Discretized<E>, Sites8: Discretized<E>,
+                Generic<15>: Discretized<E>, Sites15: Discretized<E>,
+                Generic<16>: Discretized<E>, Sites16: Discretized<E>,
+                Generic<17>: Discretized<E>, Sites17: Discretized<E>,
+                Generic<18>: Discretized<E>, Sites18: Discretized<E>,
+                Generic<64>: Discretized<E>, Sites64: Discretized<E>,
+            {
+                let name = stringify!($system);
+                spellings!(@size name, plan, is_alone_special, E, Sites1 1, Sites2 2, Sites3 3, Sites8 8, Sites15 15,
+                    Sites16 16, Sites17 17, Sites18 18, Sites64 64);
+            }
+
+            /// In lanes, beside paths of slices.
+            #[allow(dead_code, reason = "where there is noise")]
+            pub(super) fn check_ensembles<E>()
+            where
+                Slices: super::Driven<E>,
+                Generic<17>: super::Driven<E>,
+                Sites3: super::Driven<E>,
+                Sites16: super::Driven<E>,
+                Sites17: super::Driven<E>,
+            {
+                let (a, s, name) = (0.7, 0.4, stringify!($system));
+                for sites in [1, 2, 3, 8, 15, 16, 17, 18, 64] {
+                    let slices = Slices { a, s, sites };
+                    let check = super::Ensemble::<E, _>::new(name, &slices, sites);
+                    match sites {
+                        3 => check.other(&Sites3 { a, s, sites }, "literal"),
+                        16 => check.other(&Sites16 { a, s, sites }, "literal"),
+                        17 => {
+                            check.other(&Sites17 { a, s, sites }, "literal");
+                            check.other(&Generic::<17> { a, s, sites }, "const generic");
+                        }
+                        _ => {}
+                    }
+                }
+            }
+        }
+    )*};
+    (@size $name:ident, $plan:ident, $special:ident, $scheme:ty, $($literal:ident $sites:literal),*) => {$(
+        {
+            let (a, s, sites) = (0.7, 0.4, $sites);
+            let literal = $literal { a, s, sites };
+            let generic = Generic::<$sites> { a, s, sites };
+            let slices = Slices { a, s, sites };
+            let plan = if $special && sites == 1 { None } else { Some($plan) };
+            let check = super::Comparison::<$scheme>::new($name, &slices, sites);
+            check.plan::<$literal>(plan, "literal");
+            check.plan::<Generic<$sites>>(plan, "const generic");
+            check.plan::<Slices>(plan, "slice");
+            check.other(&literal, "literal");
+            check.other(&generic, "const generic");
+        }
+    )*};
+}
+
+spellings!(kubo, chain, pairs, pushed);
+
+/// A system with a scheme that ensembles run.
+trait Driven<E>: Discretized<E, Vector: Send + Sync, Prepared: Send + Sync> + Sync {}
+impl<E, H: Discretized<E, Vector: Send + Sync, Prepared: Send + Sync> + Sync> Driven<E> for H {}
+
+const H: f64 = 0.05;
+const STEPS: usize = 20;
+const PATHS: u64 = 37;
+
+/// A path of slices, to which the other spellings are compared.
+struct Comparison<E> {
+    name: String,
+    sites: usize,
+    path: Vec<f64>,
+    /// What rounding may have done to it.
+    bound: f64,
+    scheme: std::marker::PhantomData<E>,
+}
+
+impl<E> Comparison<E> {
+    fn new<H: Discretized<E>>(name: &str, slices: &H, sites: usize) -> Self {
+        let name = format!("{sites} sites of {name}, {}", std::any::type_name::<E>());
+        let (path, bound) = (path::<E, H>(slices, sites), bound::<E, H>(slices, sites));
+        Self { name, sites, path, bound, scheme: std::marker::PhantomData }
+    }
+
+    /// What is known of the scheme; `expected` where it is the same at every size.
+    fn plan<H: Discretized<E>>(&self, expected: Option<Plan>, spelling: &str) {
+        let (plan, name) = (H::PLAN, &self.name);
+        if let Some(expected) = expected {
+            assert_eq!(plan.solver, expected.solver, "{name}, {spelling}");
+            assert_eq!(plan.conserves_energy, expected.conserves_energy, "{name}, {spelling}");
+            assert_eq!(plan.noise, expected.noise, "{name}, {spelling}");
+            assert_eq!(plan.commuting, expected.commuting, "{name}, {spelling}");
+            assert_eq!(plan.consistent, expected.consistent, "{name}, {spelling}");
+            // `usize::MAX` stands for as many for each site as there are.
+            let expected = match expected.unknowns {
+                usize::MAX if plan.unknowns != usize::MAX => self.sites,
+                unknowns => unknowns,
+            };
+            assert_eq!(plan.unknowns, expected, "{name}, {spelling}");
+        }
+    }
+
+    fn other<H: Discretized<E>>(&self, other: &H, spelling: &str) {
+        let (name, bound) = (&self.name, self.bound);
+        for (a, b) in self.path.iter().zip(path::<E, H>(other, self.sites)) {
+            let apart = (a - b).abs();
+            assert!(apart <= 2.0 * bound, "{name}, {spelling}: {a} {b} are {apart:.1e} apart, {bound:.1e}");
+        }
+    }
+}
+
+/// The same of an ensemble.
+struct Ensemble<E, H> {
+    comparison: Comparison<E>,
+    means: Vec<f64>,
+    system: std::marker::PhantomData<H>,
+}
+
+impl<E, H: Driven<E>> Ensemble<E, H> {
+    fn new(name: &str, slices: &H, sites: usize) -> Self {
+        assert!(H::IN_LANES, "{name}, slices");
+        let (comparison, means) = (Comparison::new(name, slices, sites), means::<E, H>(slices, sites));
+        Self { comparison, means, system: std::marker::PhantomData }
+    }
+
+    fn other<O: Driven<E>>(&self, other: &O, spelling: &str) {
+        let Comparison { name, sites, bound, .. } = &self.comparison;
+        assert!(O::IN_LANES, "{name}, {spelling}");
+        for (a, b) in self.means.iter().zip(means::<E, O>(other, *sites)) {
+            assert!((a - b).abs() <= 2.0 * bound, "{name}, {spelling}: means {a} {b}, {bound:.1e}");
+        }
+    }
+}
+
+fn wave(n: usize, phase: f64) -> impl Iterator<Item = f64> {
+    (0..n).map(move |i| (1.3 * i as f64 + phase).sin())
+}
+
+fn start<V: Vector>(n: usize) -> State<V> {
+    let mut state = State { q: V::zeros(n), p: V::zeros(n), t: 0.0 };
+    state.q.components_mut().iter_mut().zip(wave(n, 0.2)).for_each(|(to, from)| *to = from);
+    state.p.components_mut().iter_mut().zip(wave(n, 1.1)).for_each(|(to, from)| *to = from);
+    state
+}
+
+fn increments(processes: usize, step: usize) -> Vec<f64> {
+    wave(processes, step as f64).map(|dw| H.sqrt() * dw).collect()
+}
+
+/// The end of a path with given increments.
+fn path<E, H: Discretized<E>>(system: &H, sites: usize) -> Vec<f64> {
+    let mut stepper = system.stepper::<E>(H).unwrap().plain();
+    let mut state = start::<H::Vector>(sites);
+    for step in 0..STEPS {
+        stepper.step(&mut state, &increments(system.noises(), step)).unwrap();
+    }
+    state.q.components().iter().chain(state.p.components()).copied().collect()
+}
+
+/// What rounding may have done to it: in each step what it does to one from there ([`Rounded`]), and what was done
+/// before, which grows by less than half in a step.
+fn bound<E, H: Discretized<E>>(system: &H, sites: usize) -> f64 {
+    let prepared = system.prepare(H).unwrap();
+    let state = start::<H::Vector>(sites);
+    let exact = |numbers: &[f64]| numbers.iter().copied().map(Rounded::exact).collect::<Vec<_>>();
+    let [mut q, mut p] = [exact(state.q.components()), exact(state.p.components())];
+    let mut bound = 0.0_f64;
+    for step in 0..STEPS {
+        let dw = exact(&increments(system.noises(), step));
+        for number in q.iter_mut().chain(&mut p) {
+            number.error = 0.0;
+        }
+        let t = step as f64 * H;
+        system.advance(&prepared, t, H, &mut q, &mut p, &dw, &mut Default::default()).unwrap();
+        bound = 1.5 * bound + q.iter().chain(&p).fold(0.0, |most, x| x.error.max(most));
+    }
+    bound
+}
+
+/// Means over an ensemble at its end: paths are known by their numbers, whatever runs them.
+fn means<E, H: Driven<E>>(system: &H, sites: usize) -> Vec<f64> {
+    let last = sites - 1;
+    let run = system.ensemble::<E>(H).start(start(sites)).paths(PATHS).steps(STEPS as u64).threads(1);
+    let run = if system.noises() > 0 { run.seed(5) } else { run };
+    let run = run
+        .observe("q", move |state| state.q.components()[last])
+        .observe("p", |state| state.p.components()[0])
+        .run()
+        .unwrap();
+    vec![run.mean("q").unwrap(), run.mean("p").unwrap()]
+}
+
+fn plan(solver: Solver, unknowns: usize, noise: NoiseClass, conserves_energy: Knowledge) -> Plan {
+    Plan { solver, unknowns, noise, consistent: true, conserves_energy, commuting: Knowledge::Proven }
+}
+
+#[test]
+fn sites_that_are_not_coupled() {
+    kubo::check::<Midpoint>(plan(Solver::Linear, 1, NoiseClass::Multiplicative, Knowledge::Proven), false);
+    kubo::check_ensembles::<Midpoint>();
+}
+
+#[test]
+fn a_chain() {
+    chain::check::<DeltaPlus>(plan(Solver::Explicit, 0, NoiseClass::None, Knowledge::Proven), false);
+    let all = usize::MAX;
+    chain::check::<Midpoint>(plan(Solver::Newton, all, NoiseClass::None, Knowledge::Proven), false);
+}
+
+#[test]
+fn all_pairs() {
+    // A site alone is an oscillator.
+    pairs::check::<DeltaPlus>(plan(Solver::Explicit, 0, NoiseClass::None, Knowledge::Proven), true);
+    let all = usize::MAX;
+    pairs::check::<Midpoint>(plan(Solver::Newton, all, NoiseClass::None, Knowledge::Proven), true);
+}
+
+#[test]
+fn additive_noise() {
+    pushed::check::<DeltaPlus>(plan(Solver::Explicit, 0, NoiseClass::Additive, Knowledge::Refuted), false);
+    let all = usize::MAX;
+    pushed::check::<Midpoint>(plan(Solver::Newton, all, NoiseClass::Additive, Knowledge::Refuted), false);
+    pushed::check_ensembles::<DeltaPlus>();
+    pushed::check_ensembles::<Midpoint>();
+}
