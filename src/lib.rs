@@ -74,8 +74,8 @@ pub use wzvi_runtime::noise;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
-    calculus, elements, embedding, error, increments, integrate, numbers, plan, retry, scalar, simulate,
-    state, step, system, trajectory,
+    calculus, elements, embedding, error, increments, integrate, memory, numbers, plan, retry, scalar,
+    simulate, state, step, system, trajectory,
 };
 #[cfg(feature = "ensemble")]
 pub use wzvi_runtime::{ensemble, lanes};

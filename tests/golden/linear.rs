@@ -223,6 +223,7 @@ const _: () = {
             const PLAN: __wzvi::Plan = __wzvi::Plan {
                 solver: __wzvi::Solver::Linear,
                 unknowns: 2usize,
+                order: 2u32,
                 noise: __wzvi::NoiseClass::None,
                 consistent: true,
                 conserves_energy: __wzvi::Knowledge::Proven,

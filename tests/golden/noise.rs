@@ -244,6 +244,7 @@ const _: () = {
             const PLAN: __wzvi::Plan = __wzvi::Plan {
                 solver: __wzvi::Solver::Linear,
                 unknowns: 1usize,
+                order: 2u32,
                 noise: __wzvi::NoiseClass::Multiplicative,
                 consistent: true,
                 conserves_energy: __wzvi::Knowledge::Proven,
@@ -405,6 +406,7 @@ const _: () = {
             const PLAN: __wzvi::Plan = __wzvi::Plan {
                 solver: __wzvi::Solver::Explicit,
                 unknowns: 0usize,
+                order: 1u32,
                 noise: __wzvi::NoiseClass::Multiplicative,
                 consistent: false,
                 conserves_energy: __wzvi::Knowledge::Proven,

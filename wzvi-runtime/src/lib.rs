@@ -19,6 +19,7 @@ mod interrupt;
 mod interrupt;
 #[cfg(feature = "ensemble")]
 pub mod lanes;
+pub mod memory;
 #[cfg(any(feature = "ensemble", feature = "serde"))]
 mod names;
 #[cfg(feature = "noise")]

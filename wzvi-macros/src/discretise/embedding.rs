@@ -49,6 +49,11 @@ impl Embedding {
         }
     }
 
+    /// The order in `h` without noise.
+    pub(crate) fn order(&self) -> u32 {
+        if self.quadrature().0 == Rational::HALF { 2 } else { 1 }
+    }
+
     pub(crate) fn correction(&self) -> Correction {
         match self {
             Self::Corrected(_) => Correction::Corrected,
