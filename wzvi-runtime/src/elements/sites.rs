@@ -61,15 +61,16 @@ pub struct Memory<S, M, P> {
     /// What the steps before left at each site, and the same before this step.
     sites: Vec<M>,
     saved: Vec<M>,
-    /// What is prepared for each site, where the making of the stepper could not, and for which step size.
+    /// What is prepared for each site, where the making of the stepper could not, and for which step size and how many
+    /// sites.
     prepared: Vec<P>,
-    h: f64,
+    prepared_for: Option<(f64, usize)>,
 }
 
 impl<S, M, P> Default for Memory<S, M, P> {
     fn default() -> Self {
         let next = std::array::from_fn(|_| Vec::new());
-        Self { next, sites: Vec::new(), saved: Vec::new(), prepared: Vec::new(), h: 0.0 }
+        Self { next, sites: Vec::new(), saved: Vec::new(), prepared: Vec::new(), prepared_for: None }
     }
 }
 
@@ -104,8 +105,10 @@ where
 ///
 /// # Errors
 /// [`StepFailure`] of the first site that has one, or where sizes do not fit.
+///
+/// Inlined, so that the step of a site is compiled for the vector instructions of whoever runs paths in lanes.
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
-#[inline]
+#[inline(always)]
 pub fn advance<H, E, S, C, const CAREFUL: bool, const D: usize, const K: usize>(
     system: &H,
     prepared: &Prepared<H::SitePrepared>,
@@ -132,16 +135,11 @@ where
     if dw.len() != system.noises() {
         return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
     }
-    let sites = memory.sites.len();
-    if prepared.0.is_empty() && (memory.h != h || memory.prepared.len() != sites) {
-        let fresh = (0..sites).map(|site| system.prepare_site(h, site, sites)).collect::<Result<_, _>>();
-        memory.prepared = fresh.map_err(|error| match error {
-            ConfigError::Singular { pivot, scale, .. } => StepFailure::Singular { pivot, scale },
-            _ => StepFailure::NonFinite,
-        })?;
-        memory.h = h;
+    if prepared.0.is_empty() && memory.prepared_for != Some((h, memory.sites.len())) {
+        prepare_by_state::<H, E, _, _, D, K>(system, h, memory)?;
     }
-    let remembers = size_of::<H::SiteMemory<S>>() != 0;
+    // Where increments decide, the steps before are a guide only to a solution that is followed along its step.
+    let remembers = size_of::<H::SiteMemory<S>>() != 0 && (K == 0 || CAREFUL);
     if remembers {
         memory.saved.clone_from(&memory.sites);
     }
@@ -150,11 +148,35 @@ where
         let [next_q, next_p, lost_q, lost_p] = &memory.next;
         q.copy_from_slice(next_q);
         p.copy_from_slice(next_p);
-        carry.keep(lost_q, lost_p);
+        if C::CARRIES {
+            carry.keep(lost_q, lost_p);
+        }
     } else if remembers {
         std::mem::swap(&mut memory.saved, &mut memory.sites);
     }
     solved
+}
+
+/// [`prepare`], where only the state knows how many sites there are.
+#[cold]
+#[inline(never)]
+fn prepare_by_state<H, E, S, M, const D: usize, const K: usize>(
+    system: &H,
+    h: f64,
+    memory: &mut Memory<S, M, H::SitePrepared>,
+) -> Result<(), StepFailure>
+where
+    H: Sites<E, D, K>,
+{
+    let sites = memory.sites.len();
+    let prepared = if H::IS_UNIFORM { sites.min(1) } else { sites };
+    let fresh = (0..prepared).map(|site| system.prepare_site(h, site, sites)).collect::<Result<_, _>>();
+    memory.prepared = fresh.map_err(|error| match error {
+        ConfigError::Singular { pivot, scale, .. } => StepFailure::Singular { pivot, scale },
+        _ => StepFailure::NonFinite,
+    })?;
+    memory.prepared_for = Some((h, sites));
+    Ok(())
 }
 
 /// Every site, into `memory.next`.
@@ -200,8 +222,10 @@ where
             H::solve_site::<S, C::Part<D>, CAREFUL>(prepared, t, h, q, p, own_dw, memory, &own_carry)?;
         effort = effort + solved.effort;
         for i in 0..D {
-            (next_q[i], lost_q[i]) = solved.q[i];
-            (next_p[i], lost_p[i]) = solved.p[i];
+            (next_q[i], next_p[i]) = (solved.q[i].0, solved.p[i].0);
+            if C::CARRIES {
+                (lost_q[i], lost_p[i]) = (solved.q[i].1, solved.p[i].1);
+            }
         }
     }
     Ok(effort)

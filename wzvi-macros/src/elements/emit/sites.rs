@@ -123,6 +123,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
             #sites::prepare::<_, #embedding, #degrees, #noises>(self, __h)
         }
 
+        #[inline(always)]
         fn advance_carrying<
             __S: __wzvi::Scalar,
             __C: __wzvi::Carry<__S>,
@@ -152,6 +153,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
         plan: step::plan(facts, scheme),
         unknowns: Unknowns::Both,
         is_linear: false,
+        in_lanes: !system.noise.is_empty(),
         step,
         momentum,
     }
