@@ -3,5 +3,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps says what it expects")]
 
+#[macro_use]
+#[path = "seam/closures.rs"]
+mod closures;
 #[path = "seam/sizes.rs"]
 mod sizes;

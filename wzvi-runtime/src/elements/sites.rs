@@ -263,8 +263,11 @@ impl<S: Scalar, M: Clone + Debug + Default + Numbers, P: Clone + Debug> StepMemo
     fn adopt(&mut self, left: Self) {
         if self.next[0].is_empty() {
             *self = left;
-        } else {
+        } else if self.sites.len() == left.sites.len() {
             self.sites = left.sites;
+        } else {
+            // A solution that was followed along its step leaves nothing.
+            self.forget();
         }
     }
 }
