@@ -90,15 +90,16 @@ macro_rules! spellings {
         fn cases() -> Vec<Case> {
             let mut cases = Vec::new();
             $($(
-                spellings!(@sizes cases, $system, $scheme, ($($lanes)?), Sites1 1, Sites2 2, Sites3 3, Sites8 8, Sites15 15, Sites16 16, Sites17 17, Sites18 18, Sites64 64);
+                spellings!(@sizes cases, $system, $scheme, ($($lanes)?), Sites1 1 alone, Sites2 2 alone, Sites3 3 alone,
+                    Sites8 8 alone, Sites15 15 alone, Sites16 16 lanes, Sites17 17 lanes, Sites18 18 alone, Sites64 64 alone);
             )*)*
             cases
         }
     };
-    (@sizes $cases:ident, $system:ident, $scheme:ident, $lanes:tt, $($literal:ident $sites:literal),*) => {$(
-        spellings!(@case $cases, $system, $scheme, $lanes, "literal", $sites, [$system::$literal]);
-        spellings!(@case $cases, $system, $scheme, (), "generic", $sites, [$system::Generic::<$sites>]);
-        spellings!(@case $cases, $system, $scheme, $lanes, "slice", $sites, [$system::Slices]);
+    (@sizes $cases:ident, $system:ident, $scheme:ident, $lanes:tt, $($literal:ident $sites:literal $literals:ident),*) => {$(
+        spellings!(@case $cases, $system, $scheme, ($lanes $literals), "literal", $sites, [$system::$literal]);
+        spellings!(@case $cases, $system, $scheme, ($lanes alone), "generic", $sites, [$system::Generic::<$sites>]);
+        spellings!(@case $cases, $system, $scheme, ($lanes lanes), "slice", $sites, [$system::Slices]);
     )*};
     (@case $cases:ident, $system:ident, $scheme:ident, $lanes:tt, $spelling:literal, $sites:literal, [$($type:tt)*]) => {{
         $cases.push(Case {
@@ -112,8 +113,9 @@ macro_rules! spellings {
             ensemble: spellings!(@ensemble $scheme, [$($type)*], $lanes),
         });
     }};
-    (@ensemble $scheme:ident, [$($type:tt)*], ()) => { None };
-    (@ensemble $scheme:ident, [$($type:tt)*], (lanes)) => {
+    (@ensemble $scheme:ident, [$($type:tt)*], ($lanes:tt alone)) => { None };
+    (@ensemble $scheme:ident, [$($type:tt)*], (() lanes)) => { None };
+    (@ensemble $scheme:ident, [$($type:tt)*], ((lanes) lanes)) => {
         Some(|sites, paths, steps| {
             let (a, s) = (black_box(0.7), black_box(0.4));
             ensemble::<$scheme, _>(&$($type)* { a, s, sites }, sites, paths, steps)

@@ -3,8 +3,9 @@
 use std::fmt::Debug;
 
 use super::Elements;
-use crate::carry::Carry;
+use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepFailure};
+use crate::lanes::Lanes;
 use crate::memory::StepMemory;
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
@@ -16,6 +17,10 @@ use crate::system::Solution;
 pub trait Sites<E, const D: usize, const K: usize>: Elements {
     /// Whether what is prepared is the same for all sites.
     const IS_UNIFORM: bool;
+
+    /// Whether the step of a site is arithmetic alone, and keeps nothing for the next: numbers beside each other then go
+    /// bit for bit as each goes alone.
+    const IS_EXACT_IN_LANES: bool;
 
     /// What depends on the system, the site and the step size only.
     type SitePrepared: Clone + Debug;
@@ -179,6 +184,9 @@ where
     Ok(())
 }
 
+/// Sites that are solved beside each other: two registers of the oldest vector instructions.
+const BESIDE: usize = 4;
+
 /// Every site, into `memory.next`.
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
@@ -198,37 +206,99 @@ where
     S: Scalar,
     C: Carry<S>,
 {
-    let Memory { next, sites, prepared: own, .. } = memory;
-    let count = sites.len();
+    let Memory { next, sites: memories, prepared: own, .. } = memory;
+    let count = memories.len();
     let prepared = if prepared.0.is_empty() { &own[..] } else { &prepared.0[..] };
     let [next_q, next_p, lost_q, lost_p] = next.each_mut().map(|list| list.as_chunks_mut::<D>().0);
-    let nodes = q.as_chunks::<D>().0.iter().zip(p.as_chunks::<D>().0);
-    let next = next_q.iter_mut().zip(next_p).zip(lost_q.iter_mut().zip(lost_p));
+    let (q, p) = (q.as_chunks::<D>().0, p.as_chunks::<D>().0);
+    let (q, p, next_q, next_p) = (&q[..count], &p[..count], &mut next_q[..count], &mut next_p[..count]);
     let mut effort = Effort::fast(0);
-    for (site, (((&q, &p), memory), ((next_q, next_p), (lost_q, lost_p)))) in
-        nodes.zip(sites).zip(next).enumerate()
-    {
-        let prepared = if H::IS_UNIFORM { prepared.first() } else { prepared.get(site) };
-        let Some(prepared) = prepared else { return Err(StepFailure::NonFinite) };
-        let mut own_dw = [S::from_f64(0.0); K];
-        for (own, number) in own_dw.iter_mut().zip(system.increments(site, count)) {
-            if let Some(number) = number {
-                let wrong = StepFailure::Increments { expected: number + 1, got: dw.len() };
-                *own = *dw.get(number).ok_or(wrong)?;
+    let mut site = 0;
+    if size_of::<S>() == size_of::<f64>() && H::IS_EXACT_IN_LANES && H::IS_UNIFORM && !C::CARRIES {
+        let Some(prepared) = prepared.first() else { return Err(StepFailure::NonFinite) };
+        while site + BESIDE <= count {
+            let beside = |list: &[[S; D]]| -> [Lanes<BESIDE>; D] {
+                let mut lanes = [Lanes::from_f64(0.0); D];
+                for lane in 0..BESIDE {
+                    for i in 0..D {
+                        lanes[i].set(lane, list[lane][i].lane(0));
+                    }
+                }
+                lanes
+            };
+            let mut own_dw = [Lanes::from_f64(0.0); K];
+            for lane in 0..BESIDE {
+                let increments = increments_at::<H, E, S, D, K>(system, site + lane, count, dw)?;
+                for k in 0..K {
+                    own_dw[k].set(lane, increments[k].lane(0));
+                }
             }
-        }
-        let own_carry = carry.part::<D>(site * D);
-        let solved =
-            H::solve_site::<S, C::Part<D>, CAREFUL>(prepared, t, h, q, p, own_dw, memory, &own_carry)?;
-        effort = effort + solved.effort;
-        for i in 0..D {
-            (next_q[i], next_p[i]) = (solved.q[i].0, solved.p[i].0);
-            if C::CARRIES {
-                (lost_q[i], lost_p[i]) = (solved.q[i].1, solved.p[i].1);
+            let both = [&q[site..site + BESIDE], &p[site..site + BESIDE]].map(beside);
+            let solved = H::solve_site::<Lanes<BESIDE>, Plain, CAREFUL>(
+                prepared,
+                t,
+                h,
+                both[0],
+                both[1],
+                own_dw,
+                &mut Default::default(),
+                &Plain,
+            );
+            // Which site it is, and why, is found out by each of them alone.
+            let Ok(solved) = solved else { break };
+            for lane in 0..BESIDE {
+                for i in 0..D {
+                    next_q[site + lane][i] = S::from_f64(solved.q[i].0[lane]);
+                    next_p[site + lane][i] = S::from_f64(solved.p[i].0[lane]);
+                }
             }
+            effort = effort + solved.effort;
+            site += BESIDE;
         }
     }
+    while site < count {
+        let prepared = if H::IS_UNIFORM { prepared.first() } else { prepared.get(site) };
+        let Some(prepared) = prepared else { return Err(StepFailure::NonFinite) };
+        let own_dw = increments_at::<H, E, S, D, K>(system, site, count, dw)?;
+        let (own_carry, memory) = (carry.part::<D>(site * D), &mut memories[site]);
+        let solved = H::solve_site::<S, C::Part<D>, CAREFUL>(
+            prepared, t, h, q[site], p[site], own_dw, memory, &own_carry,
+        )?;
+        effort = effort + solved.effort;
+        for i in 0..D {
+            (next_q[site][i], next_p[site][i]) = (solved.q[i].0, solved.p[i].0);
+            if C::CARRIES {
+                (lost_q[site][i], lost_p[site][i]) = (solved.q[i].1, solved.p[i].1);
+            }
+        }
+        site += 1;
+    }
     Ok(effort)
+}
+
+/// The increments that act at a site; zero for a noise that does not act there.
+#[inline(always)]
+fn increments_at<H, E, S, const D: usize, const K: usize>(
+    system: &H,
+    site: usize,
+    sites: usize,
+    dw: &[S],
+) -> Result<[S; K], StepFailure>
+where
+    H: Sites<E, D, K>,
+    S: Scalar,
+{
+    let numbers = system.increments(site, sites);
+    let mut own = [S::from_f64(0.0); K];
+    for k in 0..K {
+        if let Some(number) = numbers[k] {
+            own[k] = match dw.get(number) {
+                Some(&dw) => dw,
+                None => return Err(StepFailure::Increments { expected: number + 1, got: dw.len() }),
+            };
+        }
+    }
+    Ok(own)
 }
 
 impl<S: Scalar, M: Clone + Default, P> Memory<S, M, P> {
