@@ -428,6 +428,16 @@ const _: () = {
             }
         }
     };
+    __wzvi::composition! {
+        [impl < __W : __wzvi::compose::Composes < __wzvi::embedding::Midpoint > >
+        __wzvi::Discretized < __wzvi::embedding::Composed < __wzvi::embedding::Midpoint,
+        __W > > for HenonHeiles] __wzvi::embedding::Composed <
+        __wzvi::embedding::Midpoint, __W >, [__wzvi::embedding::Midpoint,
+        __wzvi::embedding::Midpoint], < __W as __wzvi::compose::Composes <
+        __wzvi::embedding::Midpoint > > ::ORDER, < Self as __wzvi::Discretized <
+        __wzvi::embedding::Midpoint >> ::EQUATIONS, < __W as __wzvi::compose::Composes <
+        __wzvi::embedding::Midpoint > > ::substeps()
+    }
 };
 const _: () = {
     #[allow(
