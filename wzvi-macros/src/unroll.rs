@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use quote::quote;
 
 use crate::elements::emit::Indices;
+use crate::input::Emission;
 use crate::model::index::{Index, Loop};
 use crate::model::symbols::{Sum, Symbols};
 use crate::model::{Family, Local, Located, Model, Noise, Parameter, Phase, Slot, System, Table, Term};
@@ -31,8 +32,7 @@ pub(crate) struct NotWrittenOut;
 
 /// Writes out what costs less that way.
 pub(crate) fn unroll(system: &mut System) {
-    let is_small = system.size.as_integer().is_some_and(|points| points <= TURNS);
-    if is_small && unroll_all(system) {
+    if system.emission == Some(Emission::Sweep) || (is_small(system) && unroll_all(system)) {
         return;
     }
     let mut writer = Writer::new(&mut system.graph, &mut system.symbols, &system.tables);
@@ -40,6 +40,15 @@ pub(crate) fn unroll(system: &mut System) {
     for term in [&mut system.drift].into_iter().chain(noise).chain(&mut system.invariants) {
         writer.spent = 0;
         term.expression = writer.without_short_sums(term.expression);
+    }
+}
+
+/// Whether each degree of freedom is to be a variable of its own.
+fn is_small(system: &System) -> bool {
+    match system.emission {
+        Some(Emission::Inline) => system.size.as_integer().is_some(),
+        Some(Emission::Sweep) => false,
+        None => system.size.as_integer().is_some_and(|points| points <= TURNS),
     }
 }
 
@@ -195,8 +204,7 @@ impl<'a> Writer<'a> {
 /// The system with each degree of freedom a variable of its own; as it was, if it has many points, elements in loops, or
 /// indices that only the running program knows.
 pub(crate) fn written_out(system: System) -> Result<Model, Box<System>> {
-    let is_small = system.size.as_integer().is_some_and(|points| points <= TURNS);
-    let locals = if is_small { known_locals(&system) } else { None };
+    let locals = if is_small(&system) { known_locals(&system) } else { None };
     let Some(locals) = locals else { return Err(Box::new(system)) };
     let System { mut graph, symbols, tables, mut parameters, t, drift, noise, invariants, .. } = system;
     let indices = Indices { tables: &tables, checked: true };

@@ -102,6 +102,10 @@ fn synonym(key: &str) -> Option<&'static str> {
     }
 }
 
+pub(crate) fn unknown_strategy(name: &syn::Ident) -> Error {
+    at(name, format!("unknown strategy `{name}`; there are `inline` and `sweep`"))
+}
+
 pub(crate) fn duplicate_key(key: &syn::Ident) -> Error {
     at(key, format!("`{key}` is given twice; merge the two"))
 }

@@ -10,7 +10,7 @@ use crate::error::{Error, StepError, StepFailure};
 use crate::increments::Interval;
 use crate::lanes::Lanes;
 use crate::noise::Paths;
-use crate::plan::{NoiseClass, Solver};
+use crate::plan::Solver;
 use crate::rescue::{Hard, rescue};
 use crate::retry::{Walker, is_curable};
 use crate::scalar::Scalar;
@@ -30,6 +30,8 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     path: u64,
     q: Vec<Lanes<L>>,
     p: Vec<Lanes<L>>,
+    /// What steps in lanes allocate once. With noise none reads what the ones before left.
+    memory: H::Memory<Lanes<L>>,
     processes: usize,
     keys: Vec<[u32; 8]>,
     /// Normals by process and step, where more is made of them than increments.
@@ -77,6 +79,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             path: 0,
             q: vec![zero; d],
             p: vec![zero; d],
+            memory: Default::default(),
             processes,
             keys: keys.unwrap_or_default(),
             normals: vec![[[0.0; L]; STEPS]; processes],
@@ -231,14 +234,14 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     #[inline(always)]
     pub(super) fn advance(&mut self, step: u64) {
         let (job, within) = (self.job, slot(step));
-        if matches!(H::PLAN.noise, NoiseClass::None) || !H::IN_LANES {
+        if !H::IN_LANES {
             return self.by_steppers(step, within);
         }
         if self.any_failed && !self.mirror(within) {
             return;
         }
         let t = self.time(step);
-        let (q, p, memory) = (&mut self.q, &mut self.p, &mut Default::default());
+        let (q, p, memory) = (&mut self.q, &mut self.p, &mut self.memory);
         let processes = self.processes;
         let Some(dw) = self.increments.get(within * processes..(within + 1) * processes) else { return };
         let outcome = job.system.advance_carrying::<Lanes<L>, Plain, false>(
@@ -263,12 +266,13 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         let mut steppers = std::mem::take(&mut self.steppers);
         for (lane, stepper) in steppers.iter_mut().enumerate() {
             if !self.failed[lane] {
-                let mut state = self.state_of(lane, t);
+                self.look(lane);
+                self.state.t = t;
                 for (to, from) in self.alone.iter_mut().zip(self.increments.iter().skip(first)) {
                     *to = from[lane];
                 }
-                match stepper.step(&mut state, &self.alone) {
-                    Ok(_) => self.put(lane, &state.q, &state.p),
+                match stepper.step(&mut self.state, &self.alone) {
+                    Ok(_) => self.keep(lane),
                     Err(error) => self.halve_or_fail(lane, step, StepError { step, ..error }),
                 }
             }
@@ -358,6 +362,14 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
 
     fn put(&mut self, lane: usize, q: &H::Vector, p: &H::Vector) {
         let components = q.components().iter().chain(p.components());
+        for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(components) {
+            to.set(lane, *from);
+        }
+    }
+
+    /// Moves what observables see to a lane.
+    fn keep(&mut self, lane: usize) {
+        let components = self.state.q.components().iter().chain(self.state.p.components());
         for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(components) {
             to.set(lane, *from);
         }

@@ -19,6 +19,8 @@ pub(super) struct Road {
     pub(super) plan: TokenStream,
     pub(super) unknowns: Unknowns,
     pub(super) is_linear: bool,
+    /// Whether the paths of an ensemble run beside each other.
+    pub(super) in_lanes: bool,
     /// `Prepared`, `Memory` and what works on them.
     pub(super) step: TokenStream,
     /// The body of `step_momentum`.
@@ -33,7 +35,7 @@ pub(super) fn emit(
     road: &Road,
     text: &str,
 ) -> TokenStream {
-    let Road { items, plan, unknowns, is_linear, step, momentum } = road;
+    let Road { items, plan, unknowns, is_linear, in_lanes, step, momentum } = road;
     let scheme = embedding_type(embedding, &quote!(__wzvi));
     let quadrature = Quadrature::new(facts, embedding);
     let stages = quadrature.stages.iter().map(stage);
@@ -72,7 +74,7 @@ pub(super) fn emit(
                 const EQUATIONS: &'static __wzvi::core::primitive::str = #text;
                 // A start that is no guide costs iterations, not digits.
                 const REMEMBERS: __wzvi::core::primitive::bool = false;
-                const IN_LANES: __wzvi::core::primitive::bool = false;
+                const IN_LANES: __wzvi::core::primitive::bool = #in_lanes;
                 type Compensated<__S: __wzvi::Scalar> = #elements::CompensationVec<__S>;
                 type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
 
@@ -173,6 +175,7 @@ pub(super) fn sweep(
         plan: plan(model, facts, embedding, unknowns, is_linear),
         unknowns,
         is_linear,
+        in_lanes: !model.noise.is_empty() && unknowns == Unknowns::None,
         step,
         momentum: quote!(#elements::step_momentum(self, &__SCHEME, __before, __after, __h, __dw)),
     }
