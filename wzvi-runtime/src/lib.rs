@@ -5,11 +5,14 @@ pub mod carry;
 mod checksum;
 #[cfg(feature = "ensemble")]
 mod clock;
+mod continuation;
 pub mod elements;
 pub mod embedding;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 pub mod error;
+#[cfg(feature = "ensemble")]
+mod execution;
 pub mod increments;
 pub mod integrate;
 #[cfg(all(feature = "interrupt", feature = "ensemble"))]
@@ -24,21 +27,24 @@ mod names;
 #[cfg(feature = "noise")]
 pub mod noise;
 pub mod numbers;
+mod options;
 mod persist;
 pub mod plan;
 #[cfg(feature = "ensemble")]
 mod progress;
+mod recording;
 #[cfg(feature = "report")]
 pub mod report;
-mod rescue;
 pub mod retry;
 pub mod scalar;
 #[cfg(feature = "ensemble")]
 mod schedule;
 pub mod simulate;
 pub mod solve;
+mod span;
 pub mod state;
 pub mod step;
+mod steps;
 mod sum;
 pub mod system;
 pub mod trajectory;

@@ -7,9 +7,10 @@
 
 use crate::carry::Carry;
 use crate::error::{ConfigError, Error, StepError, StepFailure};
-use crate::increments::{Interval, Noise};
+use crate::increments::{Divisible, Interval, Noise};
 use crate::state::State;
 use crate::step::{StepInfo, Stepper};
+use crate::steps::{Account, Single, TakeStep, Unmonitored, take_steps};
 use crate::system::Discretized;
 
 /// How often steps may be halved: never, unless asked for, because it breaks the uniform step that the long-time
@@ -36,8 +37,27 @@ impl Retry {
     }
 }
 
-/// Walks from node to node of a run, subdividing where it has to and may.
-pub(crate) struct Walker<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f64>> {
+/// The steps of a run are whole: no [`Retry`] was asked for.
+#[derive(Clone, Copy, Debug)]
+pub enum Whole {}
+
+/// The steps of a run may be halved.
+#[derive(Clone, Copy, Debug)]
+pub enum Halved {}
+
+/// A source of increments that drives runs whose steps are [`Whole`], or that may be [`Halved`] too: those take a [`Divisible`] one.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` has no increments between the nodes, which `.retry(...)` needs",
+    label = "this noise cannot drive steps that are halved",
+    note = "use `Wiener`, `WongZakai` or `StepNormals` (`.seed(number)`), or leave `.retry(...)` out"
+)]
+pub trait Serves<R> {}
+
+impl<N: Noise> Serves<Whole> for N {}
+impl<N: Divisible> Serves<Halved> for N {}
+
+/// Takes the steps of a run, subdividing those that it has to and may.
+pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f64>> {
     system: &'a H,
     h: f64,
     retry: Retry,
@@ -50,7 +70,7 @@ pub(crate) struct Walker<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Ca
     part: Vec<f64>,
 }
 
-impl<'a, H: Discretized<E>, E, C: Carry<f64>> Walker<'a, H, E, C> {
+impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
     pub(crate) fn new(system: &'a H, h: f64, retry: Retry, is_watched: bool) -> Result<Self, ConfigError> {
         let stepper = Self::stepper(system, h, is_watched)?;
         Ok(Self { system, h, retry, is_watched, base: 0, stepper, part: vec![0.0; system.noises()] })
@@ -71,30 +91,6 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Walker<'a, H, E, C> {
             self.stepper = Self::stepper(self.system, part_of(self.h, self.base), self.is_watched)?;
         }
         Ok(may)
-    }
-
-    /// One step of the run: `dw` becomes its increments.
-    #[inline]
-    pub(crate) fn step<N: Noise>(
-        &mut self,
-        state: &mut State<H::Vector>,
-        interval: &Interval,
-        noise: &mut Option<N>,
-        dw: &mut [f64],
-    ) -> Result<StepInfo, Error> {
-        if self.base > 0 {
-            return self.subdivide(state, interval, noise, dw, self.base);
-        }
-        if let Some(noise) = noise {
-            noise.increments(interval, dw)?;
-        }
-        match self.stepper.step(state, dw) {
-            Ok(info) => Ok(info),
-            Err(error) if self.retry.most == 0 || !is_curable(error.cause) => {
-                Err(StepError { step: interval.step, ..error }.into())
-            }
-            Err(_) => self.subdivide(state, interval, noise, dw, 1),
-        }
     }
 
     /// The step in `2^from` parts, or as many more as it takes.
@@ -129,7 +125,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Walker<'a, H, E, C> {
         }
     }
 
-    /// The `2^level` parts of a step by `finer`, or by the stepper of the run.
+    /// The `2^level` parts of a step by `finer`, or by the stepper of the run; their Newton iterations. `dw` becomes the sums of their increments.
     fn parts<N: Noise>(
         &mut self,
         finer: Option<&mut Stepper<'a, H, E, C>>,
@@ -140,18 +136,65 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Walker<'a, H, E, C> {
         level: u32,
     ) -> Result<u32, Error> {
         let stepper = finer.unwrap_or(&mut self.stepper);
-        let (parts, h) = (1_u64 << level, part_of(interval.h, level));
+        let (parts, step) = (1_u64 << level, interval.step);
+        let counted = |step: u64| step.checked_mul(parts);
+        let (Some(first), Some(end)) = (counted(step), step.checked_add(1).and_then(counted)) else {
+            let wrong =
+                format!("step {step} in {parts} parts: more than can be counted; allow fewer halvings");
+            return Err(ConfigError::Setting(wrong).into());
+        };
         dw.fill(0.0);
-        let mut iterations = 0_u32;
-        for part in 0..parts {
-            if let Some(noise) = noise {
-                let step = interval.step.saturating_mul(parts).saturating_add(part);
-                noise.increments(&Interval { h, step, ..*interval }, &mut self.part)?;
-                dw.iter_mut().zip(&self.part).for_each(|(sum, dw)| *sum += dw);
-            }
-            iterations = iterations.saturating_add(stepper.step(state, &self.part)?.iterations);
+        let mut account = Parts { dw, iterations: 0 };
+        let mut path = Single {
+            stepper,
+            state,
+            noise,
+            dw: &mut self.part,
+            start: interval.start,
+            h: part_of(interval.h, level),
+            account: &mut account,
+        };
+        take_steps(&mut path, first..end, &mut Unmonitored)?;
+        Ok(account.iterations)
+    }
+}
+
+/// The parts of a step.
+struct Parts<'d> {
+    /// Sums of their increments.
+    dw: &'d mut [f64],
+    iterations: u32,
+}
+
+impl Account for Parts<'_> {
+    fn count(&mut self, dw: &[f64], info: &StepInfo) {
+        self.dw.iter_mut().zip(dw).for_each(|(sum, dw)| *sum += dw);
+        self.iterations = self.iterations.saturating_add(info.iterations);
+    }
+}
+
+impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Subdivision<'_, H, E, C> {
+    #[inline]
+    fn take_step<N: Noise>(
+        &mut self,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+    ) -> Result<StepInfo, Error> {
+        if self.base > 0 {
+            return self.subdivide(state, interval, noise, dw, self.base);
         }
-        Ok(iterations)
+        if let Some(noise) = noise {
+            noise.increments(interval, dw)?;
+        }
+        match self.stepper.step(state, dw) {
+            Ok(info) => Ok(info),
+            Err(error) if self.retry.most == 0 || !is_curable(error.cause) => {
+                Err(StepError { step: interval.step, ..error }.into())
+            }
+            Err(_) => self.subdivide(state, interval, noise, dw, 1),
+        }
     }
 }
 

@@ -7,10 +7,10 @@ mod strain;
 use std::marker::PhantomData;
 
 use crate::carry::{Carry, Plain};
+use crate::continuation::{Hard, solve_by_continuation};
 use crate::elements::{Iteration, Method};
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::plan::Solver;
-use crate::rescue::{Hard, rescue};
 use crate::solve::Effort;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
@@ -250,14 +250,14 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             dw,
             carry: self.carry.clone(),
         };
-        let rescued = rescue(hard, cause)?;
+        let solved = solve_by_continuation(hard, cause)?;
         let from = State { q: state.q.clone(), p: state.p.clone(), t: state.t };
-        let to = State { q: rescued.q, p: rescued.p, t: state.t };
+        let to = State { q: solved.q, p: solved.p, t: state.t };
         self.strain = self.strain.after::<H, E>(self.system, &from, &to, self.h, self.steps())?;
         (state.q, state.p) = (to.q, to.p);
-        H::adopt(&mut self.memory, rescued.memory);
-        self.carry = rescued.carry;
-        Ok(rescued.effort)
+        H::adopt(&mut self.memory, solved.memory);
+        self.carry = solved.carry;
+        Ok(solved.effort)
     }
 
     /// Starts to count from `t`; `false`, and nothing done, if time could overflow from there: no step needs to check

@@ -21,7 +21,7 @@ use super::chacha;
 use super::normal::pair;
 use super::truncation::{Truncation, clip_bound};
 use super::wiener::check_step;
-use super::{Interval, Noise, NoiseError, Paths};
+use super::{Divisible, Interval, Noise, NoiseError, Paths};
 use crate::increments::Identity;
 use crate::plan::Plan;
 
@@ -226,11 +226,6 @@ fn halvings(h: f64, part: f64) -> Option<u32> {
 }
 
 impl Noise for StepNormals {
-    /// The halves of a step add up to the step.
-    fn is_path(&self) -> bool {
-        true
-    }
-
     #[inline]
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         check_step(interval.h)?;
@@ -267,6 +262,9 @@ impl Noise for StepNormals {
         Some(identity.with("truncation", self.truncation))
     }
 }
+
+/// The halves of a step add up to the step.
+impl Divisible for StepNormals {}
 
 impl Paths for StepNormals {
     fn set_path(&mut self, path: u64) {

@@ -6,7 +6,7 @@ use super::bridge::Span;
 use super::cursor::Cursor;
 use super::grid::{FARTHEST, Point};
 use super::stream::Source;
-use super::{Interval, Noise, NoiseError, Paths, Truncation};
+use super::{Divisible, Interval, Noise, NoiseError, Paths, Truncation};
 use crate::increments::Identity;
 use crate::plan::Plan;
 
@@ -211,10 +211,6 @@ impl Wiener {
 }
 
 impl Noise for Wiener {
-    fn is_path(&self) -> bool {
-        true
-    }
-
     #[inline]
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         check_step(interval.h)?;
@@ -243,6 +239,9 @@ impl Noise for Wiener {
         Some(identity.with("unit", self.unit).with("truncation", self.truncation))
     }
 }
+
+/// Increments add up.
+impl Divisible for Wiener {}
 
 impl Paths for Wiener {
     fn set_path(&mut self, path: u64) {

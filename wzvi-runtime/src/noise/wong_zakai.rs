@@ -13,7 +13,7 @@
 use super::bridge::Span;
 use super::grid::Point;
 use super::wiener::{NOWHERE, Wiener, check_step};
-use super::{Interval, Noise, NoiseError, Paths, Truncation};
+use super::{Divisible, Interval, Noise, NoiseError, Paths, Truncation};
 use crate::increments::Identity;
 use crate::plan::Plan;
 
@@ -224,10 +224,6 @@ impl WongZakai {
 }
 
 impl Noise for WongZakai {
-    fn is_path(&self) -> bool {
-        true
-    }
-
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         self.check_window()?;
         self.early.check(interval.start)?;
@@ -273,6 +269,9 @@ impl Noise for WongZakai {
         Some(identity.with("eps", self.eps).with("sampling", self.sampling))
     }
 }
+
+/// Increments add up.
+impl Divisible for WongZakai {}
 
 impl Paths for WongZakai {
     fn set_path(&mut self, path: u64) {

@@ -89,6 +89,7 @@ use crate::system::Discretized;
 #[cfg(feature = "ensemble")]
 pub(crate) use blocks::{BlockKeeper, Described, Extent};
 pub use error::{CheckpointError, Damage, Difference};
+pub(crate) use keeper::Keeper;
 
 /// Where a run writes itself down, and how often.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -157,7 +158,6 @@ enum Counts {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Keeping(Option<Checkpoint>);
 
-#[cfg(feature = "ensemble")]
 impl Keeping {
     pub(crate) fn to(checkpoint: Checkpoint) -> Self {
         Self(Some(checkpoint))
@@ -174,11 +174,11 @@ pub(crate) fn checksum(words: &[u64]) -> String {
     identity::checksum(words.iter().copied())
 }
 
-impl<H: Discretized<E>, E, N, O> Simulation<'_, H, E, N, O> {
+impl<H: Discretized<E>, E, N, O, R> Simulation<'_, H, E, N, O, R> {
     /// Goes on from the checkpoint if its file is there and of this run, and writes one now and then and at the end:
     /// see [`crate::checkpoint`].
     pub fn checkpoint(mut self, checkpoint: Checkpoint) -> Self {
-        self.keeping = Keeping(Some(checkpoint));
+        self.keeping = Keeping::to(checkpoint);
         self
     }
 }

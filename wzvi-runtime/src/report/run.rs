@@ -14,7 +14,7 @@ use crate::interrupt::Interrupt;
 use crate::noise::{Paths, Wiener};
 use crate::progress::Progress;
 use crate::schedule::threads;
-use crate::simulate::steps_between;
+use crate::span::steps_between;
 use crate::state::{State, Vector};
 use crate::system::Hamiltonian;
 

@@ -106,7 +106,7 @@ impl Keeping {
     /// before and of the first blocks afterwards.
     pub(crate) fn open_blocks(
         self,
-        described: impl FnOnce() -> Described,
+        described: impl FnOnce() -> Result<Described, Error>,
         extent: Extent,
         mut pass: impl FnMut(&mut Tape),
     ) -> Result<BlockKeeper, Error> {
@@ -117,7 +117,7 @@ impl Keeping {
         let blocks = extent.paths / extent.block;
         let mut keep = Keep {
             own: Own::new(&checkpoint.path)?,
-            described: described(),
+            described: described()?,
             first: 0,
             saved: 0,
             blocks,

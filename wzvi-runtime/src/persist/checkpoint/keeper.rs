@@ -90,6 +90,12 @@ impl Keeper {
         self.file.is_some()
     }
 
+    /// The next node at which it may be time to save.
+    #[inline(always)]
+    pub(crate) fn next(&self) -> u64 {
+        self.file.as_ref().map_or(u64::MAX, |file| file.due.next())
+    }
+
     /// Whether to save at `node`, the number of steps taken.
     #[inline(always)]
     pub(crate) fn is_due(&mut self, node: u64) -> bool {
