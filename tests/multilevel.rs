@@ -208,8 +208,7 @@ fn a_path_that_fails_is_an_error_with_its_level() {
     let failures = failures.paths(256).allow_losses(1.0).run().unwrap();
     let first = failures.failures()[0];
     for threads in [1, 3] {
-        let outcome =
-            run().threads(threads).observe("observable0", |state| state.q[0]).target(1e-2).run();
+        let outcome = run().threads(threads).observe("observable0", |state| state.q[0]).target(1e-2).run();
         let Err(Error::Level(error)) = outcome else { panic!("{outcome:?}") };
         let cause = LevelFailure::Step(first.error);
         assert_eq!(error, LevelError { level: 0, path: first.path, h: 0.05, cause });
@@ -250,7 +249,8 @@ fn a_path_may_fail_on_a_finer_level_only() {
 
 #[test]
 fn limits_are_kept_and_said() {
-    let few = KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0).paths(1000);
+    let few =
+        KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0).paths(1000);
     let estimate = few.observe("observable0", |state| state.q[0]).target(1e-3).run().unwrap();
     assert!(!estimate.met_target() && !estimate.is_partial());
     // In whole blocks.
@@ -347,8 +347,7 @@ fn rare_events_are_not_certain_to_be_absent() {
     let mut far = 0;
     for seed in 0..runs {
         let run = BROWN.multilevel::<DeltaPlus>(0.5).start(State::new([0.0], [0.0])).seed(seed).until(1.0);
-        let estimate =
-            run.observe("far", |state| f64::from(u8::from(state.p[0] > 3.0902))).target(target);
+        let estimate = run.observe("far", |state| f64::from(u8::from(state.p[0] > 3.0902))).target(target);
         let estimate = estimate.run().unwrap();
         assert!(estimate.met_target() && !estimate.is_constant(), "{estimate}");
         assert!(estimate.error_bound() >= estimate.standard_error());

@@ -53,6 +53,7 @@ fn kubo() {
         Plan {
             solver: Linear,
             unknowns: 1,
+            order: 2,
             noise: Multiplicative,
             consistent: true,
             conserves_energy: Proven,
@@ -60,6 +61,9 @@ fn kubo() {
         }
     );
     assert!(midpoint.truncates_increments());
+    assert_eq!((midpoint.strong_order(), midpoint.weak_order()), (Some(1.0), Some(1.0)));
+    let uncorrected = plan::<Uncorrected<DeltaPlus>, Kubo>();
+    assert_eq!((uncorrected.order, uncorrected.strong_order(), uncorrected.weak_order()), (1, None, None));
     assert_eq!(solver::<Uncorrected<DeltaPlus>, Kubo>(), (Explicit, 0));
     assert!(!plan::<Uncorrected<DeltaPlus>, Kubo>().consistent);
     assert!(plan::<Corrected<DeltaPlus>, Kubo>().consistent);

@@ -542,6 +542,7 @@ const _: () = {
             const PLAN: __wzvi::Plan = __wzvi::Plan {
                 solver: __wzvi::Solver::Newton,
                 unknowns: __wzvi::core::primitive::usize::MAX,
+                order: 2u32,
                 noise: __wzvi::NoiseClass::None,
                 consistent: true,
                 conserves_energy: __wzvi::Knowledge::Proven,
@@ -558,33 +559,6 @@ const _: () = {
             type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
             fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
                 __wzvi::elements::Memory::new(self, &__SCHEME)
-            }
-            fn forget(
-                __memory: &mut __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-            ) {
-                __memory.forget();
-            }
-            fn pin(
-                __memory: &mut __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-                __iteration: __wzvi::elements::Iteration,
-            ) {
-                __memory.pin(__iteration);
-            }
-            fn pinned(
-                __memory: &__wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-            ) -> __wzvi::elements::Iteration {
-                __memory.pinned()
-            }
-            fn adopt(
-                __memory: &mut __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-                __left: __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-            ) {
-                __memory.adopt(__left);
-            }
-            fn method(
-                __memory: &__wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-            ) -> __wzvi::core::option::Option<__wzvi::elements::Method> {
-                __wzvi::core::option::Option::Some(__memory.method())
             }
             fn prepare(
                 &self,
@@ -649,6 +623,15 @@ const _: () = {
             }
         }
     };
+    __wzvi::composition! {
+        [impl < __W : __wzvi::compose::Composes < __wzvi::embedding::Midpoint > >
+        __wzvi::Discretized < __wzvi::embedding::Composed < __wzvi::embedding::Midpoint,
+        __W > > for Chain] __wzvi::embedding::Composed < __wzvi::embedding::Midpoint, __W
+        >, [__wzvi::embedding::Midpoint, __wzvi::embedding::Midpoint], < __W as
+        __wzvi::compose::Composes < __wzvi::embedding::Midpoint > > ::ORDER, < Self as
+        __wzvi::Discretized < __wzvi::embedding::Midpoint >> ::EQUATIONS, < __W as
+        __wzvi::compose::Composes < __wzvi::embedding::Midpoint > > ::substeps()
+    }
 };
 const _: () = {
     #[allow(

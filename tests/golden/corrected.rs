@@ -210,6 +210,7 @@ const _: () = {
             const PLAN: __wzvi::Plan = __wzvi::Plan {
                 solver: __wzvi::Solver::Linear,
                 unknowns: 1usize,
+                order: 1u32,
                 noise: __wzvi::NoiseClass::Multiplicative,
                 consistent: true,
                 conserves_energy: __wzvi::Knowledge::Refuted,

@@ -663,6 +663,7 @@ const _: () = {
             const PLAN: __wzvi::Plan = __wzvi::Plan {
                 solver: __wzvi::Solver::Explicit,
                 unknowns: 0,
+                order: 1u32,
                 noise: __wzvi::NoiseClass::None,
                 consistent: true,
                 conserves_energy: __wzvi::Knowledge::Proven,
@@ -679,33 +680,6 @@ const _: () = {
             type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
             fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
                 __wzvi::elements::Memory::new(self, &__SCHEME)
-            }
-            fn forget(
-                __memory: &mut __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-            ) {
-                __memory.forget();
-            }
-            fn pin(
-                __memory: &mut __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-                __iteration: __wzvi::elements::Iteration,
-            ) {
-                __memory.pin(__iteration);
-            }
-            fn pinned(
-                __memory: &__wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-            ) -> __wzvi::elements::Iteration {
-                __memory.pinned()
-            }
-            fn adopt(
-                __memory: &mut __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-                __left: __wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-            ) {
-                __memory.adopt(__left);
-            }
-            fn method(
-                __memory: &__wzvi::elements::Memory<__wzvi::core::primitive::f64>,
-            ) -> __wzvi::core::option::Option<__wzvi::elements::Method> {
-                __wzvi::core::option::Option::Some(__memory.method())
             }
             fn prepare(
                 &self,

@@ -305,6 +305,7 @@ const _: () = {
             const PLAN: __wzvi::Plan = __wzvi::Plan {
                 solver: __wzvi::Solver::Newton,
                 unknowns: 2usize,
+                order: 2u32,
                 noise: __wzvi::NoiseClass::None,
                 consistent: true,
                 conserves_energy: __wzvi::Knowledge::Proven,
@@ -427,6 +428,16 @@ const _: () = {
             }
         }
     };
+    __wzvi::composition! {
+        [impl < __W : __wzvi::compose::Composes < __wzvi::embedding::Midpoint > >
+        __wzvi::Discretized < __wzvi::embedding::Composed < __wzvi::embedding::Midpoint,
+        __W > > for HenonHeiles] __wzvi::embedding::Composed <
+        __wzvi::embedding::Midpoint, __W >, [__wzvi::embedding::Midpoint,
+        __wzvi::embedding::Midpoint], < __W as __wzvi::compose::Composes <
+        __wzvi::embedding::Midpoint > > ::ORDER, < Self as __wzvi::Discretized <
+        __wzvi::embedding::Midpoint >> ::EQUATIONS, < __W as __wzvi::compose::Composes <
+        __wzvi::embedding::Midpoint > > ::substeps()
+    }
 };
 const _: () = {
     #[allow(

@@ -627,6 +627,7 @@ const _: () = {
             const PLAN: __wzvi::Plan = __wzvi::Plan {
                 solver: __wzvi::Solver::Linear,
                 unknowns: 1usize,
+                order: 2u32,
                 noise: __wzvi::NoiseClass::Additive,
                 consistent: true,
                 conserves_energy: __wzvi::Knowledge::Refuted,
@@ -647,15 +648,6 @@ const _: () = {
             >;
             fn memory(&self) -> Self::Memory<__wzvi::core::primitive::f64> {
                 __wzvi::elements::sites::Memory::new(self, 1usize)
-            }
-            fn forget(__memory: &mut Self::Memory<__wzvi::core::primitive::f64>) {
-                __memory.forget();
-            }
-            fn adopt(
-                __memory: &mut Self::Memory<__wzvi::core::primitive::f64>,
-                __left: Self::Memory<__wzvi::core::primitive::f64>,
-            ) {
-                __memory.adopt(__left);
             }
             fn prepare(
                 &self,
@@ -723,6 +715,15 @@ const _: () = {
             }
         }
     };
+    __wzvi::composition! {
+        [impl < __W : __wzvi::compose::Composes < __wzvi::embedding::Midpoint > >
+        __wzvi::Discretized < __wzvi::embedding::Composed < __wzvi::embedding::Midpoint,
+        __W > > for Bath] __wzvi::embedding::Composed < __wzvi::embedding::Midpoint, __W
+        >, [__wzvi::embedding::Midpoint, __wzvi::embedding::Midpoint], < __W as
+        __wzvi::compose::Composes < __wzvi::embedding::Midpoint > > ::ORDER, < Self as
+        __wzvi::Discretized < __wzvi::embedding::Midpoint >> ::EQUATIONS, < __W as
+        __wzvi::compose::Composes < __wzvi::embedding::Midpoint > > ::substeps()
+    }
 };
 const _: () = {
     #[allow(

@@ -198,6 +198,7 @@ const _: () = {
             const PLAN: __wzvi::Plan = __wzvi::Plan {
                 solver: __wzvi::Solver::Explicit,
                 unknowns: 0usize,
+                order: 1u32,
                 noise: __wzvi::NoiseClass::None,
                 consistent: true,
                 conserves_energy: __wzvi::Knowledge::Refuted,

@@ -32,6 +32,8 @@ pub mod sites;
 pub use iterate::{Scheme, Unknowns, advance};
 pub use memory::{CompensationVec, Memory};
 
+pub use crate::memory::{Iteration, Method};
+
 use crate::error::{ConfigError, StepFailure};
 use crate::scalar::Scalar;
 use crate::state::{State, Vector};
@@ -39,34 +41,6 @@ use crate::system::{Gradient, Hamiltonian, LagrangianGradient, Segment};
 
 /// Fixed-point iterations and old factors are kept while corrections shrink to this fraction.
 pub const CONTRACTS: f64 = 0.2;
-
-/// How the equations of an implicit step are iterated.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Iteration {
-    /// By what contracts.
-    #[default]
-    Automatic,
-    /// `x ← φ(x)` only; an error where that does not contract.
-    FixedPoint,
-    /// Newton's method with a new Jacobian in every iteration.
-    Newton,
-}
-
-/// How the linear equations of Newton's method are solved, by the pattern of the Jacobian.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// The first step finds out how large the system is.
-    Undecided,
-    /// There are none.
-    Explicit,
-    /// The Jacobian is narrow, or small: it is factored in a band.
-    Band {
-        /// Diagonals on each side.
-        half_width: usize,
-    },
-    /// The band would be too wide: GMRES on products with the Jacobian.
-    Krylov,
-}
 
 /// Which Hamiltonians are summed up.
 #[derive(Clone, Copy, Debug, PartialEq)]

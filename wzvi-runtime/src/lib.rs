@@ -5,6 +5,7 @@ pub mod carry;
 mod checksum;
 #[cfg(feature = "ensemble")]
 mod clock;
+pub mod compose;
 mod continuation;
 pub mod elements;
 pub mod embedding;
@@ -22,6 +23,7 @@ mod interrupt;
 mod interrupt;
 #[cfg(feature = "ensemble")]
 pub mod lanes;
+pub mod memory;
 #[cfg(any(feature = "ensemble", feature = "serde"))]
 mod names;
 #[cfg(feature = "noise")]
@@ -48,6 +50,9 @@ mod steps;
 mod sum;
 pub mod system;
 pub mod trajectory;
+
+#[doc(hidden)]
+pub use core;
 
 #[cfg(feature = "mpi")]
 pub use mpi;

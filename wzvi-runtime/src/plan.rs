@@ -44,6 +44,8 @@ pub struct Plan {
     pub solver: Solver,
     /// Size of the largest coupled block of unknowns (0 if explicit).
     pub unknowns: usize,
+    /// Order in `h` where there is no noise.
+    pub order: u32,
     /// How the noise enters.
     pub noise: NoiseClass,
     /// Whether the scheme converges to the Stratonovich system as `h -> 0`.
@@ -55,6 +57,27 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// The order in `h` of the root mean square error of paths that are driven by the same increments; `None` if the scheme does
+    /// not converge to the Stratonovich system. One needs noises whose brackets are known to be constant, else it is
+    /// one half: increments alone say no more of the path.
+    pub const fn strong_order(&self) -> Option<f64> {
+        match (self.noise, self.consistent, self.commuting) {
+            (NoiseClass::None, ..) => Some(self.order as f64),
+            (_, false, _) => None,
+            (_, true, Knowledge::Proven) => Some(1.0),
+            (_, true, _) => Some(0.5),
+        }
+    }
+
+    /// The order in `h` of the error of expectations; `None` as for [`Plan::strong_order`].
+    pub const fn weak_order(&self) -> Option<f64> {
+        match (self.noise, self.consistent) {
+            (NoiseClass::None, _) => Some(self.order as f64),
+            (_, false) => None,
+            (_, true) => Some(1.0),
+        }
+    }
+
     /// Whether the increments of random paths are truncated unless asked otherwise: the step is implicit and noise
     /// enters its equations, so that an unbounded increment could hit a pole of the scheme.
     pub const fn truncates_increments(&self) -> bool {

@@ -8,8 +8,8 @@ use std::marker::PhantomData;
 
 use crate::carry::{Carry, Plain};
 use crate::continuation::{Hard, solve_by_continuation};
-use crate::elements::{Iteration, Method};
 use crate::error::{ConfigError, StepError, StepFailure};
+use crate::memory::{Iteration, Method, StepMemory};
 use crate::plan::Solver;
 use crate::solve::Effort;
 use crate::state::{State, Vector};
@@ -153,13 +153,13 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// ([`StepFailure::NotConverged`]): nothing else is tried.
     #[must_use]
     pub fn iteration(mut self, iteration: Iteration) -> Self {
-        H::pin(&mut self.memory, iteration);
+        self.memory.pin(iteration);
         self
     }
 
     /// How the linear equations of a step are solved where that depends on its size: in systems of elements.
     pub fn method(&self) -> Option<Method> {
-        H::method(&self.memory)
+        self.memory.method()
     }
 
     /// The system that it steps.
@@ -208,7 +208,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
                     if let Some(left) = left {
                         let memory;
                         (memory, self.carry, self.clock, self.before, self.strain) = left;
-                        H::adopt(&mut self.memory, memory);
+                        self.memory.adopt(memory);
                     }
                     Err(self.error(state, dw, cause))
                 }
@@ -236,7 +236,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         cause: StepFailure,
     ) -> Result<Effort, StepFailure> {
         // Care takes Newton's method, which a pinned fixed point excludes.
-        let is_excluded = H::pinned(&self.memory) == Iteration::FixedPoint;
+        let is_excluded = self.memory.pinned() == Iteration::FixedPoint;
         if is_excluded || !matches!(H::PLAN.solver, Solver::Newton) {
             return Err(cause);
         }
@@ -255,7 +255,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         let to = State { q: solved.q, p: solved.p, t: state.t };
         self.strain = self.strain.after::<H, E>(self.system, &from, &to, self.h, self.steps())?;
         (state.q, state.p) = (to.q, to.p);
-        H::adopt(&mut self.memory, solved.memory);
+        self.memory.adopt(solved.memory);
         self.carry = solved.carry;
         Ok(solved.effort)
     }
@@ -266,7 +266,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     fn restart(&mut self, t: f64) -> bool {
         let is_safe = (t.abs() + MOST_TICKS * self.h.abs()).is_finite();
         if is_safe {
-            H::forget(&mut self.memory);
+            self.memory.forget();
             self.carry = C::default();
             self.before += self.clock.ticks;
             self.clock = Clock::started(t);

@@ -3,9 +3,8 @@
 use std::fmt::Debug;
 
 use crate::carry::{Carry, Plain};
-use crate::elements::{Iteration, Method};
 use crate::error::{ConfigError, StepFailure};
-use crate::numbers::Numbers;
+use crate::memory::StepMemory;
 use crate::plan::{NoiseClass, Plan};
 use crate::scalar::{Mask, Scalar};
 use crate::solve::Effort;
@@ -220,7 +219,7 @@ pub fn increments<S: Copy, const K: usize>(dw: &[S]) -> Result<[S; K], StepFailu
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no discretisation by `{E}`",
     label = "this scheme was not generated for `{Self}`",
-    note = "add `{E}` to `embedding = [...]` in the `#[hamiltonian(...)]` of `{Self}`; only listed schemes are compiled"
+    note = "add `{E}`, or the scheme that it composes, to `embedding = [...]` in the `#[hamiltonian(...)]` of `{Self}`; only listed schemes are compiled"
 )]
 pub trait Discretized<E>: Hamiltonian {
     /// What the compiler found out.
@@ -233,7 +232,7 @@ pub trait Discretized<E>: Hamiltonian {
     type Prepared: Clone + Debug;
 
     /// What one step leaves for the starting value of the next; `()` where nothing is iterated.
-    type Memory<S: Scalar>: Clone + Debug + Default + Numbers;
+    type Memory<S: Scalar>: StepMemory;
 
     /// Compensated sums of the state's increments: [`Compensation`](crate::carry::Compensation).
     type Compensated<S: Scalar>: Carry<S>;
@@ -254,31 +253,6 @@ pub trait Discretized<E>: Hamiltonian {
     /// The memory of a new stepper: all that its steps will need, where the system knows its size.
     fn memory(&self) -> Self::Memory<f64> {
         Default::default()
-    }
-
-    /// Forgets the steps before, and keeps what was allocated.
-    fn forget(memory: &mut Self::Memory<f64>) {
-        *memory = Default::default();
-    }
-
-    /// Takes what a step left that was solved with another memory.
-    #[inline(always)]
-    fn adopt(memory: &mut Self::Memory<f64>, left: Self::Memory<f64>) {
-        *memory = left;
-    }
-
-    /// Pins how implicit steps are iterated; only systems of elements have a choice.
-    fn pin(_memory: &mut Self::Memory<f64>, _iteration: Iteration) {}
-
-    /// What was pinned.
-    #[inline(always)]
-    fn pinned(_memory: &Self::Memory<f64>) -> Iteration {
-        Iteration::Automatic
-    }
-
-    /// How linear equations are solved, in systems of elements.
-    fn method(_memory: &Self::Memory<f64>) -> Option<Method> {
-        None
     }
 
     /// Computes what does not change from step to step; fails if a matrix that is factored here is singular.

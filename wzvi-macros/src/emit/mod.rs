@@ -1,5 +1,6 @@
 //! From equations to Rust: the struct as written, its traits, and nothing that the scene does not use.
 
+mod compose;
 mod lagrangian;
 pub(crate) mod plan;
 mod print;
@@ -11,6 +12,7 @@ mod system;
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{ToTokens, quote};
 
+use crate::describe::Texts;
 use crate::discretise::Scheme;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
@@ -20,30 +22,26 @@ pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
 pub(crate) use system::parameter;
 
-/// Everything that `#[hamiltonian]` stands for. `equations` has the text of each scheme, in their order.
-pub(crate) fn emit(
-    model: &mut Model,
-    facts: &Facts,
-    schemes: &[Scheme],
-    equations: &[String],
-) -> TokenStream {
+/// Everything that `#[hamiltonian]` stands for. `texts` has those of each scheme, in their order.
+pub(crate) fn emit(model: &mut Model, facts: &Facts, schemes: &[Scheme], texts: &Texts) -> TokenStream {
     let mut generated = system::emit(model, facts);
-    for (scheme, text) in schemes.iter().zip(equations) {
+    for (scheme, text) in schemes.iter().zip(&texts.of_parts) {
         generated.extend(step::emit(model, facts, scheme, text));
     }
     let Model { item, crate_path, type_checks, .. } = model;
-    wrapped(item, crate_path, &generated, type_checks, equations)
+    wrapped(item, crate_path, generated, type_checks, texts)
 }
 
 /// The struct as it was written, documented, and `generated` in a scope of its own.
 pub(crate) fn wrapped(
     item: &syn::ItemStruct,
     crate_path: &syn::Path,
-    generated: &TokenStream,
+    mut generated: TokenStream,
     type_checks: &TokenStream,
-    equations: &[String],
+    texts: &Texts,
 ) -> TokenStream {
-    let doc = documentation(equations);
+    generated.extend(compose::emit(item, texts));
+    let doc = documentation(texts);
     quote! {
         #doc
         #item
@@ -57,8 +55,8 @@ pub(crate) fn wrapped(
 }
 
 /// The equations as rustdoc of the struct.
-fn documentation(equations: &[String]) -> TokenStream {
-    let blocks = equations.iter().map(|text| format!("```text\n{text}\n```\n"));
+fn documentation(texts: &Texts) -> TokenStream {
+    let blocks = texts.listed.iter().map(|(_, text)| format!("```text\n{text}\n```\n"));
     let text = format!("\n# Discrete equations\n\n{}", blocks.collect::<Vec<_>>().join("\n"));
     quote!(#[doc = #text])
 }
@@ -73,6 +71,7 @@ pub(crate) fn embedding_type(embedding: &Embedding, wzvi: &impl ToTokens) -> Tok
         Embedding::DeltaPlus => quote!(#wzvi::embedding::DeltaPlus),
         Embedding::Midpoint => quote!(#wzvi::embedding::Midpoint),
         Embedding::DeltaMinus => quote!(#wzvi::embedding::DeltaMinus),
+        Embedding::Verlet => quote!(#wzvi::embedding::Verlet),
         Embedding::Lambda(n, d) => quote!(#wzvi::embedding::Lambda<#n, #d>),
         Embedding::Mixed(drift, noise) => {
             let (drift, noise) = (embedding_type(drift, wzvi), embedding_type(noise, wzvi));

@@ -9,6 +9,7 @@ use crate::discretise::facts::{Knowledge, NoiseClass};
 pub(crate) struct Plan<'f> {
     pub(crate) solver: TokenStream,
     pub(crate) unknowns: TokenStream,
+    pub(crate) order: u32,
     pub(crate) noise: NoiseClass,
     pub(crate) consistent: bool,
     pub(crate) conserves_energy: &'f Knowledge,
@@ -17,7 +18,7 @@ pub(crate) struct Plan<'f> {
 
 impl Plan<'_> {
     pub(crate) fn emit(&self) -> TokenStream {
-        let Self { solver, unknowns, noise, consistent, .. } = self;
+        let Self { solver, unknowns, order, noise, consistent, .. } = self;
         let noise = match noise {
             NoiseClass::None => quote!(None),
             NoiseClass::Additive => quote!(Additive),
@@ -30,6 +31,7 @@ impl Plan<'_> {
             __wzvi::Plan {
                 solver: __wzvi::Solver::#solver,
                 unknowns: #unknowns,
+                order: #order,
                 noise: __wzvi::NoiseClass::#noise,
                 consistent: #consistent,
                 conserves_energy: __wzvi::Knowledge::#energy,

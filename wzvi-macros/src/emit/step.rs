@@ -174,6 +174,7 @@ pub(crate) fn plan(facts: &Facts, scheme: &Scheme) -> TokenStream {
     Plan {
         solver,
         unknowns: quote!(#unknowns),
+        order: scheme.embedding.order(),
         noise: facts.noise,
         consistent: scheme.consistent,
         conserves_energy: &facts.conserves_energy,

@@ -112,6 +112,7 @@ fn discretized(wzvi: &Path) -> TokenStream {
         const PLAN: #wzvi::plan::Plan = #wzvi::plan::Plan {
             solver: #wzvi::plan::Solver::Explicit,
             unknowns: 0,
+            order: 1,
             noise: #wzvi::plan::NoiseClass::None,
             consistent: false,
             conserves_energy: #wzvi::plan::Knowledge::Unknown,

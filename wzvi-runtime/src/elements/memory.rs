@@ -1,11 +1,12 @@
 //! What a stepper of a system of elements allocates, once.
 
+use super::Elements;
 use super::iterate::{Scheme, Unknowns};
 use super::jacobian::{Linear, pattern};
 use super::rounding::Rounding;
-use super::{Elements, Iteration, Method};
 use crate::carry::{Carry, Compensation};
 use crate::error::StepFailure;
+use crate::memory::{Iteration, Method, StepMemory};
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
 use crate::solve::{Banded, Krylov, reverse_cuthill_mckee};
@@ -168,35 +169,21 @@ impl<S: Scalar> Numbers for Memory<S> {
     }
 }
 
-impl<S: Scalar> Memory<S> {
-    /// The memory of a stepper: allocated at once if the system knows its size, else by the first step.
-    pub fn new<H: Elements>(system: &H, scheme: &Scheme) -> Self {
-        let mut memory = Self::default();
-        let degrees = system.degrees();
-        if degrees != 0 && super::check(system, degrees).is_ok() {
-            memory.allocate(system, scheme, degrees);
-        }
-        memory
-    }
-
-    /// Pins how implicit steps are iterated.
-    pub fn pin(&mut self, iteration: Iteration) {
+impl<S: Scalar> StepMemory for Memory<S> {
+    fn pin(&mut self, iteration: Iteration) {
         self.iteration = iteration;
     }
 
-    /// How implicit steps are to be iterated.
-    pub fn pinned(&self) -> Iteration {
+    fn pinned(&self) -> Iteration {
         self.iteration
     }
 
-    /// Forgets past steps: they are no guide from another state.
-    pub fn forget(&mut self) {
+    fn forget(&mut self) {
         self.known = 0;
         self.prefers_newton = false;
     }
 
-    /// Takes what a step left that was solved in another memory.
-    pub fn adopt(&mut self, left: Self) {
+    fn adopt(&mut self, left: Self) {
         (self.past, self.known, self.prefers_newton) = (left.past, left.known, left.prefers_newton);
         if self.degrees == 0 {
             (self.degrees, self.work, self.linear) = (left.degrees, left.work, left.linear);
@@ -208,14 +195,25 @@ impl<S: Scalar> Memory<S> {
         }
     }
 
-    /// How the linear equations of Newton's method are solved; known once the size is.
-    pub fn method(&self) -> Method {
-        match &self.linear {
+    fn method(&self) -> Option<Method> {
+        Some(match &self.linear {
             _ if self.degrees == 0 => Method::Undecided,
             None => Method::Explicit,
             Some(Linear::Band(band)) => Method::Band { half_width: band.half_width() },
             Some(Linear::Krylov(_)) => Method::Krylov,
+        })
+    }
+}
+
+impl<S: Scalar> Memory<S> {
+    /// The memory of a stepper: allocated at once if the system knows its size, else by the first step.
+    pub fn new<H: Elements>(system: &H, scheme: &Scheme) -> Self {
+        let mut memory = Self::default();
+        let degrees = system.degrees();
+        if degrees != 0 && super::check(system, degrees).is_ok() {
+            memory.allocate(system, scheme, degrees);
         }
+        memory
     }
 
     /// `P` of the last step.

@@ -5,6 +5,7 @@ use std::fmt::Debug;
 use super::Elements;
 use crate::carry::Carry;
 use crate::error::{ConfigError, StepFailure};
+use crate::memory::StepMemory;
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
@@ -228,14 +229,14 @@ impl<S: Scalar, M: Clone + Default, P> Memory<S, M, P> {
         }
         self.saved.clone_from(&self.sites);
     }
+}
 
-    /// Forgets past steps: they are no guide from another state.
-    pub fn forget(&mut self) {
+impl<S: Scalar, M: Clone + Debug + Default + Numbers, P: Clone + Debug> StepMemory for Memory<S, M, P> {
+    fn forget(&mut self) {
         self.sites.fill(M::default());
     }
 
-    /// Takes what a step left that was solved in another memory.
-    pub fn adopt(&mut self, left: Self) {
+    fn adopt(&mut self, left: Self) {
         if self.next[0].is_empty() {
             *self = left;
         } else {

@@ -19,6 +19,7 @@ use std::ops::Add;
 use super::damped::damped;
 use super::dense::{Factor, SymmetricFactor};
 use crate::error::StepFailure;
+use crate::memory::StepMemory;
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::{Mask, Rounded, Scalar};
 
@@ -150,6 +151,8 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
         self.known += 1;
     }
 }
+
+impl<S: Scalar, const N: usize> StepMemory for Extrapolation<S, N> {}
 
 impl<S: Scalar, const N: usize> Numbers for Extrapolation<S, N> {
     fn pass(&mut self, tape: &mut Tape) {

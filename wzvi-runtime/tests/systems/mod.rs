@@ -89,6 +89,7 @@ impl Discretized<Midpoint> for Kubo {
     const PLAN: Plan = Plan {
         solver: Solver::Linear,
         unknowns: 2,
+        order: 2,
         noise: NoiseClass::Multiplicative,
         consistent: true,
         conserves_energy: Knowledge::Proven,
@@ -185,6 +186,7 @@ impl Discretized<Midpoint> for Pendulum {
     const PLAN: Plan = Plan {
         solver: Solver::Newton,
         unknowns: 1,
+        order: 2,
         noise: NoiseClass::None,
         consistent: true,
         conserves_energy: Knowledge::Proven,
@@ -289,6 +291,7 @@ impl Discretized<DeltaPlus> for Rotors {
     const PLAN: Plan = Plan {
         solver: Solver::Explicit,
         unknowns: 0,
+        order: 1,
         noise: NoiseClass::Position,
         consistent: true,
         conserves_energy: Knowledge::Refuted,

@@ -123,26 +123,6 @@ pub(super) fn sweep(
             #elements::Memory::new(self, &__SCHEME)
         }
 
-        fn forget(__memory: &mut #elements::Memory<#f64>) {
-            __memory.forget();
-        }
-
-        fn pin(__memory: &mut #elements::Memory<#f64>, __iteration: #elements::Iteration) {
-            __memory.pin(__iteration);
-        }
-
-        fn pinned(__memory: &#elements::Memory<#f64>) -> #elements::Iteration {
-            __memory.pinned()
-        }
-
-        fn adopt(__memory: &mut #elements::Memory<#f64>, __left: #elements::Memory<#f64>) {
-            __memory.adopt(__left);
-        }
-
-        fn method(__memory: &#elements::Memory<#f64>) -> __wzvi::core::option::Option<#elements::Method> {
-            __wzvi::core::option::Option::Some(__memory.method())
-        }
-
         fn prepare(&self, __h: #f64) -> __wzvi::core::result::Result<(), __wzvi::ConfigError> {
             #(
                 if #f64::is_nan(#nan_checks) {
@@ -213,6 +193,7 @@ fn plan(
     Plan {
         solver,
         unknowns,
+        order: embedding.order(),
         noise: facts.noise,
         consistent: facts.converges(embedding),
         conserves_energy: &facts.conserves_energy,

@@ -119,14 +119,6 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
             #sites::Memory::new(self, #degrees)
         }
 
-        fn forget(__memory: &mut Self::Memory<#f64>) {
-            __memory.forget();
-        }
-
-        fn adopt(__memory: &mut Self::Memory<#f64>, __left: Self::Memory<#f64>) {
-            __memory.adopt(__left);
-        }
-
         fn prepare(&self, __h: #f64) -> #result<Self::Prepared, __wzvi::ConfigError> {
             #sites::prepare::<_, #embedding, #degrees, #noises>(self, __h)
         }

@@ -1,0 +1,87 @@
+//! What one step leaves for the next, and what a caller may pin of how it is solved.
+
+use std::fmt::Debug;
+use std::marker::PhantomData;
+
+use crate::numbers::Numbers;
+
+/// How the equations of an implicit step are iterated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Iteration {
+    /// By what contracts.
+    #[default]
+    Automatic,
+    /// `x ← φ(x)` only; an error where that does not contract.
+    FixedPoint,
+    /// Newton's method with a new Jacobian in every iteration.
+    Newton,
+}
+
+/// How the linear equations of Newton's method are solved, by the pattern of the Jacobian.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// The first step finds out how large the system is.
+    Undecided,
+    /// There are none.
+    Explicit,
+    /// The Jacobian is narrow, or small: it is factored in a band.
+    Band {
+        /// Diagonals on each side.
+        half_width: usize,
+    },
+    /// The band would be too wide: GMRES on products with the Jacobian.
+    Krylov,
+}
+
+/// What one step leaves for the starting value of the next.
+pub trait StepMemory: Clone + Debug + Default + Numbers {
+    /// Forgets the steps before, and keeps what was allocated.
+    fn forget(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Takes what a step left that was solved with another memory.
+    #[inline(always)]
+    fn adopt(&mut self, left: Self) {
+        *self = left;
+    }
+
+    /// Pins how implicit steps are iterated, where there is a choice.
+    fn pin(&mut self, _iteration: Iteration) {}
+
+    /// What was pinned.
+    #[inline(always)]
+    fn pinned(&self) -> Iteration {
+        Iteration::Automatic
+    }
+
+    /// How linear equations are solved, where that depends on the size of the system.
+    fn method(&self) -> Option<Method> {
+        None
+    }
+}
+
+impl StepMemory for () {}
+impl<S> StepMemory for PhantomData<S> {}
+
+/// As for [`Numbers`].
+macro_rules! tuples {
+    ($(($($part:ident)+))+) => {$(
+        impl<$($part: StepMemory),+> StepMemory for ($($part,)+) {}
+    )+};
+}
+
+tuples! {
+    (A)
+    (A B)
+    (A B C)
+    (A B C D)
+    (A B C D E)
+    (A B C D E F)
+    (A B C D E F G)
+    (A B C D E F G H)
+    (A B C D E F G H I)
+    (A B C D E F G H I J)
+    (A B C D E F G H I J K)
+    (A B C D E F G H I J K L)
+}
