@@ -224,21 +224,21 @@ struct DilatedWell;
 #[test]
 fn isolated_unknowns_count_in_the_orientation() {
     let h = 0.01;
-    let prepared = DilatedWell.prepare(h).unwrap();
+    let prepared = Discretized::<Midpoint>::prepare(&DilatedWell, h).unwrap();
     for w in [-1.5, -0.5, 0.5, 1.5] {
         let (mut q, mut p) = ([0.5], [0.5]);
-        let effort = DilatedWell
-            .advance_carrying::<f64, Plain, true>(
-                &prepared,
-                0.0,
-                h,
-                &mut q,
-                &mut p,
-                &[2.0 * w],
-                &mut Default::default(),
-                &mut Plain,
-            )
-            .unwrap();
+        let effort = Discretized::<Midpoint>::advance_carrying::<f64, Plain, true>(
+            &DilatedWell,
+            &prepared,
+            0.0,
+            h,
+            &mut q,
+            &mut p,
+            &[2.0 * w],
+            &mut Default::default(),
+            &mut Plain,
+        )
+        .unwrap();
         let mid = 0.5 * (0.5 + q[0]);
         let determinant = 1.0 - w * w + 0.25 * h * h * (3.0 * mid * mid - 1.0);
         assert_eq!(effort.is_reversed, determinant < 0.0, "w = {w}");

@@ -19,7 +19,7 @@
 
 use super::chacha;
 use super::normal::pair;
-use super::truncation::{Truncation, clip_bound};
+use super::truncation::{Truncation, clip_bound, truncation_setters};
 use super::wiener::check_step;
 use super::{Divisible, Interval, Noise, NoiseError, Paths};
 use crate::increments::Identity;
@@ -124,17 +124,7 @@ impl StepNormals {
         self
     }
 
-    /// Truncates the increments to `±√|h| A_h` ([`clip_bound`]), `k >= 1`.
-    pub fn truncated(mut self, k: impl Into<f64>) -> Self {
-        self.truncation = Truncation::On(k.into());
-        self
-    }
-
-    /// Leaves the increments as they are, also where a run would truncate them by default.
-    pub fn untruncated(mut self) -> Self {
-        self.truncation = Truncation::Off;
-        self
-    }
+    truncation_setters!(|noise, truncation| Self { truncation, ..noise });
 
     /// The truncation that is set.
     pub fn truncation(&self) -> Truncation {
