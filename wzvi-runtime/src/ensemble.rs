@@ -57,6 +57,7 @@ pub use dispatch::{InstructionSet, Kernel};
 pub use draws::Normals;
 pub use error::{LossError, StatisticsError};
 pub use histogram::Histogram;
+use job::Inspector;
 pub use multilevel::{Level, LevelError, LevelFailure, Multilevel, MultilevelEstimate, Nothing, Observed};
 pub use passage::Passages;
 pub use paths::Paths;
@@ -77,6 +78,7 @@ use crate::recording::Request;
 use crate::retry::{Halved, Retry, Serves, Whole};
 use crate::schedule::in_order;
 use crate::span::Span;
+use crate::state::State;
 use crate::system::Discretized;
 
 /// An ensemble to run: [`Integrate::ensemble`](crate::integrate::Integrate::ensemble) begins it, [`Ensemble::run`] runs
@@ -96,6 +98,7 @@ pub struct Ensemble<'a, H: Discretized<E>, E, N = StepNormals, R = Whole> {
     observables: Observables<'a, H::Vector>,
     events: Observables<'a, H::Vector>,
     wanted: Extras,
+    inspector: Option<Inspector<'a, H::Vector>>,
     execution: Execution<'a>,
     keeping: Keeping,
     retry: Retry,
@@ -127,6 +130,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             observables: Observables::default(),
             events: Observables::default(),
             wanted: Extras { quantiles: false, covariances: true, histograms: Vec::new(), most_bytes: None },
+            inspector: None,
             execution: Execution::default(),
             keeping: Keeping::default(),
             retry: Retry::never(),
@@ -197,12 +201,19 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
         self
     }
 
+    /// Calls `see(path, state)` for every path at each recorded node that it reaches, start and end included: a path in order, different ones from
+    /// several threads at once. A run that is stopped or ends early may have shown paths that its statistics do not have.
+    pub fn inspect(mut self, see: impl Fn(u64, &State<H::Vector>) + Send + Sync + 'a) -> Self {
+        self.inspector = Some(Box::new(see));
+        self
+    }
+
     /// When does `event`, a function of the state, cross zero for the first time? It is asked at every node; what that
     /// means for the times is in [`Passages`]. More than one may be asked.
     pub fn first_passage(
         mut self,
         name: impl Into<String>,
-        event: impl Fn(&crate::state::State<H::Vector>) -> f64 + Send + Sync + 'a,
+        event: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,
     ) -> Self {
         self.events.push(name.into(), event);
         self
@@ -260,6 +271,7 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
             observables: self.observables,
             events: self.events,
             wanted: self.wanted,
+            inspector: self.inspector,
             execution: self.execution,
             keeping: self.keeping,
             retry: self.retry,

@@ -5,6 +5,8 @@
 //! fastest motion ([`StepFailure::Unresolved`]) cannot be repaired where it is noticed, because the energy is in the wrong
 //! motion already: the run starts again, all its steps subdivided once more, so that they stay uniform.
 
+use std::ops::Range;
+
 use crate::carry::Carry;
 use crate::error::{ConfigError, Error, StepError, StepFailure};
 use crate::increments::{Divisible, Interval, Noise};
@@ -136,13 +138,12 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         level: u32,
     ) -> Result<u32, Error> {
         let stepper = finer.unwrap_or(&mut self.stepper);
-        let (parts, step) = (1_u64 << level, interval.step);
-        let counted = |step: u64| step.checked_mul(parts);
-        let (Some(first), Some(end)) = (counted(step), step.checked_add(1).and_then(counted)) else {
-            let wrong =
-                format!("step {step} in {parts} parts: more than can be counted; allow fewer halvings");
-            return Err(ConfigError::Setting(wrong).into());
-        };
+        let steps = parts_of(interval.step, level).ok_or_else(|| {
+            let (step, parts) = (interval.step, 1_u64 << level);
+            ConfigError::Setting(format!(
+                "step {step} in {parts} parts: more than can be counted; allow fewer halvings"
+            ))
+        })?;
         dw.fill(0.0);
         let mut account = Parts { dw, iterations: 0 };
         let mut path = Single {
@@ -154,7 +155,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
             h: part_of(interval.h, level),
             account: &mut account,
         };
-        take_steps(&mut path, first..end, &mut Unmonitored)?;
+        take_steps(&mut path, steps, &mut Unmonitored)?;
         Ok(account.iterations)
     }
 }
@@ -198,6 +199,12 @@ impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Subdivision<'_
     }
 }
 
+/// The numbers of the `2^level` parts of a step among those of all steps; `None` if they cannot be counted.
+fn parts_of(step: u64, level: u32) -> Option<Range<u64>> {
+    let counted = |step: u64| step.checked_mul(1_u64.checked_shl(level)?);
+    Some(counted(step)?..counted(step.checked_add(1)?)?)
+}
+
 /// `h / 2^level`, exactly.
 fn part_of(h: f64, level: u32) -> f64 {
     h / (1_u64 << level) as f64
@@ -215,5 +222,20 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         | StepFailure::Dimension { .. }
         | StepFailure::Index(_)
         | StepFailure::NonFiniteInput => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parts_of;
+
+    #[test]
+    fn parts_are_numbered_among_those_of_all_steps() {
+        assert_eq!(parts_of(0, 0), Some(0..1));
+        assert_eq!(parts_of(5, 3), Some(40..48));
+        assert_eq!(parts_of((1 << 34) - 2, 30), Some(u64::MAX - (1 << 31) + 1..u64::MAX - (1 << 30) + 1));
+        // The end of the last would be 2^64.
+        assert_eq!(parts_of((1 << 34) - 1, 30), None);
+        assert_eq!(parts_of(1 << 40, 30), None);
     }
 }

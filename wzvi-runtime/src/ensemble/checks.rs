@@ -93,6 +93,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
             retry: self.retry,
             observables,
             events,
+            inspector: self.inspector,
             wanted,
             stop,
         })

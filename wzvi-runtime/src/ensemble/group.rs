@@ -291,6 +291,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         &self.alone
     }
 
+    /// The number of the path of a lane.
+    pub(super) fn path(&self, lane: usize) -> u64 {
+        self.path + lane as u64
+    }
+
     /// Whether a lane is a path of this run.
     pub(super) fn is_path(&self, lane: usize) -> bool {
         self.counts[lane]

@@ -24,9 +24,13 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) retry: Retry,
     pub(super) observables: Vec<Observable<'a, H::Vector>>,
     pub(super) events: Vec<Observable<'a, H::Vector>>,
+    pub(super) inspector: Option<Inspector<'a, H::Vector>>,
     pub(super) wanted: Wanted,
     pub(super) stop: Stop<'a>,
 }
+
+/// Sees paths, by their numbers, at recorded nodes.
+pub(super) type Inspector<'a, V> = Box<dyn Fn(u64, &State<V>) + Send + Sync + 'a>;
 
 /// Says when to stop.
 pub(super) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);

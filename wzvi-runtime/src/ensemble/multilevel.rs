@@ -377,6 +377,7 @@ where
             retry: Retry::never(),
             observables: Vec::new(),
             events: Vec::new(),
+            inspector: None,
             wanted: Default::default(),
             stop: *stop,
         };

@@ -108,7 +108,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                 moments.lose();
                 continue;
             }
+            let path = group.path(lane);
             let state = group.state_at(lane, node);
+            if let Some(see) = &job.inspector {
+                see(path, state);
+            }
             for (value, observable) in self.values.iter_mut().zip(&job.observables) {
                 *value = observable(state);
             }
