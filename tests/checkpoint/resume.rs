@@ -221,9 +221,8 @@ fn backward_runs_go_on_too() {
 fn settings_that_make_no_sense() {
     let folder = folder("settings");
     let path = folder.join("run");
-    for checkpoint in
-        [Checkpoint::to(&path).every_steps(0), Checkpoint::to(&path).every(std::time::Duration::ZERO)]
-    {
+    let to = || Checkpoint::to(&path);
+    for checkpoint in [to().every_steps(0), to().every_steps(1).every(std::time::Duration::ZERO)] {
         let error = KEPLER.run(5, 0).checkpoint(checkpoint).run();
         assert!(matches!(error, Err(wzvi::Error::Config(_))), "{error:?}");
     }

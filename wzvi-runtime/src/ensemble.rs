@@ -103,8 +103,11 @@ pub struct Ensemble<'a, H: Discretized<E>, E, N = StepNormals, R = Whole> {
     keeping: Keeping,
     retry: Retry,
     control: Control,
-    scheme: PhantomData<fn() -> (E, N, R)>,
+    types: Types<E, N, R>,
 }
+
+/// Scheme, noise, and whether steps may be halved.
+type Types<E, N, R> = PhantomData<fn() -> (E, N, R)>;
 
 /// What is computed besides moments.
 struct Extras {
@@ -135,7 +138,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             keeping: Keeping::default(),
             retry: Retry::never(),
             control: Control::default(),
-            scheme: PhantomData,
+            types: PhantomData,
         }
     }
 }
@@ -276,7 +279,7 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
             keeping: self.keeping,
             retry: self.retry,
             control: self.control,
-            scheme: PhantomData,
+            types: PhantomData,
         }
     }
 }
@@ -286,7 +289,7 @@ where
     H: Discretized<E> + Sync,
     H::Vector: Send + Sync,
     H::Prepared: Send + Sync,
-    N: Noise + Serves<R>,
+    N: Noise,
 {
     /// Runs all paths.
     ///
@@ -295,14 +298,20 @@ where
     /// [`Error::Step`] if all paths fail: the first failure, [`Error::Losses`] if more fail than are allowed. Fewer failures are in the
     /// [`Statistics`]. `Error::Checkpoint` if there is a checkpoint that cannot be
     /// written or gone on from.
-    pub fn run(self) -> Result<Statistics, Error> {
+    pub fn run(self) -> Result<Statistics, Error>
+    where
+        N: Serves<R>,
+    {
         self.run_in::<0>()
     }
 
     /// [`Ensemble::run`] with `WIDTH` paths beside each other, with 0 as many as suit the instructions; the result is the
     /// same.
     #[doc(hidden)]
-    pub fn run_in<const WIDTH: usize>(mut self) -> Result<Statistics, Error> {
+    pub fn run_in<const WIDTH: usize>(mut self) -> Result<Statistics, Error>
+    where
+        N: Serves<R>,
+    {
         let execution = std::mem::take(&mut self.execution);
         let (control, keeping) = (std::mem::take(&mut self.control), std::mem::take(&mut self.keeping));
         let (threads, instructions, interrupt) =

@@ -75,6 +75,11 @@ pub trait Noise {
 
 /// A source whose increments are those of a path that can be asked for any interval: then the parts of a step add up to the step, and a
 /// step that fails can be subdivided ([`Retry`](crate::retry::Retry)). Rows of numbers are none.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` has no increments between the nodes, which `.retry(...)` needs",
+    label = "this noise cannot drive steps that are halved",
+    note = "use `Wiener`, `WongZakai` or `StepNormals` (`.seed(number)`), or leave `.retry(...)` out"
+)]
 pub trait Divisible: Noise {}
 
 impl<N: Divisible + ?Sized> Divisible for &mut N {}

@@ -159,7 +159,7 @@ impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
 impl<H, E, N, O, R> Simulation<'_, H, E, N, O, R>
 where
     H: Discretized<E>,
-    N: Noise + Serves<R>,
+    N: Noise,
     O: Observer<H::Vector>,
 {
     /// Runs the path.
@@ -167,7 +167,10 @@ where
     /// # Errors
     /// [`Error::Config`] if a setting is missing or makes no sense, [`Error::Noise`] if the source has no increments,
     /// [`Error::Step`] if a step fails. To keep what was computed before, use [`Simulation::run_partial`].
-    pub fn run(self) -> Result<Trajectory<H::Vector, E>, Error> {
+    pub fn run(self) -> Result<Trajectory<H::Vector, E>, Error>
+    where
+        N: Serves<R>,
+    {
         match self.run_partial()? {
             (trajectory, None) => Ok(trajectory),
             (_, Some(error)) => Err(error),
@@ -180,7 +183,10 @@ where
     /// # Errors
     /// [`Error::Config`] or [`Error::Noise`] (`Error::Checkpoint` with the feature `serde`) if the run could not start:
     /// then there is no trajectory.
-    pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error> {
+    pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error>
+    where
+        N: Serves<R>,
+    {
         let Self { system, h, span, noise, recorded, observables, observer, .. } = self;
         let (retry, is_watched, keeping) = (self.retry, self.is_watched, self.keeping);
         let (names, functions) = observables.checked("observables")?;
@@ -201,7 +207,8 @@ where
             (steps, retry),
         )?;
         let mut first = keeper.first();
-        let mut monitor = Nodes { observer, keeper: &mut keeper, end: steps };
+        let due = keeper.next();
+        let mut monitor = Nodes { observer, keeper: &mut keeper, due, end: steps };
         let error = loop {
             if first == 0 {
                 monitor.show(&state, 0, &account, &dw);
@@ -253,13 +260,13 @@ struct Records<V> {
     wiener: Sums,
     /// Whether anybody asks for them.
     has_sums: bool,
-    /// What the last step took.
-    last: StepInfo,
+    /// Newton iterations and halvings of the last step.
+    last: [u32; 2],
 }
 
 impl<V: Vector> Records<V> {
     fn new(recorder: Recorder<V>, processes: usize, has_sums: bool) -> Self {
-        Self { recorder, wiener: Sums::new(processes), has_sums, last: StepInfo::default() }
+        Self { recorder, wiener: Sums::new(processes), has_sums, last: [0; 2] }
     }
 }
 
@@ -269,7 +276,7 @@ impl<V: Vector> Account for Records<V> {
         self.recorder.step(dw, info);
         if self.has_sums {
             self.wiener.add(dw);
-            self.last = *info;
+            self.last = [info.iterations, info.halvings];
         }
     }
 }
@@ -278,6 +285,8 @@ impl<V: Vector> Account for Records<V> {
 struct Nodes<'k, O> {
     observer: O,
     keeper: &'k mut Keeper,
+    /// The next node at which it may be time to save.
+    due: u64,
     /// The last node of the run.
     end: u64,
 }
@@ -288,7 +297,7 @@ impl<O> Nodes<'_, O> {
     where
         O: Observer<V>,
     {
-        let StepInfo { iterations, halvings, .. } = account.last;
+        let [iterations, halvings] = account.last;
         let node = Node { step, wiener: account.wiener.totals(), increments: dw, iterations, halvings };
         self.observer.observe(state, &node);
     }
@@ -306,7 +315,7 @@ where
     fn next(&self, path: &OnePath<'_, 's, H, E, N>, node: u64) -> u64 {
         let recorder = &path.account.recorder;
         let shown = if O::LOOKS && recorder.shows_all() { node + 1 } else { recorder.next() };
-        shown.min(self.keeper.next())
+        shown.min(self.due)
     }
 
     #[inline(always)]
@@ -316,9 +325,12 @@ where
         if O::LOOKS && (is_recorded || account.recorder.shows_all() || node == self.end) {
             self.show(state, node, account, dw);
         }
-        if self.keeper.is_due(node) {
-            let Records { recorder, wiener, .. } = &mut **account;
-            self.keeper.save(&mut stepper.stepper, state, recorder, wiener, node)?;
+        if node >= self.due {
+            if self.keeper.is_due(node) {
+                let Records { recorder, wiener, .. } = &mut **account;
+                self.keeper.save(&mut stepper.stepper, state, recorder, wiener, node)?;
+            }
+            self.due = self.keeper.next();
         }
         Ok(())
     }

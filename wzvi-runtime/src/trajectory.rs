@@ -421,7 +421,12 @@ impl<V: Vector> Recorder<V> {
         self.path.increments.extend(self.pending.iter().map(|sum| sum.total()));
         self.pending.fill(Sum::default());
         self.kept = self.path.steps;
-        self.next = self.recording.next(self.kept);
+        // Without chosen nodes the next is as far as the last: no division.
+        self.next = if self.kept == self.next && self.recording.chosen.is_empty() {
+            self.next.saturating_add(self.path.every)
+        } else {
+            self.recording.next(self.kept)
+        };
     }
 
     /// The trajectory, which ends at `last`.

@@ -24,6 +24,9 @@ fn main() {
     // Antithetic and truncated normals are those of a seed; another noise says it itself.
     let _ = paths().noise(Wiener::seed(1)).antithetic();
     let _ = paths().noise(Wiener::seed(1)).truncation(wzvi::noise::Truncation::Off);
+    // A single path counts steps, an ensemble paths.
+    let _ = path().checkpoint(Checkpoint::to("file").every_paths(10));
+    let _ = paths().checkpoint(Checkpoint::to("file").every_steps(10));
     // One observable, and nothing but its mean.
     let _ = levels().target(1e-2).run();
     let _ = levels().observe("q", |state| state.q[0]).observe("p", |state| state.p[0]);

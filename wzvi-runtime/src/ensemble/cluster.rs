@@ -43,7 +43,7 @@ where
     H: Discretized<E> + Sync,
     H::Vector: Send + Sync,
     H::Prepared: Send + Sync,
-    N: Noise + Serves<R>,
+    N: Noise,
 {
     /// Runs all paths on all ranks of `world`, each of which calls this with the same settings; [`Ensemble::run`] gives
     /// the same statistics, bit for bit. Rank 0 has them, the others get `None`: whoever prints or writes files does so
@@ -67,7 +67,10 @@ where
     /// # Errors
     /// Those of [`Ensemble::run`], and [`Error::Cluster`]: all ranks fail together. A panic on one rank ends the
     /// processes of all.
-    pub fn run_on<C: Communicator + ?Sized>(mut self, world: &C) -> Result<Option<Statistics>, Error> {
+    pub fn run_on<C: Communicator + ?Sized>(mut self, world: &C) -> Result<Option<Statistics>, Error>
+    where
+        N: Serves<R>,
+    {
         // Messages of this run are no others'.
         let world = world.duplicate();
         let guard = AbortOnPanic(&world);

@@ -4,7 +4,7 @@ use super::Ensemble;
 use super::block::PATHS;
 use super::job::Job;
 use super::statistics::{Statistics, Wanted};
-use crate::checkpoint::{self, Checkpoint, CheckpointError, Described, Extent, Keeping};
+use crate::checkpoint::{self, Checkpoint, CheckpointError, Described, Extent, Keeping, Suits};
 use crate::error::Error;
 use crate::increments::{Identity, Noise};
 use crate::options::Observable;
@@ -28,7 +28,7 @@ impl<H: Discretized<E>, E, N, R> Ensemble<'_, H, E, N, R> {
     ///
     /// Functions cannot be compared: observables and events are told apart by their names and by their values at the start and
     /// at the next three nodes of path 0.
-    pub fn checkpoint(mut self, checkpoint: Checkpoint) -> Self {
+    pub fn checkpoint<C: Suits<checkpoint::Paths>>(mut self, checkpoint: Checkpoint<C>) -> Self {
         self.keeping = Keeping::to(checkpoint);
         self
     }

@@ -16,7 +16,7 @@ where
     H: Discretized<E> + Sync,
     H::Vector: Send + Sync,
     H::Prepared: Send + Sync,
-    N: Noise + Serves<R>,
+    N: Noise,
 {
     /// The path with this number as the ensemble has it, bit for bit: as far as it goes, and what ended it early, if anything did. Nodes
     /// are recorded as for a single path, by [`Ensemble::record_every`] and [`Ensemble::record_at`]; observables are not asked.
@@ -32,7 +32,10 @@ where
     ///
     /// # Errors
     /// Those of [`Ensemble::run`] that show before the first step, and [`ConfigError::Setting`] for a path that the ensemble does not have.
-    pub fn replay(self, path: u64) -> Result<Partial<H::Vector, E>, Error> {
+    pub fn replay(self, path: u64) -> Result<Partial<H::Vector, E>, Error>
+    where
+        N: Serves<R>,
+    {
         let recorded = self.recorded.clone();
         let job = self.job(&|| false)?;
         if path >= job.paths {
