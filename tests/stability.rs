@@ -1,7 +1,7 @@
 //! Steps that are hard, have no solution, or do not resolve the motion: what the run says, and what helps.
 
 use wzvi::__private::Plain;
-use wzvi::error::{ConfigError, StepError, StepFailure};
+use wzvi::error::{StepError, StepFailure};
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 
@@ -201,13 +201,6 @@ fn a_subdivided_step_is_the_finer_run() {
     let finer = run(1.0 / parts).steps(parts as u64).run().unwrap();
     assert_eq!((path.last().q, path.last().p), (finer.last().q, finer.last().p));
     assert_eq!(path.last().t, 1.0);
-}
-
-#[test]
-fn given_increments_cannot_be_subdivided() {
-    let run = KickedCubic.simulate::<Midpoint>(0.1).start(State::new([0.1], [0.1]));
-    let outcome = run.noise(Increments::from([0.1])).steps(1).retry(Retry::halving(2)).run();
-    assert!(matches!(outcome, Err(wzvi::Error::Config(ConfigError::Setting(_)))), "{outcome:?}");
 }
 
 #[test]

@@ -6,11 +6,14 @@ mod checksum;
 #[cfg(feature = "ensemble")]
 mod clock;
 pub mod compose;
+mod continuation;
 pub mod elements;
 pub mod embedding;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 pub mod error;
+#[cfg(feature = "ensemble")]
+mod execution;
 pub mod gauss;
 pub mod increments;
 pub mod integrate;
@@ -26,21 +29,24 @@ mod names;
 #[cfg(feature = "noise")]
 pub mod noise;
 pub mod numbers;
+mod options;
 mod persist;
 pub mod plan;
 #[cfg(feature = "ensemble")]
 mod progress;
+mod recording;
 #[cfg(feature = "report")]
 pub mod report;
-mod rescue;
 pub mod retry;
 pub mod scalar;
 #[cfg(feature = "ensemble")]
 mod schedule;
 pub mod simulate;
 pub mod solve;
+mod span;
 pub mod state;
 pub mod step;
+mod steps;
 mod sum;
 pub mod system;
 pub mod trajectory;
