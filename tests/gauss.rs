@@ -115,3 +115,60 @@ fn a_hundred_time_units_are_right_to_thirteen_digits() {
         Gauss<16>, 60, 1.5e-13;
     }
 }
+
+/// A Fermi-Pasta-Ulam chain: the same in straight-line code and in loops.
+macro_rules! chain {
+    ($name:ident, $($size:tt)*) => {
+        #[hamiltonian(
+            drift = |q: $($size)*, p: $($size)*| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+                + (0..q.len() - 1).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2) + 0.25 * (q[i + 1] - q[i]).powi(4)).sum::<f64>()
+                + 0.5 * q[0] * q[0],
+            embedding = [Midpoint, Gauss<1>, Gauss<2>, Gauss<4>, Gauss<8>],
+        )]
+        struct $name;
+    };
+}
+chain!(Chain, &[f64]);
+chain!(Four, [f64; 4]);
+
+/// The same with a coordinate in the kinetic energy, the time, and a noise at each site.
+macro_rules! noisy {
+    ($name:ident, $($size:tt)*) => {
+        #[hamiltonian(
+            drift = |q: $($size)*, p: $($size)*, t| (0..q.len()).map(|i| 0.5 * (1.0 + 0.1 * q[i] * q[i]) * p[i] * p[i]
+                + 0.25 * q[i].powi(4) + 0.1 * (1.0 + t).ln() * q[i]).sum::<f64>()
+                + (0..q.len() - 1).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2)).sum::<f64>(),
+            noise = [|q, p, k| 0.2 * q[k] * p[k]; 4],
+            embedding = [Gauss<3>],
+        )]
+        struct $name;
+    };
+}
+noisy!(NoisyLoop, &[f64]);
+noisy!(NoisyFour, [f64; 4]);
+
+#[test]
+fn loops_and_straight_lines_take_the_same_steps() {
+    let (q, p) = (vec![0.3, -0.2, 0.5, 0.1], vec![0.0, 0.4, -0.1, 0.2]);
+    macro_rules! same {
+        ($scheme:ty, $a:expr, $b:expr, $dw:expr) => {
+            let mut many = State::new(q.clone(), p.clone());
+            let mut four = State::new([0.3, -0.2, 0.5, 0.1], [0.0, 0.4, -0.1, 0.2]);
+            let (mut a, mut b) = ($a.stepper::<$scheme>(0.1).unwrap(), $b.stepper::<$scheme>(0.1).unwrap());
+            for _ in 0..20 {
+                a.step(&mut many, $dw).unwrap();
+                b.step(&mut four, $dw).unwrap();
+            }
+            for i in 0..4 {
+                // Roundings of twenty steps.
+                assert!((many.q[i] - four.q[i]).abs() < 2e-15, "{} {}", many.q[i], four.q[i]);
+                assert!((many.p[i] - four.p[i]).abs() < 2e-15, "{} {}", many.p[i], four.p[i]);
+            }
+        };
+    }
+    same!(Gauss<1>, Chain, Four, &[]);
+    same!(Gauss<2>, Chain, Four, &[]);
+    same!(Gauss<4>, Chain, Four, &[]);
+    same!(Gauss<8>, Chain, Four, &[]);
+    same!(Gauss<3>, NoisyLoop, NoisyFour, &[0.1, -0.2, 0.05, 0.3]);
+}

@@ -3,6 +3,7 @@
 mod chunk;
 mod combine;
 mod discretized;
+mod gauss;
 mod hamiltonian;
 mod indices;
 mod kernel;
@@ -49,6 +50,7 @@ pub(crate) fn emit(
         };
         generated.extend(discretized::emit(model, facts, embedding, &road, text));
     }
+    generated.extend(gauss::emit(model, facts, texts));
     let System { item, crate_path, type_checks, .. } = model;
     wrapped(item, crate_path, generated, type_checks, texts)
 }
