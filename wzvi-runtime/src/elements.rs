@@ -47,6 +47,8 @@ use std::ops::Range;
 
 pub use crate::memory::{Iteration, Method};
 
+use hamiltonian::{DRIFT, NOISE};
+
 use crate::error::{ConfigError, StepFailure};
 use crate::scalar::Scalar;
 use crate::system::Hamiltonian;
@@ -168,9 +170,9 @@ pub fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     by_p.fill(S::from_f64(0.0));
     let at = Point { q, p, t: t.lane(0), h, dw, acting: 0..dw.len() };
     let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
-    system.slopes(0, 1.0, &at, wanted, by_q, by_p);
+    system.slopes(DRIFT, 1.0, &at, wanted, by_q, by_p);
     if !dw.is_empty() {
-        system.slopes(1, 1.0, &at, wanted, by_q, by_p);
+        system.slopes(NOISE, 1.0, &at, wanted, by_q, by_p);
     }
 }
 

@@ -7,9 +7,9 @@ use crate::scalar::Scalar;
 use crate::state::{State, Vector};
 
 /// The part that is the drift, `h H_0`.
-const DRIFT: usize = 0;
+pub(super) const DRIFT: usize = 0;
 /// The part that is the noises, `Σ_k ΔW_k H_k`.
-const NOISE: usize = 1;
+pub(super) const NOISE: usize = 1;
 
 /// Whether `q` and `p` are those of a state of the system.
 pub(super) fn fits<H: Elements, S>(system: &H, q: &[S], p: &[S]) -> bool {

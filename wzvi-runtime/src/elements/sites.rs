@@ -219,9 +219,9 @@ where
         while site + BESIDE <= count {
             let beside = |list: &[[S; D]]| -> [Lanes<BESIDE>; D] {
                 let mut lanes = [Lanes::from_f64(0.0); D];
-                for lane in 0..BESIDE {
-                    for i in 0..D {
-                        lanes[i].set(lane, list[lane][i].lane(0));
+                for (lane, own) in list.iter().enumerate() {
+                    for (lanes, number) in lanes.iter_mut().zip(own) {
+                        lanes.set(lane, number.lane(0));
                     }
                 }
                 lanes
