@@ -553,6 +553,7 @@ const _: () = {
         impl __wzvi::elements::sites::Sites<__wzvi::embedding::Midpoint, 1usize, 1usize>
         for Bath {
             const IS_UNIFORM: __wzvi::core::primitive::bool = true;
+            const IS_EXACT_IN_LANES: __wzvi::core::primitive::bool = true;
             type SitePrepared = __Prepared;
             type SiteMemory<__S: __wzvi::Scalar> = __Memory<__S>;
             fn prepare_site(
@@ -635,7 +636,7 @@ const _: () = {
             };
             const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nThe sites k = 0..n - 1 are not coupled: each is a system of its own\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq[k] - h (q[k]_{i+1/2}²/2 + P²/2) - sigma q[k]_{i+1/2} ΔW\n  Δq[k] = q[k]_{i+1} - q[k]_i\n  q[k]_{i+1/2} = Δq[k]/2 + q[k]_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[k] = P h\n  p[k]_i = -D1 L_d:  P = p[k]_i + δp[k],  δp[k] = (-q[k]_{i+1/2} h - sigma ΔW)/2\n  p[k]_{i+1} = D2 L_d:  p[k]_{i+1} - p[k]_i = 2 δp[k]\n\nStep\n  solve for δp[k]: linear (then Δq[k])\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
-            const IN_LANES: __wzvi::core::primitive::bool = false;
+            const IN_LANES: __wzvi::core::primitive::bool = true;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
                 __S,
             >;
@@ -660,6 +661,7 @@ const _: () = {
                     1usize,
                 >(self, __h)
             }
+            #[inline(always)]
             fn advance_carrying<
                 __S: __wzvi::Scalar,
                 __C: __wzvi::Carry<__S>,
