@@ -8,7 +8,7 @@ use proc_macro2::TokenStream;
 use crate::describe::{Texts, derived};
 use crate::discretise::describe::{describe, properties};
 use crate::discretise::embedding::Embedding;
-use crate::discretise::facts::Facts;
+use crate::discretise::facts::{Facts, NoiseClass};
 use crate::discretise::gauss::{self, StepSlopes};
 use crate::discretise::sites::Site;
 use crate::discretise::{Scheme, discretise};
@@ -17,11 +17,30 @@ use crate::elements::plan::{Strategy, strategy};
 use crate::emit::emit;
 use crate::model::{Located, Model, System};
 
-/// The struct with everything that the compiler gives it, as straight-line code.
-pub(crate) fn back_end(mut model: Model, facts: &Facts) -> TokenStream {
+/// The struct with everything that the compiler gives it: the Hamiltonians, and the steps that cost less that way, as
+/// straight-line code.
+pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts) -> TokenStream {
     let listed = values(&model.embeddings);
-    let schemes: Vec<Scheme> = derived(&listed).iter().map(|e| discretise(&mut model, facts, e)).collect();
-    let of_parts = schemes.iter().map(|scheme| describe(&mut model, facts, scheme)).collect();
+    let mut steps = Vec::new();
+    for embedding in derived(&listed) {
+        let scheme = discretise(&mut model, facts, &embedding);
+        let is_swept =
+            system.emission.is_none() && facts.noise == NoiseClass::None && scheme.is_cheaper_swept();
+        steps.push(match is_swept {
+            false => Step::Inline(scheme),
+            true => {
+                let strategy = model.lend(system, |system| strategy(system, None, facts, &embedding));
+                Step::Swept(embedding, strategy)
+            }
+        });
+    }
+    let text = |step: &Step| match step {
+        Step::Inline(scheme) => describe(&mut model, facts, scheme),
+        Step::Swept(embedding, strategy) => {
+            model.lend(system, |system| elements::describe::describe(system, facts, embedding, strategy))
+        }
+    };
+    let of_parts: Vec<String> = steps.iter().map(text).collect();
     let staged: HashMap<u32, String> = stages(&listed)
         .map(|stages| {
             let slopes = StepSlopes::new(&mut model);
@@ -34,31 +53,50 @@ pub(crate) fn back_end(mut model: Model, facts: &Facts) -> TokenStream {
         |embedding| staged.get(&embedding.stages().unwrap_or(1)).cloned().unwrap_or_default(),
         |embedding, text| properties(&mut model.graph, facts, embedding, text),
     );
-    emit(&mut model, facts, &schemes, &texts)
+    let swept = steps.iter().zip(&texts.of_parts).filter_map(|(step, text)| match step {
+        Step::Inline(_) => None,
+        Step::Swept(embedding, strategy) => Some((embedding, strategy, text.as_str())),
+    });
+    let swept: Vec<_> = swept.collect();
+    let beside = match swept.is_empty() {
+        true => TokenStream::new(),
+        false => model.lend(system, |system| elements::emit::steps(system, facts, &swept)),
+    };
+    let inline = steps.iter().zip(&texts.of_parts).filter_map(|(step, text)| match step {
+        Step::Inline(scheme) => Some((scheme, text.as_str())),
+        Step::Swept(..) => None,
+    });
+    emit(&mut model, facts, &inline.collect::<Vec<_>>(), beside, &texts)
 }
 
-/// [`back_end`] in loops.
-pub(crate) fn elements_back_end(mut system: Box<System>, facts: &Facts) -> TokenStream {
+/// How a scheme of a system that is written out is emitted.
+enum Step {
+    Inline(Scheme),
+    Swept(Embedding, Strategy),
+}
+
+/// [`straight_line`], with all of it in loops.
+pub(crate) fn in_loops(system: &mut System, facts: &Facts) -> TokenStream {
     let listed = values(&system.embeddings);
-    let site = Site::of(&mut system).map(Rc::new);
+    let site = Site::of(system).map(Rc::new);
     let schemes: Vec<(Embedding, Strategy)> = derived(&listed)
         .into_iter()
         .map(|embedding| {
-            let strategy = strategy(&mut system, site.as_ref(), facts, &embedding);
+            let strategy = strategy(system, site.as_ref(), facts, &embedding);
             (embedding, strategy)
         })
         .collect();
-    let of_parts =
-        schemes.iter().map(|(e, s)| elements::describe::describe(&mut system, facts, e, s)).collect();
+    let of_parts = schemes.iter().map(|(e, s)| elements::describe::describe(system, facts, e, s)).collect();
     let staged: HashMap<u32, String> =
-        stages(&listed).map(|stages| (stages, elements::staged::describe(&system, stages))).collect();
+        stages(&listed).map(|stages| (stages, elements::staged::describe(system, stages))).collect();
     let texts = Texts::new(
         &listed,
         of_parts,
         |embedding| staged.get(&embedding.stages().unwrap_or(1)).cloned().unwrap_or_default(),
         |embedding, text| properties(&mut system.graph, facts, embedding, text),
     );
-    elements::emit::emit(&mut system, facts, &schemes, &texts)
+    let steps = schemes.iter().zip(&texts.of_parts).map(|((e, s), text)| (e, s, text.as_str()));
+    elements::emit::emit(system, facts, &steps.collect::<Vec<_>>(), &texts)
 }
 
 fn values(embeddings: &[Located<Embedding>]) -> Vec<Embedding> {

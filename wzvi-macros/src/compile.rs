@@ -2,7 +2,7 @@
 
 use proc_macro2::TokenStream;
 
-use crate::backend::{back_end, elements_back_end};
+use crate::backend::{in_loops, straight_line};
 use crate::check::check;
 use crate::diagnostics::{Diagnostics, internal};
 use crate::discretise::facts::Facts;
@@ -78,9 +78,9 @@ fn compile(
     }
 
     // derive, emit: as straight-line code, or in loops
-    Some(match written_out(system) {
-        Ok(model) => back_end(model, &facts),
-        Err(system) => elements_back_end(system, &facts),
+    Some(match written_out(&mut system) {
+        Some(model) => straight_line(model, &mut system, &facts),
+        None => in_loops(&mut system, &facts),
     })
 }
 

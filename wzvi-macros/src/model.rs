@@ -230,6 +230,16 @@ impl System {
     }
 }
 
+impl Model {
+    /// Calls `f` with the system that this model is made of, which has the graph meanwhile.
+    pub(crate) fn lend<T>(&mut self, system: &mut System, f: impl FnOnce(&mut System) -> T) -> T {
+        std::mem::swap(&mut self.graph, &mut system.graph);
+        let made = f(system);
+        std::mem::swap(&mut self.graph, &mut system.graph);
+        made
+    }
+}
+
 /// A [`System`] whose degrees of freedom are variables of their own: every Hamiltonian as one expression without loops.
 pub(crate) struct Model {
     pub(crate) graph: Graph,

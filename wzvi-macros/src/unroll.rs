@@ -201,13 +201,17 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The system with each degree of freedom a variable of its own; as it was, if it has many points, elements in loops, or
-/// indices that only the running program knows.
-pub(crate) fn written_out(system: System) -> Result<Model, Box<System>> {
-    let locals = if is_small(&system) { known_locals(&system) } else { None };
-    let Some(locals) = locals else { return Err(Box::new(system)) };
-    let System { mut graph, symbols, tables, mut parameters, t, drift, noise, invariants, .. } = system;
-    let indices = Indices { tables: &tables, checked: true };
+/// The system with each degree of freedom a variable of its own, which has its graph until it is
+/// [given back](Model::lend); `None` if it has many points, loops are left, or indices that only the running program knows.
+pub(crate) fn written_out(system: &mut System) -> Option<Model> {
+    let locals = if is_small(system) { known_locals(system) } else { None };
+    let locals = locals?;
+    let System { graph, symbols, tables, parameters, t, drift, noise, invariants, .. } = &mut *system;
+    let indices = Indices { tables, checked: true };
+    let mut parameters: Vec<Parameter> = parameters
+        .iter()
+        .map(|known| Parameter { symbol: known.symbol, tokens: known.tokens.clone() })
+        .collect();
     for Local { symbol, slot } in locals {
         let tokens = match &slot {
             Slot::Coordinate(_) | Slot::Momentum(_) => continue,
@@ -222,21 +226,22 @@ pub(crate) fn written_out(system: System) -> Result<Model, Box<System>> {
     // In the order of their first use.
     parameters.sort_by_key(|parameter| parameter.symbol.index());
     let [q, p] = symbols.phase();
-    let mut located = |Term { values, extent, .. }: Term| {
-        let values: Vec<Expr> = values.iter().map(|element| element.value).collect();
-        Located { value: graph.sum(&values), extent }
+    let (t, mut graph) = (*t, std::mem::take(graph));
+    let mut located = |term: &Term| {
+        let values: Vec<Expr> = term.values.iter().map(|element| element.value).collect();
+        Located { value: graph.sum(&values), extent: term.extent }
     };
-    Ok(Model {
-        drift: located(drift),
-        noise: noise.into_iter().map(|noise| located(noise.term)).collect(),
-        invariants: invariants.into_iter().map(located).collect(),
-        graph,
+    Some(Model {
         phase: Phase { q, p, t },
         parameters,
-        embeddings: system.embeddings,
-        item: system.item,
-        crate_path: system.crate_path,
-        type_checks: system.type_checks,
+        drift: located(drift),
+        noise: noise.iter().map(|noise| located(&noise.term)).collect(),
+        invariants: invariants.iter().map(located).collect(),
+        embeddings: system.embeddings.clone(),
+        item: system.item.clone(),
+        crate_path: system.crate_path.clone(),
+        type_checks: system.type_checks.clone(),
+        graph,
     })
 }
 

@@ -23,7 +23,7 @@ use equations::Equations;
 use facts::Facts;
 use lagrangian::DiscreteLagrangian;
 use quadrature::Quadrature;
-use structure::Structure;
+use structure::{Solution, Structure};
 
 /// One scheme of one system, ready to be emitted.
 pub(crate) struct Scheme {
@@ -33,6 +33,21 @@ pub(crate) struct Scheme {
     pub(crate) structure: Structure,
     /// Whether the limit is the Stratonovich system.
     pub(crate) consistent: bool,
+}
+
+/// Multiplications of a dense elimination that cost as much as it does to go over all unknowns in loops, until they are
+/// solved: what both do besides, they do for each unknown.
+const SWEPT: usize = 256;
+
+impl Scheme {
+    /// Whether Newton's method with dense elimination, which takes `n³/3` multiplications, costs more than iterations
+    /// that need none, or that of a band.
+    pub(crate) fn is_cheaper_swept(&self) -> bool {
+        self.structure.blocks.iter().any(|block| match block.solution {
+            Solution::Newton { .. } => block.iterates.len().pow(3) / 3 > SWEPT,
+            _ => false,
+        })
+    }
 }
 
 /// Discretises `model` by `embedding`: the one road from a Hamiltonian to a step.

@@ -23,12 +23,19 @@ pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
 pub(crate) use system::parameter;
 
-/// Everything that `#[hamiltonian]` stands for. `texts` has those of each scheme, in their order.
-pub(crate) fn emit(model: &mut Model, facts: &Facts, schemes: &[Scheme], texts: &Texts) -> TokenStream {
+/// Everything that `#[hamiltonian]` stands for: the schemes with their texts, and steps that are emitted another way.
+pub(crate) fn emit(
+    model: &mut Model,
+    facts: &Facts,
+    schemes: &[(&Scheme, &str)],
+    beside: TokenStream,
+    texts: &Texts,
+) -> TokenStream {
     let mut generated = system::emit(model, facts);
-    for (scheme, text) in schemes.iter().zip(&texts.of_parts) {
+    for (scheme, text) in schemes {
         generated.extend(step::emit(model, facts, scheme, text));
     }
+    generated.extend(beside);
     generated.extend(gauss::emit(model, facts, texts));
     let Model { item, crate_path, type_checks, .. } = model;
     wrapped(item, crate_path, generated, type_checks, texts)

@@ -32,16 +32,22 @@ use crate::symbolic::{Expr, Graph, Symbol};
 
 pub(crate) use self::sites::site_entry;
 
-/// Everything that `#[hamiltonian]` stands for. `texts` has those of each scheme, in their order.
-pub(crate) fn emit(
-    model: &mut System,
-    facts: &Facts,
-    schemes: &[(Embedding, Strategy)],
-    texts: &Texts,
-) -> TokenStream {
+/// A scheme, how it is emitted, and its text.
+type Step<'a> = (&'a Embedding, &'a Strategy, &'a str);
+
+/// Everything that `#[hamiltonian]` stands for.
+pub(crate) fn emit(model: &mut System, facts: &Facts, schemes: &[Step<'_>], texts: &Texts) -> TokenStream {
     let mut generated = hamiltonian::emit(model);
-    generated.extend(elements(model, facts));
-    for ((embedding, strategy), text) in schemes.iter().zip(&texts.of_parts) {
+    generated.extend(steps(model, facts, schemes));
+    generated.extend(gauss::emit(model, facts, texts));
+    let System { item, crate_path, type_checks, .. } = model;
+    wrapped(item, crate_path, generated, type_checks, texts)
+}
+
+/// The elements and what steps them.
+pub(crate) fn steps(model: &mut System, facts: &Facts, schemes: &[Step<'_>]) -> TokenStream {
+    let mut generated = elements(model, facts);
+    for (embedding, strategy, text) in schemes {
         let road = match strategy {
             Strategy::Sites(site, scheme) => sites::emit(model, facts, site, scheme),
             Strategy::Sweep { unknowns, is_linear } => {
@@ -50,9 +56,7 @@ pub(crate) fn emit(
         };
         generated.extend(discretized::emit(model, facts, embedding, &road, text));
     }
-    generated.extend(gauss::emit(model, facts, texts));
-    let System { item, crate_path, type_checks, .. } = model;
-    wrapped(item, crate_path, generated, type_checks, texts)
+    generated
 }
 
 /// `SVector<f64, D>` where the type system can name `D`, else `DVector<f64>`.

@@ -31,7 +31,7 @@ fn model_of(attribute: &str, item: &str) -> Result<Model, String> {
         let mut system = super::lower(system?, declaration, &phase_space, &mut diagnostics)?;
         unroll(&mut system);
         collect(&mut system, &mut diagnostics);
-        Some(written_out(system).unwrap_or_else(|_| panic!("loops are left")))
+        Some(written_out(&mut system).unwrap_or_else(|| panic!("loops are left")))
     });
     match diagnostics.finish() {
         Ok(()) => Ok(model.expect("a model or an error")),
