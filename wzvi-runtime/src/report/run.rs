@@ -158,18 +158,18 @@ where
         work: &mut Work,
         stopped: &dyn Fn() -> bool,
     ) -> Result<(), Error> {
-        let mut passes = vec![1; cells.len()];
+        let mut timed = Vec::with_capacity(cells.len());
+        // Without a single path that reaches the end there is nothing to time.
+        for cell in cells.iter_mut().filter(|cell| cell.paths > 0) {
+            let run = plan.runs.iter().find(|run| self.is(run, cell));
+            let missing = || InternalError::new("a cell is of a run", format!("{}, {}", cell.scheme, cell.h));
+            timed.push((run.ok_or_else(missing)?, cell, 1));
+        }
         for round in 0..=self.repetitions {
-            for index in 0..cells.len() {
-                let index = if round % 2 == 0 { index } else { cells.len() - 1 - index };
-                let (Some(cell), Some(passes)) = (cells.get_mut(index), passes.get_mut(index)) else {
-                    continue;
-                };
-                // Without a single path that reaches the end there is nothing to time.
-                let Some(run) = plan.runs.iter().find(|run| self.is(run, cell)) else { continue };
-                if cell.paths == 0 {
-                    continue;
-                }
+            if round > 0 {
+                timed.reverse();
+            }
+            for (run, cell, passes) in &mut timed {
                 if stopped() {
                     return Ok(());
                 }
