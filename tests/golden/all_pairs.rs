@@ -90,104 +90,7 @@ const _: () = {
             __p: &[__S],
             __t: __wzvi::core::primitive::f64,
         ) -> __S {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok())
-            {
-                return __nan;
-            }
-            let __a0: __wzvi::core::primitive::f64 = self.g;
-            let __size = (__q.len() / 2) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
-            match __term {
-                0 => {
-                    {
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
-                                .as_chunks::<2>()
-                                .0[..__len];
-                            let __s2 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s2 = &self.mass[__s2..__s2 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
-                                __b0 = __b0 + (__l1 * __l1 + __l0 * __l0) / __l2 * 0.5f64;
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                        __total = __total + __b0;
-                    }
-                    {
-                        for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
-                            let __l0 = __at
-                                .q[((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l2 = __at
-                                .q[((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l4 = <__S as __wzvi::Scalar>::from_f64(
-                                self
-                                    .mass[((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)],
-                            );
-                            let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __i2: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__i1);
-                            while __i2 < __end {
-                                let __low = __i2;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __points0 = ((2 * __i2)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points0 = &__at
-                                    .q[__points0..__points0 + 2 * __len]
-                                    .as_chunks::<2>()
-                                    .0[..__len];
-                                let __s5 = ((__i2) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s5 = &self.mass[__s5..__s5 + __len];
-                                for __k in 0..__len {
-                                    let __i2 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l1 = __points0[__k][0usize];
-                                    let __l3 = __points0[__k][1usize];
-                                    let __l5 = <__S as __wzvi::Scalar>::from_f64(__s5[__k]);
-                                    let __x0 = __l0 - __l1;
-                                    let __x1 = __l2 - __l3;
-                                    let __x2 = __x1 * __x1 + __x0 * __x0;
-                                    __b0 = __b0
-                                        + -(__l4 * __l5 * (__x2.recip() * __x2.sqrt()) * __a0);
-                                }
-                                __i2 += __len as __wzvi::core::primitive::isize;
-                            }
-                            __total = __total + __b0;
-                        }
-                    }
-                }
-                _ => return __nan,
-            }
-            __total
+            __wzvi::elements::evaluate(self, __term, __q, __p, __t)
         }
         fn differentiate<__S: __wzvi::Scalar>(
             &self,
@@ -198,145 +101,14 @@ const _: () = {
             __by_q: &mut [__S],
             __by_p: &mut [__S],
         ) {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok()
-                && __by_q.len() == __q.len() && __by_p.len() == __q.len())
-            {
-                __by_q.fill(__nan);
-                __by_p.fill(__nan);
-                return;
-            }
-            __by_q.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            __by_p.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            let __a0: __wzvi::core::primitive::f64 = self.g;
-            let __size = (__q.len() / 2) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            match __term {
-                0 => {
-                    {
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
-                                .as_chunks::<2>()
-                                .0[..__len];
-                            let __s2 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s2 = &self.mass[__s2..__s2 + __len];
-                            let __points1 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points1 = &mut __by_p[__points1..__points1 + 2 * __len]
-                                .as_chunks_mut::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
-                                __points1[__k][0usize] = __points1[__k][0usize]
-                                    + __l0 / __l2;
-                                __points1[__k][1usize] = __points1[__k][1usize]
-                                    + __l1 / __l2;
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                    {
-                        for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
-                            let __l0 = __at
-                                .q[((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l2 = __at
-                                .q[((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l4 = <__S as __wzvi::Scalar>::from_f64(
-                                self
-                                    .mass[((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)],
-                            );
-                            let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __b2 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __i2: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__i1);
-                            while __i2 < __end {
-                                let __low = __i2;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __points0 = ((2 * __i2)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points0 = &__at
-                                    .q[__points0..__points0 + 2 * __len]
-                                    .as_chunks::<2>()
-                                    .0[..__len];
-                                let __s5 = ((__i2) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s5 = &self.mass[__s5..__s5 + __len];
-                                let __points1 = ((2 * __i2)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points1 = &mut __by_q[__points1..__points1
-                                        + 2 * __len]
-                                    .as_chunks_mut::<2>()
-                                    .0[..__len];
-                                for __k in 0..__len {
-                                    let __i2 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l1 = __points0[__k][0usize];
-                                    let __l3 = __points0[__k][1usize];
-                                    let __l5 = <__S as __wzvi::Scalar>::from_f64(__s5[__k]);
-                                    let __x0 = __l2 - __l3;
-                                    let __x1 = __l0 - __l1;
-                                    let __x2 = __x1 * __x1 + __x0 * __x0;
-                                    let __x3 = __l4 * __l5;
-                                    let __x4 = __x2.recip();
-                                    let __x5 = __x4 * (__x4 * __x2.sqrt());
-                                    let __x6 = __x1 * __x3 * __x5 * __a0;
-                                    let __x7 = __x5 * (__x0 * __x3) * __a0;
-                                    __points1[__k][0usize] = __points1[__k][0usize] + -__x6;
-                                    __points1[__k][1usize] = __points1[__k][1usize] + -__x7;
-                                    __b0 = __b0 + __x6;
-                                    __b2 = __b2 + __x7;
-                                }
-                                __i2 += __len as __wzvi::core::primitive::isize;
-                            }
-                            let __at_index = ((2 * __i1)
-                                as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            __by_q[__at_index] = __by_q[__at_index] + __b0;
-                            let __at_index = ((2 * __i1 + 1)
-                                as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            __by_q[__at_index] = __by_q[__at_index] + __b2;
-                        }
-                    }
-                }
-                _ => {
-                    __by_q.fill(__nan);
-                    __by_p.fill(__nan);
-                }
-            }
+            __wzvi::elements::differentiate(self, __term, __q, __p, __t, __by_q, __by_p);
         }
         fn invariant(
             &self,
-            _: __wzvi::core::primitive::usize,
-            _: &__wzvi::State<Self::Vector>,
+            __number: __wzvi::core::primitive::usize,
+            __state: &__wzvi::State<Self::Vector>,
         ) -> __wzvi::core::primitive::f64 {
-            __wzvi::core::primitive::f64::NAN
+            __wzvi::elements::invariant(self, __number, __state)
         }
         fn energy_rate(
             &self,
@@ -495,349 +267,463 @@ const _: () = {
                 _ => __places::Entries::of_length(0),
             }
         }
+        const INTEGRALS: __wzvi::core::primitive::usize = 3usize;
+        fn value<__S: __wzvi::Scalar>(
+            &self,
+            __part: __wzvi::core::primitive::usize,
+            __weight: __wzvi::core::primitive::f64,
+            __at: &__wzvi::elements::Point<'_, __S>,
+        ) -> __S {
+            let __a0: __wzvi::core::primitive::f64 = self.g;
+            let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
+            let __t = __at.t;
+            let mut __value = <__S as __wzvi::Scalar>::from_f64(0.0);
+            match __part {
+                0usize => {
+                    let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
+                    {
+                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
+                        let mut __i0: __wzvi::core::primitive::isize = 0;
+                        let __end: __wzvi::core::primitive::isize = (__size);
+                        while __i0 < __end {
+                            let __low = __i0;
+                            let __len = (__end - __low)
+                                as __wzvi::core::primitive::usize;
+                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize);
+                            let __points0 = &__at
+                                .p[__points0..__points0 + 2 * __len]
+                                .as_chunks::<2>()
+                                .0[..__len];
+                            let __s2 = ((__i0) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize);
+                            let __s2 = &self.mass[__s2..__s2 + __len];
+                            for __k in 0..__len {
+                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                let __l0 = __points0[__k][0usize];
+                                let __l1 = __points0[__k][1usize];
+                                let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
+                                __b0 = __b0 + (__l1 * __l1 + __l0 * __l0) / __l2 * 0.5f64;
+                            }
+                            __i0 += __len as __wzvi::core::primitive::isize;
+                        }
+                        __total = __total + __b0;
+                    }
+                    {
+                        for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
+                            let __l0 = __at
+                                .q[((2 * __i1) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize)];
+                            let __l2 = __at
+                                .q[((2 * __i1 + 1) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize)];
+                            let __l4 = <__S as __wzvi::Scalar>::from_f64(
+                                self
+                                    .mass[((__i1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)],
+                            );
+                            let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
+                            let mut __i2: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = (__i1);
+                            while __i2 < __end {
+                                let __low = __i2;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                let __points0 = ((2 * __i2)
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __points0 = &__at
+                                    .q[__points0..__points0 + 2 * __len]
+                                    .as_chunks::<2>()
+                                    .0[..__len];
+                                let __s5 = ((__i2) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __s5 = &self.mass[__s5..__s5 + __len];
+                                for __k in 0..__len {
+                                    let __i2 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l1 = __points0[__k][0usize];
+                                    let __l3 = __points0[__k][1usize];
+                                    let __l5 = <__S as __wzvi::Scalar>::from_f64(__s5[__k]);
+                                    let __x0 = __l0 - __l1;
+                                    let __x1 = __l2 - __l3;
+                                    let __x2 = __x1 * __x1 + __x0 * __x0;
+                                    __b0 = __b0
+                                        + -(__l4 * __l5 * (__x2.recip() * __x2.sqrt()) * __a0);
+                                }
+                                __i2 += __len as __wzvi::core::primitive::isize;
+                            }
+                            __total = __total + __b0;
+                        }
+                    }
+                    __value = __value
+                        + __total * <__S as __wzvi::Scalar>::from_f64(__at.h);
+                }
+                _ => {}
+            }
+            __value
+        }
         fn slopes<__S: __wzvi::Scalar>(
             &self,
-            __terms: __wzvi::elements::Terms,
+            __part: __wzvi::core::primitive::usize,
+            __weight: __wzvi::core::primitive::f64,
             __at: &__wzvi::elements::Point<'_, __S>,
+            __wanted: __wzvi::elements::Slopes,
             __by_q: &mut [__S],
             __by_p: &mut [__S],
         ) {
             let __a0: __wzvi::core::primitive::f64 = self.g;
             let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
             let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_p {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
-                                .as_chunks::<2>()
-                                .0[..__len];
-                            let __s2 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s2 = &self.mass[__s2..__s2 + __len];
-                            let __points1 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points1 = &mut __by_p[__points1..__points1 + 2 * __len]
-                                .as_chunks_mut::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
-                                __points1[__k][0usize] = __points1[__k][0usize]
-                                    + __l0 * __c / __l2;
-                                __points1[__k][1usize] = __points1[__k][1usize]
-                                    + __l1 * __c / __l2;
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                }
-                if __terms.by_q {
-                    {
-                        for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
+            match __part {
+                0usize => {
+                    if __wanted.by_p {
+                        {
                             let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let __l0 = __at
-                                .q[((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l2 = __at
-                                .q[((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l4 = <__S as __wzvi::Scalar>::from_f64(
-                                self
-                                    .mass[((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)],
-                            );
-                            let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __b2 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __i2: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__i1);
-                            while __i2 < __end {
-                                let __low = __i2;
+                            let mut __i0: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = (__size);
+                            while __i0 < __end {
+                                let __low = __i0;
                                 let __len = (__end - __low)
                                     as __wzvi::core::primitive::usize;
-                                let __points0 = ((2 * __i2)
+                                let __points0 = ((2 * __i0)
                                     as __wzvi::core::primitive::isize
                                     as __wzvi::core::primitive::usize);
                                 let __points0 = &__at
-                                    .q[__points0..__points0 + 2 * __len]
+                                    .p[__points0..__points0 + 2 * __len]
                                     .as_chunks::<2>()
                                     .0[..__len];
-                                let __s5 = ((__i2) as __wzvi::core::primitive::isize
+                                let __s2 = ((__i0) as __wzvi::core::primitive::isize
                                     as __wzvi::core::primitive::usize);
-                                let __s5 = &self.mass[__s5..__s5 + __len];
-                                let __points1 = ((2 * __i2)
+                                let __s2 = &self.mass[__s2..__s2 + __len];
+                                let __points1 = ((2 * __i0)
                                     as __wzvi::core::primitive::isize
                                     as __wzvi::core::primitive::usize);
-                                let __points1 = &mut __by_q[__points1..__points1
+                                let __points1 = &mut __by_p[__points1..__points1
                                         + 2 * __len]
                                     .as_chunks_mut::<2>()
                                     .0[..__len];
                                 for __k in 0..__len {
-                                    let __i2 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l1 = __points0[__k][0usize];
-                                    let __l3 = __points0[__k][1usize];
-                                    let __l5 = <__S as __wzvi::Scalar>::from_f64(__s5[__k]);
-                                    let __x0 = __l2 - __l3;
-                                    let __x1 = __l0 - __l1;
-                                    let __x2 = __x1 * __x1 + __x0 * __x0;
-                                    let __x3 = __c * (__l4 * __l5);
-                                    let __x4 = __x2.recip();
-                                    let __x5 = __x4 * (__x4 * __x2.sqrt());
-                                    let __x6 = __x1 * __x3 * __x5 * __a0;
-                                    let __x7 = __x5 * (__x0 * __x3) * __a0;
-                                    __points1[__k][0usize] = __points1[__k][0usize] + -__x6;
-                                    __points1[__k][1usize] = __points1[__k][1usize] + -__x7;
-                                    __b0 = __b0 + __x6;
-                                    __b2 = __b2 + __x7;
+                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __points0[__k][0usize];
+                                    let __l1 = __points0[__k][1usize];
+                                    let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
+                                    __points1[__k][0usize] = __points1[__k][0usize]
+                                        + __l0 * __c / __l2;
+                                    __points1[__k][1usize] = __points1[__k][1usize]
+                                        + __l1 * __c / __l2;
                                 }
-                                __i2 += __len as __wzvi::core::primitive::isize;
+                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
-                            let __at_index = ((2 * __i1)
-                                as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            __by_q[__at_index] = __by_q[__at_index] + __b0;
-                            let __at_index = ((2 * __i1 + 1)
-                                as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            __by_q[__at_index] = __by_q[__at_index] + __b2;
+                        }
+                    }
+                    if __wanted.by_q {
+                        {
+                            for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
+                                let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                                let __l0 = __at
+                                    .q[((2 * __i1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)];
+                                let __l2 = __at
+                                    .q[((2 * __i1 + 1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)];
+                                let __l4 = <__S as __wzvi::Scalar>::from_f64(
+                                    self
+                                        .mass[((__i1) as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize)],
+                                );
+                                let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
+                                let mut __b2 = <__S as __wzvi::Scalar>::from_f64(0.0);
+                                let mut __i2: __wzvi::core::primitive::isize = 0;
+                                let __end: __wzvi::core::primitive::isize = (__i1);
+                                while __i2 < __end {
+                                    let __low = __i2;
+                                    let __len = (__end - __low)
+                                        as __wzvi::core::primitive::usize;
+                                    let __points0 = ((2 * __i2)
+                                        as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize);
+                                    let __points0 = &__at
+                                        .q[__points0..__points0 + 2 * __len]
+                                        .as_chunks::<2>()
+                                        .0[..__len];
+                                    let __s5 = ((__i2) as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize);
+                                    let __s5 = &self.mass[__s5..__s5 + __len];
+                                    let __points1 = ((2 * __i2)
+                                        as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize);
+                                    let __points1 = &mut __by_q[__points1..__points1
+                                            + 2 * __len]
+                                        .as_chunks_mut::<2>()
+                                        .0[..__len];
+                                    for __k in 0..__len {
+                                        let __i2 = __low + __k as __wzvi::core::primitive::isize;
+                                        let __l1 = __points0[__k][0usize];
+                                        let __l3 = __points0[__k][1usize];
+                                        let __l5 = <__S as __wzvi::Scalar>::from_f64(__s5[__k]);
+                                        let __x0 = __l2 - __l3;
+                                        let __x1 = __l0 - __l1;
+                                        let __x2 = __x1 * __x1 + __x0 * __x0;
+                                        let __x3 = __c * (__l4 * __l5);
+                                        let __x4 = __x2.recip();
+                                        let __x5 = __x4 * (__x4 * __x2.sqrt());
+                                        let __x6 = __x1 * __x3 * __x5 * __a0;
+                                        let __x7 = __x5 * (__x0 * __x3) * __a0;
+                                        __points1[__k][0usize] = __points1[__k][0usize] + -__x6;
+                                        __points1[__k][1usize] = __points1[__k][1usize] + -__x7;
+                                        __b0 = __b0 + __x6;
+                                        __b2 = __b2 + __x7;
+                                    }
+                                    __i2 += __len as __wzvi::core::primitive::isize;
+                                }
+                                let __at_index = ((2 * __i1)
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                __by_q[__at_index] = __by_q[__at_index] + __b0;
+                                let __at_index = ((2 * __i1 + 1)
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                __by_q[__at_index] = __by_q[__at_index] + __b2;
+                            }
                         }
                     }
                 }
+                _ => {}
             }
         }
         fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
             &self,
-            __terms: __wzvi::elements::Terms,
+            __part: __wzvi::core::primitive::usize,
+            __weight: __wzvi::core::primitive::f64,
             __at: &__wzvi::elements::Point<'_, __S>,
+            __wanted: __wzvi::elements::Slopes,
             __into: &mut __C,
         ) {
             let __a0: __wzvi::core::primitive::f64 = self.g;
             let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
             let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_p {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
-                                .as_chunks::<2>()
-                                .0[..__len];
-                            let __s2 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s2 = &self.mass[__s2..__s2 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
-                                let __x0 = __c / __l2;
-                                __into
-                                    .add_pp(
-                                        ((2 * __i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __x0,
-                                    );
-                                __into
-                                    .add_pp(
-                                        ((2 * __i0 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i0 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __x0,
-                                    );
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                }
-                if __terms.by_q {
-                    {
-                        let __x0 = 3f64 * __a0;
-                        for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
+            match __part {
+                0usize => {
+                    if __wanted.by_p {
+                        {
                             let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let __l0 = __at
-                                .q[((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l2 = __at
-                                .q[((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l4 = <__S as __wzvi::Scalar>::from_f64(
-                                self
-                                    .mass[((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)],
-                            );
-                            let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __b2 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __b7 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __i2: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__i1);
-                            while __i2 < __end {
-                                let __low = __i2;
+                            let mut __i0: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = (__size);
+                            while __i0 < __end {
+                                let __low = __i0;
                                 let __len = (__end - __low)
                                     as __wzvi::core::primitive::usize;
-                                let __points0 = ((2 * __i2)
+                                let __points0 = ((2 * __i0)
                                     as __wzvi::core::primitive::isize
                                     as __wzvi::core::primitive::usize);
                                 let __points0 = &__at
-                                    .q[__points0..__points0 + 2 * __len]
+                                    .p[__points0..__points0 + 2 * __len]
                                     .as_chunks::<2>()
                                     .0[..__len];
-                                let __s5 = ((__i2) as __wzvi::core::primitive::isize
+                                let __s2 = ((__i0) as __wzvi::core::primitive::isize
                                     as __wzvi::core::primitive::usize);
-                                let __s5 = &self.mass[__s5..__s5 + __len];
+                                let __s2 = &self.mass[__s2..__s2 + __len];
                                 for __k in 0..__len {
-                                    let __i2 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l1 = __points0[__k][0usize];
-                                    let __l3 = __points0[__k][1usize];
-                                    let __l5 = <__S as __wzvi::Scalar>::from_f64(__s5[__k]);
-                                    let __x1 = __l2 - __l3;
-                                    let __x2 = __l0 - __l1;
-                                    let __x3 = __x2 * __x2;
-                                    let __x4 = __x1 * __x1;
-                                    let __x5 = __x3 + __x4;
-                                    let __x6 = __x5.recip();
-                                    let __x7 = __x6 * (__x6 * __x5.sqrt());
-                                    let __x8 = __x6 * __x7;
-                                    let __x9 = __l4 * (__l5 * __c);
-                                    let __x10 = (__x7 - __x3 * __x8 * 3f64) * __x9 * __a0;
-                                    let __x11 = __x8 * (__x1 * (__x2 * (__c * (__l4 * __l5))))
-                                        * __x0;
-                                    let __x12 = -__x11;
-                                    let __x13 = __x9 * (__x7 - __x4 * __x8 * 3f64) * __a0;
-                                    __b0 = __b0 + __x10;
+                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __points0[__k][0usize];
+                                    let __l1 = __points0[__k][1usize];
+                                    let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
+                                    let __x0 = __c / __l2;
                                     __into
-                                        .add_qq(
-                                            ((2 * __i1) as __wzvi::core::primitive::isize
+                                        .add_pp(
+                                            ((2 * __i0) as __wzvi::core::primitive::isize
                                                 as __wzvi::core::primitive::usize),
-                                            ((2 * __i2) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            false,
-                                            -__x10,
-                                        );
-                                    __b2 = __b2 + __x12;
-                                    __into
-                                        .add_qq(
-                                            ((2 * __i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i2 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            false,
-                                            __x11,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            ((2 * __i2) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i2) as __wzvi::core::primitive::isize
+                                            ((2 * __i0) as __wzvi::core::primitive::isize
                                                 as __wzvi::core::primitive::usize),
                                             true,
-                                            __x10,
+                                            __x0,
                                         );
                                     __into
-                                        .add_qq(
-                                            ((2 * __i2) as __wzvi::core::primitive::isize
+                                        .add_pp(
+                                            ((2 * __i0 + 1) as __wzvi::core::primitive::isize
                                                 as __wzvi::core::primitive::usize),
-                                            ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            false,
-                                            __x11,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            ((2 * __i2) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i2 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            false,
-                                            __x12,
-                                        );
-                                    __b7 = __b7 + __x13;
-                                    __into
-                                        .add_qq(
-                                            ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i2 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            false,
-                                            -__x13,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            ((2 * __i2 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i2 + 1) as __wzvi::core::primitive::isize
+                                            ((2 * __i0 + 1) as __wzvi::core::primitive::isize
                                                 as __wzvi::core::primitive::usize),
                                             true,
-                                            __x13,
+                                            __x0,
                                         );
                                 }
-                                __i2 += __len as __wzvi::core::primitive::isize;
+                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
-                            __into
-                                .add_qq(
-                                    ((2 * __i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    ((2 * __i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    true,
-                                    __b0,
+                        }
+                    }
+                    if __wanted.by_q {
+                        {
+                            let __x0 = 3f64 * __a0;
+                            for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
+                                let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                                let __l0 = __at
+                                    .q[((2 * __i1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)];
+                                let __l2 = __at
+                                    .q[((2 * __i1 + 1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)];
+                                let __l4 = <__S as __wzvi::Scalar>::from_f64(
+                                    self
+                                        .mass[((__i1) as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize)],
                                 );
-                            __into
-                                .add_qq(
-                                    ((2 * __i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    false,
-                                    __b2,
-                                );
-                            __into
-                                .add_qq(
-                                    ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    true,
-                                    __b7,
-                                );
+                                let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
+                                let mut __b2 = <__S as __wzvi::Scalar>::from_f64(0.0);
+                                let mut __b7 = <__S as __wzvi::Scalar>::from_f64(0.0);
+                                let mut __i2: __wzvi::core::primitive::isize = 0;
+                                let __end: __wzvi::core::primitive::isize = (__i1);
+                                while __i2 < __end {
+                                    let __low = __i2;
+                                    let __len = (__end - __low)
+                                        as __wzvi::core::primitive::usize;
+                                    let __points0 = ((2 * __i2)
+                                        as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize);
+                                    let __points0 = &__at
+                                        .q[__points0..__points0 + 2 * __len]
+                                        .as_chunks::<2>()
+                                        .0[..__len];
+                                    let __s5 = ((__i2) as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize);
+                                    let __s5 = &self.mass[__s5..__s5 + __len];
+                                    for __k in 0..__len {
+                                        let __i2 = __low + __k as __wzvi::core::primitive::isize;
+                                        let __l1 = __points0[__k][0usize];
+                                        let __l3 = __points0[__k][1usize];
+                                        let __l5 = <__S as __wzvi::Scalar>::from_f64(__s5[__k]);
+                                        let __x1 = __l2 - __l3;
+                                        let __x2 = __l0 - __l1;
+                                        let __x3 = __x2 * __x2;
+                                        let __x4 = __x1 * __x1;
+                                        let __x5 = __x3 + __x4;
+                                        let __x6 = __x5.recip();
+                                        let __x7 = __x6 * (__x6 * __x5.sqrt());
+                                        let __x8 = __x6 * __x7;
+                                        let __x9 = __l4 * (__l5 * __c);
+                                        let __x10 = (__x7 - __x3 * __x8 * 3f64) * __x9 * __a0;
+                                        let __x11 = __x8 * (__x1 * (__x2 * (__c * (__l4 * __l5))))
+                                            * __x0;
+                                        let __x12 = -__x11;
+                                        let __x13 = __x9 * (__x7 - __x4 * __x8 * 3f64) * __a0;
+                                        __b0 = __b0 + __x10;
+                                        __into
+                                            .add_qq(
+                                                ((2 * __i1) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize),
+                                                ((2 * __i2) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize),
+                                                false,
+                                                -__x10,
+                                            );
+                                        __b2 = __b2 + __x12;
+                                        __into
+                                            .add_qq(
+                                                ((2 * __i1) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize),
+                                                ((2 * __i2 + 1) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize),
+                                                false,
+                                                __x11,
+                                            );
+                                        __into
+                                            .add_qq(
+                                                ((2 * __i2) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize),
+                                                ((2 * __i2) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize),
+                                                true,
+                                                __x10,
+                                            );
+                                        __into
+                                            .add_qq(
+                                                ((2 * __i2) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize),
+                                                ((2 * __i1 + 1) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize),
+                                                false,
+                                                __x11,
+                                            );
+                                        __into
+                                            .add_qq(
+                                                ((2 * __i2) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize),
+                                                ((2 * __i2 + 1) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize),
+                                                false,
+                                                __x12,
+                                            );
+                                        __b7 = __b7 + __x13;
+                                        __into
+                                            .add_qq(
+                                                ((2 * __i1 + 1) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize),
+                                                ((2 * __i2 + 1) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize),
+                                                false,
+                                                -__x13,
+                                            );
+                                        __into
+                                            .add_qq(
+                                                ((2 * __i2 + 1) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize),
+                                                ((2 * __i2 + 1) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize),
+                                                true,
+                                                __x13,
+                                            );
+                                    }
+                                    __i2 += __len as __wzvi::core::primitive::isize;
+                                }
+                                __into
+                                    .add_qq(
+                                        ((2 * __i1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        ((2 * __i1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        true,
+                                        __b0,
+                                    );
+                                __into
+                                    .add_qq(
+                                        ((2 * __i1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        ((2 * __i1 + 1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        false,
+                                        __b2,
+                                    );
+                                __into
+                                    .add_qq(
+                                        ((2 * __i1 + 1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        ((2 * __i1 + 1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                        true,
+                                        __b7,
+                                    );
+                            }
                         }
                     }
                 }
+                _ => {}
             }
         }
     }
     const _: () = {
         const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
-            drift_l: 0f64,
-            noise_l: 0f64,
-            counter: 0f64,
+            stages: &[
+                __wzvi::elements::Stage {
+                    point: 0f64,
+                    start: 1f64,
+                    end: 0f64,
+                    parts: &[(0usize, 1f64)],
+                },
+            ],
+            update: __wzvi::elements::MomentumUpdate::Multiple(1f64),
             unknowns: __wzvi::elements::Unknowns::None,
             remembers: false,
             is_linear: false,
-            has_noise: false,
         };
         #[automatically_derived]
         impl __wzvi::Discretized<__wzvi::embedding::DeltaPlus> for Bodies {
@@ -921,7 +807,14 @@ const _: () = {
                 __h: __wzvi::core::primitive::f64,
                 __dw: &[__wzvi::core::primitive::f64],
             ) -> Self::Vector {
-                __wzvi::elements::step_momentum(self, &__SCHEME, __before, __h, __dw)
+                __wzvi::elements::step_momentum(
+                    self,
+                    &__SCHEME,
+                    __before,
+                    __after,
+                    __h,
+                    __dw,
+                )
             }
         }
     };

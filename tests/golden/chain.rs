@@ -88,26 +88,86 @@ const _: () = {
             __p: &[__S],
             __t: __wzvi::core::primitive::f64,
         ) -> __S {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok())
-            {
-                return __nan;
+            __wzvi::elements::evaluate(self, __term, __q, __p, __t)
+        }
+        fn differentiate<__S: __wzvi::Scalar>(
+            &self,
+            __term: __wzvi::core::primitive::usize,
+            __q: &[__S],
+            __p: &[__S],
+            __t: __wzvi::core::primitive::f64,
+            __by_q: &mut [__S],
+            __by_p: &mut [__S],
+        ) {
+            __wzvi::elements::differentiate(self, __term, __q, __p, __t, __by_q, __by_p);
+        }
+        fn invariant(
+            &self,
+            __number: __wzvi::core::primitive::usize,
+            __state: &__wzvi::State<Self::Vector>,
+        ) -> __wzvi::core::primitive::f64 {
+            __wzvi::elements::invariant(self, __number, __state)
+        }
+        fn energy_rate(
+            &self,
+            __k: __wzvi::core::primitive::usize,
+            __state: &__wzvi::State<Self::Vector>,
+        ) -> __wzvi::core::primitive::f64 {
+            __wzvi::elements::energy_rate(self, __k, __state)
+        }
+    }
+    #[automatically_derived]
+    impl __wzvi::elements::Elements for Chain {
+        const PLACES: __wzvi::elements::places::Places = {
+            use __wzvi::elements::places as __places;
+            __places::Places {
+                components: 1usize,
+                tables: &[],
+                nests: &[
+                    __places::Nest {
+                        loops: &[],
+                        slots: &[
+                            __places::Slot::State {
+                                index: __places::Index {
+                                    terms: &[],
+                                    constant: 0,
+                                    name: __places::Name {
+                                        name: "0",
+                                        suffix: "",
+                                    },
+                                },
+                                is_natural: true,
+                            },
+                        ],
+                    },
+                ],
             }
+        };
+        fn entries(
+            &self,
+            __table: __wzvi::core::primitive::usize,
+            __outer: &[__wzvi::core::primitive::usize],
+            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
+        ) -> __wzvi::elements::places::Entries {
+            use __wzvi::elements::places as __places;
+            match (__table, __outer) {
+                _ => __places::Entries::of_length(0),
+            }
+        }
+        const INTEGRALS: __wzvi::core::primitive::usize = 3usize;
+        fn value<__S: __wzvi::Scalar>(
+            &self,
+            __part: __wzvi::core::primitive::usize,
+            __weight: __wzvi::core::primitive::f64,
+            __at: &__wzvi::elements::Point<'_, __S>,
+        ) -> __S {
             let __a0: __wzvi::core::primitive::f64 = self.beta;
-            let __size = (__q.len() / 1) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
-            match __term {
-                0 => {
+            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
+            let __t = __at.t;
+            let mut __value = <__S as __wzvi::Scalar>::from_f64(0.0);
+            match __part {
+                0usize => {
+                    let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
                     {
                         let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
                         let mut __i0: __wzvi::core::primitive::isize = 0;
@@ -163,379 +223,235 @@ const _: () = {
                             __total = __total + __x1 * (__x1 * __x0 + 0.5f64);
                         }
                     }
+                    __value = __value
+                        + __total * <__S as __wzvi::Scalar>::from_f64(__at.h);
                 }
-                _ => return __nan,
+                _ => {}
             }
-            __total
-        }
-        fn differentiate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
-        ) {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok()
-                && __by_q.len() == __q.len() && __by_p.len() == __q.len())
-            {
-                __by_q.fill(__nan);
-                __by_p.fill(__nan);
-                return;
-            }
-            __by_q.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            __by_p.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            let __a0: __wzvi::core::primitive::f64 = self.beta;
-            let __size = (__q.len() / 1) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            match __term {
-                0 => {
-                    {
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_p[__b0..__b0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0;
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                    {
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size - 1);
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let mut __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            if ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)
-                                != ((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize) + 1
-                            {
-                                __len = 1;
-                            }
-                            let __s0 = ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            let __s1 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s1 = &__at.q[__s1..__s1 + __len];
-                            let __at1 = ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize) + (__len - 1);
-                            let mut __carried1 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let __b1 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b1 = &mut __by_q[__b1..__b1 + __len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                let __l1 = __s1[__k];
-                                let __x0 = __l0 - __l1;
-                                let __x1 = __x0 * (__x0 * __x0 * __a0 + 1f64);
-                                let __ahead = __x1;
-                                __b1[__k] = __b1[__k] + (-__x1 + __carried1);
-                                __carried1 = __ahead;
-                            }
-                            __by_q[__at1] = __by_q[__at1] + __carried1;
-                            __i1 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                    {
-                        {
-                            let __l0 = __at.q[0];
-                            let __at_index = 0;
-                            __by_q[__at_index] = __by_q[__at_index]
-                                + __l0 * (__l0 * __l0 * __a0 + 1f64);
-                        }
-                    }
-                }
-                _ => {
-                    __by_q.fill(__nan);
-                    __by_p.fill(__nan);
-                }
-            }
-        }
-        fn invariant(
-            &self,
-            _: __wzvi::core::primitive::usize,
-            _: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::core::primitive::f64::NAN
-        }
-        fn energy_rate(
-            &self,
-            __k: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::energy_rate(self, __k, __state)
-        }
-    }
-    #[automatically_derived]
-    impl __wzvi::elements::Elements for Chain {
-        const PLACES: __wzvi::elements::places::Places = {
-            use __wzvi::elements::places as __places;
-            __places::Places {
-                components: 1usize,
-                tables: &[],
-                nests: &[
-                    __places::Nest {
-                        loops: &[],
-                        slots: &[
-                            __places::Slot::State {
-                                index: __places::Index {
-                                    terms: &[],
-                                    constant: 0,
-                                    name: __places::Name {
-                                        name: "0",
-                                        suffix: "",
-                                    },
-                                },
-                                is_natural: true,
-                            },
-                        ],
-                    },
-                ],
-            }
-        };
-        fn entries(
-            &self,
-            __table: __wzvi::core::primitive::usize,
-            __outer: &[__wzvi::core::primitive::usize],
-            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
-        ) -> __wzvi::elements::places::Entries {
-            use __wzvi::elements::places as __places;
-            match (__table, __outer) {
-                _ => __places::Entries::of_length(0),
-            }
+            __value
         }
         fn slopes<__S: __wzvi::Scalar>(
             &self,
-            __terms: __wzvi::elements::Terms,
+            __part: __wzvi::core::primitive::usize,
+            __weight: __wzvi::core::primitive::f64,
             __at: &__wzvi::elements::Point<'_, __S>,
+            __wanted: __wzvi::elements::Slopes,
             __by_q: &mut [__S],
             __by_p: &mut [__S],
         ) {
             let __a0: __wzvi::core::primitive::f64 = self.beta;
             let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
             let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_p {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_p[__b0..__b0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0 * __c;
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                }
-                if __terms.by_q {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size - 1);
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let mut __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            if ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)
-                                != ((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize) + 1
-                            {
-                                __len = 1;
-                            }
-                            let __s0 = ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            let __s1 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s1 = &__at.q[__s1..__s1 + __len];
-                            let __at1 = ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize) + (__len - 1);
-                            let mut __carried1 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let __b1 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b1 = &mut __by_q[__b1..__b1 + __len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                let __l1 = __s1[__k];
-                                let __x0 = __l0 - __l1;
-                                let __x1 = (__x0 * __x0 * __a0 + 1f64) * (__c * __x0);
-                                let __ahead = __x1;
-                                __b1[__k] = __b1[__k] + (-__x1 + __carried1);
-                                __carried1 = __ahead;
-                            }
-                            __by_q[__at1] = __by_q[__at1] + __carried1;
-                            __i1 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                }
-                if __terms.by_q {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+            match __part {
+                0usize => {
+                    if __wanted.by_p {
                         {
-                            let __l0 = __at.q[0];
-                            let __at_index = 0;
-                            __by_q[__at_index] = __by_q[__at_index]
-                                + __c * (__l0 * (__l0 * __l0 * __a0 + 1f64));
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __i0: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = (__size);
+                            while __i0 < __end {
+                                let __low = __i0;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __s0 = &__at.p[__s0..__s0 + __len];
+                                let __b0 = ((__i0) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __b0 = &mut __by_p[__b0..__b0 + __len];
+                                for __k in 0..__len {
+                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __s0[__k];
+                                    __b0[__k] = __b0[__k] + __l0 * __c;
+                                }
+                                __i0 += __len as __wzvi::core::primitive::isize;
+                            }
+                        }
+                    }
+                    if __wanted.by_q {
+                        {
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __i1: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = (__size - 1);
+                            while __i1 < __end {
+                                let __low = __i1;
+                                let mut __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                if ((__i1 + 1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)
+                                    != ((__i1) as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize) + 1
+                                {
+                                    __len = 1;
+                                }
+                                let __s0 = ((__i1 + 1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __s0 = &__at.q[__s0..__s0 + __len];
+                                let __s1 = ((__i1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __s1 = &__at.q[__s1..__s1 + __len];
+                                let __at1 = ((__i1 + 1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize) + (__len - 1);
+                                let mut __carried1 = <__S as __wzvi::Scalar>::from_f64(0.0);
+                                let __b1 = ((__i1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __b1 = &mut __by_q[__b1..__b1 + __len];
+                                for __k in 0..__len {
+                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __s0[__k];
+                                    let __l1 = __s1[__k];
+                                    let __x0 = __l0 - __l1;
+                                    let __x1 = (__x0 * __x0 * __a0 + 1f64) * (__c * __x0);
+                                    let __ahead = __x1;
+                                    __b1[__k] = __b1[__k] + (-__x1 + __carried1);
+                                    __carried1 = __ahead;
+                                }
+                                __by_q[__at1] = __by_q[__at1] + __carried1;
+                                __i1 += __len as __wzvi::core::primitive::isize;
+                            }
+                        }
+                    }
+                    if __wanted.by_q {
+                        {
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            {
+                                let __l0 = __at.q[0];
+                                let __at_index = 0;
+                                __by_q[__at_index] = __by_q[__at_index]
+                                    + __c * (__l0 * (__l0 * __l0 * __a0 + 1f64));
+                            }
                         }
                     }
                 }
+                _ => {}
             }
         }
         fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
             &self,
-            __terms: __wzvi::elements::Terms,
+            __part: __wzvi::core::primitive::usize,
+            __weight: __wzvi::core::primitive::f64,
             __at: &__wzvi::elements::Point<'_, __S>,
+            __wanted: __wzvi::elements::Slopes,
             __into: &mut __C,
         ) {
             let __a0: __wzvi::core::primitive::f64 = self.beta;
             let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
             let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_p {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __into
-                                    .add_pp(
-                                        ((__i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((__i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __c,
-                                    );
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                }
-                if __terms.by_q {
-                    {
-                        let __x0 = 3f64 * __a0;
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size - 1);
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            let __s1 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s1 = &__at.q[__s1..__s1 + __len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                let __l1 = __s1[__k];
-                                let __x1 = __l0 - __l1;
-                                let __x2 = __c * (__x1 * __x1 * __x0 + 1f64);
-                                __into
-                                    .add_qq(
-                                        ((__i1 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((__i1 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __x2,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((__i1 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        false,
-                                        -__x2,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __x2,
-                                    );
-                            }
-                            __i1 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                }
-                if __terms.by_q {
-                    {
-                        let __x0 = 3f64 * __a0;
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+            match __part {
+                0usize => {
+                    if __wanted.by_p {
                         {
-                            let __l0 = __at.q[0];
-                            __into.add_qq(0, 0, true, __c * (__l0 * __l0 * __x0 + 1f64));
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __i0: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = (__size);
+                            while __i0 < __end {
+                                let __low = __i0;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __s0 = &__at.p[__s0..__s0 + __len];
+                                for __k in 0..__len {
+                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __s0[__k];
+                                    __into
+                                        .add_pp(
+                                            ((__i0) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            ((__i0) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            true,
+                                            __c,
+                                        );
+                                }
+                                __i0 += __len as __wzvi::core::primitive::isize;
+                            }
+                        }
+                    }
+                    if __wanted.by_q {
+                        {
+                            let __x0 = 3f64 * __a0;
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __i1: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = (__size - 1);
+                            while __i1 < __end {
+                                let __low = __i1;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                let __s0 = ((__i1 + 1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __s0 = &__at.q[__s0..__s0 + __len];
+                                let __s1 = ((__i1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __s1 = &__at.q[__s1..__s1 + __len];
+                                for __k in 0..__len {
+                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __s0[__k];
+                                    let __l1 = __s1[__k];
+                                    let __x1 = __l0 - __l1;
+                                    let __x2 = __c * (__x1 * __x1 * __x0 + 1f64);
+                                    __into
+                                        .add_qq(
+                                            ((__i1 + 1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            ((__i1 + 1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            true,
+                                            __x2,
+                                        );
+                                    __into
+                                        .add_qq(
+                                            ((__i1 + 1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            ((__i1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            false,
+                                            -__x2,
+                                        );
+                                    __into
+                                        .add_qq(
+                                            ((__i1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            ((__i1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            true,
+                                            __x2,
+                                        );
+                                }
+                                __i1 += __len as __wzvi::core::primitive::isize;
+                            }
+                        }
+                    }
+                    if __wanted.by_q {
+                        {
+                            let __x0 = 3f64 * __a0;
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            {
+                                let __l0 = __at.q[0];
+                                __into
+                                    .add_qq(0, 0, true, __c * (__l0 * __l0 * __x0 + 1f64));
+                            }
                         }
                     }
                 }
+                _ => {}
             }
         }
     }
     const _: () = {
         const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
-            drift_l: 0.5f64,
-            noise_l: 0.5f64,
-            counter: 0f64,
+            stages: &[
+                __wzvi::elements::Stage {
+                    point: 0.5f64,
+                    start: 0.5f64,
+                    end: 0.5f64,
+                    parts: &[(0usize, 1f64)],
+                },
+            ],
+            update: __wzvi::elements::MomentumUpdate::Multiple(2f64),
             unknowns: __wzvi::elements::Unknowns::Momenta,
             remembers: true,
             is_linear: false,
-            has_noise: false,
         };
         #[automatically_derived]
         impl __wzvi::Discretized<__wzvi::embedding::Midpoint> for Chain {
@@ -619,7 +535,14 @@ const _: () = {
                 __h: __wzvi::core::primitive::f64,
                 __dw: &[__wzvi::core::primitive::f64],
             ) -> Self::Vector {
-                __wzvi::elements::step_momentum(self, &__SCHEME, __before, __h, __dw)
+                __wzvi::elements::step_momentum(
+                    self,
+                    &__SCHEME,
+                    __before,
+                    __after,
+                    __h,
+                    __dw,
+                )
             }
         }
     };

@@ -72,87 +72,7 @@ const _: () = {
             __p: &[__S],
             __t: __wzvi::core::primitive::f64,
         ) -> __S {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok())
-            {
-                return __nan;
-            }
-            let __size = (__q.len() / 1) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
-            match __term {
-                0 => {
-                    {
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0 = __b0 + __l0 * __l0 * 0.5f64;
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                        __total = __total + __b0;
-                    }
-                    {
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((self.bonds.len()
-                            as __wzvi::core::primitive::isize));
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = <__S as __wzvi::Scalar>::from_f64(
-                                    self
-                                        .bonds[((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize)]
-                                        .2,
-                                );
-                                let __l1 = __at
-                                    .q[(((self
-                                    .bonds[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)]
-                                    .0 as __wzvi::core::primitive::isize))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l2 = __at
-                                    .q[(((self
-                                    .bonds[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)]
-                                    .1 as __wzvi::core::primitive::isize))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __x0 = __l1 - __l2;
-                                __b0 = __b0 + __l0 * (__x0 * __x0) * 0.5f64;
-                            }
-                            __i1 += __len as __wzvi::core::primitive::isize;
-                        }
-                        __total = __total + __b0;
-                    }
-                }
-                _ => return __nan,
-            }
-            __total
+            __wzvi::elements::evaluate(self, __term, __q, __p, __t)
         }
         fn differentiate<__S: __wzvi::Scalar>(
             &self,
@@ -163,112 +83,14 @@ const _: () = {
             __by_q: &mut [__S],
             __by_p: &mut [__S],
         ) {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok()
-                && __by_q.len() == __q.len() && __by_p.len() == __q.len())
-            {
-                __by_q.fill(__nan);
-                __by_p.fill(__nan);
-                return;
-            }
-            __by_q.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            __by_p.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            let __size = (__q.len() / 1) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            match __term {
-                0 => {
-                    {
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_p[__b0..__b0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0;
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                    {
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((self.bonds.len()
-                            as __wzvi::core::primitive::isize));
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = <__S as __wzvi::Scalar>::from_f64(
-                                    self
-                                        .bonds[((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize)]
-                                        .2,
-                                );
-                                let __l1 = __at
-                                    .q[(((self
-                                    .bonds[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)]
-                                    .0 as __wzvi::core::primitive::isize))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l2 = __at
-                                    .q[(((self
-                                    .bonds[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)]
-                                    .1 as __wzvi::core::primitive::isize))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __x0 = __l0 * (__l1 - __l2);
-                                let __at_index = (((self
-                                    .bonds[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)]
-                                    .0 as __wzvi::core::primitive::isize))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                __by_q[__at_index] = __by_q[__at_index] + __x0;
-                                let __at_index = (((self
-                                    .bonds[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)]
-                                    .1 as __wzvi::core::primitive::isize))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                __by_q[__at_index] = __by_q[__at_index] + -__x0;
-                            }
-                            __i1 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                }
-                _ => {
-                    __by_q.fill(__nan);
-                    __by_p.fill(__nan);
-                }
-            }
+            __wzvi::elements::differentiate(self, __term, __q, __p, __t, __by_q, __by_p);
         }
         fn invariant(
             &self,
-            _: __wzvi::core::primitive::usize,
-            _: &__wzvi::State<Self::Vector>,
+            __number: __wzvi::core::primitive::usize,
+            __state: &__wzvi::State<Self::Vector>,
         ) -> __wzvi::core::primitive::f64 {
-            __wzvi::core::primitive::f64::NAN
+            __wzvi::elements::invariant(self, __number, __state)
         }
         fn energy_rate(
             &self,
@@ -430,233 +252,328 @@ const _: () = {
                 _ => __places::Entries::of_length(0),
             }
         }
+        const INTEGRALS: __wzvi::core::primitive::usize = 3usize;
+        fn value<__S: __wzvi::Scalar>(
+            &self,
+            __part: __wzvi::core::primitive::usize,
+            __weight: __wzvi::core::primitive::f64,
+            __at: &__wzvi::elements::Point<'_, __S>,
+        ) -> __S {
+            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
+            let __t = __at.t;
+            let mut __value = <__S as __wzvi::Scalar>::from_f64(0.0);
+            match __part {
+                0usize => {
+                    let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
+                    {
+                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
+                        let mut __i0: __wzvi::core::primitive::isize = 0;
+                        let __end: __wzvi::core::primitive::isize = (__size);
+                        while __i0 < __end {
+                            let __low = __i0;
+                            let __len = (__end - __low)
+                                as __wzvi::core::primitive::usize;
+                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
+                                as __wzvi::core::primitive::usize);
+                            let __s0 = &__at.p[__s0..__s0 + __len];
+                            for __k in 0..__len {
+                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                let __l0 = __s0[__k];
+                                __b0 = __b0 + __l0 * __l0 * 0.5f64;
+                            }
+                            __i0 += __len as __wzvi::core::primitive::isize;
+                        }
+                        __total = __total + __b0;
+                    }
+                    {
+                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
+                        let mut __i1: __wzvi::core::primitive::isize = 0;
+                        let __end: __wzvi::core::primitive::isize = ((self.bonds.len()
+                            as __wzvi::core::primitive::isize));
+                        while __i1 < __end {
+                            let __low = __i1;
+                            let __len = (__end - __low)
+                                as __wzvi::core::primitive::usize;
+                            for __k in 0..__len {
+                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                let __l0 = <__S as __wzvi::Scalar>::from_f64(
+                                    self
+                                        .bonds[((__i1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize)]
+                                        .2,
+                                );
+                                let __l1 = __at
+                                    .q[(((self
+                                    .bonds[((__i1) as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize)]
+                                    .0 as __wzvi::core::primitive::isize))
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)];
+                                let __l2 = __at
+                                    .q[(((self
+                                    .bonds[((__i1) as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize)]
+                                    .1 as __wzvi::core::primitive::isize))
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize)];
+                                let __x0 = __l1 - __l2;
+                                __b0 = __b0 + __l0 * (__x0 * __x0) * 0.5f64;
+                            }
+                            __i1 += __len as __wzvi::core::primitive::isize;
+                        }
+                        __total = __total + __b0;
+                    }
+                    __value = __value
+                        + __total * <__S as __wzvi::Scalar>::from_f64(__at.h);
+                }
+                _ => {}
+            }
+            __value
+        }
         fn slopes<__S: __wzvi::Scalar>(
             &self,
-            __terms: __wzvi::elements::Terms,
+            __part: __wzvi::core::primitive::usize,
+            __weight: __wzvi::core::primitive::f64,
             __at: &__wzvi::elements::Point<'_, __S>,
+            __wanted: __wzvi::elements::Slopes,
             __by_q: &mut [__S],
             __by_p: &mut [__S],
         ) {
             let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
             let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_p {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_p[__b0..__b0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0 * __c;
+            match __part {
+                0usize => {
+                    if __wanted.by_p {
+                        {
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __i0: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = (__size);
+                            while __i0 < __end {
+                                let __low = __i0;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __s0 = &__at.p[__s0..__s0 + __len];
+                                let __b0 = ((__i0) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __b0 = &mut __by_p[__b0..__b0 + __len];
+                                for __k in 0..__len {
+                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __s0[__k];
+                                    __b0[__k] = __b0[__k] + __l0 * __c;
+                                }
+                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
                         }
                     }
-                }
-                if __terms.by_q {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((self.bonds.len()
-                            as __wzvi::core::primitive::isize));
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = <__S as __wzvi::Scalar>::from_f64(
-                                    self
+                    if __wanted.by_q {
+                        {
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __i1: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = ((self
+                                .bonds
+                                .len() as __wzvi::core::primitive::isize));
+                            while __i1 < __end {
+                                let __low = __i1;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                for __k in 0..__len {
+                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = <__S as __wzvi::Scalar>::from_f64(
+                                        self
+                                            .bonds[((__i1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize)]
+                                            .2,
+                                    );
+                                    let __l1 = __at
+                                        .q[(((self
                                         .bonds[((__i1) as __wzvi::core::primitive::isize
                                             as __wzvi::core::primitive::usize)]
-                                        .2,
-                                );
-                                let __l1 = __at
-                                    .q[(((self
-                                    .bonds[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)]
-                                    .0 as __wzvi::core::primitive::isize))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l2 = __at
-                                    .q[(((self
-                                    .bonds[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)]
-                                    .1 as __wzvi::core::primitive::isize))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __x0 = (__l1 - __l2) * (__l0 * __c);
-                                let __at_index = (((self
-                                    .bonds[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)]
-                                    .0 as __wzvi::core::primitive::isize))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                __by_q[__at_index] = __by_q[__at_index] + __x0;
-                                let __at_index = (((self
-                                    .bonds[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)]
-                                    .1 as __wzvi::core::primitive::isize))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                __by_q[__at_index] = __by_q[__at_index] + -__x0;
+                                        .0 as __wzvi::core::primitive::isize))
+                                        as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize)];
+                                    let __l2 = __at
+                                        .q[(((self
+                                        .bonds[((__i1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize)]
+                                        .1 as __wzvi::core::primitive::isize))
+                                        as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize)];
+                                    let __x0 = (__l1 - __l2) * (__l0 * __c);
+                                    let __at_index = (((self
+                                        .bonds[((__i1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize)]
+                                        .0 as __wzvi::core::primitive::isize))
+                                        as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize);
+                                    __by_q[__at_index] = __by_q[__at_index] + __x0;
+                                    let __at_index = (((self
+                                        .bonds[((__i1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize)]
+                                        .1 as __wzvi::core::primitive::isize))
+                                        as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize);
+                                    __by_q[__at_index] = __by_q[__at_index] + -__x0;
+                                }
+                                __i1 += __len as __wzvi::core::primitive::isize;
                             }
-                            __i1 += __len as __wzvi::core::primitive::isize;
                         }
                     }
                 }
+                _ => {}
             }
         }
         fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
             &self,
-            __terms: __wzvi::elements::Terms,
+            __part: __wzvi::core::primitive::usize,
+            __weight: __wzvi::core::primitive::f64,
             __at: &__wzvi::elements::Point<'_, __S>,
+            __wanted: __wzvi::elements::Slopes,
             __into: &mut __C,
         ) {
             let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
             let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_p {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __into
-                                    .add_pp(
-                                        ((__i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((__i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __c,
-                                    );
+            match __part {
+                0usize => {
+                    if __wanted.by_p {
+                        {
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __i0: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = (__size);
+                            while __i0 < __end {
+                                let __low = __i0;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __s0 = &__at.p[__s0..__s0 + __len];
+                                for __k in 0..__len {
+                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __s0[__k];
+                                    __into
+                                        .add_pp(
+                                            ((__i0) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            ((__i0) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            true,
+                                            __c,
+                                        );
+                                }
+                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
                         }
                     }
-                }
-                if __terms.by_q {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((self.bonds.len()
-                            as __wzvi::core::primitive::isize));
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = <__S as __wzvi::Scalar>::from_f64(
-                                    self
+                    if __wanted.by_q {
+                        {
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __i1: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = ((self
+                                .bonds
+                                .len() as __wzvi::core::primitive::isize));
+                            while __i1 < __end {
+                                let __low = __i1;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                for __k in 0..__len {
+                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = <__S as __wzvi::Scalar>::from_f64(
+                                        self
+                                            .bonds[((__i1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize)]
+                                            .2,
+                                    );
+                                    let __l1 = __at
+                                        .q[(((self
                                         .bonds[((__i1) as __wzvi::core::primitive::isize
                                             as __wzvi::core::primitive::usize)]
-                                        .2,
-                                );
-                                let __l1 = __at
-                                    .q[(((self
-                                    .bonds[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)]
-                                    .0 as __wzvi::core::primitive::isize))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l2 = __at
-                                    .q[(((self
-                                    .bonds[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)]
-                                    .1 as __wzvi::core::primitive::isize))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __x0 = __l0 * __c;
-                                __into
-                                    .add_qq(
-                                        (((self
-                                            .bonds[((__i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize)]
-                                            .0 as __wzvi::core::primitive::isize))
-                                            as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        (((self
-                                            .bonds[((__i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize)]
-                                            .0 as __wzvi::core::primitive::isize))
-                                            as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __x0,
-                                    );
-                                __into
-                                    .add_qq(
-                                        (((self
-                                            .bonds[((__i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize)]
-                                            .0 as __wzvi::core::primitive::isize))
-                                            as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        (((self
-                                            .bonds[((__i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize)]
-                                            .1 as __wzvi::core::primitive::isize))
-                                            as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        false,
-                                        -__x0,
-                                    );
-                                __into
-                                    .add_qq(
-                                        (((self
-                                            .bonds[((__i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize)]
-                                            .1 as __wzvi::core::primitive::isize))
-                                            as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        (((self
-                                            .bonds[((__i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize)]
-                                            .1 as __wzvi::core::primitive::isize))
-                                            as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __x0,
-                                    );
+                                        .0 as __wzvi::core::primitive::isize))
+                                        as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize)];
+                                    let __l2 = __at
+                                        .q[(((self
+                                        .bonds[((__i1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize)]
+                                        .1 as __wzvi::core::primitive::isize))
+                                        as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize)];
+                                    let __x0 = __l0 * __c;
+                                    __into
+                                        .add_qq(
+                                            (((self
+                                                .bonds[((__i1) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize)]
+                                                .0 as __wzvi::core::primitive::isize))
+                                                as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            (((self
+                                                .bonds[((__i1) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize)]
+                                                .0 as __wzvi::core::primitive::isize))
+                                                as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            true,
+                                            __x0,
+                                        );
+                                    __into
+                                        .add_qq(
+                                            (((self
+                                                .bonds[((__i1) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize)]
+                                                .0 as __wzvi::core::primitive::isize))
+                                                as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            (((self
+                                                .bonds[((__i1) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize)]
+                                                .1 as __wzvi::core::primitive::isize))
+                                                as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            false,
+                                            -__x0,
+                                        );
+                                    __into
+                                        .add_qq(
+                                            (((self
+                                                .bonds[((__i1) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize)]
+                                                .1 as __wzvi::core::primitive::isize))
+                                                as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            (((self
+                                                .bonds[((__i1) as __wzvi::core::primitive::isize
+                                                    as __wzvi::core::primitive::usize)]
+                                                .1 as __wzvi::core::primitive::isize))
+                                                as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            true,
+                                            __x0,
+                                        );
+                                }
+                                __i1 += __len as __wzvi::core::primitive::isize;
                             }
-                            __i1 += __len as __wzvi::core::primitive::isize;
                         }
                     }
                 }
+                _ => {}
             }
         }
     }
     const _: () = {
         const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
-            drift_l: 0f64,
-            noise_l: 0f64,
-            counter: 0f64,
+            stages: &[
+                __wzvi::elements::Stage {
+                    point: 0f64,
+                    start: 1f64,
+                    end: 0f64,
+                    parts: &[(0usize, 1f64)],
+                },
+            ],
+            update: __wzvi::elements::MomentumUpdate::Multiple(1f64),
             unknowns: __wzvi::elements::Unknowns::None,
             remembers: false,
             is_linear: false,
-            has_noise: false,
         };
         #[automatically_derived]
         impl __wzvi::Discretized<__wzvi::embedding::DeltaPlus> for Bonds {
@@ -735,7 +652,14 @@ const _: () = {
                 __h: __wzvi::core::primitive::f64,
                 __dw: &[__wzvi::core::primitive::f64],
             ) -> Self::Vector {
-                __wzvi::elements::step_momentum(self, &__SCHEME, __before, __h, __dw)
+                __wzvi::elements::step_momentum(
+                    self,
+                    &__SCHEME,
+                    __before,
+                    __after,
+                    __h,
+                    __dw,
+                )
             }
         }
     };

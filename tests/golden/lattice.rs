@@ -90,26 +90,74 @@ const _: () = {
             __p: &[__S],
             __t: __wzvi::core::primitive::f64,
         ) -> __S {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok())
-            {
-                return __nan;
+            __wzvi::elements::evaluate(self, __term, __q, __p, __t)
+        }
+        fn differentiate<__S: __wzvi::Scalar>(
+            &self,
+            __term: __wzvi::core::primitive::usize,
+            __q: &[__S],
+            __p: &[__S],
+            __t: __wzvi::core::primitive::f64,
+            __by_q: &mut [__S],
+            __by_p: &mut [__S],
+        ) {
+            __wzvi::elements::differentiate(self, __term, __q, __p, __t, __by_q, __by_p);
+        }
+        fn invariant(
+            &self,
+            __number: __wzvi::core::primitive::usize,
+            __state: &__wzvi::State<Self::Vector>,
+        ) -> __wzvi::core::primitive::f64 {
+            __wzvi::elements::invariant(self, __number, __state)
+        }
+        fn energy_rate(
+            &self,
+            __k: __wzvi::core::primitive::usize,
+            __state: &__wzvi::State<Self::Vector>,
+        ) -> __wzvi::core::primitive::f64 {
+            __wzvi::elements::energy_rate(self, __k, __state)
+        }
+    }
+    #[automatically_derived]
+    impl<const N: usize> __wzvi::elements::Elements for Lattice<N> {
+        const PLACES: __wzvi::elements::places::Places = {
+            use __wzvi::elements::places as __places;
+            __places::Places {
+                components: 2usize,
+                tables: &[
+                    __places::Name {
+                        name: "",
+                        suffix: "",
+                    },
+                ],
+                nests: &[],
             }
+        };
+        fn entries(
+            &self,
+            __table: __wzvi::core::primitive::usize,
+            __outer: &[__wzvi::core::primitive::usize],
+            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
+        ) -> __wzvi::elements::places::Entries {
+            use __wzvi::elements::places as __places;
+            match (__table, __outer) {
+                _ => __places::Entries::of_length(0),
+            }
+        }
+        const INTEGRALS: __wzvi::core::primitive::usize = 3usize;
+        fn value<__S: __wzvi::Scalar>(
+            &self,
+            __part: __wzvi::core::primitive::usize,
+            __weight: __wzvi::core::primitive::f64,
+            __at: &__wzvi::elements::Point<'_, __S>,
+        ) -> __S {
             let __a0: __wzvi::core::primitive::f64 = self.k;
-            let __size = (__q.len() / 2) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
-            match __term {
-                0 => {
+            let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
+            let __t = __at.t;
+            let mut __value = <__S as __wzvi::Scalar>::from_f64(0.0);
+            match __part {
+                0usize => {
+                    let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
                     {
                         let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
                         let mut __i0: __wzvi::core::primitive::isize = 0;
@@ -173,466 +221,320 @@ const _: () = {
                         }
                         __total = __total + __b0;
                     }
+                    __value = __value
+                        + __total * <__S as __wzvi::Scalar>::from_f64(__at.h);
                 }
-                _ => return __nan,
+                _ => {}
             }
-            __total
-        }
-        fn differentiate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
-        ) {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok()
-                && __by_q.len() == __q.len() && __by_p.len() == __q.len())
-            {
-                __by_q.fill(__nan);
-                __by_p.fill(__nan);
-                return;
-            }
-            __by_q.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            __by_p.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            let __a0: __wzvi::core::primitive::f64 = self.k;
-            let __size = (__q.len() / 2) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            match __term {
-                0 => {
-                    {
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
-                                .as_chunks::<2>()
-                                .0[..__len];
-                            let __points1 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points1 = &mut __by_p[__points1..__points1 + 2 * __len]
-                                .as_chunks_mut::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                __points1[__k][0usize] = __points1[__k][0usize] + __l0;
-                                __points1[__k][1usize] = __points1[__k][1usize] + __l1;
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                    {
-                        let mut __b0 = [<__S as __wzvi::Scalar>::from_f64(0.0); 64usize];
-                        let mut __b2 = [<__S as __wzvi::Scalar>::from_f64(0.0); 64usize];
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = __wzvi::core::cmp::Ord::min(
-                                (__end - __low) as __wzvi::core::primitive::usize,
-                                64usize,
-                            );
-                            let __points0 = ((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .q[__points0..__points0 + 2 * __len]
-                                .as_chunks::<2>()
-                                .0[..__len];
-                            let __points1 = ((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points1 = &mut __by_q[__points1..__points1 + 2 * __len]
-                                .as_chunks_mut::<2>()
-                                .0[..__len];
-                            let __b0 = &mut __b0[..__len];
-                            let __b2 = &mut __b2[..__len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l1 = __points0[__k][0usize];
-                                let __l2 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                    + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l3 = __points0[__k][1usize];
-                                let __x0 = ((__l0 - __l1) * __a0).sin() * __a0;
-                                let __x1 = __l2 - __l3;
-                                __points1[__k][0usize] = __points1[__k][0usize] + -__x0;
-                                __points1[__k][1usize] = __points1[__k][1usize] + -__x1;
-                                __b0[__k] = __x0;
-                                __b2[__k] = __x1;
-                            }
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __at_index = ((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                __by_q[__at_index] = __by_q[__at_index] + __b0[__k];
-                            }
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __at_index = ((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                    + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                __by_q[__at_index] = __by_q[__at_index] + __b2[__k];
-                            }
-                            __i1 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                }
-                _ => {
-                    __by_q.fill(__nan);
-                    __by_p.fill(__nan);
-                }
-            }
-        }
-        fn invariant(
-            &self,
-            _: __wzvi::core::primitive::usize,
-            _: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::core::primitive::f64::NAN
-        }
-        fn energy_rate(
-            &self,
-            __k: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::energy_rate(self, __k, __state)
-        }
-    }
-    #[automatically_derived]
-    impl<const N: usize> __wzvi::elements::Elements for Lattice<N> {
-        const PLACES: __wzvi::elements::places::Places = {
-            use __wzvi::elements::places as __places;
-            __places::Places {
-                components: 2usize,
-                tables: &[
-                    __places::Name {
-                        name: "",
-                        suffix: "",
-                    },
-                ],
-                nests: &[],
-            }
-        };
-        fn entries(
-            &self,
-            __table: __wzvi::core::primitive::usize,
-            __outer: &[__wzvi::core::primitive::usize],
-            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
-        ) -> __wzvi::elements::places::Entries {
-            use __wzvi::elements::places as __places;
-            match (__table, __outer) {
-                _ => __places::Entries::of_length(0),
-            }
+            __value
         }
         fn slopes<__S: __wzvi::Scalar>(
             &self,
-            __terms: __wzvi::elements::Terms,
+            __part: __wzvi::core::primitive::usize,
+            __weight: __wzvi::core::primitive::f64,
             __at: &__wzvi::elements::Point<'_, __S>,
+            __wanted: __wzvi::elements::Slopes,
             __by_q: &mut [__S],
             __by_p: &mut [__S],
         ) {
             let __a0: __wzvi::core::primitive::f64 = self.k;
             let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
             let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_p {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
-                                .as_chunks::<2>()
-                                .0[..__len];
-                            let __points1 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points1 = &mut __by_p[__points1..__points1 + 2 * __len]
-                                .as_chunks_mut::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                __points1[__k][0usize] = __points1[__k][0usize]
-                                    + __l0 * __c;
-                                __points1[__k][1usize] = __points1[__k][1usize]
-                                    + __l1 * __c;
+            match __part {
+                0usize => {
+                    if __wanted.by_p {
+                        {
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __i0: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = ((N
+                                as __wzvi::core::primitive::isize));
+                            while __i0 < __end {
+                                let __low = __i0;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                let __points0 = ((2 * __i0)
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __points0 = &__at
+                                    .p[__points0..__points0 + 2 * __len]
+                                    .as_chunks::<2>()
+                                    .0[..__len];
+                                let __points1 = ((2 * __i0)
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __points1 = &mut __by_p[__points1..__points1
+                                        + 2 * __len]
+                                    .as_chunks_mut::<2>()
+                                    .0[..__len];
+                                for __k in 0..__len {
+                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __points0[__k][0usize];
+                                    let __l1 = __points0[__k][1usize];
+                                    __points1[__k][0usize] = __points1[__k][0usize]
+                                        + __l0 * __c;
+                                    __points1[__k][1usize] = __points1[__k][1usize]
+                                        + __l1 * __c;
+                                }
+                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                        }
+                    }
+                    if __wanted.by_q {
+                        {
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __b0 = [<__S as __wzvi::Scalar>::from_f64(
+                                0.0,
+                            ); 64usize];
+                            let mut __b2 = [<__S as __wzvi::Scalar>::from_f64(
+                                0.0,
+                            ); 64usize];
+                            let mut __i1: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = ((N
+                                as __wzvi::core::primitive::isize));
+                            while __i1 < __end {
+                                let __low = __i1;
+                                let __len = __wzvi::core::cmp::Ord::min(
+                                    (__end - __low) as __wzvi::core::primitive::usize,
+                                    64usize,
+                                );
+                                let __points0 = ((2 * __i1)
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __points0 = &__at
+                                    .q[__points0..__points0 + 2 * __len]
+                                    .as_chunks::<2>()
+                                    .0[..__len];
+                                let __points1 = ((2 * __i1)
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __points1 = &mut __by_q[__points1..__points1
+                                        + 2 * __len]
+                                    .as_chunks_mut::<2>()
+                                    .0[..__len];
+                                let __b0 = &mut __b0[..__len];
+                                let __b2 = &mut __b2[..__len];
+                                for __k in 0..__len {
+                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __at
+                                        .q[((2
+                                        * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+                                        as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize)];
+                                    let __l1 = __points0[__k][0usize];
+                                    let __l2 = __at
+                                        .q[((2
+                                        * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
+                                        + 1) as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize)];
+                                    let __l3 = __points0[__k][1usize];
+                                    let __x0 = __c * ((__l0 - __l1) * __a0).sin() * __a0;
+                                    let __x1 = __c * (__l2 - __l3);
+                                    __points1[__k][0usize] = __points1[__k][0usize] + -__x0;
+                                    __points1[__k][1usize] = __points1[__k][1usize] + -__x1;
+                                    __b0[__k] = __x0;
+                                    __b2[__k] = __x1;
+                                }
+                                for __k in 0..__len {
+                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __at_index = ((2
+                                        * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+                                        as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize);
+                                    __by_q[__at_index] = __by_q[__at_index] + __b0[__k];
+                                }
+                                for __k in 0..__len {
+                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __at_index = ((2
+                                        * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
+                                        + 1) as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize);
+                                    __by_q[__at_index] = __by_q[__at_index] + __b2[__k];
+                                }
+                                __i1 += __len as __wzvi::core::primitive::isize;
+                            }
                         }
                     }
                 }
-                if __terms.by_q {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __b0 = [<__S as __wzvi::Scalar>::from_f64(0.0); 64usize];
-                        let mut __b2 = [<__S as __wzvi::Scalar>::from_f64(0.0); 64usize];
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = __wzvi::core::cmp::Ord::min(
-                                (__end - __low) as __wzvi::core::primitive::usize,
-                                64usize,
-                            );
-                            let __points0 = ((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .q[__points0..__points0 + 2 * __len]
-                                .as_chunks::<2>()
-                                .0[..__len];
-                            let __points1 = ((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points1 = &mut __by_q[__points1..__points1 + 2 * __len]
-                                .as_chunks_mut::<2>()
-                                .0[..__len];
-                            let __b0 = &mut __b0[..__len];
-                            let __b2 = &mut __b2[..__len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l1 = __points0[__k][0usize];
-                                let __l2 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                    + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l3 = __points0[__k][1usize];
-                                let __x0 = __c * ((__l0 - __l1) * __a0).sin() * __a0;
-                                let __x1 = __c * (__l2 - __l3);
-                                __points1[__k][0usize] = __points1[__k][0usize] + -__x0;
-                                __points1[__k][1usize] = __points1[__k][1usize] + -__x1;
-                                __b0[__k] = __x0;
-                                __b2[__k] = __x1;
-                            }
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __at_index = ((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                __by_q[__at_index] = __by_q[__at_index] + __b0[__k];
-                            }
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __at_index = ((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                    + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                __by_q[__at_index] = __by_q[__at_index] + __b2[__k];
-                            }
-                            __i1 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                }
+                _ => {}
             }
         }
         fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
             &self,
-            __terms: __wzvi::elements::Terms,
+            __part: __wzvi::core::primitive::usize,
+            __weight: __wzvi::core::primitive::f64,
             __at: &__wzvi::elements::Point<'_, __S>,
+            __wanted: __wzvi::elements::Slopes,
             __into: &mut __C,
         ) {
             let __a0: __wzvi::core::primitive::f64 = self.k;
             let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
             let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_p {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
-                                .as_chunks::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                __into
-                                    .add_pp(
-                                        ((2 * __i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __c,
-                                    );
-                                __into
-                                    .add_pp(
-                                        ((2 * __i0 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i0 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __c,
-                                    );
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                }
-                if __terms.by_q {
-                    {
-                        let __x0 = __a0 * __a0;
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .q[__points0..__points0 + 2 * __len]
-                                .as_chunks::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+            match __part {
+                0usize => {
+                    if __wanted.by_p {
+                        {
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __i0: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = ((N
+                                as __wzvi::core::primitive::isize));
+                            while __i0 < __end {
+                                let __low = __i0;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                let __points0 = ((2 * __i0)
                                     as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l1 = __points0[__k][0usize];
-                                let __l2 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                    + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l3 = __points0[__k][1usize];
-                                let __x1 = __c * ((__l0 - __l1) * __a0).cos() * __x0;
-                                __into
-                                    .add_qq(
-                                        ((2
-                                            * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                            as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2
-                                            * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                            as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __x1,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((2
-                                            * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                            as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        false,
-                                        -__x1,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((2 * __i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __x1,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((2 * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                            + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                            + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __c,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((2 * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                            + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        false,
-                                        -__c,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __c,
-                                    );
+                                    as __wzvi::core::primitive::usize);
+                                let __points0 = &__at
+                                    .p[__points0..__points0 + 2 * __len]
+                                    .as_chunks::<2>()
+                                    .0[..__len];
+                                for __k in 0..__len {
+                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __points0[__k][0usize];
+                                    let __l1 = __points0[__k][1usize];
+                                    __into
+                                        .add_pp(
+                                            ((2 * __i0) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            ((2 * __i0) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            true,
+                                            __c,
+                                        );
+                                    __into
+                                        .add_pp(
+                                            ((2 * __i0 + 1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            ((2 * __i0 + 1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            true,
+                                            __c,
+                                        );
+                                }
+                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
-                            __i1 += __len as __wzvi::core::primitive::isize;
+                        }
+                    }
+                    if __wanted.by_q {
+                        {
+                            let __x0 = __a0 * __a0;
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __i1: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = ((N
+                                as __wzvi::core::primitive::isize));
+                            while __i1 < __end {
+                                let __low = __i1;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                let __points0 = ((2 * __i1)
+                                    as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __points0 = &__at
+                                    .q[__points0..__points0 + 2 * __len]
+                                    .as_chunks::<2>()
+                                    .0[..__len];
+                                for __k in 0..__len {
+                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __at
+                                        .q[((2
+                                        * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+                                        as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize)];
+                                    let __l1 = __points0[__k][0usize];
+                                    let __l2 = __at
+                                        .q[((2
+                                        * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
+                                        + 1) as __wzvi::core::primitive::isize
+                                        as __wzvi::core::primitive::usize)];
+                                    let __l3 = __points0[__k][1usize];
+                                    let __x1 = __c * ((__l0 - __l1) * __a0).cos() * __x0;
+                                    __into
+                                        .add_qq(
+                                            ((2
+                                                * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+                                                as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            ((2
+                                                * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+                                                as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            true,
+                                            __x1,
+                                        );
+                                    __into
+                                        .add_qq(
+                                            ((2
+                                                * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
+                                                as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            ((2 * __i1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            false,
+                                            -__x1,
+                                        );
+                                    __into
+                                        .add_qq(
+                                            ((2 * __i1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            ((2 * __i1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            true,
+                                            __x1,
+                                        );
+                                    __into
+                                        .add_qq(
+                                            ((2 * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
+                                                + 1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            ((2 * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
+                                                + 1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            true,
+                                            __c,
+                                        );
+                                    __into
+                                        .add_qq(
+                                            ((2 * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
+                                                + 1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            ((2 * __i1 + 1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            false,
+                                            -__c,
+                                        );
+                                    __into
+                                        .add_qq(
+                                            ((2 * __i1 + 1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            ((2 * __i1 + 1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            true,
+                                            __c,
+                                        );
+                                }
+                                __i1 += __len as __wzvi::core::primitive::isize;
+                            }
                         }
                     }
                 }
+                _ => {}
             }
         }
     }
     const _: () = {
         const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
-            drift_l: 0f64,
-            noise_l: 0f64,
-            counter: 0f64,
+            stages: &[
+                __wzvi::elements::Stage {
+                    point: 0f64,
+                    start: 1f64,
+                    end: 0f64,
+                    parts: &[(0usize, 1f64)],
+                },
+            ],
+            update: __wzvi::elements::MomentumUpdate::Multiple(1f64),
             unknowns: __wzvi::elements::Unknowns::None,
             remembers: false,
             is_linear: false,
-            has_noise: false,
         };
         #[automatically_derived]
         impl<const N: usize> __wzvi::Discretized<__wzvi::embedding::DeltaPlus>
@@ -717,7 +619,14 @@ const _: () = {
                 __h: __wzvi::core::primitive::f64,
                 __dw: &[__wzvi::core::primitive::f64],
             ) -> Self::Vector {
-                __wzvi::elements::step_momentum(self, &__SCHEME, __before, __h, __dw)
+                __wzvi::elements::step_momentum(
+                    self,
+                    &__SCHEME,
+                    __before,
+                    __after,
+                    __h,
+                    __dw,
+                )
             }
         }
     };

@@ -89,64 +89,7 @@ const _: () = {
             __p: &[__S],
             __t: __wzvi::core::primitive::f64,
         ) -> __S {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok())
-            {
-                return __nan;
-            }
-            let __a0: __wzvi::core::primitive::f64 = self.sigma;
-            let __size = (__q.len() / 1) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
-            match __term {
-                0 => {
-                    let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                    let mut __i0: __wzvi::core::primitive::isize = 0;
-                    let __end: __wzvi::core::primitive::isize = (__size);
-                    while __i0 < __end {
-                        let __low = __i0;
-                        let __len = (__end - __low) as __wzvi::core::primitive::usize;
-                        let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                            as __wzvi::core::primitive::usize);
-                        let __s0 = &__at.p[__s0..__s0 + __len];
-                        let __s1 = ((__i0) as __wzvi::core::primitive::isize
-                            as __wzvi::core::primitive::usize);
-                        let __s1 = &__at.q[__s1..__s1 + __len];
-                        for __k in 0..__len {
-                            let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                            let __l0 = __s0[__k];
-                            let __l1 = __s1[__k];
-                            __b0 = __b0 + (__l1 * __l1 + __l0 * __l0) * 0.5f64;
-                        }
-                        __i0 += __len as __wzvi::core::primitive::isize;
-                    }
-                    __total = __total + __b0;
-                }
-                __member if __member as __wzvi::core::primitive::isize > 0
-                    && __member as __wzvi::core::primitive::isize
-                        <= ((self.sites as __wzvi::core::primitive::isize)) => {
-                    let __i1 = __member as __wzvi::core::primitive::isize - 1 - 0;
-                    {
-                        {
-                            let __l0 = __at
-                                .q[((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            __total = __total + __l0 * __a0;
-                        }
-                    }
-                }
-                _ => return __nan,
-            }
-            __total
+            __wzvi::elements::evaluate(self, __term, __q, __p, __t)
         }
         fn differentiate<__S: __wzvi::Scalar>(
             &self,
@@ -157,101 +100,14 @@ const _: () = {
             __by_q: &mut [__S],
             __by_p: &mut [__S],
         ) {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok()
-                && __by_q.len() == __q.len() && __by_p.len() == __q.len())
-            {
-                __by_q.fill(__nan);
-                __by_p.fill(__nan);
-                return;
-            }
-            __by_q.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            __by_p.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            let __a0: __wzvi::core::primitive::f64 = self.sigma;
-            let __size = (__q.len() / 1) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            match __term {
-                0 => {
-                    {
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_q[__b0..__b0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0;
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                    {
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_p[__b0..__b0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0;
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                }
-                __member if __member as __wzvi::core::primitive::isize > 0
-                    && __member as __wzvi::core::primitive::isize
-                        <= ((self.sites as __wzvi::core::primitive::isize)) => {
-                    let __i1 = __member as __wzvi::core::primitive::isize - 1 - 0;
-                    {
-                        {
-                            let __l0 = __at
-                                .q[((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __at_index = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            __by_q[__at_index] = __by_q[__at_index]
-                                + <__S as __wzvi::Scalar>::from_f64(__a0);
-                        }
-                    }
-                }
-                _ => {
-                    __by_q.fill(__nan);
-                    __by_p.fill(__nan);
-                }
-            }
+            __wzvi::elements::differentiate(self, __term, __q, __p, __t, __by_q, __by_p);
         }
         fn invariant(
             &self,
-            _: __wzvi::core::primitive::usize,
-            _: &__wzvi::State<Self::Vector>,
+            __number: __wzvi::core::primitive::usize,
+            __state: &__wzvi::State<Self::Vector>,
         ) -> __wzvi::core::primitive::f64 {
-            __wzvi::core::primitive::f64::NAN
+            __wzvi::elements::invariant(self, __number, __state)
         }
         fn energy_rate(
             &self,
@@ -328,44 +184,22 @@ const _: () = {
                 _ => __places::Entries::of_length(0),
             }
         }
-        fn slopes<__S: __wzvi::Scalar>(
+        const INTEGRALS: __wzvi::core::primitive::usize = 3usize;
+        fn value<__S: __wzvi::Scalar>(
             &self,
-            __terms: __wzvi::elements::Terms,
+            __part: __wzvi::core::primitive::usize,
+            __weight: __wzvi::core::primitive::f64,
             __at: &__wzvi::elements::Point<'_, __S>,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
-        ) {
+        ) -> __S {
             let __a0: __wzvi::core::primitive::f64 = self.sigma;
             let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
             let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_q {
+            let mut __value = <__S as __wzvi::Scalar>::from_f64(0.0);
+            match __part {
+                0usize => {
+                    let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_q[__b0..__b0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0 * __c;
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                }
-                if __terms.by_p {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
                         let mut __i0: __wzvi::core::primitive::isize = 0;
                         let __end: __wzvi::core::primitive::isize = (__size);
                         while __i0 < __end {
@@ -375,25 +209,34 @@ const _: () = {
                             let __s0 = ((__i0) as __wzvi::core::primitive::isize
                                 as __wzvi::core::primitive::usize);
                             let __s0 = &__at.p[__s0..__s0 + __len];
-                            let __b0 = ((__i0) as __wzvi::core::primitive::isize
+                            let __s1 = ((__i0) as __wzvi::core::primitive::isize
                                 as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_p[__b0..__b0 + __len];
+                            let __s1 = &__at.q[__s1..__s1 + __len];
                             for __k in 0..__len {
                                 let __i0 = __low + __k as __wzvi::core::primitive::isize;
                                 let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0 * __c;
+                                let __l1 = __s1[__k];
+                                __b0 = __b0 + (__l1 * __l1 + __l0 * __l0) * 0.5f64;
                             }
                             __i0 += __len as __wzvi::core::primitive::isize;
                         }
+                        __total = __total + __b0;
                     }
+                    __value = __value
+                        + __total * <__S as __wzvi::Scalar>::from_f64(__at.h);
                 }
-            }
-            if __terms.noise {
-                if __terms.by_q {
+                1usize => {
+                    let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
                     {
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((self.sites
-                            as __wzvi::core::primitive::isize));
+                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
+                        let mut __i1: __wzvi::core::primitive::isize = __wzvi::core::cmp::Ord::max(
+                            0,
+                            __at.acting.start as __wzvi::core::primitive::isize,
+                        );
+                        let __end: __wzvi::core::primitive::isize = __wzvi::core::cmp::Ord::min(
+                            ((self.sites as __wzvi::core::primitive::isize)),
+                            __at.acting.end as __wzvi::core::primitive::isize,
+                        );
                         while __i1 < __end {
                             let __low = __i1;
                             let __len = (__end - __low)
@@ -401,106 +244,219 @@ const _: () = {
                             let __s0 = ((__i1) as __wzvi::core::primitive::isize
                                 as __wzvi::core::primitive::usize);
                             let __s0 = &__at.q[__s0..__s0 + __len];
-                            let __b0 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_q[__b0..__b0 + __len];
                             for __k in 0..__len {
                                 let __i1 = __low + __k as __wzvi::core::primitive::isize;
                                 let __l0 = __s0[__k];
                                 let __c = __at
-                                    .dw[((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                __b0[__k] = __b0[__k] + __c * __a0;
+                                    .increment(
+                                        ((__i1) as __wzvi::core::primitive::isize
+                                            as __wzvi::core::primitive::usize),
+                                    );
+                                __b0 = __b0 + __l0 * __c * __a0;
                             }
                             __i1 += __len as __wzvi::core::primitive::isize;
                         }
+                        __total = __total + __b0;
+                    }
+                    __value = __value + __total;
+                }
+                _ => {}
+            }
+            __value
+        }
+        fn slopes<__S: __wzvi::Scalar>(
+            &self,
+            __part: __wzvi::core::primitive::usize,
+            __weight: __wzvi::core::primitive::f64,
+            __at: &__wzvi::elements::Point<'_, __S>,
+            __wanted: __wzvi::elements::Slopes,
+            __by_q: &mut [__S],
+            __by_p: &mut [__S],
+        ) {
+            let __a0: __wzvi::core::primitive::f64 = self.sigma;
+            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
+            let __t = __at.t;
+            match __part {
+                0usize => {
+                    if __wanted.by_q {
+                        {
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __i0: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = (__size);
+                            while __i0 < __end {
+                                let __low = __i0;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __s0 = &__at.q[__s0..__s0 + __len];
+                                let __b0 = ((__i0) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __b0 = &mut __by_q[__b0..__b0 + __len];
+                                for __k in 0..__len {
+                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __s0[__k];
+                                    __b0[__k] = __b0[__k] + __l0 * __c;
+                                }
+                                __i0 += __len as __wzvi::core::primitive::isize;
+                            }
+                        }
+                    }
+                    if __wanted.by_p {
+                        {
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __i0: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = (__size);
+                            while __i0 < __end {
+                                let __low = __i0;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __s0 = &__at.p[__s0..__s0 + __len];
+                                let __b0 = ((__i0) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __b0 = &mut __by_p[__b0..__b0 + __len];
+                                for __k in 0..__len {
+                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __s0[__k];
+                                    __b0[__k] = __b0[__k] + __l0 * __c;
+                                }
+                                __i0 += __len as __wzvi::core::primitive::isize;
+                            }
+                        }
                     }
                 }
+                1usize => {
+                    if __wanted.by_q {
+                        {
+                            let mut __i1: __wzvi::core::primitive::isize = __wzvi::core::cmp::Ord::max(
+                                0,
+                                __at.acting.start as __wzvi::core::primitive::isize,
+                            );
+                            let __end: __wzvi::core::primitive::isize = __wzvi::core::cmp::Ord::min(
+                                ((self.sites as __wzvi::core::primitive::isize)),
+                                __at.acting.end as __wzvi::core::primitive::isize,
+                            );
+                            while __i1 < __end {
+                                let __low = __i1;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                let __s0 = ((__i1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __s0 = &__at.q[__s0..__s0 + __len];
+                                let __b0 = ((__i1) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __b0 = &mut __by_q[__b0..__b0 + __len];
+                                for __k in 0..__len {
+                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __s0[__k];
+                                    let __c = __at
+                                        .increment(
+                                            ((__i1) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                        );
+                                    __b0[__k] = __b0[__k] + __c * __a0;
+                                }
+                                __i1 += __len as __wzvi::core::primitive::isize;
+                            }
+                        }
+                    }
+                }
+                _ => {}
             }
         }
         fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
             &self,
-            __terms: __wzvi::elements::Terms,
+            __part: __wzvi::core::primitive::usize,
+            __weight: __wzvi::core::primitive::f64,
             __at: &__wzvi::elements::Point<'_, __S>,
+            __wanted: __wzvi::elements::Slopes,
             __into: &mut __C,
         ) {
             let __a0: __wzvi::core::primitive::f64 = self.sigma;
             let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
             let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_q {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __into
-                                    .add_qq(
-                                        ((__i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((__i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __c,
-                                    );
+            match __part {
+                0usize => {
+                    if __wanted.by_q {
+                        {
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __i0: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = (__size);
+                            while __i0 < __end {
+                                let __low = __i0;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __s0 = &__at.q[__s0..__s0 + __len];
+                                for __k in 0..__len {
+                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __s0[__k];
+                                    __into
+                                        .add_qq(
+                                            ((__i0) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            ((__i0) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            true,
+                                            __c,
+                                        );
+                                }
+                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                        }
+                    }
+                    if __wanted.by_p {
+                        {
+                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                            let mut __i0: __wzvi::core::primitive::isize = 0;
+                            let __end: __wzvi::core::primitive::isize = (__size);
+                            while __i0 < __end {
+                                let __low = __i0;
+                                let __len = (__end - __low)
+                                    as __wzvi::core::primitive::usize;
+                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
+                                    as __wzvi::core::primitive::usize);
+                                let __s0 = &__at.p[__s0..__s0 + __len];
+                                for __k in 0..__len {
+                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
+                                    let __l0 = __s0[__k];
+                                    __into
+                                        .add_pp(
+                                            ((__i0) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            ((__i0) as __wzvi::core::primitive::isize
+                                                as __wzvi::core::primitive::usize),
+                                            true,
+                                            __c,
+                                        );
+                                }
+                                __i0 += __len as __wzvi::core::primitive::isize;
+                            }
                         }
                     }
                 }
-                if __terms.by_p {
-                    {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __into
-                                    .add_pp(
-                                        ((__i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((__i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __c,
-                                    );
-                            }
-                            __i0 += __len as __wzvi::core::primitive::isize;
-                        }
-                    }
-                }
-            }
-            if __terms.noise {
-                if __terms.by_q {}
+                1usize => if __wanted.by_q {}
+                _ => {}
             }
         }
     }
     const _: () = {
         const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
-            drift_l: 0.5f64,
-            noise_l: 0.5f64,
-            counter: 0f64,
+            stages: &[
+                __wzvi::elements::Stage {
+                    point: 0.5f64,
+                    start: 0.5f64,
+                    end: 0.5f64,
+                    parts: &[(0usize, 1f64), (1usize, 1f64)],
+                },
+            ],
+            update: __wzvi::elements::MomentumUpdate::Multiple(2f64),
             unknowns: __wzvi::elements::Unknowns::Both,
             remembers: false,
             is_linear: false,
-            has_noise: true,
         };
         type __Prepared = (
             [__wzvi::core::primitive::f64; 4usize],
@@ -553,6 +509,7 @@ const _: () = {
         impl __wzvi::elements::sites::Sites<__wzvi::embedding::Midpoint, 1usize, 1usize>
         for Bath {
             const IS_UNIFORM: __wzvi::core::primitive::bool = true;
+            const IS_EXACT_IN_LANES: __wzvi::core::primitive::bool = true;
             type SitePrepared = __Prepared;
             type SiteMemory<__S: __wzvi::Scalar> = __Memory<__S>;
             fn prepare_site(
@@ -635,7 +592,7 @@ const _: () = {
             };
             const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nThe sites k = 0..n - 1 are not coupled: each is a system of its own\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq[k] - h (q[k]_{i+1/2}²/2 + P²/2) - sigma q[k]_{i+1/2} ΔW\n  Δq[k] = q[k]_{i+1} - q[k]_i\n  q[k]_{i+1/2} = Δq[k]/2 + q[k]_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[k] = P h\n  p[k]_i = -D1 L_d:  P = p[k]_i + δp[k],  δp[k] = (-q[k]_{i+1/2} h - sigma ΔW)/2\n  p[k]_{i+1} = D2 L_d:  p[k]_{i+1} - p[k]_i = 2 δp[k]\n\nStep\n  solve for δp[k]: linear (then Δq[k])\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
             const REMEMBERS: __wzvi::core::primitive::bool = false;
-            const IN_LANES: __wzvi::core::primitive::bool = false;
+            const IN_LANES: __wzvi::core::primitive::bool = true;
             type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
                 __S,
             >;
@@ -660,6 +617,7 @@ const _: () = {
                     1usize,
                 >(self, __h)
             }
+            #[inline(always)]
             fn advance_carrying<
                 __S: __wzvi::Scalar,
                 __C: __wzvi::Carry<__S>,

@@ -22,7 +22,6 @@ pub mod cluster;
 #[cfg(feature = "columnar")]
 mod columnar;
 mod control;
-mod dispatch;
 mod draws;
 mod error;
 mod group;
@@ -50,6 +49,7 @@ mod table;
 
 use std::marker::PhantomData;
 
+use crate::lanes::instructions as dispatch;
 use account::Account;
 use block::Block;
 use control::Control;

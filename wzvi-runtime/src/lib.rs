@@ -14,6 +14,7 @@ pub mod ensemble;
 pub mod error;
 #[cfg(feature = "ensemble")]
 mod execution;
+pub mod gauss;
 pub mod increments;
 pub mod integrate;
 #[cfg(all(feature = "interrupt", feature = "ensemble"))]
@@ -21,7 +22,6 @@ mod interrupt;
 #[cfg(all(feature = "ensemble", not(feature = "interrupt")))]
 #[path = "interrupt/absent.rs"]
 mod interrupt;
-#[cfg(feature = "ensemble")]
 pub mod lanes;
 pub mod memory;
 #[cfg(any(feature = "ensemble", feature = "serde"))]

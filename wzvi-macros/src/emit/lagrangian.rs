@@ -85,7 +85,7 @@ fn segment_inputs(model: &mut Model, scheme: &Scheme) -> Inputs {
         let (start, end) = (graph.symbol(symbols.q0[i]), graph.symbol(end));
         definitions.insert(symbols.u[i], graph.subtract(end, start));
         for stage in &symbols.stages {
-            let point = graph.linear_combination(&[(start, stage.complement()), (end, stage.l)]);
+            let point = graph.linear_combination(&[(start, stage.at.start()), (end, stage.at.end())]);
             definitions.insert(stage.q[i], point);
         }
     }
@@ -96,7 +96,7 @@ fn segment_inputs(model: &mut Model, scheme: &Scheme) -> Inputs {
     names.push((symbols.t, format_ident!("__t"), Level::Time));
     let (t, h) = (graph.symbol(symbols.t), graph.symbol(symbols.h));
     for stage in &symbols.stages {
-        definitions.insert(stage.t, graph.linear_combination(&[(t, Rational::ONE), (h, stage.l)]));
+        definitions.insert(stage.t, graph.linear_combination(&[(t, Rational::ONE), (h, stage.at.l)]));
     }
     Inputs { names, definitions }
 }

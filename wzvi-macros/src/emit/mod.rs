@@ -1,6 +1,7 @@
 //! From equations to Rust: the struct as written, its traits, and nothing that the scene does not use.
 
 mod compose;
+mod gauss;
 mod lagrangian;
 pub(crate) mod plan;
 mod print;
@@ -28,6 +29,7 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, schemes: &[Scheme], texts: 
     for (scheme, text) in schemes.iter().zip(&texts.of_parts) {
         generated.extend(step::emit(model, facts, scheme, text));
     }
+    generated.extend(gauss::emit(model, facts, texts));
     let Model { item, crate_path, type_checks, .. } = model;
     wrapped(item, crate_path, generated, type_checks, texts)
 }
@@ -72,6 +74,10 @@ pub(crate) fn embedding_type(embedding: &Embedding, wzvi: &impl ToTokens) -> Tok
         Embedding::Midpoint => quote!(#wzvi::embedding::Midpoint),
         Embedding::DeltaMinus => quote!(#wzvi::embedding::DeltaMinus),
         Embedding::Verlet => quote!(#wzvi::embedding::Verlet),
+        Embedding::Gauss(stages) => {
+            let stages = proc_macro2::Literal::u32_unsuffixed(*stages);
+            quote!(#wzvi::embedding::Gauss<#stages>)
+        }
         Embedding::Lambda(n, d) => quote!(#wzvi::embedding::Lambda<#n, #d>),
         Embedding::Mixed(drift, noise) => {
             let (drift, noise) = (embedding_type(drift, wzvi), embedding_type(noise, wzvi));

@@ -8,7 +8,7 @@ use crate::continuation::{Hard, solve_by_continuation};
 use crate::error::{Error, StepError, StepFailure};
 use crate::increments::Interval;
 use crate::lanes::Lanes;
-use crate::plan::{NoiseClass, Solver};
+use crate::plan::Solver;
 use crate::retry::{Subdivision, is_curable};
 use crate::scalar::Scalar;
 use crate::state::{State, Vector};
@@ -22,6 +22,8 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     path: u64,
     q: Vec<Lanes<L>>,
     p: Vec<Lanes<L>>,
+    /// What steps in lanes allocate once. With noise none reads what the ones before left.
+    memory: H::Memory<Lanes<L>>,
     pub(super) increments: LaneIncrements<'j, L>,
     /// Lanes that are paths of this run; others only keep the vector full.
     counts: [bool; L],
@@ -49,6 +51,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             path: 0,
             q: vec![zero; d],
             p: vec![zero; d],
+            memory: Default::default(),
             increments: LaneIncrements::new(&job.source, processes, job.h),
             counts: [false; L],
             failed: [false; L],
@@ -91,7 +94,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     }
 
     /// Whether each path has a stepper of its own.
-    const IS_STEPPED: bool = matches!(H::PLAN.noise, NoiseClass::None) || !H::IN_LANES;
+    const IS_STEPPED: bool = !H::IN_LANES;
 
     fn time(&self, step: u64) -> f64 {
         self.job.start.t + step as f64 * self.job.h
@@ -122,7 +125,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             return Ok(());
         }
         let t = self.time(step);
-        let (q, p, memory) = (&mut self.q, &mut self.p, &mut Default::default());
+        let (q, p, memory) = (&mut self.q, &mut self.p, &mut self.memory);
         let dw = self.increments.of(step);
         let outcome = job.system.advance_carrying::<Lanes<L>, Plain, false>(
             &job.prepared,
@@ -143,10 +146,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         let mut steppers = std::mem::take(&mut self.steppers);
         for (lane, stepper) in steppers.iter_mut().enumerate() {
             if !self.failed[lane] {
-                let mut state = self.state_of(lane, t);
+                self.look(lane);
+                self.state.t = t;
                 self.increments_of(lane, step);
-                match stepper.step(&mut state, &self.alone) {
-                    Ok(_) => self.put(lane, &state.q, &state.p),
+                match stepper.step(&mut self.state, &self.alone) {
+                    Ok(_) => self.keep(lane),
                     Err(error) => self.halve_or_fail(lane, step, StepError { step, ..error })?,
                 }
             }
@@ -237,6 +241,14 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         }
     }
 
+    /// Moves what observables see to a lane.
+    fn keep(&mut self, lane: usize) {
+        let components = self.state.q.components().iter().chain(self.state.p.components());
+        for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(components) {
+            to.set(lane, *from);
+        }
+    }
+
     /// One lane, as it goes alone: the short way, then the careful one of a [`Stepper`].
     fn single(&mut self, lane: usize, step: u64, t: f64) -> Result<(), StepFailure> {
         let job = self.job;
@@ -273,14 +285,19 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
 
     /// The state of a lane at a node that all have reached.
     pub(super) fn state_at(&mut self, lane: usize, node: u64) -> &State<H::Vector> {
+        self.look(lane);
         self.state.t = self.time(node);
+        &self.state
+    }
+
+    /// Moves a lane to what observables see.
+    fn look(&mut self, lane: usize) {
         for (to, from) in self.state.q.components_mut().iter_mut().zip(&self.q) {
             *to = from[lane];
         }
         for (to, from) in self.state.p.components_mut().iter_mut().zip(&self.p) {
             *to = from[lane];
         }
-        &self.state
     }
 
     /// The increments of a lane in a step that has been drawn.

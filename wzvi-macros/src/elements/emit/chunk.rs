@@ -10,7 +10,7 @@ use quote::{format_ident, quote};
 use super::indices::{Indices, variable};
 use super::kernel::Target;
 use crate::diagnostics::internal::Promised;
-use crate::model::index::{Atom, Index, Loop};
+use crate::model::index::{Atom, Index};
 use crate::model::{Element, Local, Slot};
 use crate::symbolic::Expr;
 
@@ -21,7 +21,8 @@ const CHUNK: usize = 64;
 pub(super) struct Chunk<'a> {
     pub(super) indices: &'a Indices<'a>,
     pub(super) element: &'a Element,
-    pub(super) inner: Option<&'a Loop>,
+    /// The variable of the innermost loop, its start and its end.
+    pub(super) inner: Option<(u32, [TokenStream; 2])>,
     pub(super) outputs: &'a [(Expr, Target)],
     /// Components of a point.
     pub(super) components: i128,
@@ -65,15 +66,14 @@ struct Code {
 
 impl Chunk<'_> {
     pub(super) fn emit(&self, inside: &TokenStream, values: &[TokenStream]) -> TokenStream {
-        let Some(inner) = self.inner else { return self.single(inside, values) };
-        let name = variable(inner.variable);
-        let (start, end) = (self.indices.value(&inner.start), self.indices.value(&inner.end));
+        let Some((inner, [start, end])) = &self.inner else { return self.single(inside, values) };
+        let (inner, name) = (*inner, variable(*inner));
         let (isize, usize) = (quote!(__wzvi::core::primitive::isize), quote!(__wzvi::core::primitive::usize));
         let mut code = Code::default();
         for (k, local) in self.element.locals.iter().enumerate() {
-            self.open(&mut code, inner.variable, k, local);
+            self.open(&mut code, inner, k, local);
         }
-        self.store(&mut code, inner.variable, values);
+        self.store(&mut code, inner, values);
         let most = match code.has_buffers {
             true => quote!(__wzvi::core::cmp::Ord::min((__end - __low) as #usize, #CHUNK)),
             false => quote!((__end - __low) as #usize),

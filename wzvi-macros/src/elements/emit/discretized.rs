@@ -5,6 +5,7 @@ use quote::quote;
 
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
+use crate::discretise::quadrature::{Quadrature, Stage};
 use crate::elements::plan::Unknowns;
 use crate::emit::plan::Plan;
 use crate::emit::{embedding_type, f64_type};
@@ -18,6 +19,8 @@ pub(super) struct Road {
     pub(super) plan: TokenStream,
     pub(super) unknowns: Unknowns,
     pub(super) is_linear: bool,
+    /// Whether the paths of an ensemble run beside each other.
+    pub(super) in_lanes: bool,
     /// `Prepared`, `Memory` and what works on them.
     pub(super) step: TokenStream,
     /// The body of `step_momentum`.
@@ -32,18 +35,23 @@ pub(super) fn emit(
     road: &Road,
     text: &str,
 ) -> TokenStream {
-    let Road { items, plan, unknowns, is_linear, step, momentum } = road;
+    let Road { items, plan, unknowns, is_linear, in_lanes, step, momentum } = road;
     let scheme = embedding_type(embedding, &quote!(__wzvi));
-    let (drift_l, noise_l) = embedding.quadrature();
-    let (drift_l, noise_l) = (drift_l.to_f64(), noise_l.to_f64());
-    let has_noise = !model.noise.is_empty();
-    let remembers = !has_noise && *unknowns != Unknowns::None;
+    let quadrature = Quadrature::new(facts, embedding);
+    let stages = quadrature.stages.iter().map(stage);
+    let update = match quadrature.momentum_update() {
+        Some(factor) => {
+            let factor = factor.to_f64();
+            quote!(Multiple(#factor))
+        }
+        None => quote!(Slopes),
+    };
+    let remembers = model.noise.is_empty() && *unknowns != Unknowns::None;
     let unknowns = match unknowns {
         Unknowns::None => quote!(None),
         Unknowns::Momenta => quote!(Momenta),
         Unknowns::Both => quote!(Both),
     };
-    let counter = if facts.counter_of(embedding).is_empty() { 0.0 } else { 0.5 - noise_l };
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let f64 = f64_type();
@@ -51,13 +59,11 @@ pub(super) fn emit(
     quote! {
         const _: () = {
             const __SCHEME: #elements::Scheme = #elements::Scheme {
-                drift_l: #drift_l,
-                noise_l: #noise_l,
-                counter: #counter,
+                stages: &[#(#stages),*],
+                update: #elements::MomentumUpdate::#update,
                 unknowns: #elements::Unknowns::#unknowns,
                 remembers: #remembers,
                 is_linear: #is_linear,
-                has_noise: #has_noise,
             };
 
             #items
@@ -68,7 +74,7 @@ pub(super) fn emit(
                 const EQUATIONS: &'static __wzvi::core::primitive::str = #text;
                 // A start that is no guide costs iterations, not digits.
                 const REMEMBERS: __wzvi::core::primitive::bool = false;
-                const IN_LANES: __wzvi::core::primitive::bool = false;
+                const IN_LANES: __wzvi::core::primitive::bool = #in_lanes;
                 type Compensated<__S: __wzvi::Scalar> = #elements::CompensationVec<__S>;
                 type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
 
@@ -101,6 +107,18 @@ pub(super) fn emit(
                 }
             }
         };
+    }
+}
+
+/// A quadrature point, as the run time reads it.
+fn stage(stage: &Stage) -> TokenStream {
+    let (point, start, end) = (stage.l.to_f64(), stage.start().to_f64(), stage.end().to_f64());
+    let parts = stage.parts.iter().map(|&(part, weight)| {
+        let (number, weight) = (part as usize, weight.to_f64());
+        quote!((#number, #weight))
+    });
+    quote! {
+        __wzvi::elements::Stage { point: #point, start: #start, end: #end, parts: &[#(#parts),*] }
     }
 }
 
@@ -157,12 +175,13 @@ pub(super) fn sweep(
         plan: plan(model, facts, embedding, unknowns, is_linear),
         unknowns,
         is_linear,
+        in_lanes: !model.noise.is_empty() && unknowns == Unknowns::None,
         step,
-        momentum: quote!(#elements::step_momentum(self, &__SCHEME, __before, __h, __dw)),
+        momentum: quote!(#elements::step_momentum(self, &__SCHEME, __before, __after, __h, __dw)),
     }
 }
 
-fn plan(
+pub(super) fn plan(
     model: &System,
     facts: &Facts,
     embedding: &Embedding,

@@ -7,10 +7,13 @@ use quote::{format_ident, quote};
 
 use super::chunk::Chunk;
 use super::indices::{Indices, variable};
+use crate::diagnostics::internal::Promised;
+use crate::discretise::sums::Weighted;
+use crate::elements::parts::family_of;
 use crate::emit::{Level, Lowering, Op, Printer};
 use crate::model::Parameter;
-use crate::model::index::{Index, Loop};
-use crate::model::{Element, Table};
+use crate::model::Table;
+use crate::model::index::{Atom, Index, Loop};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// Where a computed value goes.
@@ -32,14 +35,21 @@ pub(super) struct Context<'a> {
     pub(super) t: Symbol,
     /// The symbol of the weight `c`, and what it is: a value of the scalar type, in scope of the loops.
     pub(super) weight: Option<(Symbol, &'a TokenStream)>,
+    /// Whether only the noises that act count.
+    pub(super) is_selective: bool,
     /// Components of a point.
     pub(super) components: i128,
     /// What other symbols of the outputs stand for.
     pub(super) definitions: HashMap<Symbol, Expr>,
 }
 
-/// The loops of `element` around what computes `outputs`.
-pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Expr, Target)]) -> TokenStream {
+/// The loops of an element around what computes `outputs`.
+pub(super) fn emit(
+    context: &mut Context<'_>,
+    weighted: &Weighted,
+    outputs: &[(Expr, Target)],
+) -> TokenStream {
+    let Weighted { element, increments } = weighted;
     if outputs.is_empty() {
         return TokenStream::new();
     }
@@ -93,16 +103,29 @@ pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Exp
     // The increments of a family whose members are the innermost loop change with it.
     let (fixed_weight, own_weight) = match (context.weight, inner) {
         (None, _) => (quote!(), quote!()),
-        (Some((_, weight)), Some(inner)) if mentions(weight, &variable(inner.variable)) => {
+        (Some((_, weight)), Some(inner))
+            if increments.iter().any(|number| number.loops().contains(&inner.variable)) =>
+        {
             (quote!(), quote!(let __c = #weight;))
         }
         (Some((_, weight)), _) => (quote!(let __c = #weight;), quote!()),
     };
+    let acting = if context.is_selective { family_of(weighted) } else { None };
+    let range_of = |known: &Loop| {
+        let (start, end) = (indices.value(&known.start), indices.value(&known.end));
+        match acting {
+            Some(family) if family == known.variable => {
+                acting_members(&indices, weighted, family, [start, end])
+            }
+            _ => [start, end],
+        }
+    };
+    let inner = inner.map(|known| (known.variable, range_of(known)));
     let chunk = Chunk { indices: &indices, element, inner, outputs, components: context.components };
     let body = chunk.emit(&quote!(#own_weight #inside), &values);
     let mut nest = quote! { #fixed_weight #body };
-    for Loop { variable: id, start, end } in outer.iter().rev() {
-        let (name, start, end) = (variable(*id), indices.value(start), indices.value(end));
+    for known in outer.iter().rev() {
+        let (name, [start, end]) = (variable(known.variable), range_of(known));
         nest = quote! {
             for #name in (#start as __wzvi::core::primitive::isize)..#end {
                 #nest
@@ -112,10 +135,24 @@ pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Exp
     quote! {{ #before #nest }}
 }
 
-fn mentions(tokens: &TokenStream, name: &Ident) -> bool {
-    tokens.clone().into_iter().any(|token| match token {
-        proc_macro2::TokenTree::Ident(ident) => ident == *name,
-        proc_macro2::TokenTree::Group(group) => mentions(&group.stream(), name),
-        _ => false,
-    })
+/// The members of a family that act.
+fn acting_members(
+    indices: &Indices<'_>,
+    weighted: &Weighted,
+    family: u32,
+    [start, end]: [TokenStream; 2],
+) -> [TokenStream; 2] {
+    let number = weighted.increments.first().cloned().unwrap_or_default();
+    let before = number.subtract(&Index::atom(Atom::Loop(family)));
+    let before = before.promised("the number of a member is an offset and its own number");
+    let own = |number: TokenStream| {
+        let number = quote!(#number as __wzvi::core::primitive::isize);
+        if before == Index::default() {
+            return number;
+        }
+        let before = indices.value(&before);
+        quote!(#number - #before)
+    };
+    let (first, last) = (own(quote!(__at.acting.start)), own(quote!(__at.acting.end)));
+    [quote!(__wzvi::core::cmp::Ord::max(#start, #first)), quote!(__wzvi::core::cmp::Ord::min(#end, #last))]
 }

@@ -3,6 +3,7 @@
 mod chunk;
 mod combine;
 mod discretized;
+mod gauss;
 mod hamiltonian;
 mod indices;
 mod kernel;
@@ -19,12 +20,14 @@ use crate::describe::Texts;
 use crate::diagnostics::internal::Promised;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
-use crate::discretise::sums::Weighted;
+use crate::discretise::quadrature::Part;
+use crate::discretise::sums::{Sum, Weighted};
+use crate::elements::parts::{PartElements, family_of, parts, unweighted};
 use crate::elements::plan::Strategy;
 use crate::emit::{f64_type, wrapped};
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
-use crate::model::{Element, Noise, Reads, System};
+use crate::model::{Reads, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 pub(crate) use self::sites::site_entry;
@@ -47,6 +50,7 @@ pub(crate) fn emit(
         };
         generated.extend(discretized::emit(model, facts, embedding, &road, text));
     }
+    generated.extend(gauss::emit(model, facts, texts));
     let System { item, crate_path, type_checks, .. } = model;
     wrapped(item, crate_path, generated, type_checks, texts)
 }
@@ -129,10 +133,11 @@ enum Wanted {
 /// The code of one element: `c H_e` with the weight `c`, one if there is none, or its first or second derivatives.
 fn element_code(
     model: &mut System,
-    element: &Element,
+    weighted: &Weighted,
     wanted: Wanted,
     weight: Option<&TokenStream>,
 ) -> TokenStream {
+    let element = &weighted.element;
     let graph = &mut model.graph;
     let weight = weight.map(|weight| (graph.new_symbol("c"), weight));
     let value = match weight {
@@ -193,10 +198,11 @@ fn element_code(
         tables: &model.tables,
         t: model.t,
         weight,
+        is_selective: wanted != Wanted::Curvature,
         components: model.components,
         definitions: combined.map(|combined| combined.definitions).unwrap_or_default(),
     };
-    kernel::emit(&mut context, element, &outputs)
+    kernel::emit(&mut context, weighted, &outputs)
 }
 
 /// The second derivatives by each pair of `symbols` with the first not after the second, row by row.
@@ -209,119 +215,167 @@ fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
     all
 }
 
-/// The elements of every noise with the increment that weighs it.
-fn noise_elements(model: &System) -> Vec<(Element, TokenStream)> {
-    let indices = Indices { tables: &model.tables, checked: false };
-    let weigh = |(noise, offset): (&Noise, Index)| {
-        // Where the family is the innermost loop, its increments are an input like any other.
-        let number = match &noise.family {
-            Some(family) => offset
-                .add(&Index::atom(Atom::Loop(family.variable)))
-                .promised("numbers of noises are integers"),
-            None => offset,
-        };
-        let position = match number.as_integer().and_then(|number| usize::try_from(number).ok()) {
-            Some(number) => quote!(#number),
-            None => indices.position(&number),
-        };
-        let weight = quote!(__at.dw[#position]);
-        noise.term.elements.iter().map(|e| (e.clone(), weight.clone())).collect::<Vec<_>>()
-    };
-    model.noise.iter().zip(model.noise_offsets()).flat_map(weigh).collect()
-}
-
-/// The elements of the counter-term, if a scheme adds it, with their weights.
-fn counter_elements(model: &System, facts: &Facts) -> Vec<(Element, TokenStream)> {
-    let indices = Indices { tables: &model.tables, checked: false };
-    let increment = |number: &Index| {
-        let position = match number.as_integer().and_then(|number| usize::try_from(number).ok()) {
-            Some(number) => quote!(#number),
-            None => indices.position(number),
-        };
-        quote!(__at.dw[#position])
-    };
-    let schemes = model.embeddings.iter();
-    let used = schemes.map(|known| facts.counter_of(&known.value)).find(|counter| !counter.is_empty());
-    let weigh = |Weighted { element, increments }: &Weighted| {
-        let increments = increments.iter().map(increment);
-        (element.clone(), quote!(#(#increments *)* __terms.counter))
-    };
-    used.unwrap_or_default().iter().map(weigh).collect()
-}
-
 /// `impl Elements`
 fn elements(model: &mut System, facts: &Facts) -> TokenStream {
-    let slopes = sweep(model, facts, Wanted::Slopes);
-    let curvature = sweep(model, facts, Wanted::Curvature);
+    let parts = parts(model, facts);
+    let [value, slopes, curvature] = [Wanted::Value, Wanted::Slopes, Wanted::Curvature].map(|wanted| {
+        let arms = parts.iter().map(|part| {
+            let (number, code) = (part.part as usize, part_code(model, part, wanted));
+            quote!(#number => { #code })
+        });
+        arms.collect::<TokenStream>()
+    });
+    let integrals = integrals(model);
     let places = places::emit(model);
     let read = parameters(model);
     let size = sizes(model, &quote!(__at.q.len()));
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
+    let (f64, usize) = (f64_type(), quote!(__wzvi::core::primitive::usize));
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::elements::Elements for #name #arguments #filter {
             #places
 
+            const INTEGRALS: #usize = #INTEGRALS;
+
+            fn value<__S: __wzvi::Scalar>(
+                &self,
+                __part: #usize,
+                __weight: #f64,
+                __at: &__wzvi::elements::Point<'_, __S>,
+            ) -> __S {
+                #read
+                #size
+                let __t = __at.t;
+                let mut __value = <__S as __wzvi::Scalar>::from_f64(0.0);
+                match __part {
+                    #value
+                    #integrals
+                    _ => {}
+                }
+                __value
+            }
+
             fn slopes<__S: __wzvi::Scalar>(
                 &self,
-                __terms: __wzvi::elements::Terms,
+                __part: #usize,
+                __weight: #f64,
                 __at: &__wzvi::elements::Point<'_, __S>,
+                __wanted: __wzvi::elements::Slopes,
                 __by_q: &mut [__S],
                 __by_p: &mut [__S],
             ) {
                 #read
                 #size
                 let __t = __at.t;
-                #slopes
+                match __part {
+                    #slopes
+                    _ => {}
+                }
             }
 
             fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
                 &self,
-                __terms: __wzvi::elements::Terms,
+                __part: #usize,
+                __weight: #f64,
                 __at: &__wzvi::elements::Point<'_, __S>,
+                __wanted: __wzvi::elements::Slopes,
                 __into: &mut __C,
             ) {
                 #read
                 #size
                 let __t = __at.t;
-                #curvature
+                match __part {
+                    #curvature
+                    _ => {}
+                }
             }
         }
     }
 }
 
-/// Every element of the drift and the noises, under the conditions of `__terms`.
-fn sweep(model: &mut System, facts: &Facts, wanted: Wanted) -> TokenStream {
-    let drift: Vec<(Element, TokenStream)> = model
-        .drift
-        .elements
-        .iter()
-        .map(|element| (element.clone(), quote!(<__S as __wzvi::Scalar>::from_f64(__at.h))))
-        .collect();
-    let noise = noise_elements(model);
-    let counter = counter_elements(model, facts);
+/// The number of the first part that is a first integral.
+const INTEGRALS: usize = Part::CounterTerm as usize + 1;
+
+/// The values of first integrals, a part each.
+fn integrals(model: &mut System) -> TokenStream {
+    let integrals: Vec<Sum> = model.invariants.iter().map(|term| unweighted(&term.values)).collect();
+    let arms = integrals.iter().enumerate().map(|(k, sum)| {
+        let (number, values) = (INTEGRALS + k, values(model, sum, None));
+        quote!(#number => { #values })
+    });
+    arms.collect()
+}
+
+/// All elements of a part.
+fn part_code(model: &mut System, part: &PartElements, wanted: Wanted) -> TokenStream {
+    let sum = if wanted == Wanted::Value { &part.values } else { &part.elements };
     let mut code = TokenStream::new();
-    let groups = [
-        (quote!(__terms.drift), drift),
-        (quote!(__terms.noise), noise),
-        (quote!(__terms.counter != 0.0), counter),
-    ];
-    for (group, list) in groups {
-        let mut parts = TokenStream::new();
-        for (element, weight) in &list {
-            let condition = match element.reads() {
-                Reads::Nothing => continue,
-                Reads::Coordinates => quote!(__terms.by_q),
-                Reads::Momenta => quote!(__terms.by_p),
-                Reads::Both => quote!((__terms.by_q || __terms.by_p)),
-            };
-            let body = element_code(model, element, wanted, Some(weight));
-            parts.extend(quote!(if #condition { #body }));
-        }
-        if !parts.is_empty() {
-            code.extend(quote!(if #group { #parts }));
-        }
+    // Elements with the same increments stand together.
+    for group in sum.chunk_by(|a, b| a.increments == b.increments) {
+        let Some(first) = group.first() else { continue };
+        let (weight, condition) = (weight(model, part, first), condition(model, first, wanted));
+        let body: TokenStream = match wanted {
+            Wanted::Value => values(model, group, Some(&weight)),
+            Wanted::Slopes | Wanted::Curvature => {
+                group.iter().map(|weighted| derivatives(model, weighted, wanted, &weight)).collect()
+            }
+        };
+        code.extend(match condition {
+            Some(condition) if !body.is_empty() => quote!(if #condition { #body }),
+            _ => body,
+        });
     }
     code
+}
+
+/// The sum of elements with one weight, which is taken out of it unless it changes in their loops.
+fn values(model: &mut System, group: &[Weighted], weight: Option<&TokenStream>) -> TokenStream {
+    let is_fixed = group.iter().flat_map(|weighted| &weighted.increments).all(|k| k.loops().is_empty());
+    let inside = weight.filter(|_| !is_fixed);
+    let code: TokenStream =
+        group.iter().map(|weighted| element_code(model, weighted, Wanted::Value, inside)).collect();
+    let factor = weight.filter(|_| is_fixed).map(|weight| quote!(* #weight));
+    quote! {
+        let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
+        #code
+        __value = __value + __total #factor;
+    }
+}
+
+/// The derivatives of one element, if those by what it reads are wanted.
+fn derivatives(model: &mut System, weighted: &Weighted, wanted: Wanted, weight: &TokenStream) -> TokenStream {
+    let condition = match weighted.element.reads() {
+        Reads::Nothing => return TokenStream::new(),
+        Reads::Coordinates => quote!(__wanted.by_q),
+        Reads::Momenta => quote!(__wanted.by_p),
+        Reads::Both => quote!((__wanted.by_q || __wanted.by_p)),
+    };
+    let body = element_code(model, weighted, wanted, Some(weight));
+    quote!(if #condition { #body })
+}
+
+/// The product of the increments of an element of a part, and the weight of the part.
+fn weight(model: &System, part: &PartElements, Weighted { increments, .. }: &Weighted) -> TokenStream {
+    let indices = Indices { tables: &model.tables, checked: false };
+    let factor = part.is_weighted.then(|| quote!(*__weight));
+    let increments = increments.iter().map(|number| {
+        let position = indices.position(number);
+        quote!(__at.increment(#position))
+    });
+    match increments.reduce(|product, increment| quote!(#product * #increment)) {
+        Some(product) => quote!(#product #factor),
+        None => quote!(<__S as __wzvi::Scalar>::from_f64(__at.h #factor)),
+    }
+}
+
+/// Whether a noise acts that is no member of a family, whose loop knows.
+fn condition(model: &System, weighted: &Weighted, wanted: Wanted) -> Option<TokenStream> {
+    let [number] = weighted.increments.as_slice() else { return None };
+    if wanted == Wanted::Curvature || family_of(weighted).is_some() {
+        return None;
+    }
+    let position = Indices { tables: &model.tables, checked: false }.position(number);
+    Some(quote!(__at.acting.contains(&#position)))
 }

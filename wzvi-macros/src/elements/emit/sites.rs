@@ -7,12 +7,15 @@ use super::discretized::Road;
 use super::indices::{Indices, variable};
 use super::sizes;
 use crate::discretise::Scheme;
+use crate::discretise::equations::{Equations, MomentumUpdate};
 use crate::discretise::facts::Facts;
 use crate::discretise::sites::{Entry, Increment, Site};
+use crate::discretise::structure::{Block, Solution};
 use crate::elements::plan::Unknowns;
 use crate::emit::step::{self, Kernel};
 use crate::emit::{embedding_type, f64_type};
 use crate::model::{Slot, System};
+use crate::symbolic::{Expr, Graph, Node};
 
 /// How an entry of a field is read at a site: that of the nearest site where it is not there.
 pub(crate) fn site_entry(system: &System, site: &Site, entry: &Entry) -> TokenStream {
@@ -38,6 +41,23 @@ pub(crate) fn site_entry(system: &System, site: &Site, entry: &Entry) -> TokenSt
     }
 }
 
+/// Whether the step is arithmetic alone, without iterations: then it has the same bits in lanes, and no memory.
+fn is_exact_in_lanes(graph: &Graph, scheme: &Scheme) -> bool {
+    let is_iterated = |block: &Block| matches!(block.solution, Solution::Newton { .. });
+    let Equations { phi_u, phi_v, update } = &scheme.equations;
+    let updates = update.iter().filter_map(|update| match update {
+        MomentumUpdate::Multiple(_) => None,
+        MomentumUpdate::Sum(rest) => Some(*rest),
+    });
+    let roots: Vec<Expr> = phi_u.iter().chain(phi_v).copied().chain(updates).collect();
+    let is_arithmetic = |&expr: &Expr| match graph.node(expr) {
+        Node::Apply(..) => false,
+        Node::Product(factors) => factors.iter().all(|(_, exponent)| exponent.is_integer()),
+        _ => true,
+    };
+    !scheme.structure.blocks.iter().any(is_iterated) && graph.reachable(&roots).iter().all(is_arithmetic)
+}
+
 pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Scheme) -> Road {
     let Kernel { items, prepare, momentum_factors, .. } =
         site.with_model(system, site_entry, |model| Kernel::new(model, facts, scheme));
@@ -57,6 +77,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
     let increments: Vec<TokenStream> = increments.collect();
     let (degrees, noises) = (scheme.lagrangian.symbols.u.len(), increments.len());
     let is_uniform = site.entries.is_empty();
+    let is_exact = is_exact_in_lanes(&system.graph, scheme);
     let size = sizes(system, &quote!((__sites * #degrees)));
     let embedding = embedding_type(&scheme.embedding, &quote!(__wzvi));
     let name = &system.item.ident;
@@ -71,6 +92,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
         #[automatically_derived]
         impl #generics #placed for #name #arguments #filter {
             const IS_UNIFORM: __wzvi::core::primitive::bool = #is_uniform;
+            const IS_EXACT_IN_LANES: __wzvi::core::primitive::bool = #is_exact;
             type SitePrepared = __Prepared;
             type SiteMemory<__S: __wzvi::Scalar> = __Memory<__S>;
 
@@ -123,6 +145,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
             #sites::prepare::<_, #embedding, #degrees, #noises>(self, __h)
         }
 
+        #[inline(always)]
         fn advance_carrying<
             __S: __wzvi::Scalar,
             __C: __wzvi::Carry<__S>,
@@ -145,13 +168,14 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
     };
     let momentum = match momentum_factors {
         Some(factors) => quote!(#sites::step_momentum(&__before.p, &__after.p, [#(#factors),*])),
-        None => quote!(__wzvi::elements::step_momentum(self, &__SCHEME, __before, __h, __dw)),
+        None => quote!(__wzvi::elements::step_momentum(self, &__SCHEME, __before, __after, __h, __dw)),
     };
     Road {
         items,
         plan: step::plan(facts, scheme),
         unknowns: Unknowns::Both,
         is_linear: false,
+        in_lanes: !system.noise.is_empty(),
         step,
         momentum,
     }
