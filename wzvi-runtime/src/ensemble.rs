@@ -79,7 +79,7 @@ use crate::retry::{Halved, Retry, Serves, Whole};
 use crate::schedule::in_order;
 use crate::span::Span;
 use crate::state::State;
-use crate::system::Discretized;
+use crate::system::{Discretized, Hamiltonian};
 
 /// An ensemble to run: [`Integrate::ensemble`](crate::integrate::Integrate::ensemble) begins it, [`Ensemble::run`] runs
 /// it.
@@ -88,6 +88,12 @@ use crate::system::Discretized;
 /// earlier one. `N` is the type of the noise, and `R` whether steps may be halved: what makes no sense together does not compile.
 #[must_use = "nothing happens before `run`"]
 pub struct Ensemble<'a, H: Discretized<E>, E, N = StepNormals, R = Whole> {
+    setup: Setup<'a, H>,
+    types: Types<E, N, R>,
+}
+
+/// What was said so far.
+struct Setup<'a, H: Hamiltonian> {
     system: &'a H,
     h: f64,
     span: Span<H::Vector>,
@@ -103,7 +109,6 @@ pub struct Ensemble<'a, H: Discretized<E>, E, N = StepNormals, R = Whole> {
     keeping: Keeping,
     retry: Retry,
     control: Control,
-    types: Types<E, N, R>,
 }
 
 /// Scheme, noise, and whether steps may be halved.
@@ -122,7 +127,7 @@ struct Extras {
 impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
     /// Paths of `system` in steps of size `h`.
     pub fn new(system: &'a H, h: f64) -> Self {
-        Self {
+        let setup = Setup {
             system,
             h,
             span: Span::default(),
@@ -138,8 +143,8 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             keeping: Keeping::default(),
             retry: Retry::never(),
             control: Control::default(),
-            types: PhantomData,
-        }
+        };
+        Self { setup, types: PhantomData }
     }
 }
 
@@ -148,7 +153,7 @@ impl<'a, H: Discretized<E>, E, R> Ensemble<'a, H, E, StepNormals, R> {
     /// [`Plan::truncates_increments`](crate::plan::Plan::truncates_increments). Another noise truncates by itself, as in
     /// `Wiener::seed(7).truncated(4)`.
     pub fn truncation(mut self, truncation: Truncation) -> Self {
-        self.settings.truncation = truncation;
+        self.setup.settings.truncation = truncation;
         self
     }
 
@@ -156,7 +161,7 @@ impl<'a, H: Discretized<E>, E, R> Ensemble<'a, H, E, StepNormals, R> {
     /// then, for one that is even nothing is won. Standard errors are those of independent pairs
     /// ([`StatisticsNode::standard_error`]).
     pub fn antithetic(mut self) -> Self {
-        self.settings.is_antithetic = true;
+        self.setup.settings.is_antithetic = true;
         self
     }
 }
@@ -166,13 +171,13 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
 
     /// How many paths; with [`Ensemble::until_error`], how many at most.
     pub fn paths(mut self, paths: u64) -> Self {
-        self.paths = Some(paths);
+        self.setup.paths = Some(paths);
         self
     }
 
     /// The noise `StepNormals::seed(seed)`, the fast one.
     pub fn seed(mut self, seed: u64) -> Ensemble<'a, H, E, StepNormals, R> {
-        self.source = Some(Source::new(StepNormals::seed(seed)));
+        self.setup.source = Some(Source::new(StepNormals::seed(seed)));
         self.marked()
     }
 
@@ -182,8 +187,8 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
     /// [`StepNormals`] are drawn in lanes; any other noise is asked for each path's increments one by one, and costs what it costs in a
     /// single run.
     pub fn noise<M: PathsOfNoise + Clone + Send + Sync + 'a>(mut self, noise: M) -> Ensemble<'a, H, E, M, R> {
-        self.source = Some(Source::new(noise));
-        self.settings = Settings::default();
+        self.setup.source = Some(Source::new(noise));
+        self.setup.settings = Settings::default();
         self.marked()
     }
 
@@ -193,21 +198,21 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
     /// A step that does not resolve the fastest motion ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)) ends its path
     /// nevertheless: a path that starts again would have been counted twice.
     pub fn retry(mut self, retry: Retry) -> Ensemble<'a, H, E, N, Halved> {
-        self.retry = retry;
+        self.setup.retry = retry;
         self.marked()
     }
 
     /// How many paths may fail, as a fraction of all; 0.01 if this is not called. More are an error ([`LossError`]), which has the
     /// statistics of the others.
     pub fn allow_losses(mut self, fraction: f64) -> Self {
-        self.control.losses = Some(fraction);
+        self.setup.control.losses = Some(fraction);
         self
     }
 
     /// Calls `see(path, state)` for every path at each recorded node that it reaches, start and end included: a path in order, different ones from
     /// several threads at once. A run that is stopped or ends early may have shown paths that its statistics do not have.
     pub fn inspect(mut self, see: impl Fn(u64, &State<H::Vector>) + Send + Sync + 'a) -> Self {
-        self.inspector = Some(Box::new(see));
+        self.setup.inspector = Some(Box::new(see));
         self
     }
 
@@ -218,32 +223,32 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
         name: impl Into<String>,
         event: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,
     ) -> Self {
-        self.events.push(name.into(), event);
+        self.setup.events.push(name.into(), event);
         self
     }
 
     /// Whether covariances of all pairs of observables are computed, as they are if this is not called: half the square of the
     /// number of observables in time and memory, at each recorded time. Variances always are.
     pub fn covariances(mut self, are_computed: bool) -> Self {
-        self.wanted.covariances = are_computed;
+        self.setup.wanted.covariances = are_computed;
         self
     }
 
     /// Quantiles of every observable at every recorded time, to a relative error of [`Quantiles::RELATIVE_ERROR`].
     pub fn quantiles(mut self) -> Self {
-        self.wanted.quantiles = true;
+        self.setup.wanted.quantiles = true;
         self
     }
 
     /// A histogram of the observable with this name at every recorded time, in so many bins from `lower` to `upper`.
     pub fn histogram(mut self, observable: impl Into<String>, lower: f64, upper: f64, bins: usize) -> Self {
-        self.wanted.histograms.push((observable.into(), [lower, upper], bins));
+        self.setup.wanted.histograms.push((observable.into(), [lower, upper], bins));
         self
     }
 
     /// Keeps all observables of every path at every recorded time, if that takes `bytes` of memory at most.
     pub fn keep_paths(mut self, bytes: u64) -> Self {
-        self.wanted.most_bytes = Some(bytes);
+        self.setup.wanted.most_bytes = Some(bytes);
         self
     }
 
@@ -257,30 +262,13 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
     /// the limit ([`TargetStatus::Constant`]). The mean is then within 1.96 targets of the true one in 95 % of the runs or more, also for
     /// events of probability 0.001 and for the heavy tail of `exp(2 W)`, which `docs/ensembles.md` shows.
     pub fn until_error(mut self, observable: impl Into<String>, target: f64) -> Self {
-        self.control.targets.push((observable.into(), target));
+        self.setup.control.targets.push((observable.into(), target));
         self
     }
 
     /// The same run, of other types.
     fn marked<M, S>(self) -> Ensemble<'a, H, E, M, S> {
-        Ensemble {
-            system: self.system,
-            h: self.h,
-            span: self.span,
-            paths: self.paths,
-            source: self.source,
-            settings: self.settings,
-            recorded: self.recorded,
-            observables: self.observables,
-            events: self.events,
-            wanted: self.wanted,
-            inspector: self.inspector,
-            execution: self.execution,
-            keeping: self.keeping,
-            retry: self.retry,
-            control: self.control,
-            types: PhantomData,
-        }
+        Ensemble { setup: self.setup, types: PhantomData }
     }
 }
 
@@ -312,8 +300,9 @@ where
     where
         N: Serves<R>,
     {
-        let execution = std::mem::take(&mut self.execution);
-        let (control, keeping) = (std::mem::take(&mut self.control), std::mem::take(&mut self.keeping));
+        let execution = std::mem::take(&mut self.setup.execution);
+        let (control, keeping) =
+            (std::mem::take(&mut self.setup.control), std::mem::take(&mut self.setup.keeping));
         let (threads, instructions, interrupt) =
             (execution.threads()?, execution.instructions, Interrupt::watch());
         let stop = || execution.is_stopped(&interrupt);

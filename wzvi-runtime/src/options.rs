@@ -1,6 +1,6 @@
 //! What several builders let the user set: each is one text with one meaning, and its value is checked in one place.
 //!
-//! `options!(start, end, ...)` inside an `impl` of a builder gives it the methods; the builder has the fields that they set.
+//! `options!(start, end, ...)` inside an `impl` of a builder gives it the methods; the builder has a field `setup` with those that they set.
 
 use std::fmt;
 use std::sync::Arc;
@@ -61,7 +61,7 @@ macro_rules! options {
     (@ start) => {
         /// The first state, at its own time.
         pub fn start(mut self, start: crate::state::State<H::Vector>) -> Self {
-            self.span.start = Some(start);
+            self.setup.span.start = Some(start);
             self
         }
     };
@@ -70,13 +70,13 @@ macro_rules! options {
         ///
         /// That is `⌈(end - t_0)/h⌉` steps, with an allowance for rounding: `until(20.0)` with `h = 0.02` takes 1000.
         pub fn until(mut self, end: f64) -> Self {
-            self.span.end = Some(crate::span::End::Time(end));
+            self.setup.span.end = Some(crate::span::End::Time(end));
             self
         }
 
         /// Runs `steps` steps.
         pub fn steps(mut self, steps: u64) -> Self {
-            self.span.end = Some(crate::span::End::Steps(steps));
+            self.setup.span.end = Some(crate::span::End::Steps(steps));
             self
         }
     };
@@ -84,14 +84,14 @@ macro_rules! options {
         /// Records every `stride`-th node, besides the start and the last one; with 0 only these two. If neither this nor `record_at` is
         /// called, a single path records all nodes, and an ensemble the start and the last one.
         pub fn record_every(mut self, stride: u64) -> Self {
-            self.recorded.every = Some(stride);
+            self.setup.recorded.every = Some(stride);
             self
         }
 
         /// Records the nodes at these times, too: each the first node at or beyond it. Without `record_every`, only these, the start
         /// and the last one.
         pub fn record_at(mut self, times: impl IntoIterator<Item = f64>) -> Self {
-            self.recorded.times.extend(times);
+            self.setup.recorded.times.extend(times);
             self
         }
     };
@@ -102,14 +102,14 @@ macro_rules! options {
             name: impl Into<String>,
             observable: impl Fn(&crate::state::State<H::Vector>) -> f64 + Send + Sync + 'a,
         ) -> Self {
-            self.observables.push(name.into(), observable);
+            self.setup.observables.push(name.into(), observable);
             self
         }
     };
     (@ execution) => {
         /// On so many threads; all cores if this is not called. The result is the same.
         pub fn threads(mut self, threads: usize) -> Self {
-            self.execution.threads = Some(threads);
+            self.setup.execution.threads = Some(threads);
             self
         }
 
@@ -119,13 +119,13 @@ macro_rules! options {
         /// It is asked from all threads, about every 10 ms, and after each step or observed path that takes longer. With the feature
         /// `interrupt`, Ctrl-C stops a run, too.
         pub fn stop_when(mut self, stop: impl Fn() -> bool + Send + Sync + 'a) -> Self {
-            self.execution.stop = Some(Box::new(stop));
+            self.setup.execution.stop = Some(Box::new(stop));
             self
         }
 
         /// No progress on the terminal. It shows after a second if standard error is one, and never if it is not.
         pub fn quiet(mut self) -> Self {
-            self.execution.is_quiet = true;
+            self.setup.execution.is_quiet = true;
             self
         }
     };
@@ -133,7 +133,7 @@ macro_rules! options {
         /// With these vector instructions, or the baseline's where the machine does not have them; the best that it has if
         /// this is not called. The result is the same.
         pub fn instructions(mut self, set: crate::ensemble::InstructionSet) -> Self {
-            self.execution.instructions = set;
+            self.setup.execution.instructions = set;
             self
         }
     };

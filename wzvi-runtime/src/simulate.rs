@@ -68,35 +68,39 @@ pub type Partial<V, E> = (Trajectory<V, E>, Option<Error>);
 #[derive(Clone, Debug)]
 #[must_use = "nothing happens before `run`"]
 pub struct Simulation<'a, H: Discretized<E>, E, N = NoNoise, O = Unobserved, R = Whole> {
+    setup: Setup<'a, H>,
+    noise: Option<N>,
+    observer: O,
+    types: PhantomData<fn() -> (E, R)>,
+}
+
+/// What was said so far, but for noise and observer.
+#[derive(Clone, Debug)]
+struct Setup<'a, H: Hamiltonian> {
     system: &'a H,
     h: f64,
     span: Span<H::Vector>,
-    noise: Option<N>,
     recorded: Request,
     observables: Observables<'a, H::Vector>,
-    observer: O,
     retry: Retry,
     is_watched: bool,
-    pub(crate) keeping: Keeping,
-    scheme: PhantomData<fn() -> (E, R)>,
+    keeping: Keeping,
 }
 
 impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
     /// A path of `system` in steps of size `h`.
     pub fn new(system: &'a H, h: f64) -> Self {
-        Self {
+        let setup = Setup {
             system,
             h,
             span: Span::default(),
-            noise: None,
             recorded: Request::default(),
             observables: Observables::default(),
-            observer: Unobserved,
             retry: Retry::never(),
             is_watched: true,
             keeping: Default::default(),
-            scheme: PhantomData,
-        }
+        };
+        Self { setup, noise: None, observer: Unobserved, types: PhantomData }
     }
 }
 
@@ -107,7 +111,7 @@ impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     /// source leaves it with the caller, to continue with. A system without noise takes any source and asks it
     /// for nothing.
     pub fn noise<M: Noise>(self, noise: M) -> Simulation<'a, H, E, M, O, R> {
-        self.with(Some(noise), |observer| observer)
+        Simulation { setup: self.setup, noise: Some(noise), observer: self.observer, types: PhantomData }
     }
 
     /// Halves steps that fail ([`crate::retry`]): `Retry::halving(8)` allows 256 parts. Not done unless asked for.
@@ -116,43 +120,31 @@ impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     /// that starts again in shorter steps shows its observer the nodes again, from step 0; one with checkpoints does not
     /// start again.
     pub fn retry(mut self, retry: Retry) -> Simulation<'a, H, E, N, O, Halved> {
-        self.retry = retry;
-        let noise = self.noise.take();
-        self.with(noise, |observer| observer)
+        self.setup.retry = retry;
+        Simulation { setup: self.setup, noise: self.noise, observer: self.observer, types: PhantomData }
     }
 
     /// Lets steps pass that do not resolve the fastest motion and spoil the energy
     /// ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)): for whoever looks at the energy himself.
     pub fn unwatched(mut self) -> Self {
-        self.is_watched = false;
+        self.setup.is_watched = false;
         self
     }
 
     /// Calls `observer(state, node)` at each recorded node (each node with `record_every(0)` or [`Simulation::record_at`] alone), start and
     /// end included, as the run gets there: for whoever wants to see increments and iterations, or to act on the way.
-    pub fn inspect<F>(mut self, observer: F) -> Simulation<'a, H, E, N, F, R>
+    pub fn inspect<F>(self, observer: F) -> Simulation<'a, H, E, N, F, R>
     where
         F: FnMut(&State<H::Vector>, &Node<'_>),
     {
-        let noise = self.noise.take();
-        self.with(noise, |_| observer)
+        Simulation { setup: self.setup, noise: self.noise, observer, types: PhantomData }
     }
 
-    /// The same run with another source and another observer.
-    fn with<M, P, S>(self, noise: Option<M>, observer: impl FnOnce(O) -> P) -> Simulation<'a, H, E, M, P, S> {
-        Simulation {
-            noise,
-            observer: observer(self.observer),
-            system: self.system,
-            h: self.h,
-            span: self.span,
-            recorded: self.recorded,
-            observables: self.observables,
-            retry: self.retry,
-            is_watched: self.is_watched,
-            keeping: self.keeping,
-            scheme: PhantomData,
-        }
+    /// Goes on from a checkpoint, and writes it.
+    #[cfg(feature = "serde")]
+    pub(crate) fn keeping(mut self, keeping: Keeping) -> Self {
+        self.setup.keeping = keeping;
+        self
     }
 }
 
@@ -187,8 +179,8 @@ where
     where
         N: Serves<R>,
     {
-        let Self { system, h, span, noise, recorded, observables, observer, .. } = self;
-        let (retry, is_watched, keeping) = (self.retry, self.is_watched, self.keeping);
+        let Self { setup, noise, observer, .. } = self;
+        let Setup { system, h, span, recorded, observables, retry, is_watched, keeping } = setup;
         let (names, functions) = observables.checked("observables")?;
         let mut stepper = Subdivision::<H, E>::new(system, h, retry, is_watched)?;
         let (start, steps) = span.checked::<H, E>(system, h)?;

@@ -302,10 +302,10 @@ impl<V: Vector, E> Trajectory<V, E> {
         H: Discretized<E, Vector = V>,
     {
         let h = self.step_size();
-        self.states().windows(2).zip(self.increments()).filter_map(move |(ends, dw)| {
-            let [before, after] = ends else { return None };
+        let ends = self.states().iter().zip(self.states().iter().skip(1));
+        ends.zip(self.increments()).map(move |((before, after), dw)| {
             let p = system.step_momentum(before, after, h, dw);
-            Some((Segment { q0: before.q.clone(), q1: after.q.clone(), p, t: before.t, h }, dw))
+            (Segment { q0: before.q.clone(), q1: after.q.clone(), p, t: before.t, h }, dw)
         })
     }
 }

@@ -37,12 +37,13 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
     where
         'a: 's,
     {
-        let Self { system, h, .. } = self;
+        let setup = self.setup;
+        let (system, h) = (setup.system, setup.h);
         if !h.is_finite() || h == 0.0 {
             return Err(ConfigError::StepSize(h).into());
         }
-        let (start, steps) = self.span.checked::<H, E>(system, h)?;
-        let paths = self.paths.ok_or(ConfigError::Missing(PATHS))?;
+        let (start, steps) = setup.span.checked::<H, E>(system, h)?;
+        let paths = setup.paths.ok_or(ConfigError::Missing(PATHS))?;
         if paths == 0 {
             return Err(ConfigError::Setting("0 paths: take at least 1".into()).into());
         }
@@ -51,26 +52,26 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
             return Err(ConfigError::End { start: start.t, end, h }.into());
         }
         let processes = system.noises();
-        let source = match self.source {
+        let source = match setup.source {
             None if processes > 0 => return Err(ConfigError::Missing(SEED).into()),
             Some(source) if processes > 0 => source,
             _ => Source::new(StepNormals::seed(0)),
         };
         let first = Interval { start: start.t, h, step: 0 };
-        let source = source.prepared(self.settings, &H::PLAN, first, (processes, steps))?;
+        let source = source.prepared(setup.settings, &H::PLAN, first, (processes, steps))?;
         let has_pairs = source.is_antithetic();
         if has_pairs && paths % 2 == 1 {
             return Err(ConfigError::Setting(format!("{paths} antithetic paths: they come in pairs")).into());
         }
         let span = (start.t, h, steps);
-        let recorded = self.recorded.checked(0, span)?.all(steps, MOST_NODES)?;
-        let observables = if self.observables.is_empty() {
+        let recorded = setup.recorded.checked(0, span)?.all(steps, MOST_NODES)?;
+        let observables = if setup.observables.is_empty() {
             standard(system, start.q.components().len())
         } else {
-            self.observables
+            setup.observables
         };
         let (names, observables) = observables.checked("observables")?;
-        let (event_names, events) = self.events.checked("events")?;
+        let (event_names, events) = setup.events.checked("events")?;
         if has_pairs && !events.is_empty() {
             return Err(ConfigError::Setting(
                 "first passages of antithetic paths: their errors would be those of independent ones; leave out one of the two"
@@ -80,7 +81,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
         }
         let times: Vec<f64> = recorded.iter().map(|&steps| start.t + steps as f64 * h).collect();
         let watches = watches(event_names, span, end)?;
-        let wanted = self.wanted.checked(names, times, watches, has_pairs, paths)?;
+        let wanted = setup.wanted.checked(names, times, watches, has_pairs, paths)?;
         Ok(Job {
             system,
             prepared: system.prepare(h)?,
@@ -90,10 +91,10 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
             steps,
             recorded,
             source,
-            retry: self.retry,
+            retry: setup.retry,
             observables,
             events,
-            inspector: self.inspector,
+            inspector: setup.inspector,
             wanted,
             stop,
         })

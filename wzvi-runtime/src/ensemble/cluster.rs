@@ -74,8 +74,9 @@ where
         // Messages of this run are no others'.
         let world = world.duplicate();
         let guard = AbortOnPanic(&world);
-        let execution = std::mem::take(&mut self.execution);
-        let (control, keeping) = (std::mem::take(&mut self.control), std::mem::take(&mut self.keeping));
+        let execution = std::mem::take(&mut self.setup.execution);
+        let (control, keeping) =
+            (std::mem::take(&mut self.setup.control), std::mem::take(&mut self.setup.keeping));
         let (threads, instructions) = (execution.threads.unwrap_or(1), execution.instructions);
         let interrupt = Interrupt::watch();
         let stop = || execution.is_stopped(&interrupt);

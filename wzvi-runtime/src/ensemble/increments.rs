@@ -91,9 +91,8 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
                 for (process, key) in keys.iter().enumerate() {
                     normals(key, self.path, step / STEPS as u64, &mut drawn);
                     for (step, drawn) in drawn.iter().enumerate() {
-                        if let Some(to) = self.values.get_mut(step * processes + process) {
-                            *to = increment(Lanes::new(*drawn), self.clip, self.deviation);
-                        }
+                        self.values[step * processes + process] =
+                            increment(Lanes::new(*drawn), self.clip, self.deviation);
                     }
                 }
             }

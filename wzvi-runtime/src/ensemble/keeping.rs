@@ -29,7 +29,7 @@ impl<H: Discretized<E>, E, N, R> Ensemble<'_, H, E, N, R> {
     /// Functions cannot be compared: observables and events are told apart by their names and by their values at the start and
     /// at the next three nodes of path 0.
     pub fn checkpoint<C: Suits<checkpoint::Paths>>(mut self, checkpoint: Checkpoint<C>) -> Self {
-        self.keeping = Keeping::to(checkpoint);
+        self.setup.keeping = Keeping::to(checkpoint);
         self
     }
 }

@@ -79,6 +79,12 @@ pub enum Observed {}
 /// What an [`Ensemble`](super::Ensemble) has besides, such as quantiles or checkpoints, has no meaning here and is not offered.
 #[must_use = "nothing happens before `run`"]
 pub struct Multilevel<'a, H: Discretized<E>, E, O = Nothing> {
+    setup: Setup<'a, H>,
+    types: PhantomData<fn() -> (E, O)>,
+}
+
+/// What was said so far.
+struct Setup<'a, H: Hamiltonian> {
     system: &'a H,
     h: f64,
     span: Span<H::Vector>,
@@ -90,13 +96,12 @@ pub struct Multilevel<'a, H: Discretized<E>, E, O = Nothing> {
     weak_order: f64,
     finest: u32,
     execution: Execution<'a>,
-    scheme: PhantomData<fn() -> (E, O)>,
 }
 
 impl<'a, H: Discretized<E>, E> Multilevel<'a, H, E> {
     /// A run of `system` whose coarsest steps have size `h`: take one with which a path just makes sense.
     pub fn new(system: &'a H, h: f64) -> Self {
-        Self {
+        let setup = Setup {
             system,
             h,
             span: Span::default(),
@@ -108,8 +113,8 @@ impl<'a, H: Discretized<E>, E> Multilevel<'a, H, E> {
             weak_order: 1.0,
             finest: MOST_LEVELS,
             execution: Execution::default(),
-            scheme: PhantomData,
-        }
+        };
+        Self { setup, types: PhantomData }
     }
 
     /// The observable whose mean at the end of the paths is wanted, a function of the state. There is one.
@@ -118,21 +123,8 @@ impl<'a, H: Discretized<E>, E> Multilevel<'a, H, E> {
         name: impl Into<String>,
         observable: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,
     ) -> Multilevel<'a, H, E, Observed> {
-        self.observables.push(name.into(), observable);
-        Multilevel {
-            system: self.system,
-            h: self.h,
-            span: self.span,
-            seed: self.seed,
-            truncation: self.truncation,
-            observables: self.observables,
-            paths: self.paths,
-            target: self.target,
-            weak_order: self.weak_order,
-            finest: self.finest,
-            execution: self.execution,
-            scheme: PhantomData,
-        }
+        self.setup.observables.push(name.into(), observable);
+        Multilevel { setup: self.setup, types: PhantomData }
     }
 }
 
@@ -141,39 +133,39 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
 
     /// The seed of its normals: level 0 has those of an ensemble with this seed and step size, finer levels have their own.
     pub fn seed(mut self, seed: u64) -> Self {
-        self.seed = Some(seed);
+        self.setup.seed = Some(seed);
         self
     }
 
     /// Whether increments are truncated; if this is not called, with `k = 4` where
     /// [`Plan::truncates_increments`](crate::plan::Plan::truncates_increments).
     pub fn truncation(mut self, truncation: Truncation) -> Self {
-        self.truncation = truncation;
+        self.setup.truncation = truncation;
         self
     }
 
     /// The root mean square error that is wanted, in units of the observable.
     pub fn target(mut self, error: f64) -> Self {
-        self.target = Some(error);
+        self.setup.target = Some(error);
         self
     }
 
     /// How many paths of each level, at most.
     pub fn paths(mut self, paths: u64) -> Self {
-        self.paths = Some(paths);
+        self.setup.paths = Some(paths);
         self
     }
 
     /// The weak order of the scheme, from which the bias that is left is estimated; 1 if this is not called, which is what
     /// every consistent scheme has at least.
     pub fn weak_order(mut self, order: f64) -> Self {
-        self.weak_order = order;
+        self.setup.weak_order = order;
         self
     }
 
     /// The finest level that may be used: its steps are `2^-level` times the coarsest; 20 if this is not called.
     pub fn finest(mut self, level: u32) -> Self {
-        self.finest = level;
+        self.setup.finest = level;
         self
     }
 }
@@ -197,7 +189,8 @@ where
     #[doc(hidden)]
     pub fn run_in<const WIDTH: usize>(self) -> Result<MultilevelEstimate, Error> {
         let target = self.checked()?;
-        let Self { system, h, span, execution, .. } = self;
+        let setup = self.setup;
+        let Setup { system, h, span, execution, .. } = setup;
         let interrupt = Interrupt::watch();
         let stop = || execution.is_stopped(&interrupt);
         if !h.is_finite() || h == 0.0 {
@@ -206,21 +199,21 @@ where
         let end = span.end;
         let (start, steps) = span.checked::<H, E>(system, h)?;
         check_end(end, start.t, h, steps)?;
-        let seed = self.seed.ok_or(ConfigError::Missing("a seed for its noise: add `.seed(number)`"))?;
-        let (_, functions) = self.observables.checked("observables")?;
+        let seed = setup.seed.ok_or(ConfigError::Missing("a seed for its noise: add `.seed(number)`"))?;
+        let (_, functions) = setup.observables.checked("observables")?;
         let observable = functions.first().ok_or(ConfigError::Missing(OBSERVABLE))?;
         Run {
             coarsest: Coarsest { system, h, start, steps, stop: &stop },
             observable,
             levels: Vec::new(),
-            normals: StepNormals::seed(seed).with_truncation(self.truncation),
+            normals: StepNormals::seed(seed).with_truncation(setup.truncation),
             instructions: execution.instructions,
             threads: execution.threads()?,
-            most_paths: self.paths.unwrap_or(MOST_PATHS),
-            most_constant: self.paths.unwrap_or(MOST_CONSTANT),
+            most_paths: setup.paths.unwrap_or(MOST_PATHS),
+            most_constant: setup.paths.unwrap_or(MOST_CONSTANT),
             target,
-            weak_order: self.weak_order,
-            finest: self.finest as usize,
+            weak_order: setup.weak_order,
+            finest: setup.finest as usize,
             progress: execution.progress("steps"),
         }
         .run::<WIDTH>()
@@ -228,7 +221,7 @@ where
 
     /// The target, of a run that makes sense.
     fn checked(&self) -> Result<f64, ConfigError> {
-        let Self { target, weak_order, finest, paths, .. } = self;
+        let Setup { target, weak_order, finest, paths, .. } = &self.setup;
         let target = target.ok_or(ConfigError::Missing("an error to reach: add `.target(error)`"))?;
         let wrong = |what: String| Err(wrong(what));
         if !H::PLAN.consistent {

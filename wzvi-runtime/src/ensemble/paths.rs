@@ -41,9 +41,7 @@ impl Paths {
 
     pub(super) fn put(&mut self, path: usize, node: usize, values: &[f64]) {
         let first = (path * self.nodes + node) * self.observables;
-        if let Some(to) = self.values.get_mut(first..first + self.observables) {
-            to.copy_from_slice(values);
-        }
+        self.values[first..first + self.observables].copy_from_slice(values);
     }
 
     pub(super) fn merge(&mut self, other: &Self) {

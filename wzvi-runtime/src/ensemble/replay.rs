@@ -36,7 +36,7 @@ where
     where
         N: Serves<R>,
     {
-        let recorded = self.recorded.clone();
+        let recorded = self.setup.recorded.clone();
         let job = self.job(&|| false)?;
         if path >= job.paths {
             let wrong = format!("path {path} of {}: they are numbered from 0", job.paths);

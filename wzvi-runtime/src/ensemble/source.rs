@@ -2,29 +2,8 @@
 
 use crate::error::Error;
 use crate::increments::{Identity, Interval, Noise};
-use crate::noise::{Paths, StepNormals, Truncation};
+use crate::noise::{Driver, Paths, StepNormals, Truncation};
 use crate::plan::Plan;
-
-/// A noise that every thread can have a copy of.
-pub(super) trait Driver: Send + Sync {
-    fn copy(&self) -> Box<dyn Paths + '_>;
-    fn noise(&mut self) -> &mut dyn Noise;
-    fn identity(&self) -> Option<Identity>;
-}
-
-impl<N: Paths + Clone + Send + Sync> Driver for N {
-    fn copy(&self) -> Box<dyn Paths + '_> {
-        Box::new(self.clone())
-    }
-
-    fn noise(&mut self) -> &mut dyn Noise {
-        self
-    }
-
-    fn identity(&self) -> Option<Identity> {
-        Noise::identity(self)
-    }
-}
 
 /// Where the increments of an ensemble come from.
 pub(super) enum Source<'a> {
@@ -60,14 +39,13 @@ impl<'a> Source<'a> {
                 normals.prepare(plan, first.h, processes, first.start)?;
                 Ok(Self::Normals(normals))
             }
-            Self::Paths(mut driver) => {
-                let noise = driver.noise();
+            Self::Paths(mut noise) => {
                 noise.prepare(plan, first.h, processes, first.start)?;
                 // What ends too early says so before the run.
                 if let Some(step) = steps.checked_sub(1) {
                     noise.increments(&Interval { step, ..first }, &mut vec![0.0; processes])?;
                 }
-                Ok(Self::Paths(driver))
+                Ok(Self::Paths(noise))
             }
         }
     }
@@ -76,7 +54,7 @@ impl<'a> Source<'a> {
     pub(super) fn path(&self, path: u64) -> Box<dyn Paths + '_> {
         let mut noise: Box<dyn Paths + '_> = match self {
             Self::Normals(normals) => Box::new(normals.clone()),
-            Self::Paths(driver) => driver.copy(),
+            Self::Paths(noise) => (**noise).copy(),
         };
         noise.set_path(path);
         noise
@@ -114,7 +92,7 @@ impl<'a> Source<'a> {
         match self {
             // Of all paths, not of one.
             Self::Normals(normals) => Noise::identity(normals),
-            Self::Paths(driver) => driver.identity(),
+            Self::Paths(noise) => noise.identity(),
         }
     }
 }

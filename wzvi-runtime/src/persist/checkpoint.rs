@@ -201,8 +201,7 @@ pub(crate) fn checksum(words: &[u64]) -> String {
 impl<H: Discretized<E>, E, N, O, R> Simulation<'_, H, E, N, O, R> {
     /// Goes on from the checkpoint if its file is there and of this run, and writes one now and then and at the end:
     /// see [`crate::checkpoint`].
-    pub fn checkpoint<C: Suits<Steps>>(mut self, checkpoint: Checkpoint<C>) -> Self {
-        self.keeping = Keeping::to(checkpoint);
-        self
+    pub fn checkpoint<C: Suits<Steps>>(self, checkpoint: Checkpoint<C>) -> Self {
+        self.keeping(Keeping::to(checkpoint))
     }
 }

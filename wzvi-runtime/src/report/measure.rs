@@ -2,11 +2,10 @@
 
 use super::Overlay;
 use super::method::{Embedded, Method};
-use super::noise::Driver;
 use crate::error::Error;
 use crate::execution::Execution;
 use crate::names::short_name;
-use crate::noise::{Paths, Wiener};
+use crate::noise::{Driver, Paths, Wiener};
 use crate::options::options;
 use crate::span::{End, Span};
 use crate::state::State;
@@ -15,7 +14,7 @@ use crate::system::{Discretized, Hamiltonian};
 type Exact<'a, V> = Box<dyn Fn(f64, &[f64]) -> State<V> + Send + Sync + 'a>;
 type ExactOnPath<'a, V> = Box<dyn Fn(f64, &mut Wiener) -> Result<State<V>, Error> + Send + Sync + 'a>;
 type Value<'a, V> = Box<dyn Fn(&State<V>) -> f64 + Send + Sync + 'a>;
-type DriverOf<'a> = Box<dyn Fn(Wiener) -> Box<dyn Driver<'a> + 'a> + Send + Sync + 'a>;
+type DriverOf<'a> = Box<dyn Fn(Wiener) -> Box<dyn Driver + 'a> + Send + Sync + 'a>;
 
 pub(super) enum Reference<'a, H: Hamiltonian> {
     Exact(Exact<'a, H::Vector>),
@@ -31,6 +30,12 @@ pub(super) struct Observable<'a, V> {
     pub(super) expectation: Option<f64>,
 }
 
+/// What a measurement has in common with other runs.
+pub(super) struct Setup<'a, V> {
+    pub(super) span: Span<V>,
+    pub(super) execution: Execution<'a>,
+}
+
 /// How much error several schemes make for how much time: [`WorkPrecision::run`] measures it.
 ///
 /// A start, an end, step sizes, a reference and at least one scheme are needed. The paths are those of one seed: every
@@ -39,7 +44,7 @@ pub(super) struct Observable<'a, V> {
 pub struct WorkPrecision<'a, H: Hamiltonian> {
     pub(super) system: &'a H,
     pub(super) title: String,
-    pub(super) span: Span<H::Vector>,
+    pub(super) setup: Setup<'a, H::Vector>,
     pub(super) steps: Vec<f64>,
     pub(super) paths: usize,
     pub(super) seed: u64,
@@ -50,7 +55,6 @@ pub struct WorkPrecision<'a, H: Hamiltonian> {
     pub(super) methods: Vec<Box<dyn Method<H> + 'a>>,
     pub(super) overlay: Vec<Overlay>,
     pub(super) failed: Option<Error>,
-    pub(super) execution: Execution<'a>,
 }
 
 impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
@@ -59,7 +63,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         Self {
             system,
             title: short_name::<H>(),
-            span: Span::default(),
+            setup: Setup { span: Span::default(), execution: Execution::default() },
             steps: vec![],
             paths: 100,
             seed: 0,
@@ -70,7 +74,6 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
             methods: vec![],
             overlay: vec![],
             failed: None,
-            execution: Execution::default(),
         }
     }
 
@@ -84,7 +87,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
 
     /// The end of every path, in the time units of the Hamiltonian: a whole number of steps of each size away.
     pub fn until(mut self, end: f64) -> Self {
-        self.span.end = Some(End::Time(end));
+        self.setup.span.end = Some(End::Time(end));
         self
     }
 

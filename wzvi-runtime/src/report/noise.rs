@@ -1,23 +1,12 @@
 //! The noise of a measurement: that of paths from some number on.
 
 use crate::increments::{Identity, Interval, Noise, NoiseError};
-use crate::noise::Paths;
+use crate::noise::{Driver, Paths};
 use crate::plan::Plan;
-
-/// A noise of any type that can be copied.
-pub(super) trait Driver<'a>: Paths + Send + Sync {
-    fn copy(&self) -> Box<dyn Driver<'a> + 'a>;
-}
-
-impl<'a, N: Paths + Clone + Send + Sync + 'a> Driver<'a> for N {
-    fn copy(&self) -> Box<dyn Driver<'a> + 'a> {
-        Box::new(self.clone())
-    }
-}
 
 /// A noise whose path 0 is path `first` of another.
 pub(super) struct Shifted<'a> {
-    pub(super) noise: Box<dyn Driver<'a> + 'a>,
+    pub(super) noise: Box<dyn Driver + 'a>,
     pub(super) first: u64,
 }
 

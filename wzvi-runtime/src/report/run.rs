@@ -41,7 +41,7 @@ where
         }
         let plan = self.checked()?;
         let interrupt = Interrupt::watch();
-        let execution = std::mem::take(&mut self.execution);
+        let execution = std::mem::take(&mut self.setup.execution);
         let stopped = &|| execution.is_stopped(&interrupt);
         let work: usize = plan.runs.iter().map(|run| run.steps * plan.paths).sum();
         let timing: usize = plan.runs.iter().map(|run| run.batch_steps() * (self.repetitions + 1)).sum();
@@ -94,8 +94,11 @@ where
 
     fn checked(&self) -> Result<Settings<H::Vector>, ConfigError> {
         let missing = ConfigError::Missing;
-        let start = self.span.start.clone().ok_or(missing("a start: add `.start(State::new(q, p))`"))?;
-        let Some(End::Time(end)) = self.span.end else { return Err(missing("an end: add `.until(time)`")) };
+        let start =
+            self.setup.span.start.clone().ok_or(missing("a start: add `.start(State::new(q, p))`"))?;
+        let Some(End::Time(end)) = self.setup.span.end else {
+            return Err(missing("an end: add `.until(time)`"));
+        };
         let reference = self.reference.as_ref().ok_or(missing(
             "something to compare with: add `.exact(...)`, `.reference::<Scheme>(h)` or `.value(state)`",
         ))?;
@@ -139,7 +142,7 @@ where
             Reference::Finer(_, h) => whole(*h)?,
             _ => 0,
         };
-        Ok(Settings { start, end, paths, threads: self.execution.threads()?, runs, reference_steps })
+        Ok(Settings { start, end, paths, threads: self.setup.execution.threads()?, runs, reference_steps })
     }
 
     /// The Wiener path with a number.
@@ -155,18 +158,18 @@ where
         work: &mut Work,
         stopped: &dyn Fn() -> bool,
     ) -> Result<(), Error> {
-        let mut passes = vec![1; cells.len()];
+        let mut timed = Vec::with_capacity(cells.len());
+        // Without a single path that reaches the end there is nothing to time.
+        for cell in cells.iter_mut().filter(|cell| cell.paths > 0) {
+            let run = plan.runs.iter().find(|run| self.is(run, cell));
+            let missing = || InternalError::new("a cell is of a run", format!("{}, {}", cell.scheme, cell.h));
+            timed.push((run.ok_or_else(missing)?, cell, 1));
+        }
         for round in 0..=self.repetitions {
-            for index in 0..cells.len() {
-                let index = if round % 2 == 0 { index } else { cells.len() - 1 - index };
-                let (Some(cell), Some(passes)) = (cells.get_mut(index), passes.get_mut(index)) else {
-                    continue;
-                };
-                // Without a single path that reaches the end there is nothing to time.
-                let Some(run) = plan.runs.iter().find(|run| self.is(run, cell)) else { continue };
-                if cell.paths == 0 {
-                    continue;
-                }
+            if round > 0 {
+                timed.reverse();
+            }
+            for (run, cell, passes) in &mut timed {
                 if stopped() {
                     return Ok(());
                 }
