@@ -53,331 +53,245 @@ pub struct Bodies {
     clippy::cargo
 )]
 const _: () = {
-    use ::wzvi::__private as __wzvi;
+    use ::wzvi::__private::{
+        self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
+        Knowledge, LagrangianGradient, NoiseClass, Option, Plain, Plan, Range, Result,
+        Scalar, Segment, Solver, State, StepFailure, bool, f64, isize, str, usize,
+        elements::{
+            CompensationVec, Curvature, Elements, Memory, Point, Scheme, Terms, Unknowns,
+        },
+        elements::places::{Entries, Places},
+        embedding::DeltaPlus,
+    };
     #[automatically_derived]
-    impl __wzvi::Hamiltonian for Bodies {
-        type Vector = __wzvi::DVector<__wzvi::core::primitive::f64>;
-        fn degrees(&self) -> __wzvi::core::primitive::usize {
+    impl Hamiltonian for Bodies {
+        type Vector = DVector<f64>;
+        fn degrees(&self) -> usize {
             0
         }
-        fn check(
-            &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
-            __wzvi::elements::check(self, __degrees)
+        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+            wzvi::elements::check(self, degrees)
         }
-        fn noises(&self) -> __wzvi::core::primitive::usize {
-            0usize
+        fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+            [("g", self.g)].get(index).copied()
         }
-        fn invariants(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn parameter(
-            &self,
-            __index: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<
-            (&'static __wzvi::core::primitive::str, __wzvi::core::primitive::f64),
-        > {
-            match __index {
-                0usize => __wzvi::core::option::Option::Some(("g", self.g)),
-                _ => __wzvi::core::option::Option::None,
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
+            let nan = S::from_f64(f64::NAN);
+            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()) {
+                return nan;
             }
-        }
-        fn evaluate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-        ) -> __S {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok())
-            {
-                return __nan;
-            }
-            let __a0: __wzvi::core::primitive::f64 = self.g;
-            let __size = (__q.len() / 2) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
-            match __term {
+            let a0: f64 = self.g;
+            let size = (q.len() / 2) as isize;
+            let at = Point { q, p, t, h: 1.0, dw: &[] };
+            let mut total = S::from_f64(0.0);
+            match term {
                 0 => {
                     {
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
+                        let mut b0 = S::from_f64(0.0);
+                        let mut i0: isize = 0;
+                        let end: isize = (size);
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as usize;
+                            let points0 = ((2 * i0) as isize as usize);
+                            let points0 = &at
+                                .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
-                                .0[..__len];
-                            let __s2 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s2 = &self.mass[__s2..__s2 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
-                                __b0 = __b0 + (__l1 * __l1 + __l0 * __l0) / __l2 * 0.5f64;
+                                .0[..len];
+                            let s2 = ((i0) as isize as usize);
+                            let s2 = &self.mass[s2..s2 + len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = points0[k][0usize];
+                                let l1 = points0[k][1usize];
+                                let l2 = S::from_f64(s2[k]);
+                                b0 = b0 + (l1 * l1 + l0 * l0) / l2 * 0.5;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
-                        __total = __total + __b0;
+                        total = total + b0;
                     }
                     {
-                        for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
-                            let __l0 = __at
-                                .q[((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l2 = __at
-                                .q[((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l4 = <__S as __wzvi::Scalar>::from_f64(
-                                self
-                                    .mass[((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)],
-                            );
-                            let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __i2: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__i1);
-                            while __i2 < __end {
-                                let __low = __i2;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __points0 = ((2 * __i2)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points0 = &__at
-                                    .q[__points0..__points0 + 2 * __len]
+                        for i1 in (0 as isize)..(size) {
+                            let l0 = at.q[((2 * i1) as isize as usize)];
+                            let l2 = at.q[((2 * i1 + 1) as isize as usize)];
+                            let l4 = S::from_f64(self.mass[((i1) as isize as usize)]);
+                            let mut b0 = S::from_f64(0.0);
+                            let mut i2: isize = 0;
+                            let end: isize = (i1);
+                            while i2 < end {
+                                let low = i2;
+                                let len = (end - low) as usize;
+                                let points0 = ((2 * i2) as isize as usize);
+                                let points0 = &at
+                                    .q[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
-                                    .0[..__len];
-                                let __s5 = ((__i2) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s5 = &self.mass[__s5..__s5 + __len];
-                                for __k in 0..__len {
-                                    let __i2 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l1 = __points0[__k][0usize];
-                                    let __l3 = __points0[__k][1usize];
-                                    let __l5 = <__S as __wzvi::Scalar>::from_f64(__s5[__k]);
-                                    let __x0 = __l0 - __l1;
-                                    let __x1 = __l2 - __l3;
-                                    let __x2 = __x1 * __x1 + __x0 * __x0;
-                                    __b0 = __b0
-                                        + -(__l4 * __l5 * (__x2.recip() * __x2.sqrt()) * __a0);
+                                    .0[..len];
+                                let s5 = ((i2) as isize as usize);
+                                let s5 = &self.mass[s5..s5 + len];
+                                for k in 0..len {
+                                    let i2 = low + k as isize;
+                                    let l1 = points0[k][0usize];
+                                    let l3 = points0[k][1usize];
+                                    let l5 = S::from_f64(s5[k]);
+                                    let difference = l0 - l1;
+                                    let difference2 = l2 - l3;
+                                    let sum = difference2 * difference2
+                                        + difference * difference;
+                                    b0 = b0 + -(l4 * l5 * (sum.recip() * sum.sqrt()) * a0);
                                 }
-                                __i2 += __len as __wzvi::core::primitive::isize;
+                                i2 += len as isize;
                             }
-                            __total = __total + __b0;
+                            total = total + b0;
                         }
                     }
                 }
-                _ => return __nan,
+                _ => return nan,
             }
-            __total
+            total
         }
-        fn differentiate<__S: __wzvi::Scalar>(
+        fn differentiate<S: Scalar>(
             &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok()
-                && __by_q.len() == __q.len() && __by_p.len() == __q.len())
+            let nan = S::from_f64(f64::NAN);
+            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()
+                && by_q.len() == q.len() && by_p.len() == q.len())
             {
-                __by_q.fill(__nan);
-                __by_p.fill(__nan);
+                by_q.fill(nan);
+                by_p.fill(nan);
                 return;
             }
-            __by_q.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            __by_p.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            let __a0: __wzvi::core::primitive::f64 = self.g;
-            let __size = (__q.len() / 2) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            match __term {
+            by_q.fill(S::from_f64(0.0));
+            by_p.fill(S::from_f64(0.0));
+            let a0: f64 = self.g;
+            let size = (q.len() / 2) as isize;
+            let at = Point { q, p, t, h: 1.0, dw: &[] };
+            match term {
                 0 => {
                     {
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
+                        let mut i0: isize = 0;
+                        let end: isize = (size);
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as usize;
+                            let points0 = ((2 * i0) as isize as usize);
+                            let points0 = &at
+                                .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
-                                .0[..__len];
-                            let __s2 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s2 = &self.mass[__s2..__s2 + __len];
-                            let __points1 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points1 = &mut __by_p[__points1..__points1 + 2 * __len]
+                                .0[..len];
+                            let s2 = ((i0) as isize as usize);
+                            let s2 = &self.mass[s2..s2 + len];
+                            let points1 = ((2 * i0) as isize as usize);
+                            let points1 = &mut by_p[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
-                                __points1[__k][0usize] = __points1[__k][0usize]
-                                    + __l0 / __l2;
-                                __points1[__k][1usize] = __points1[__k][1usize]
-                                    + __l1 / __l2;
+                                .0[..len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = points0[k][0usize];
+                                let l1 = points0[k][1usize];
+                                let l2 = S::from_f64(s2[k]);
+                                points1[k][0usize] = points1[k][0usize] + l0 / l2;
+                                points1[k][1usize] = points1[k][1usize] + l1 / l2;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
                     }
                     {
-                        for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
-                            let __l0 = __at
-                                .q[((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l2 = __at
-                                .q[((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l4 = <__S as __wzvi::Scalar>::from_f64(
-                                self
-                                    .mass[((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)],
-                            );
-                            let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __b2 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __i2: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__i1);
-                            while __i2 < __end {
-                                let __low = __i2;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __points0 = ((2 * __i2)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points0 = &__at
-                                    .q[__points0..__points0 + 2 * __len]
+                        for i1 in (0 as isize)..(size) {
+                            let l0 = at.q[((2 * i1) as isize as usize)];
+                            let l2 = at.q[((2 * i1 + 1) as isize as usize)];
+                            let l4 = S::from_f64(self.mass[((i1) as isize as usize)]);
+                            let mut b0 = S::from_f64(0.0);
+                            let mut b2 = S::from_f64(0.0);
+                            let mut i2: isize = 0;
+                            let end: isize = (i1);
+                            while i2 < end {
+                                let low = i2;
+                                let len = (end - low) as usize;
+                                let points0 = ((2 * i2) as isize as usize);
+                                let points0 = &at
+                                    .q[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
-                                    .0[..__len];
-                                let __s5 = ((__i2) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s5 = &self.mass[__s5..__s5 + __len];
-                                let __points1 = ((2 * __i2)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points1 = &mut __by_q[__points1..__points1
-                                        + 2 * __len]
+                                    .0[..len];
+                                let s5 = ((i2) as isize as usize);
+                                let s5 = &self.mass[s5..s5 + len];
+                                let points1 = ((2 * i2) as isize as usize);
+                                let points1 = &mut by_q[points1..points1 + 2 * len]
                                     .as_chunks_mut::<2>()
-                                    .0[..__len];
-                                for __k in 0..__len {
-                                    let __i2 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l1 = __points0[__k][0usize];
-                                    let __l3 = __points0[__k][1usize];
-                                    let __l5 = <__S as __wzvi::Scalar>::from_f64(__s5[__k]);
-                                    let __x0 = __l2 - __l3;
-                                    let __x1 = __l0 - __l1;
-                                    let __x2 = __x1 * __x1 + __x0 * __x0;
-                                    let __x3 = __l4 * __l5;
-                                    let __x4 = __x2.recip();
-                                    let __x5 = __x4 * (__x4 * __x2.sqrt());
-                                    let __x6 = __x1 * __x3 * __x5 * __a0;
-                                    let __x7 = __x5 * (__x0 * __x3) * __a0;
-                                    __points1[__k][0usize] = __points1[__k][0usize] + -__x6;
-                                    __points1[__k][1usize] = __points1[__k][1usize] + -__x7;
-                                    __b0 = __b0 + __x6;
-                                    __b2 = __b2 + __x7;
+                                    .0[..len];
+                                for k in 0..len {
+                                    let i2 = low + k as isize;
+                                    let l1 = points0[k][0usize];
+                                    let l3 = points0[k][1usize];
+                                    let l5 = S::from_f64(s5[k]);
+                                    let difference = l2 - l3;
+                                    let difference2 = l0 - l1;
+                                    let sum = difference2 * difference2
+                                        + difference * difference;
+                                    let l4_l5 = l4 * l5;
+                                    let inverse = sum.recip();
+                                    let product = inverse * (inverse * sum.sqrt());
+                                    let product2 = difference2 * l4_l5 * product * a0;
+                                    let product3 = product * (difference * l4_l5) * a0;
+                                    points1[k][0usize] = points1[k][0usize] + -product2;
+                                    points1[k][1usize] = points1[k][1usize] + -product3;
+                                    b0 = b0 + product2;
+                                    b2 = b2 + product3;
                                 }
-                                __i2 += __len as __wzvi::core::primitive::isize;
+                                i2 += len as isize;
                             }
-                            let __at_index = ((2 * __i1)
-                                as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            __by_q[__at_index] = __by_q[__at_index] + __b0;
-                            let __at_index = ((2 * __i1 + 1)
-                                as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            __by_q[__at_index] = __by_q[__at_index] + __b2;
+                            let at_index = ((2 * i1) as isize as usize);
+                            by_q[at_index] = by_q[at_index] + b0;
+                            let at_index = ((2 * i1 + 1) as isize as usize);
+                            by_q[at_index] = by_q[at_index] + b2;
                         }
                     }
                 }
                 _ => {
-                    __by_q.fill(__nan);
-                    __by_p.fill(__nan);
+                    by_q.fill(nan);
+                    by_p.fill(nan);
                 }
             }
         }
-        fn invariant(
-            &self,
-            _: __wzvi::core::primitive::usize,
-            _: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::core::primitive::f64::NAN
-        }
-        fn energy_rate(
-            &self,
-            __k: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::energy_rate(self, __k, __state)
-        }
     }
     #[automatically_derived]
-    impl __wzvi::elements::Elements for Bodies {
-        const PLACES: __wzvi::elements::places::Places = {
-            use __wzvi::elements::places as __places;
-            __places::Places {
+    impl Elements for Bodies {
+        const PLACES: Places = {
+            use wzvi::elements::places as places;
+            places::Places {
                 components: 2usize,
                 tables: &[
-                    __places::Name {
+                    places::Name {
                         name: "",
                         suffix: "",
                     },
-                    __places::Name {
+                    places::Name {
                         name: "mass",
                         suffix: "",
                     },
                 ],
                 nests: &[
-                    __places::Nest {
+                    places::Nest {
                         loops: &[
-                            __places::Loop {
-                                start: __places::Index {
+                            places::Loop {
+                                start: places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    name: __places::Name {
+                                    name: places::Name {
                                         name: "0",
                                         suffix: "",
                                     },
                                 },
-                                end: __places::Index {
-                                    terms: &[(__places::Atom::Size, 1)],
+                                end: places::Index {
+                                    terms: &[(places::Atom::Size, 1)],
                                     constant: 0,
-                                    name: __places::Name {
+                                    name: places::Name {
                                         name: "n",
                                         suffix: "",
                                     },
@@ -385,14 +299,14 @@ const _: () = {
                             },
                         ],
                         slots: &[
-                            __places::Slot::Entry(
+                            places::Slot::Entry(
                                 1usize,
                                 &[
-                                    __places::Position {
-                                        index: __places::Index {
-                                            terms: &[(__places::Atom::Loop(0usize), 1)],
+                                    places::Position {
+                                        index: places::Index {
+                                            terms: &[(places::Atom::Loop(0usize), 1)],
                                             constant: 0,
-                                            name: __places::Name {
+                                            name: places::Name {
                                                 name: "i",
                                                 suffix: "",
                                             },
@@ -403,39 +317,39 @@ const _: () = {
                             ),
                         ],
                     },
-                    __places::Nest {
+                    places::Nest {
                         loops: &[
-                            __places::Loop {
-                                start: __places::Index {
+                            places::Loop {
+                                start: places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    name: __places::Name {
+                                    name: places::Name {
                                         name: "0",
                                         suffix: "",
                                     },
                                 },
-                                end: __places::Index {
-                                    terms: &[(__places::Atom::Size, 1)],
+                                end: places::Index {
+                                    terms: &[(places::Atom::Size, 1)],
                                     constant: 0,
-                                    name: __places::Name {
+                                    name: places::Name {
                                         name: "n",
                                         suffix: "",
                                     },
                                 },
                             },
-                            __places::Loop {
-                                start: __places::Index {
+                            places::Loop {
+                                start: places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    name: __places::Name {
+                                    name: places::Name {
                                         name: "0",
                                         suffix: "",
                                     },
                                 },
-                                end: __places::Index {
-                                    terms: &[(__places::Atom::Loop(0usize), 1)],
+                                end: places::Index {
+                                    terms: &[(places::Atom::Loop(0usize), 1)],
                                     constant: 0,
-                                    name: __places::Name {
+                                    name: places::Name {
                                         name: "i",
                                         suffix: "",
                                     },
@@ -443,14 +357,14 @@ const _: () = {
                             },
                         ],
                         slots: &[
-                            __places::Slot::Entry(
+                            places::Slot::Entry(
                                 1usize,
                                 &[
-                                    __places::Position {
-                                        index: __places::Index {
-                                            terms: &[(__places::Atom::Loop(0usize), 1)],
+                                    places::Position {
+                                        index: places::Index {
+                                            terms: &[(places::Atom::Loop(0usize), 1)],
                                             constant: 0,
-                                            name: __places::Name {
+                                            name: places::Name {
                                                 name: "i",
                                                 suffix: "",
                                             },
@@ -459,14 +373,14 @@ const _: () = {
                                     },
                                 ],
                             ),
-                            __places::Slot::Entry(
+                            places::Slot::Entry(
                                 1usize,
                                 &[
-                                    __places::Position {
-                                        index: __places::Index {
-                                            terms: &[(__places::Atom::Loop(1usize), 1)],
+                                    places::Position {
+                                        index: places::Index {
+                                            terms: &[(places::Atom::Loop(1usize), 1)],
                                             constant: 0,
-                                            name: __places::Name {
+                                            name: places::Name {
                                                 name: "j",
                                                 suffix: "",
                                             },
@@ -482,347 +396,274 @@ const _: () = {
         };
         fn entries(
             &self,
-            __table: __wzvi::core::primitive::usize,
-            __outer: &[__wzvi::core::primitive::usize],
-            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
-        ) -> __wzvi::elements::places::Entries {
-            use __wzvi::elements::places as __places;
-            match (__table, __outer) {
+            table: usize,
+            outer: &[usize],
+            range: Range<usize>,
+        ) -> Entries {
+            use wzvi::elements::places as places;
+            match (table, outer) {
                 (1usize, &[]) => {
-                    let __list = &self.mass[..];
-                    __places::Entries::of_length(__list.len())
+                    let list = &self.mass[..];
+                    places::Entries::of_length(list.len())
                 }
-                _ => __places::Entries::of_length(0),
+                _ => places::Entries::of_length(0),
             }
         }
-        fn slopes<__S: __wzvi::Scalar>(
+        fn slopes<S: Scalar>(
             &self,
-            __terms: __wzvi::elements::Terms,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            terms: Terms,
+            at: &Point<'_, S>,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.g;
-            let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_p {
+            let a0: f64 = self.g;
+            let size = (at.q.len() / 2) as isize;
+            let t = at.t;
+            if terms.drift {
+                if terms.by_p {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
+                        let c = S::from_f64(at.h);
+                        let mut i0: isize = 0;
+                        let end: isize = (size);
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as usize;
+                            let points0 = ((2 * i0) as isize as usize);
+                            let points0 = &at
+                                .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
-                                .0[..__len];
-                            let __s2 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s2 = &self.mass[__s2..__s2 + __len];
-                            let __points1 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points1 = &mut __by_p[__points1..__points1 + 2 * __len]
+                                .0[..len];
+                            let s2 = ((i0) as isize as usize);
+                            let s2 = &self.mass[s2..s2 + len];
+                            let points1 = ((2 * i0) as isize as usize);
+                            let points1 = &mut by_p[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
-                                __points1[__k][0usize] = __points1[__k][0usize]
-                                    + __l0 * __c / __l2;
-                                __points1[__k][1usize] = __points1[__k][1usize]
-                                    + __l1 * __c / __l2;
+                                .0[..len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = points0[k][0usize];
+                                let l1 = points0[k][1usize];
+                                let l2 = S::from_f64(s2[k]);
+                                points1[k][0usize] = points1[k][0usize] + l0 * c / l2;
+                                points1[k][1usize] = points1[k][1usize] + l1 * c / l2;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
                     }
                 }
-                if __terms.by_q {
+                if terms.by_q {
                     {
-                        for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let __l0 = __at
-                                .q[((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l2 = __at
-                                .q[((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l4 = <__S as __wzvi::Scalar>::from_f64(
-                                self
-                                    .mass[((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)],
-                            );
-                            let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __b2 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __i2: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__i1);
-                            while __i2 < __end {
-                                let __low = __i2;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __points0 = ((2 * __i2)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points0 = &__at
-                                    .q[__points0..__points0 + 2 * __len]
+                        for i1 in (0 as isize)..(size) {
+                            let c = S::from_f64(at.h);
+                            let l0 = at.q[((2 * i1) as isize as usize)];
+                            let l2 = at.q[((2 * i1 + 1) as isize as usize)];
+                            let l4 = S::from_f64(self.mass[((i1) as isize as usize)]);
+                            let mut b0 = S::from_f64(0.0);
+                            let mut b2 = S::from_f64(0.0);
+                            let mut i2: isize = 0;
+                            let end: isize = (i1);
+                            while i2 < end {
+                                let low = i2;
+                                let len = (end - low) as usize;
+                                let points0 = ((2 * i2) as isize as usize);
+                                let points0 = &at
+                                    .q[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
-                                    .0[..__len];
-                                let __s5 = ((__i2) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s5 = &self.mass[__s5..__s5 + __len];
-                                let __points1 = ((2 * __i2)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points1 = &mut __by_q[__points1..__points1
-                                        + 2 * __len]
+                                    .0[..len];
+                                let s5 = ((i2) as isize as usize);
+                                let s5 = &self.mass[s5..s5 + len];
+                                let points1 = ((2 * i2) as isize as usize);
+                                let points1 = &mut by_q[points1..points1 + 2 * len]
                                     .as_chunks_mut::<2>()
-                                    .0[..__len];
-                                for __k in 0..__len {
-                                    let __i2 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l1 = __points0[__k][0usize];
-                                    let __l3 = __points0[__k][1usize];
-                                    let __l5 = <__S as __wzvi::Scalar>::from_f64(__s5[__k]);
-                                    let __x0 = __l2 - __l3;
-                                    let __x1 = __l0 - __l1;
-                                    let __x2 = __x1 * __x1 + __x0 * __x0;
-                                    let __x3 = __c * (__l4 * __l5);
-                                    let __x4 = __x2.recip();
-                                    let __x5 = __x4 * (__x4 * __x2.sqrt());
-                                    let __x6 = __x1 * __x3 * __x5 * __a0;
-                                    let __x7 = __x5 * (__x0 * __x3) * __a0;
-                                    __points1[__k][0usize] = __points1[__k][0usize] + -__x6;
-                                    __points1[__k][1usize] = __points1[__k][1usize] + -__x7;
-                                    __b0 = __b0 + __x6;
-                                    __b2 = __b2 + __x7;
+                                    .0[..len];
+                                for k in 0..len {
+                                    let i2 = low + k as isize;
+                                    let l1 = points0[k][0usize];
+                                    let l3 = points0[k][1usize];
+                                    let l5 = S::from_f64(s5[k]);
+                                    let difference = l2 - l3;
+                                    let difference2 = l0 - l1;
+                                    let sum = difference2 * difference2
+                                        + difference * difference;
+                                    let product = c * (l4 * l5);
+                                    let inverse = sum.recip();
+                                    let product2 = inverse * (inverse * sum.sqrt());
+                                    let product3 = difference2 * product * product2 * a0;
+                                    let product4 = product2 * (difference * product) * a0;
+                                    points1[k][0usize] = points1[k][0usize] + -product3;
+                                    points1[k][1usize] = points1[k][1usize] + -product4;
+                                    b0 = b0 + product3;
+                                    b2 = b2 + product4;
                                 }
-                                __i2 += __len as __wzvi::core::primitive::isize;
+                                i2 += len as isize;
                             }
-                            let __at_index = ((2 * __i1)
-                                as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            __by_q[__at_index] = __by_q[__at_index] + __b0;
-                            let __at_index = ((2 * __i1 + 1)
-                                as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            __by_q[__at_index] = __by_q[__at_index] + __b2;
+                            let at_index = ((2 * i1) as isize as usize);
+                            by_q[at_index] = by_q[at_index] + b0;
+                            let at_index = ((2 * i1 + 1) as isize as usize);
+                            by_q[at_index] = by_q[at_index] + b2;
                         }
                     }
                 }
             }
         }
-        fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
+        fn curvature<S: Scalar, C: Curvature<S>>(
             &self,
-            __terms: __wzvi::elements::Terms,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __into: &mut __C,
+            terms: Terms,
+            at: &Point<'_, S>,
+            into: &mut C,
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.g;
-            let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_p {
+            let a0: f64 = self.g;
+            let size = (at.q.len() / 2) as isize;
+            let t = at.t;
+            if terms.drift {
+                if terms.by_p {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
+                        let c = S::from_f64(at.h);
+                        let mut i0: isize = 0;
+                        let end: isize = (size);
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as usize;
+                            let points0 = ((2 * i0) as isize as usize);
+                            let points0 = &at
+                                .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
-                                .0[..__len];
-                            let __s2 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s2 = &self.mass[__s2..__s2 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
-                                let __x0 = __c / __l2;
-                                __into
-                                    .add_pp(
-                                        ((2 * __i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __x0,
-                                    );
-                                __into
-                                    .add_pp(
-                                        ((2 * __i0 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i0 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __x0,
-                                    );
+                                .0[..len];
+                            let s2 = ((i0) as isize as usize);
+                            let s2 = &self.mass[s2..s2 + len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = points0[k][0usize];
+                                let l1 = points0[k][1usize];
+                                let l2 = S::from_f64(s2[k]);
+                                let quotient = c / l2;
+                                into.add_pp(
+                                    ((2 * i0) as isize as usize),
+                                    ((2 * i0) as isize as usize),
+                                    true,
+                                    quotient,
+                                );
+                                into.add_pp(
+                                    ((2 * i0 + 1) as isize as usize),
+                                    ((2 * i0 + 1) as isize as usize),
+                                    true,
+                                    quotient,
+                                );
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
                     }
                 }
-                if __terms.by_q {
+                if terms.by_q {
                     {
-                        let __x0 = 3f64 * __a0;
-                        for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let __l0 = __at
-                                .q[((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l2 = __at
-                                .q[((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l4 = <__S as __wzvi::Scalar>::from_f64(
-                                self
-                                    .mass[((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)],
-                            );
-                            let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __b2 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __b7 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __i2: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__i1);
-                            while __i2 < __end {
-                                let __low = __i2;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __points0 = ((2 * __i2)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points0 = &__at
-                                    .q[__points0..__points0 + 2 * __len]
+                        let three_a0 = 3.0 * a0;
+                        for i1 in (0 as isize)..(size) {
+                            let c = S::from_f64(at.h);
+                            let l0 = at.q[((2 * i1) as isize as usize)];
+                            let l2 = at.q[((2 * i1 + 1) as isize as usize)];
+                            let l4 = S::from_f64(self.mass[((i1) as isize as usize)]);
+                            let mut b0 = S::from_f64(0.0);
+                            let mut b2 = S::from_f64(0.0);
+                            let mut b7 = S::from_f64(0.0);
+                            let mut i2: isize = 0;
+                            let end: isize = (i1);
+                            while i2 < end {
+                                let low = i2;
+                                let len = (end - low) as usize;
+                                let points0 = ((2 * i2) as isize as usize);
+                                let points0 = &at
+                                    .q[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
-                                    .0[..__len];
-                                let __s5 = ((__i2) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s5 = &self.mass[__s5..__s5 + __len];
-                                for __k in 0..__len {
-                                    let __i2 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l1 = __points0[__k][0usize];
-                                    let __l3 = __points0[__k][1usize];
-                                    let __l5 = <__S as __wzvi::Scalar>::from_f64(__s5[__k]);
-                                    let __x1 = __l2 - __l3;
-                                    let __x2 = __l0 - __l1;
-                                    let __x3 = __x2 * __x2;
-                                    let __x4 = __x1 * __x1;
-                                    let __x5 = __x3 + __x4;
-                                    let __x6 = __x5.recip();
-                                    let __x7 = __x6 * (__x6 * __x5.sqrt());
-                                    let __x8 = __x6 * __x7;
-                                    let __x9 = __l4 * (__l5 * __c);
-                                    let __x10 = (__x7 - __x3 * __x8 * 3f64) * __x9 * __a0;
-                                    let __x11 = __x8 * (__x1 * (__x2 * (__c * (__l4 * __l5))))
-                                        * __x0;
-                                    let __x12 = -__x11;
-                                    let __x13 = __x9 * (__x7 - __x4 * __x8 * 3f64) * __a0;
-                                    __b0 = __b0 + __x10;
-                                    __into
-                                        .add_qq(
-                                            ((2 * __i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i2) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            false,
-                                            -__x10,
-                                        );
-                                    __b2 = __b2 + __x12;
-                                    __into
-                                        .add_qq(
-                                            ((2 * __i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i2 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            false,
-                                            __x11,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            ((2 * __i2) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i2) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __x10,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            ((2 * __i2) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            false,
-                                            __x11,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            ((2 * __i2) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i2 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            false,
-                                            __x12,
-                                        );
-                                    __b7 = __b7 + __x13;
-                                    __into
-                                        .add_qq(
-                                            ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i2 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            false,
-                                            -__x13,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            ((2 * __i2 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i2 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __x13,
-                                        );
+                                    .0[..len];
+                                let s5 = ((i2) as isize as usize);
+                                let s5 = &self.mass[s5..s5 + len];
+                                for k in 0..len {
+                                    let i2 = low + k as isize;
+                                    let l1 = points0[k][0usize];
+                                    let l3 = points0[k][1usize];
+                                    let l5 = S::from_f64(s5[k]);
+                                    let difference = l2 - l3;
+                                    let difference2 = l0 - l1;
+                                    let product = difference2 * difference2;
+                                    let product2 = difference * difference;
+                                    let sum = product + product2;
+                                    let inverse = sum.recip();
+                                    let product3 = inverse * (inverse * sum.sqrt());
+                                    let product4 = inverse * product3;
+                                    let product5 = l4 * (l5 * c);
+                                    let product6 = (product3 - product * product4 * 3.0)
+                                        * product5 * a0;
+                                    let product7 = product4
+                                        * (difference * (difference2 * (c * (l4 * l5)))) * three_a0;
+                                    let minus = -product7;
+                                    let product8 = product5
+                                        * (product3 - product2 * product4 * 3.0) * a0;
+                                    b0 = b0 + product6;
+                                    into.add_qq(
+                                        ((2 * i1) as isize as usize),
+                                        ((2 * i2) as isize as usize),
+                                        false,
+                                        -product6,
+                                    );
+                                    b2 = b2 + minus;
+                                    into.add_qq(
+                                        ((2 * i1) as isize as usize),
+                                        ((2 * i2 + 1) as isize as usize),
+                                        false,
+                                        product7,
+                                    );
+                                    into.add_qq(
+                                        ((2 * i2) as isize as usize),
+                                        ((2 * i2) as isize as usize),
+                                        true,
+                                        product6,
+                                    );
+                                    into.add_qq(
+                                        ((2 * i2) as isize as usize),
+                                        ((2 * i1 + 1) as isize as usize),
+                                        false,
+                                        product7,
+                                    );
+                                    into.add_qq(
+                                        ((2 * i2) as isize as usize),
+                                        ((2 * i2 + 1) as isize as usize),
+                                        false,
+                                        minus,
+                                    );
+                                    b7 = b7 + product8;
+                                    into.add_qq(
+                                        ((2 * i1 + 1) as isize as usize),
+                                        ((2 * i2 + 1) as isize as usize),
+                                        false,
+                                        -product8,
+                                    );
+                                    into.add_qq(
+                                        ((2 * i2 + 1) as isize as usize),
+                                        ((2 * i2 + 1) as isize as usize),
+                                        true,
+                                        product8,
+                                    );
                                 }
-                                __i2 += __len as __wzvi::core::primitive::isize;
+                                i2 += len as isize;
                             }
-                            __into
-                                .add_qq(
-                                    ((2 * __i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    ((2 * __i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    true,
-                                    __b0,
-                                );
-                            __into
-                                .add_qq(
-                                    ((2 * __i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    false,
-                                    __b2,
-                                );
-                            __into
-                                .add_qq(
-                                    ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize),
-                                    true,
-                                    __b7,
-                                );
+                            into.add_qq(
+                                ((2 * i1) as isize as usize),
+                                ((2 * i1) as isize as usize),
+                                true,
+                                b0,
+                            );
+                            into.add_qq(
+                                ((2 * i1) as isize as usize),
+                                ((2 * i1 + 1) as isize as usize),
+                                false,
+                                b2,
+                            );
+                            into.add_qq(
+                                ((2 * i1 + 1) as isize as usize),
+                                ((2 * i1 + 1) as isize as usize),
+                                true,
+                                b7,
+                            );
                         }
                     }
                 }
@@ -830,100 +671,103 @@ const _: () = {
         }
     }
     const _: () = {
-        const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
-            drift_l: 0f64,
-            noise_l: 0f64,
-            counter: 0f64,
-            unknowns: __wzvi::elements::Unknowns::None,
+        const SCHEME: Scheme = Scheme {
+            drift_l: 0.0,
+            noise_l: 0.0,
+            counter: 0.0,
+            unknowns: Unknowns::None,
             remembers: false,
             is_linear: false,
             has_noise: false,
         };
         #[automatically_derived]
-        impl __wzvi::Discretized<__wzvi::embedding::DeltaPlus> for Bodies {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Explicit,
+        impl Discretized<DeltaPlus> for Bodies {
+            const PLAN: Plan = Plan {
+                solver: Solver::Explicit,
                 unknowns: 0,
-                order: 1u32,
-                noise: __wzvi::NoiseClass::None,
+                order: 1,
+                noise: NoiseClass::None,
                 consistent: true,
-                conserves_energy: __wzvi::Knowledge::Proven,
-                commuting: __wzvi::Knowledge::Proven,
+                conserves_energy: Knowledge::Proven,
+                commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][0] - q[j][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][0] - q[i][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][1] - q[j][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][1] - q[i][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
-            const REMEMBERS: __wzvi::core::primitive::bool = false;
-            const IN_LANES: __wzvi::core::primitive::bool = false;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
-                __S,
-            >;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
+            const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][0] - q[j][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][0] - q[i][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][1] - q[j][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][1] - q[i][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
+            const REMEMBERS: bool = false;
+            const IN_LANES: bool = false;
             type Prepared = ();
-            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
-            fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
-                __wzvi::elements::Memory::new(self, &__SCHEME)
+            type Memory<S: Scalar> = Memory<S>;
+            type Compensated<S: Scalar> = CompensationVec<S>;
+            type Carry<S: Scalar> = Plain;
+            fn memory(&self) -> Self::Memory<f64> {
+                Memory::new(self, &SCHEME)
             }
-            fn prepare(
-                &self,
-                __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<(), __wzvi::ConfigError> {
-                if __wzvi::core::primitive::f64::is_nan(self.g) {
-                    return __wzvi::core::result::Result::Err(
-                        __wzvi::ConfigError::Parameter,
-                    );
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                if f64::is_nan(self.g) {
+                    return Err(ConfigError::Parameter);
                 }
-                __wzvi::elements::prepare(self)
+                wzvi::elements::prepare(self)
             }
-            fn advance_carrying<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
-                __prepared: &(),
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: &mut [__S],
-                __p: &mut [__S],
-                __dw: &[__S],
-                __memory: &mut __wzvi::elements::Memory<__S>,
-                __carry: &mut __C,
-            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                __wzvi::elements::advance::<
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                wzvi::elements::advance::<
                     _,
-                    __S,
-                    __C,
-                    __CAREFUL,
-                >(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
+                    S,
+                    C,
+                    CAREFUL,
+                >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
             fn discrete_lagrangian(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::core::primitive::f64 {
-                __wzvi::elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                wzvi::elements::discrete_lagrangian(self, &SCHEME, segment, dw)
             }
             fn discrete_lagrangian_gradient(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                __wzvi::elements::discrete_lagrangian_gradient(
-                    self,
-                    &__SCHEME,
-                    __segment,
-                    __dw,
-                )
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                wzvi::elements::discrete_lagrangian_gradient(self, &SCHEME, segment, dw)
             }
             fn step_momentum(
                 &self,
-                __before: &__wzvi::State<Self::Vector>,
-                __after: &__wzvi::State<Self::Vector>,
-                __h: __wzvi::core::primitive::f64,
-                __dw: &[__wzvi::core::primitive::f64],
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
             ) -> Self::Vector {
-                __wzvi::elements::step_momentum(self, &__SCHEME, __before, __h, __dw)
+                wzvi::elements::step_momentum(self, &SCHEME, before, h, dw)
             }
         }
+    };
+    /// The names that are bound above, so that no constant around can stand for them.
+    use ::wzvi::__private::{
+        binding as a0, binding as after, binding as at, binding as at_index,
+        binding as b0, binding as b2, binding as b7, binding as before, binding as by_p,
+        binding as by_q, binding as c, binding as carry, binding as degrees,
+        binding as difference, binding as difference2, binding as dw, binding as end,
+        binding as h, binding as i0, binding as i1, binding as i2, binding as index,
+        binding as into, binding as inverse, binding as k, binding as l0, binding as l1,
+        binding as l2, binding as l3, binding as l4, binding as l4_l5, binding as l5,
+        binding as len, binding as list, binding as low, binding as memory,
+        binding as minus, binding as nan, binding as outer, binding as p,
+        binding as places, binding as points0, binding as points1, binding as prepared,
+        binding as product, binding as product2, binding as product3,
+        binding as product4, binding as product5, binding as product6,
+        binding as product7, binding as product8, binding as q, binding as quotient,
+        binding as range, binding as s2, binding as s5, binding as segment,
+        binding as size, binding as sum, binding as t, binding as table, binding as term,
+        binding as terms, binding as three_a0, binding as total,
     };
 };
 const _: () = {

@@ -51,263 +51,201 @@ pub struct Chain {
     clippy::cargo
 )]
 const _: () = {
-    use ::wzvi::__private as __wzvi;
+    use ::wzvi::__private::{
+        self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
+        Knowledge, LagrangianGradient, NoiseClass, Option, Plain, Plan, Range, Result,
+        Scalar, Segment, Solver, State, StepFailure, bool, f64, isize, str, usize,
+        elements::{
+            CompensationVec, Curvature, Elements, Memory, Point, Scheme, Terms, Unknowns,
+        },
+        elements::places::{Entries, Places},
+        embedding::Midpoint,
+    };
     #[automatically_derived]
-    impl __wzvi::Hamiltonian for Chain {
-        type Vector = __wzvi::DVector<__wzvi::core::primitive::f64>;
-        fn degrees(&self) -> __wzvi::core::primitive::usize {
+    impl Hamiltonian for Chain {
+        type Vector = DVector<f64>;
+        fn degrees(&self) -> usize {
             0
         }
-        fn check(
-            &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
-            __wzvi::elements::check(self, __degrees)
+        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+            wzvi::elements::check(self, degrees)
         }
-        fn noises(&self) -> __wzvi::core::primitive::usize {
-            0usize
+        fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+            [("beta", self.beta)].get(index).copied()
         }
-        fn invariants(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn parameter(
-            &self,
-            __index: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<
-            (&'static __wzvi::core::primitive::str, __wzvi::core::primitive::f64),
-        > {
-            match __index {
-                0usize => __wzvi::core::option::Option::Some(("beta", self.beta)),
-                _ => __wzvi::core::option::Option::None,
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
+            let nan = S::from_f64(f64::NAN);
+            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()) {
+                return nan;
             }
-        }
-        fn evaluate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-        ) -> __S {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok())
-            {
-                return __nan;
-            }
-            let __a0: __wzvi::core::primitive::f64 = self.beta;
-            let __size = (__q.len() / 1) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
-            match __term {
+            let a0: f64 = self.beta;
+            let size = (q.len() / 1) as isize;
+            let at = Point { q, p, t, h: 1.0, dw: &[] };
+            let mut total = S::from_f64(0.0);
+            match term {
                 0 => {
                     {
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0 = __b0 + __l0 * __l0 * 0.5f64;
+                        let mut b0 = S::from_f64(0.0);
+                        let mut i0: isize = 0;
+                        let end: isize = (size);
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as usize;
+                            let s0 = ((i0) as isize as usize);
+                            let s0 = &at.p[s0..s0 + len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = s0[k];
+                                b0 = b0 + l0 * l0 * 0.5;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
-                        __total = __total + __b0;
+                        total = total + b0;
                     }
                     {
-                        let __x0 = 0.25f64 * __a0;
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size - 1);
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            let __s1 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s1 = &__at.q[__s1..__s1 + __len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                let __l1 = __s1[__k];
-                                let __x1 = __l0 - __l1;
-                                let __x2 = __x1 * __x1;
-                                __b0 = __b0 + __x2 * (__x2 * __x0 + 0.5f64);
+                        let quarter_a0 = 0.25 * a0;
+                        let mut b0 = S::from_f64(0.0);
+                        let mut i1: isize = 0;
+                        let end: isize = (size - 1);
+                        while i1 < end {
+                            let low = i1;
+                            let len = (end - low) as usize;
+                            let s0 = ((i1 + 1) as isize as usize);
+                            let s0 = &at.q[s0..s0 + len];
+                            let s1 = ((i1) as isize as usize);
+                            let s1 = &at.q[s1..s1 + len];
+                            for k in 0..len {
+                                let i1 = low + k as isize;
+                                let l0 = s0[k];
+                                let l1 = s1[k];
+                                let difference = l0 - l1;
+                                let product = difference * difference;
+                                b0 = b0 + product * (product * quarter_a0 + 0.5);
                             }
-                            __i1 += __len as __wzvi::core::primitive::isize;
+                            i1 += len as isize;
                         }
-                        __total = __total + __b0;
+                        total = total + b0;
                     }
                     {
-                        let __x0 = 0.25f64 * __a0;
+                        let quarter_a0 = 0.25 * a0;
                         {
-                            let __l0 = __at.q[0];
-                            let __x1 = __l0 * __l0;
-                            __total = __total + __x1 * (__x1 * __x0 + 0.5f64);
+                            let l0 = at.q[0];
+                            let l0_squared = l0 * l0;
+                            total = total + l0_squared * (l0_squared * quarter_a0 + 0.5);
                         }
                     }
                 }
-                _ => return __nan,
+                _ => return nan,
             }
-            __total
+            total
         }
-        fn differentiate<__S: __wzvi::Scalar>(
+        fn differentiate<S: Scalar>(
             &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok()
-                && __by_q.len() == __q.len() && __by_p.len() == __q.len())
+            let nan = S::from_f64(f64::NAN);
+            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()
+                && by_q.len() == q.len() && by_p.len() == q.len())
             {
-                __by_q.fill(__nan);
-                __by_p.fill(__nan);
+                by_q.fill(nan);
+                by_p.fill(nan);
                 return;
             }
-            __by_q.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            __by_p.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            let __a0: __wzvi::core::primitive::f64 = self.beta;
-            let __size = (__q.len() / 1) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            match __term {
+            by_q.fill(S::from_f64(0.0));
+            by_p.fill(S::from_f64(0.0));
+            let a0: f64 = self.beta;
+            let size = (q.len() / 1) as isize;
+            let at = Point { q, p, t, h: 1.0, dw: &[] };
+            match term {
                 0 => {
                     {
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_p[__b0..__b0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0;
+                        let mut i0: isize = 0;
+                        let end: isize = (size);
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as usize;
+                            let s0 = ((i0) as isize as usize);
+                            let s0 = &at.p[s0..s0 + len];
+                            let b0 = ((i0) as isize as usize);
+                            let b0 = &mut by_p[b0..b0 + len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = s0[k];
+                                b0[k] = b0[k] + l0;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
                     }
                     {
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size - 1);
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let mut __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            if ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)
-                                != ((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize) + 1
+                        let mut i1: isize = 0;
+                        let end: isize = (size - 1);
+                        while i1 < end {
+                            let low = i1;
+                            let mut len = (end - low) as usize;
+                            if ((i1 + 1) as isize as usize)
+                                != ((i1) as isize as usize) + 1
                             {
-                                __len = 1;
+                                len = 1;
                             }
-                            let __s0 = ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            let __s1 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s1 = &__at.q[__s1..__s1 + __len];
-                            let __at1 = ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize) + (__len - 1);
-                            let mut __carried1 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let __b1 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b1 = &mut __by_q[__b1..__b1 + __len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                let __l1 = __s1[__k];
-                                let __x0 = __l0 - __l1;
-                                let __x1 = __x0 * (__x0 * __x0 * __a0 + 1f64);
-                                let __ahead = __x1;
-                                __b1[__k] = __b1[__k] + (-__x1 + __carried1);
-                                __carried1 = __ahead;
+                            let s0 = ((i1 + 1) as isize as usize);
+                            let s0 = &at.q[s0..s0 + len];
+                            let s1 = ((i1) as isize as usize);
+                            let s1 = &at.q[s1..s1 + len];
+                            let at1 = ((i1 + 1) as isize as usize) + (len - 1);
+                            let mut carried1 = S::from_f64(0.0);
+                            let b1 = ((i1) as isize as usize);
+                            let b1 = &mut by_q[b1..b1 + len];
+                            for k in 0..len {
+                                let i1 = low + k as isize;
+                                let l0 = s0[k];
+                                let l1 = s1[k];
+                                let difference = l0 - l1;
+                                let product = difference
+                                    * (difference * difference * a0 + 1.0);
+                                let ahead = product;
+                                b1[k] = b1[k] + (-product + carried1);
+                                carried1 = ahead;
                             }
-                            __by_q[__at1] = __by_q[__at1] + __carried1;
-                            __i1 += __len as __wzvi::core::primitive::isize;
+                            by_q[at1] = by_q[at1] + carried1;
+                            i1 += len as isize;
                         }
                     }
                     {
                         {
-                            let __l0 = __at.q[0];
-                            let __at_index = 0;
-                            __by_q[__at_index] = __by_q[__at_index]
-                                + __l0 * (__l0 * __l0 * __a0 + 1f64);
+                            let l0 = at.q[0];
+                            let at_index = 0;
+                            by_q[at_index] = by_q[at_index] + l0 * (l0 * l0 * a0 + 1.0);
                         }
                     }
                 }
                 _ => {
-                    __by_q.fill(__nan);
-                    __by_p.fill(__nan);
+                    by_q.fill(nan);
+                    by_p.fill(nan);
                 }
             }
         }
-        fn invariant(
-            &self,
-            _: __wzvi::core::primitive::usize,
-            _: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::core::primitive::f64::NAN
-        }
-        fn energy_rate(
-            &self,
-            __k: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::energy_rate(self, __k, __state)
-        }
     }
     #[automatically_derived]
-    impl __wzvi::elements::Elements for Chain {
-        const PLACES: __wzvi::elements::places::Places = {
-            use __wzvi::elements::places as __places;
-            __places::Places {
+    impl Elements for Chain {
+        const PLACES: Places = {
+            use wzvi::elements::places as places;
+            places::Places {
                 components: 1usize,
                 tables: &[],
                 nests: &[
-                    __places::Nest {
+                    places::Nest {
                         loops: &[],
                         slots: &[
-                            __places::Slot::State {
-                                index: __places::Index {
+                            places::Slot::State {
+                                index: places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    name: __places::Name {
+                                    name: places::Name {
                                         name: "0",
                                         suffix: "",
                                     },
@@ -321,206 +259,181 @@ const _: () = {
         };
         fn entries(
             &self,
-            __table: __wzvi::core::primitive::usize,
-            __outer: &[__wzvi::core::primitive::usize],
-            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
-        ) -> __wzvi::elements::places::Entries {
-            use __wzvi::elements::places as __places;
-            match (__table, __outer) {
-                _ => __places::Entries::of_length(0),
+            table: usize,
+            outer: &[usize],
+            range: Range<usize>,
+        ) -> Entries {
+            use wzvi::elements::places as places;
+            match (table, outer) {
+                _ => places::Entries::of_length(0),
             }
         }
-        fn slopes<__S: __wzvi::Scalar>(
+        fn slopes<S: Scalar>(
             &self,
-            __terms: __wzvi::elements::Terms,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            terms: Terms,
+            at: &Point<'_, S>,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.beta;
-            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_p {
+            let a0: f64 = self.beta;
+            let size = (at.q.len() / 1) as isize;
+            let t = at.t;
+            if terms.drift {
+                if terms.by_p {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_p[__b0..__b0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0 * __c;
+                        let c = S::from_f64(at.h);
+                        let mut i0: isize = 0;
+                        let end: isize = (size);
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as usize;
+                            let s0 = ((i0) as isize as usize);
+                            let s0 = &at.p[s0..s0 + len];
+                            let b0 = ((i0) as isize as usize);
+                            let b0 = &mut by_p[b0..b0 + len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = s0[k];
+                                b0[k] = b0[k] + l0 * c;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
                     }
                 }
-                if __terms.by_q {
+                if terms.by_q {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size - 1);
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let mut __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            if ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)
-                                != ((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize) + 1
+                        let c = S::from_f64(at.h);
+                        let mut i1: isize = 0;
+                        let end: isize = (size - 1);
+                        while i1 < end {
+                            let low = i1;
+                            let mut len = (end - low) as usize;
+                            if ((i1 + 1) as isize as usize)
+                                != ((i1) as isize as usize) + 1
                             {
-                                __len = 1;
+                                len = 1;
                             }
-                            let __s0 = ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            let __s1 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s1 = &__at.q[__s1..__s1 + __len];
-                            let __at1 = ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize) + (__len - 1);
-                            let mut __carried1 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let __b1 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b1 = &mut __by_q[__b1..__b1 + __len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                let __l1 = __s1[__k];
-                                let __x0 = __l0 - __l1;
-                                let __x1 = (__x0 * __x0 * __a0 + 1f64) * (__c * __x0);
-                                let __ahead = __x1;
-                                __b1[__k] = __b1[__k] + (-__x1 + __carried1);
-                                __carried1 = __ahead;
+                            let s0 = ((i1 + 1) as isize as usize);
+                            let s0 = &at.q[s0..s0 + len];
+                            let s1 = ((i1) as isize as usize);
+                            let s1 = &at.q[s1..s1 + len];
+                            let at1 = ((i1 + 1) as isize as usize) + (len - 1);
+                            let mut carried1 = S::from_f64(0.0);
+                            let b1 = ((i1) as isize as usize);
+                            let b1 = &mut by_q[b1..b1 + len];
+                            for k in 0..len {
+                                let i1 = low + k as isize;
+                                let l0 = s0[k];
+                                let l1 = s1[k];
+                                let difference = l0 - l1;
+                                let product = (difference * difference * a0 + 1.0)
+                                    * (c * difference);
+                                let ahead = product;
+                                b1[k] = b1[k] + (-product + carried1);
+                                carried1 = ahead;
                             }
-                            __by_q[__at1] = __by_q[__at1] + __carried1;
-                            __i1 += __len as __wzvi::core::primitive::isize;
+                            by_q[at1] = by_q[at1] + carried1;
+                            i1 += len as isize;
                         }
                     }
                 }
-                if __terms.by_q {
+                if terms.by_q {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                        let c = S::from_f64(at.h);
                         {
-                            let __l0 = __at.q[0];
-                            let __at_index = 0;
-                            __by_q[__at_index] = __by_q[__at_index]
-                                + __c * (__l0 * (__l0 * __l0 * __a0 + 1f64));
+                            let l0 = at.q[0];
+                            let at_index = 0;
+                            by_q[at_index] = by_q[at_index]
+                                + c * (l0 * (l0 * l0 * a0 + 1.0));
                         }
                     }
                 }
             }
         }
-        fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
+        fn curvature<S: Scalar, C: Curvature<S>>(
             &self,
-            __terms: __wzvi::elements::Terms,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __into: &mut __C,
+            terms: Terms,
+            at: &Point<'_, S>,
+            into: &mut C,
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.beta;
-            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_p {
+            let a0: f64 = self.beta;
+            let size = (at.q.len() / 1) as isize;
+            let t = at.t;
+            if terms.drift {
+                if terms.by_p {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __into
-                                    .add_pp(
-                                        ((__i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((__i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __c,
-                                    );
+                        let c = S::from_f64(at.h);
+                        let mut i0: isize = 0;
+                        let end: isize = (size);
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as usize;
+                            let s0 = ((i0) as isize as usize);
+                            let s0 = &at.p[s0..s0 + len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = s0[k];
+                                into.add_pp(
+                                    ((i0) as isize as usize),
+                                    ((i0) as isize as usize),
+                                    true,
+                                    c,
+                                );
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
                     }
                 }
-                if __terms.by_q {
+                if terms.by_q {
                     {
-                        let __x0 = 3f64 * __a0;
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size - 1);
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            let __s1 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s1 = &__at.q[__s1..__s1 + __len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                let __l1 = __s1[__k];
-                                let __x1 = __l0 - __l1;
-                                let __x2 = __c * (__x1 * __x1 * __x0 + 1f64);
-                                __into
-                                    .add_qq(
-                                        ((__i1 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((__i1 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __x2,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((__i1 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        false,
-                                        -__x2,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __x2,
-                                    );
+                        let three_a0 = 3.0 * a0;
+                        let c = S::from_f64(at.h);
+                        let mut i1: isize = 0;
+                        let end: isize = (size - 1);
+                        while i1 < end {
+                            let low = i1;
+                            let len = (end - low) as usize;
+                            let s0 = ((i1 + 1) as isize as usize);
+                            let s0 = &at.q[s0..s0 + len];
+                            let s1 = ((i1) as isize as usize);
+                            let s1 = &at.q[s1..s1 + len];
+                            for k in 0..len {
+                                let i1 = low + k as isize;
+                                let l0 = s0[k];
+                                let l1 = s1[k];
+                                let difference = l0 - l1;
+                                let product = c
+                                    * (difference * difference * three_a0 + 1.0);
+                                into.add_qq(
+                                    ((i1 + 1) as isize as usize),
+                                    ((i1 + 1) as isize as usize),
+                                    true,
+                                    product,
+                                );
+                                into.add_qq(
+                                    ((i1 + 1) as isize as usize),
+                                    ((i1) as isize as usize),
+                                    false,
+                                    -product,
+                                );
+                                into.add_qq(
+                                    ((i1) as isize as usize),
+                                    ((i1) as isize as usize),
+                                    true,
+                                    product,
+                                );
                             }
-                            __i1 += __len as __wzvi::core::primitive::isize;
+                            i1 += len as isize;
                         }
                     }
                 }
-                if __terms.by_q {
+                if terms.by_q {
                     {
-                        let __x0 = 3f64 * __a0;
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
+                        let three_a0 = 3.0 * a0;
+                        let c = S::from_f64(at.h);
                         {
-                            let __l0 = __at.q[0];
-                            __into.add_qq(0, 0, true, __c * (__l0 * __l0 * __x0 + 1f64));
+                            let l0 = at.q[0];
+                            into.add_qq(0, 0, true, c * (l0 * l0 * three_a0 + 1.0));
                         }
                     }
                 }
@@ -528,100 +441,99 @@ const _: () = {
         }
     }
     const _: () = {
-        const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
-            drift_l: 0.5f64,
-            noise_l: 0.5f64,
-            counter: 0f64,
-            unknowns: __wzvi::elements::Unknowns::Momenta,
+        const SCHEME: Scheme = Scheme {
+            drift_l: 0.5,
+            noise_l: 0.5,
+            counter: 0.0,
+            unknowns: Unknowns::Momenta,
             remembers: true,
             is_linear: false,
             has_noise: false,
         };
         #[automatically_derived]
-        impl __wzvi::Discretized<__wzvi::embedding::Midpoint> for Chain {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Newton,
-                unknowns: __wzvi::core::primitive::usize::MAX,
-                order: 2u32,
-                noise: __wzvi::NoiseClass::None,
+        impl Discretized<Midpoint> for Chain {
+            const PLAN: Plan = Plan {
+                solver: Solver::Newton,
+                unknowns: usize::MAX,
+                order: 2,
+                noise: NoiseClass::None,
                 consistent: true,
-                conserves_energy: __wzvi::Knowledge::Proven,
-                commuting: __wzvi::Knowledge::Proven,
+                conserves_energy: Knowledge::Proven,
+                commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n";
-            const REMEMBERS: __wzvi::core::primitive::bool = false;
-            const IN_LANES: __wzvi::core::primitive::bool = false;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
-                __S,
-            >;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
+            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n";
+            const REMEMBERS: bool = false;
+            const IN_LANES: bool = false;
             type Prepared = ();
-            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
-            fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
-                __wzvi::elements::Memory::new(self, &__SCHEME)
+            type Memory<S: Scalar> = Memory<S>;
+            type Compensated<S: Scalar> = CompensationVec<S>;
+            type Carry<S: Scalar> = Plain;
+            fn memory(&self) -> Self::Memory<f64> {
+                Memory::new(self, &SCHEME)
             }
-            fn prepare(
-                &self,
-                __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<(), __wzvi::ConfigError> {
-                if __wzvi::core::primitive::f64::is_nan(self.beta) {
-                    return __wzvi::core::result::Result::Err(
-                        __wzvi::ConfigError::Parameter,
-                    );
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                if f64::is_nan(self.beta) {
+                    return Err(ConfigError::Parameter);
                 }
-                __wzvi::elements::prepare(self)
+                wzvi::elements::prepare(self)
             }
-            fn advance_carrying<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
-                __prepared: &(),
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: &mut [__S],
-                __p: &mut [__S],
-                __dw: &[__S],
-                __memory: &mut __wzvi::elements::Memory<__S>,
-                __carry: &mut __C,
-            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                __wzvi::elements::advance::<
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                wzvi::elements::advance::<
                     _,
-                    __S,
-                    __C,
-                    __CAREFUL,
-                >(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
+                    S,
+                    C,
+                    CAREFUL,
+                >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
             fn discrete_lagrangian(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::core::primitive::f64 {
-                __wzvi::elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                wzvi::elements::discrete_lagrangian(self, &SCHEME, segment, dw)
             }
             fn discrete_lagrangian_gradient(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                __wzvi::elements::discrete_lagrangian_gradient(
-                    self,
-                    &__SCHEME,
-                    __segment,
-                    __dw,
-                )
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                wzvi::elements::discrete_lagrangian_gradient(self, &SCHEME, segment, dw)
             }
             fn step_momentum(
                 &self,
-                __before: &__wzvi::State<Self::Vector>,
-                __after: &__wzvi::State<Self::Vector>,
-                __h: __wzvi::core::primitive::f64,
-                __dw: &[__wzvi::core::primitive::f64],
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
             ) -> Self::Vector {
-                __wzvi::elements::step_momentum(self, &__SCHEME, __before, __h, __dw)
+                wzvi::elements::step_momentum(self, &SCHEME, before, h, dw)
             }
         }
+    };
+    /// The names that are bound above, so that no constant around can stand for them.
+    use ::wzvi::__private::{
+        binding as a0, binding as after, binding as ahead, binding as at, binding as at1,
+        binding as at_index, binding as b0, binding as b1, binding as before,
+        binding as by_p, binding as by_q, binding as c, binding as carried1,
+        binding as carry, binding as degrees, binding as difference, binding as dw,
+        binding as end, binding as h, binding as i0, binding as i1, binding as index,
+        binding as into, binding as k, binding as l0, binding as l0_squared,
+        binding as l1, binding as len, binding as low, binding as memory, binding as nan,
+        binding as outer, binding as p, binding as places, binding as prepared,
+        binding as product, binding as q, binding as quarter_a0, binding as range,
+        binding as s0, binding as s1, binding as segment, binding as size, binding as t,
+        binding as table, binding as term, binding as terms, binding as three_a0,
+        binding as total,
     };
 };
 const _: () = {

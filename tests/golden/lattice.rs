@@ -52,289 +52,213 @@ pub struct Lattice<const N: usize> {
     clippy::cargo
 )]
 const _: () = {
-    use ::wzvi::__private as __wzvi;
+    use ::wzvi::__private::{
+        self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
+        Knowledge, LagrangianGradient, NoiseClass, Option, Ord, Plain, Plan, Range,
+        Result, Scalar, Segment, Solver, State, StepFailure, bool, f64, isize, str,
+        elements::{
+            CompensationVec, Curvature, Elements, Memory, Point, Scheme, Terms, Unknowns,
+        },
+        elements::places::{Entries, Places},
+        embedding::DeltaPlus,
+    };
     #[automatically_derived]
-    impl<const N: usize> __wzvi::Hamiltonian for Lattice<N> {
-        type Vector = __wzvi::DVector<__wzvi::core::primitive::f64>;
-        fn degrees(&self) -> __wzvi::core::primitive::usize {
-            (((N as __wzvi::core::primitive::isize)) as __wzvi::core::primitive::usize)
-                * 2usize
+    impl<const N: usize> Hamiltonian for Lattice<N> {
+        type Vector = DVector<f64>;
+        fn degrees(&self) -> wzvi::usize {
+            (((N as isize)) as wzvi::usize) * 2usize
         }
-        fn check(
-            &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
-            __wzvi::elements::check(self, __degrees)
+        fn check(&self, degrees: wzvi::usize) -> Result<(), StepFailure> {
+            wzvi::elements::check(self, degrees)
         }
-        fn noises(&self) -> __wzvi::core::primitive::usize {
-            0usize
+        fn parameter(&self, index: wzvi::usize) -> Option<(&'static str, f64)> {
+            [("k", self.k)].get(index).copied()
         }
-        fn invariants(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn parameter(
-            &self,
-            __index: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<
-            (&'static __wzvi::core::primitive::str, __wzvi::core::primitive::f64),
-        > {
-            match __index {
-                0usize => __wzvi::core::option::Option::Some(("k", self.k)),
-                _ => __wzvi::core::option::Option::None,
+        fn evaluate<S: Scalar>(&self, term: wzvi::usize, q: &[S], p: &[S], t: f64) -> S {
+            let nan = S::from_f64(f64::NAN);
+            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()) {
+                return nan;
             }
-        }
-        fn evaluate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-        ) -> __S {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok())
-            {
-                return __nan;
-            }
-            let __a0: __wzvi::core::primitive::f64 = self.k;
-            let __size = (__q.len() / 2) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
-            match __term {
+            let a0: f64 = self.k;
+            let size = (q.len() / 2) as isize;
+            let at = Point { q, p, t, h: 1.0, dw: &[] };
+            let mut total = S::from_f64(0.0);
+            match term {
                 0 => {
                     {
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
+                        let mut b0 = S::from_f64(0.0);
+                        let mut i0: isize = 0;
+                        let end: isize = ((N as isize));
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as wzvi::usize;
+                            let points0 = ((2 * i0) as isize as wzvi::usize);
+                            let points0 = &at
+                                .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                __b0 = __b0 + (__l1 * __l1 + __l0 * __l0) * 0.5f64;
+                                .0[..len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = points0[k][0usize];
+                                let l1 = points0[k][1usize];
+                                b0 = b0 + (l1 * l1 + l0 * l0) * 0.5;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
-                        __total = __total + __b0;
+                        total = total + b0;
                     }
                     {
-                        let __x0 = 0.5f64 * __a0;
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .q[__points0..__points0 + 2 * __len]
+                        let half_a0 = 0.5 * a0;
+                        let mut b0 = S::from_f64(0.0);
+                        let mut i1: isize = 0;
+                        let end: isize = ((N as isize));
+                        while i1 < end {
+                            let low = i1;
+                            let len = (end - low) as wzvi::usize;
+                            let points0 = ((2 * i1) as isize as wzvi::usize);
+                            let points0 = &at
+                                .q[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l1 = __points0[__k][0usize];
-                                let __l2 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                    + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l3 = __points0[__k][1usize];
-                                let __x1 = ((__l0 - __l1) * __x0).sin();
-                                let __x2 = __l2 - __l3;
-                                __b0 = __b0 + __x2 * __x2 * 0.5f64 + __x1 * __x1 * 2f64;
+                                .0[..len];
+                            for k in 0..len {
+                                let i1 = low + k as isize;
+                                let l0 = at
+                                    .q[((2 * ((i1 + 1) % ((N as isize)))) as isize
+                                    as wzvi::usize)];
+                                let l1 = points0[k][0usize];
+                                let l2 = at
+                                    .q[((2 * ((i1 + 1) % ((N as isize))) + 1) as isize
+                                    as wzvi::usize)];
+                                let l3 = points0[k][1usize];
+                                let sin = ((l0 - l1) * half_a0).sin();
+                                let difference = l2 - l3;
+                                b0 = b0 + difference * difference * 0.5 + sin * sin * 2.0;
                             }
-                            __i1 += __len as __wzvi::core::primitive::isize;
+                            i1 += len as isize;
                         }
-                        __total = __total + __b0;
+                        total = total + b0;
                     }
                 }
-                _ => return __nan,
+                _ => return nan,
             }
-            __total
+            total
         }
-        fn differentiate<__S: __wzvi::Scalar>(
+        fn differentiate<S: Scalar>(
             &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            term: wzvi::usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok()
-                && __by_q.len() == __q.len() && __by_p.len() == __q.len())
+            let nan = S::from_f64(f64::NAN);
+            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()
+                && by_q.len() == q.len() && by_p.len() == q.len())
             {
-                __by_q.fill(__nan);
-                __by_p.fill(__nan);
+                by_q.fill(nan);
+                by_p.fill(nan);
                 return;
             }
-            __by_q.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            __by_p.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            let __a0: __wzvi::core::primitive::f64 = self.k;
-            let __size = (__q.len() / 2) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            match __term {
+            by_q.fill(S::from_f64(0.0));
+            by_p.fill(S::from_f64(0.0));
+            let a0: f64 = self.k;
+            let size = (q.len() / 2) as isize;
+            let at = Point { q, p, t, h: 1.0, dw: &[] };
+            match term {
                 0 => {
                     {
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
+                        let mut i0: isize = 0;
+                        let end: isize = ((N as isize));
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as wzvi::usize;
+                            let points0 = ((2 * i0) as isize as wzvi::usize);
+                            let points0 = &at
+                                .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
-                                .0[..__len];
-                            let __points1 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points1 = &mut __by_p[__points1..__points1 + 2 * __len]
+                                .0[..len];
+                            let points1 = ((2 * i0) as isize as wzvi::usize);
+                            let points1 = &mut by_p[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                __points1[__k][0usize] = __points1[__k][0usize] + __l0;
-                                __points1[__k][1usize] = __points1[__k][1usize] + __l1;
+                                .0[..len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = points0[k][0usize];
+                                let l1 = points0[k][1usize];
+                                points1[k][0usize] = points1[k][0usize] + l0;
+                                points1[k][1usize] = points1[k][1usize] + l1;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
                     }
                     {
-                        let mut __b0 = [<__S as __wzvi::Scalar>::from_f64(0.0); 64usize];
-                        let mut __b2 = [<__S as __wzvi::Scalar>::from_f64(0.0); 64usize];
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = __wzvi::core::cmp::Ord::min(
-                                (__end - __low) as __wzvi::core::primitive::usize,
-                                64usize,
-                            );
-                            let __points0 = ((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .q[__points0..__points0 + 2 * __len]
+                        let mut b0 = [S::from_f64(0.0); 64usize];
+                        let mut b2 = [S::from_f64(0.0); 64usize];
+                        let mut i1: isize = 0;
+                        let end: isize = ((N as isize));
+                        while i1 < end {
+                            let low = i1;
+                            let len = Ord::min((end - low) as wzvi::usize, 64usize);
+                            let points0 = ((2 * i1) as isize as wzvi::usize);
+                            let points0 = &at
+                                .q[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
-                                .0[..__len];
-                            let __points1 = ((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points1 = &mut __by_q[__points1..__points1 + 2 * __len]
+                                .0[..len];
+                            let points1 = ((2 * i1) as isize as wzvi::usize);
+                            let points1 = &mut by_q[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
-                                .0[..__len];
-                            let __b0 = &mut __b0[..__len];
-                            let __b2 = &mut __b2[..__len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l1 = __points0[__k][0usize];
-                                let __l2 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                    + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l3 = __points0[__k][1usize];
-                                let __x0 = ((__l0 - __l1) * __a0).sin() * __a0;
-                                let __x1 = __l2 - __l3;
-                                __points1[__k][0usize] = __points1[__k][0usize] + -__x0;
-                                __points1[__k][1usize] = __points1[__k][1usize] + -__x1;
-                                __b0[__k] = __x0;
-                                __b2[__k] = __x1;
+                                .0[..len];
+                            let b0 = &mut b0[..len];
+                            let b2 = &mut b2[..len];
+                            for k in 0..len {
+                                let i1 = low + k as isize;
+                                let l0 = at
+                                    .q[((2 * ((i1 + 1) % ((N as isize)))) as isize
+                                    as wzvi::usize)];
+                                let l1 = points0[k][0usize];
+                                let l2 = at
+                                    .q[((2 * ((i1 + 1) % ((N as isize))) + 1) as isize
+                                    as wzvi::usize)];
+                                let l3 = points0[k][1usize];
+                                let product = ((l0 - l1) * a0).sin() * a0;
+                                let difference = l2 - l3;
+                                points1[k][0usize] = points1[k][0usize] + -product;
+                                points1[k][1usize] = points1[k][1usize] + -difference;
+                                b0[k] = product;
+                                b2[k] = difference;
                             }
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __at_index = ((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                __by_q[__at_index] = __by_q[__at_index] + __b0[__k];
+                            for k in 0..len {
+                                let i1 = low + k as isize;
+                                let at_index = ((2 * ((i1 + 1) % ((N as isize)))) as isize
+                                    as wzvi::usize);
+                                by_q[at_index] = by_q[at_index] + b0[k];
                             }
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __at_index = ((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                    + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                __by_q[__at_index] = __by_q[__at_index] + __b2[__k];
+                            for k in 0..len {
+                                let i1 = low + k as isize;
+                                let at_index = ((2 * ((i1 + 1) % ((N as isize))) + 1)
+                                    as isize as wzvi::usize);
+                                by_q[at_index] = by_q[at_index] + b2[k];
                             }
-                            __i1 += __len as __wzvi::core::primitive::isize;
+                            i1 += len as isize;
                         }
                     }
                 }
                 _ => {
-                    __by_q.fill(__nan);
-                    __by_p.fill(__nan);
+                    by_q.fill(nan);
+                    by_p.fill(nan);
                 }
             }
         }
-        fn invariant(
-            &self,
-            _: __wzvi::core::primitive::usize,
-            _: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::core::primitive::f64::NAN
-        }
-        fn energy_rate(
-            &self,
-            __k: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::energy_rate(self, __k, __state)
-        }
     }
     #[automatically_derived]
-    impl<const N: usize> __wzvi::elements::Elements for Lattice<N> {
-        const PLACES: __wzvi::elements::places::Places = {
-            use __wzvi::elements::places as __places;
-            __places::Places {
+    impl<const N: usize> Elements for Lattice<N> {
+        const PLACES: Places = {
+            use wzvi::elements::places as places;
+            places::Places {
                 components: 2usize,
                 tables: &[
-                    __places::Name {
+                    places::Name {
                         name: "",
                         suffix: "",
                     },
@@ -344,280 +268,220 @@ const _: () = {
         };
         fn entries(
             &self,
-            __table: __wzvi::core::primitive::usize,
-            __outer: &[__wzvi::core::primitive::usize],
-            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
-        ) -> __wzvi::elements::places::Entries {
-            use __wzvi::elements::places as __places;
-            match (__table, __outer) {
-                _ => __places::Entries::of_length(0),
+            table: wzvi::usize,
+            outer: &[wzvi::usize],
+            range: Range<wzvi::usize>,
+        ) -> Entries {
+            use wzvi::elements::places as places;
+            match (table, outer) {
+                _ => places::Entries::of_length(0),
             }
         }
-        fn slopes<__S: __wzvi::Scalar>(
+        fn slopes<S: Scalar>(
             &self,
-            __terms: __wzvi::elements::Terms,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            terms: Terms,
+            at: &Point<'_, S>,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.k;
-            let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_p {
+            let a0: f64 = self.k;
+            let size = (at.q.len() / 2) as isize;
+            let t = at.t;
+            if terms.drift {
+                if terms.by_p {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
+                        let c = S::from_f64(at.h);
+                        let mut i0: isize = 0;
+                        let end: isize = ((N as isize));
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as wzvi::usize;
+                            let points0 = ((2 * i0) as isize as wzvi::usize);
+                            let points0 = &at
+                                .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
-                                .0[..__len];
-                            let __points1 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points1 = &mut __by_p[__points1..__points1 + 2 * __len]
+                                .0[..len];
+                            let points1 = ((2 * i0) as isize as wzvi::usize);
+                            let points1 = &mut by_p[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                __points1[__k][0usize] = __points1[__k][0usize]
-                                    + __l0 * __c;
-                                __points1[__k][1usize] = __points1[__k][1usize]
-                                    + __l1 * __c;
+                                .0[..len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = points0[k][0usize];
+                                let l1 = points0[k][1usize];
+                                points1[k][0usize] = points1[k][0usize] + l0 * c;
+                                points1[k][1usize] = points1[k][1usize] + l1 * c;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
                     }
                 }
-                if __terms.by_q {
+                if terms.by_q {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __b0 = [<__S as __wzvi::Scalar>::from_f64(0.0); 64usize];
-                        let mut __b2 = [<__S as __wzvi::Scalar>::from_f64(0.0); 64usize];
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = __wzvi::core::cmp::Ord::min(
-                                (__end - __low) as __wzvi::core::primitive::usize,
-                                64usize,
-                            );
-                            let __points0 = ((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .q[__points0..__points0 + 2 * __len]
+                        let c = S::from_f64(at.h);
+                        let mut b0 = [S::from_f64(0.0); 64usize];
+                        let mut b2 = [S::from_f64(0.0); 64usize];
+                        let mut i1: isize = 0;
+                        let end: isize = ((N as isize));
+                        while i1 < end {
+                            let low = i1;
+                            let len = Ord::min((end - low) as wzvi::usize, 64usize);
+                            let points0 = ((2 * i1) as isize as wzvi::usize);
+                            let points0 = &at
+                                .q[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
-                                .0[..__len];
-                            let __points1 = ((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points1 = &mut __by_q[__points1..__points1 + 2 * __len]
+                                .0[..len];
+                            let points1 = ((2 * i1) as isize as wzvi::usize);
+                            let points1 = &mut by_q[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
-                                .0[..__len];
-                            let __b0 = &mut __b0[..__len];
-                            let __b2 = &mut __b2[..__len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l1 = __points0[__k][0usize];
-                                let __l2 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                    + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l3 = __points0[__k][1usize];
-                                let __x0 = __c * ((__l0 - __l1) * __a0).sin() * __a0;
-                                let __x1 = __c * (__l2 - __l3);
-                                __points1[__k][0usize] = __points1[__k][0usize] + -__x0;
-                                __points1[__k][1usize] = __points1[__k][1usize] + -__x1;
-                                __b0[__k] = __x0;
-                                __b2[__k] = __x1;
+                                .0[..len];
+                            let b0 = &mut b0[..len];
+                            let b2 = &mut b2[..len];
+                            for k in 0..len {
+                                let i1 = low + k as isize;
+                                let l0 = at
+                                    .q[((2 * ((i1 + 1) % ((N as isize)))) as isize
+                                    as wzvi::usize)];
+                                let l1 = points0[k][0usize];
+                                let l2 = at
+                                    .q[((2 * ((i1 + 1) % ((N as isize))) + 1) as isize
+                                    as wzvi::usize)];
+                                let l3 = points0[k][1usize];
+                                let product = c * ((l0 - l1) * a0).sin() * a0;
+                                let product2 = c * (l2 - l3);
+                                points1[k][0usize] = points1[k][0usize] + -product;
+                                points1[k][1usize] = points1[k][1usize] + -product2;
+                                b0[k] = product;
+                                b2[k] = product2;
                             }
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __at_index = ((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                __by_q[__at_index] = __by_q[__at_index] + __b0[__k];
+                            for k in 0..len {
+                                let i1 = low + k as isize;
+                                let at_index = ((2 * ((i1 + 1) % ((N as isize)))) as isize
+                                    as wzvi::usize);
+                                by_q[at_index] = by_q[at_index] + b0[k];
                             }
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __at_index = ((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                    + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                __by_q[__at_index] = __by_q[__at_index] + __b2[__k];
+                            for k in 0..len {
+                                let i1 = low + k as isize;
+                                let at_index = ((2 * ((i1 + 1) % ((N as isize))) + 1)
+                                    as isize as wzvi::usize);
+                                by_q[at_index] = by_q[at_index] + b2[k];
                             }
-                            __i1 += __len as __wzvi::core::primitive::isize;
+                            i1 += len as isize;
                         }
                     }
                 }
             }
         }
-        fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
+        fn curvature<S: Scalar, C: Curvature<S>>(
             &self,
-            __terms: __wzvi::elements::Terms,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __into: &mut __C,
+            terms: Terms,
+            at: &Point<'_, S>,
+            into: &mut C,
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.k;
-            let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_p {
+            let a0: f64 = self.k;
+            let size = (at.q.len() / 2) as isize;
+            let t = at.t;
+            if terms.drift {
+                if terms.by_p {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
+                        let c = S::from_f64(at.h);
+                        let mut i0: isize = 0;
+                        let end: isize = ((N as isize));
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as wzvi::usize;
+                            let points0 = ((2 * i0) as isize as wzvi::usize);
+                            let points0 = &at
+                                .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                __into
-                                    .add_pp(
-                                        ((2 * __i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __c,
-                                    );
-                                __into
-                                    .add_pp(
-                                        ((2 * __i0 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i0 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __c,
-                                    );
+                                .0[..len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = points0[k][0usize];
+                                let l1 = points0[k][1usize];
+                                into.add_pp(
+                                    ((2 * i0) as isize as wzvi::usize),
+                                    ((2 * i0) as isize as wzvi::usize),
+                                    true,
+                                    c,
+                                );
+                                into.add_pp(
+                                    ((2 * i0 + 1) as isize as wzvi::usize),
+                                    ((2 * i0 + 1) as isize as wzvi::usize),
+                                    true,
+                                    c,
+                                );
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
                     }
                 }
-                if __terms.by_q {
+                if terms.by_q {
                     {
-                        let __x0 = __a0 * __a0;
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .q[__points0..__points0 + 2 * __len]
+                        let a0_squared = a0 * a0;
+                        let c = S::from_f64(at.h);
+                        let mut i1: isize = 0;
+                        let end: isize = ((N as isize));
+                        while i1 < end {
+                            let low = i1;
+                            let len = (end - low) as wzvi::usize;
+                            let points0 = ((2 * i1) as isize as wzvi::usize);
+                            let points0 = &at
+                                .q[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l1 = __points0[__k][0usize];
-                                let __l2 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                    + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l3 = __points0[__k][1usize];
-                                let __x1 = __c * ((__l0 - __l1) * __a0).cos() * __x0;
-                                __into
-                                    .add_qq(
-                                        ((2
-                                            * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                            as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2
-                                            * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                            as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __x1,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((2
-                                            * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                            as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        false,
-                                        -__x1,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((2 * __i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __x1,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((2 * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                            + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                            + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __c,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((2 * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                            + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        false,
-                                        -__c,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __c,
-                                    );
+                                .0[..len];
+                            for k in 0..len {
+                                let i1 = low + k as isize;
+                                let l0 = at
+                                    .q[((2 * ((i1 + 1) % ((N as isize)))) as isize
+                                    as wzvi::usize)];
+                                let l1 = points0[k][0usize];
+                                let l2 = at
+                                    .q[((2 * ((i1 + 1) % ((N as isize))) + 1) as isize
+                                    as wzvi::usize)];
+                                let l3 = points0[k][1usize];
+                                let product = c * ((l0 - l1) * a0).cos() * a0_squared;
+                                into.add_qq(
+                                    ((2 * ((i1 + 1) % ((N as isize)))) as isize as wzvi::usize),
+                                    ((2 * ((i1 + 1) % ((N as isize)))) as isize as wzvi::usize),
+                                    true,
+                                    product,
+                                );
+                                into.add_qq(
+                                    ((2 * ((i1 + 1) % ((N as isize)))) as isize as wzvi::usize),
+                                    ((2 * i1) as isize as wzvi::usize),
+                                    false,
+                                    -product,
+                                );
+                                into.add_qq(
+                                    ((2 * i1) as isize as wzvi::usize),
+                                    ((2 * i1) as isize as wzvi::usize),
+                                    true,
+                                    product,
+                                );
+                                into.add_qq(
+                                    ((2 * ((i1 + 1) % ((N as isize))) + 1) as isize
+                                        as wzvi::usize),
+                                    ((2 * ((i1 + 1) % ((N as isize))) + 1) as isize
+                                        as wzvi::usize),
+                                    true,
+                                    c,
+                                );
+                                into.add_qq(
+                                    ((2 * ((i1 + 1) % ((N as isize))) + 1) as isize
+                                        as wzvi::usize),
+                                    ((2 * i1 + 1) as isize as wzvi::usize),
+                                    false,
+                                    -c,
+                                );
+                                into.add_qq(
+                                    ((2 * i1 + 1) as isize as wzvi::usize),
+                                    ((2 * i1 + 1) as isize as wzvi::usize),
+                                    true,
+                                    c,
+                                );
                             }
-                            __i1 += __len as __wzvi::core::primitive::isize;
+                            i1 += len as isize;
                         }
                     }
                 }
@@ -625,101 +489,99 @@ const _: () = {
         }
     }
     const _: () = {
-        const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
-            drift_l: 0f64,
-            noise_l: 0f64,
-            counter: 0f64,
-            unknowns: __wzvi::elements::Unknowns::None,
+        const SCHEME: Scheme = Scheme {
+            drift_l: 0.0,
+            noise_l: 0.0,
+            counter: 0.0,
+            unknowns: Unknowns::None,
             remembers: false,
             is_linear: false,
             has_noise: false,
         };
         #[automatically_derived]
-        impl<const N: usize> __wzvi::Discretized<__wzvi::embedding::DeltaPlus>
-        for Lattice<N> {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Explicit,
+        impl<const N: usize> Discretized<DeltaPlus> for Lattice<N> {
+            const PLAN: Plan = Plan {
+                solver: Solver::Explicit,
                 unknowns: 0,
-                order: 1u32,
-                noise: __wzvi::NoiseClass::None,
+                order: 1,
+                noise: NoiseClass::None,
                 consistent: true,
-                conserves_energy: __wzvi::Knowledge::Proven,
-                commuting: __wzvi::Knowledge::Proven,
+                conserves_energy: Knowledge::Proven,
+                commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    -h (q[i][1] - q[((i + 1) mod N)][1])   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-h (q[((i + 1) mod N)][1] - q[i][1])]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
-            const REMEMBERS: __wzvi::core::primitive::bool = false;
-            const IN_LANES: __wzvi::core::primitive::bool = false;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
-                __S,
-            >;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
+            const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    -h (q[i][1] - q[((i + 1) mod N)][1])   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-h (q[((i + 1) mod N)][1] - q[i][1])]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
+            const REMEMBERS: bool = false;
+            const IN_LANES: bool = false;
             type Prepared = ();
-            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
-            fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
-                __wzvi::elements::Memory::new(self, &__SCHEME)
+            type Memory<S: Scalar> = Memory<S>;
+            type Compensated<S: Scalar> = CompensationVec<S>;
+            type Carry<S: Scalar> = Plain;
+            fn memory(&self) -> Self::Memory<f64> {
+                Memory::new(self, &SCHEME)
             }
-            fn prepare(
-                &self,
-                __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<(), __wzvi::ConfigError> {
-                if __wzvi::core::primitive::f64::is_nan(self.k) {
-                    return __wzvi::core::result::Result::Err(
-                        __wzvi::ConfigError::Parameter,
-                    );
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                if f64::is_nan(self.k) {
+                    return Err(ConfigError::Parameter);
                 }
-                __wzvi::elements::prepare(self)
+                wzvi::elements::prepare(self)
             }
-            fn advance_carrying<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
-                __prepared: &(),
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: &mut [__S],
-                __p: &mut [__S],
-                __dw: &[__S],
-                __memory: &mut __wzvi::elements::Memory<__S>,
-                __carry: &mut __C,
-            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                __wzvi::elements::advance::<
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                wzvi::elements::advance::<
                     _,
-                    __S,
-                    __C,
-                    __CAREFUL,
-                >(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
+                    S,
+                    C,
+                    CAREFUL,
+                >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
             fn discrete_lagrangian(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::core::primitive::f64 {
-                __wzvi::elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                wzvi::elements::discrete_lagrangian(self, &SCHEME, segment, dw)
             }
             fn discrete_lagrangian_gradient(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                __wzvi::elements::discrete_lagrangian_gradient(
-                    self,
-                    &__SCHEME,
-                    __segment,
-                    __dw,
-                )
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                wzvi::elements::discrete_lagrangian_gradient(self, &SCHEME, segment, dw)
             }
             fn step_momentum(
                 &self,
-                __before: &__wzvi::State<Self::Vector>,
-                __after: &__wzvi::State<Self::Vector>,
-                __h: __wzvi::core::primitive::f64,
-                __dw: &[__wzvi::core::primitive::f64],
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
             ) -> Self::Vector {
-                __wzvi::elements::step_momentum(self, &__SCHEME, __before, __h, __dw)
+                wzvi::elements::step_momentum(self, &SCHEME, before, h, dw)
             }
         }
+    };
+    /// The names that are bound above, so that no constant around can stand for them.
+    use ::wzvi::__private::{
+        binding as a0, binding as a0_squared, binding as after, binding as at,
+        binding as at_index, binding as b0, binding as b2, binding as before,
+        binding as by_p, binding as by_q, binding as c, binding as carry,
+        binding as degrees, binding as difference, binding as dw, binding as end,
+        binding as h, binding as half_a0, binding as i0, binding as i1, binding as index,
+        binding as into, binding as k, binding as l0, binding as l1, binding as l2,
+        binding as l3, binding as len, binding as low, binding as memory, binding as nan,
+        binding as outer, binding as p, binding as places, binding as points0,
+        binding as points1, binding as prepared, binding as product, binding as product2,
+        binding as q, binding as range, binding as segment, binding as sin,
+        binding as size, binding as t, binding as table, binding as term,
+        binding as terms, binding as total,
     };
 };
 const _: () = {

@@ -51,244 +51,182 @@ pub struct Bath {
     clippy::cargo
 )]
 const _: () = {
-    use ::wzvi::__private as __wzvi;
+    use ::wzvi::__private::{
+        self as wzvi, Carry, Clone, ConfigError, DVector, Debug, Discretized, Effort,
+        Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option,
+        PhantomData, Plain, Plan, Range, Result, Scalar, Segment, Solution, Solver,
+        State, StepFailure, bool, f64, i128, isize, str, usize,
+        elements::{CompensationVec, Curvature, Elements, Point, Scheme, Terms, Unknowns},
+        elements::places::{Entries, Places},
+        elements::sites::Sites, embedding::Midpoint,
+    };
     #[automatically_derived]
-    impl __wzvi::Hamiltonian for Bath {
-        type Vector = __wzvi::DVector<__wzvi::core::primitive::f64>;
-        fn degrees(&self) -> __wzvi::core::primitive::usize {
+    impl Hamiltonian for Bath {
+        type Vector = DVector<f64>;
+        fn degrees(&self) -> usize {
             0
         }
-        fn check(
-            &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
-            __wzvi::elements::check(self, __degrees)
+        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+            wzvi::elements::check(self, degrees)
         }
-        fn noises(&self) -> __wzvi::core::primitive::usize {
-            (((self.sites as __wzvi::core::primitive::isize))
-                as __wzvi::core::primitive::isize as __wzvi::core::primitive::usize)
+        fn noises(&self) -> usize {
+            (((self.sites as isize)) as isize as usize)
         }
-        fn invariants(&self) -> __wzvi::core::primitive::usize {
-            0usize
+        fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+            [("sigma", self.sigma)].get(index).copied()
         }
-        fn parameter(
-            &self,
-            __index: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<
-            (&'static __wzvi::core::primitive::str, __wzvi::core::primitive::f64),
-        > {
-            match __index {
-                0usize => __wzvi::core::option::Option::Some(("sigma", self.sigma)),
-                _ => __wzvi::core::option::Option::None,
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
+            let nan = S::from_f64(f64::NAN);
+            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()) {
+                return nan;
             }
-        }
-        fn evaluate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-        ) -> __S {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok())
-            {
-                return __nan;
-            }
-            let __a0: __wzvi::core::primitive::f64 = self.sigma;
-            let __size = (__q.len() / 1) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
-            match __term {
+            let a0: f64 = self.sigma;
+            let size = (q.len() / 1) as isize;
+            let at = Point { q, p, t, h: 1.0, dw: &[] };
+            let mut total = S::from_f64(0.0);
+            match term {
                 0 => {
-                    let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                    let mut __i0: __wzvi::core::primitive::isize = 0;
-                    let __end: __wzvi::core::primitive::isize = (__size);
-                    while __i0 < __end {
-                        let __low = __i0;
-                        let __len = (__end - __low) as __wzvi::core::primitive::usize;
-                        let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                            as __wzvi::core::primitive::usize);
-                        let __s0 = &__at.p[__s0..__s0 + __len];
-                        let __s1 = ((__i0) as __wzvi::core::primitive::isize
-                            as __wzvi::core::primitive::usize);
-                        let __s1 = &__at.q[__s1..__s1 + __len];
-                        for __k in 0..__len {
-                            let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                            let __l0 = __s0[__k];
-                            let __l1 = __s1[__k];
-                            __b0 = __b0 + (__l1 * __l1 + __l0 * __l0) * 0.5f64;
+                    let mut b0 = S::from_f64(0.0);
+                    let mut i0: isize = 0;
+                    let end: isize = (size);
+                    while i0 < end {
+                        let low = i0;
+                        let len = (end - low) as usize;
+                        let s0 = ((i0) as isize as usize);
+                        let s0 = &at.p[s0..s0 + len];
+                        let s1 = ((i0) as isize as usize);
+                        let s1 = &at.q[s1..s1 + len];
+                        for k in 0..len {
+                            let i0 = low + k as isize;
+                            let l0 = s0[k];
+                            let l1 = s1[k];
+                            b0 = b0 + (l1 * l1 + l0 * l0) * 0.5;
                         }
-                        __i0 += __len as __wzvi::core::primitive::isize;
+                        i0 += len as isize;
                     }
-                    __total = __total + __b0;
+                    total = total + b0;
                 }
-                __member if __member as __wzvi::core::primitive::isize > 0
-                    && __member as __wzvi::core::primitive::isize
-                        <= ((self.sites as __wzvi::core::primitive::isize)) => {
-                    let __i1 = __member as __wzvi::core::primitive::isize - 1 - 0;
+                member if member as isize > 0
+                    && member as isize <= ((self.sites as isize)) => {
+                    let i1 = member as isize - 1 - 0;
                     {
                         {
-                            let __l0 = __at
-                                .q[((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            __total = __total + __l0 * __a0;
+                            let l0 = at.q[((i1) as isize as usize)];
+                            total = total + l0 * a0;
                         }
                     }
                 }
-                _ => return __nan,
+                _ => return nan,
             }
-            __total
+            total
         }
-        fn differentiate<__S: __wzvi::Scalar>(
+        fn differentiate<S: Scalar>(
             &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            let __nan = <__S as __wzvi::Scalar>::from_f64(
-                __wzvi::core::primitive::f64::NAN,
-            );
-            if !(__q.len() == __p.len()
-                && __wzvi::elements::check(self, __q.len()).is_ok()
-                && __by_q.len() == __q.len() && __by_p.len() == __q.len())
+            let nan = S::from_f64(f64::NAN);
+            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()
+                && by_q.len() == q.len() && by_p.len() == q.len())
             {
-                __by_q.fill(__nan);
-                __by_p.fill(__nan);
+                by_q.fill(nan);
+                by_p.fill(nan);
                 return;
             }
-            __by_q.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            __by_p.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-            let __a0: __wzvi::core::primitive::f64 = self.sigma;
-            let __size = (__q.len() / 1) as __wzvi::core::primitive::isize;
-            let __at = __wzvi::elements::Point {
-                q: __q,
-                p: __p,
-                t: __t,
-                h: 1.0,
-                dw: &[],
-            };
-            match __term {
+            by_q.fill(S::from_f64(0.0));
+            by_p.fill(S::from_f64(0.0));
+            let a0: f64 = self.sigma;
+            let size = (q.len() / 1) as isize;
+            let at = Point { q, p, t, h: 1.0, dw: &[] };
+            match term {
                 0 => {
                     {
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_q[__b0..__b0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0;
+                        let mut i0: isize = 0;
+                        let end: isize = (size);
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as usize;
+                            let s0 = ((i0) as isize as usize);
+                            let s0 = &at.q[s0..s0 + len];
+                            let b0 = ((i0) as isize as usize);
+                            let b0 = &mut by_q[b0..b0 + len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = s0[k];
+                                b0[k] = b0[k] + l0;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
                     }
                     {
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_p[__b0..__b0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0;
+                        let mut i0: isize = 0;
+                        let end: isize = (size);
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as usize;
+                            let s0 = ((i0) as isize as usize);
+                            let s0 = &at.p[s0..s0 + len];
+                            let b0 = ((i0) as isize as usize);
+                            let b0 = &mut by_p[b0..b0 + len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = s0[k];
+                                b0[k] = b0[k] + l0;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
                     }
                 }
-                __member if __member as __wzvi::core::primitive::isize > 0
-                    && __member as __wzvi::core::primitive::isize
-                        <= ((self.sites as __wzvi::core::primitive::isize)) => {
-                    let __i1 = __member as __wzvi::core::primitive::isize - 1 - 0;
+                member if member as isize > 0
+                    && member as isize <= ((self.sites as isize)) => {
+                    let i1 = member as isize - 1 - 0;
                     {
                         {
-                            let __l0 = __at
-                                .q[((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __at_index = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            __by_q[__at_index] = __by_q[__at_index]
-                                + <__S as __wzvi::Scalar>::from_f64(__a0);
+                            let l0 = at.q[((i1) as isize as usize)];
+                            let at_index = ((i1) as isize as usize);
+                            by_q[at_index] = by_q[at_index] + S::from_f64(a0);
                         }
                     }
                 }
                 _ => {
-                    __by_q.fill(__nan);
-                    __by_p.fill(__nan);
+                    by_q.fill(nan);
+                    by_p.fill(nan);
                 }
             }
         }
-        fn invariant(
-            &self,
-            _: __wzvi::core::primitive::usize,
-            _: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::core::primitive::f64::NAN
-        }
-        fn energy_rate(
-            &self,
-            __k: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::energy_rate(self, __k, __state)
-        }
     }
     #[automatically_derived]
-    impl __wzvi::elements::Elements for Bath {
-        const PLACES: __wzvi::elements::places::Places = {
-            use __wzvi::elements::places as __places;
-            __places::Places {
+    impl Elements for Bath {
+        const PLACES: Places = {
+            use wzvi::elements::places as places;
+            places::Places {
                 components: 1usize,
                 tables: &[
-                    __places::Name {
+                    places::Name {
                         name: "sites",
                         suffix: "",
                     },
                 ],
                 nests: &[
-                    __places::Nest {
+                    places::Nest {
                         loops: &[
-                            __places::Loop {
-                                start: __places::Index {
+                            places::Loop {
+                                start: places::Index {
                                     terms: &[],
                                     constant: 0,
-                                    name: __places::Name {
+                                    name: places::Name {
                                         name: "0",
                                         suffix: "",
                                     },
                                 },
-                                end: __places::Index {
-                                    terms: &[(__places::Atom::Given(0usize, &[]), 1)],
+                                end: places::Index {
+                                    terms: &[(places::Atom::Given(0usize, &[]), 1)],
                                     constant: 0,
-                                    name: __places::Name {
+                                    name: places::Name {
                                         name: "sites",
                                         suffix: "",
                                     },
@@ -296,11 +234,11 @@ const _: () = {
                             },
                         ],
                         slots: &[
-                            __places::Slot::State {
-                                index: __places::Index {
-                                    terms: &[(__places::Atom::Loop(0usize), 1)],
+                            places::Slot::State {
+                                index: places::Index {
+                                    terms: &[(places::Atom::Loop(0usize), 1)],
                                     constant: 0,
-                                    name: __places::Name {
+                                    name: places::Name {
                                         name: "i",
                                         suffix: "",
                                     },
@@ -314,406 +252,355 @@ const _: () = {
         };
         fn entries(
             &self,
-            __table: __wzvi::core::primitive::usize,
-            __outer: &[__wzvi::core::primitive::usize],
-            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
-        ) -> __wzvi::elements::places::Entries {
-            use __wzvi::elements::places as __places;
-            match (__table, __outer) {
-                (0usize, []) => {
-                    __places::Entries::of_integer(
-                        (self.sites) as __wzvi::core::primitive::i128,
-                    )
-                }
-                _ => __places::Entries::of_length(0),
+            table: usize,
+            outer: &[usize],
+            range: Range<usize>,
+        ) -> Entries {
+            use wzvi::elements::places as places;
+            match (table, outer) {
+                (0usize, []) => places::Entries::of_integer((self.sites) as i128),
+                _ => places::Entries::of_length(0),
             }
         }
-        fn slopes<__S: __wzvi::Scalar>(
+        fn slopes<S: Scalar>(
             &self,
-            __terms: __wzvi::elements::Terms,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            terms: Terms,
+            at: &Point<'_, S>,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.sigma;
-            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_q {
+            let a0: f64 = self.sigma;
+            let size = (at.q.len() / 1) as isize;
+            let t = at.t;
+            if terms.drift {
+                if terms.by_q {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_q[__b0..__b0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0 * __c;
+                        let c = S::from_f64(at.h);
+                        let mut i0: isize = 0;
+                        let end: isize = (size);
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as usize;
+                            let s0 = ((i0) as isize as usize);
+                            let s0 = &at.q[s0..s0 + len];
+                            let b0 = ((i0) as isize as usize);
+                            let b0 = &mut by_q[b0..b0 + len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = s0[k];
+                                b0[k] = b0[k] + l0 * c;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
                     }
                 }
-                if __terms.by_p {
+                if terms.by_p {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_p[__b0..__b0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0[__k] = __b0[__k] + __l0 * __c;
+                        let c = S::from_f64(at.h);
+                        let mut i0: isize = 0;
+                        let end: isize = (size);
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as usize;
+                            let s0 = ((i0) as isize as usize);
+                            let s0 = &at.p[s0..s0 + len];
+                            let b0 = ((i0) as isize as usize);
+                            let b0 = &mut by_p[b0..b0 + len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = s0[k];
+                                b0[k] = b0[k] + l0 * c;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
                     }
                 }
             }
-            if __terms.noise {
-                if __terms.by_q {
+            if terms.noise {
+                if terms.by_q {
                     {
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((self.sites
-                            as __wzvi::core::primitive::isize));
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            let __b0 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __b0 = &mut __by_q[__b0..__b0 + __len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                let __c = __at
-                                    .dw[((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                __b0[__k] = __b0[__k] + __c * __a0;
+                        let mut i1: isize = 0;
+                        let end: isize = ((self.sites as isize));
+                        while i1 < end {
+                            let low = i1;
+                            let len = (end - low) as usize;
+                            let s0 = ((i1) as isize as usize);
+                            let s0 = &at.q[s0..s0 + len];
+                            let b0 = ((i1) as isize as usize);
+                            let b0 = &mut by_q[b0..b0 + len];
+                            for k in 0..len {
+                                let i1 = low + k as isize;
+                                let l0 = s0[k];
+                                let c = at.dw[((i1) as isize as usize)];
+                                b0[k] = b0[k] + c * a0;
                             }
-                            __i1 += __len as __wzvi::core::primitive::isize;
+                            i1 += len as isize;
                         }
                     }
                 }
             }
         }
-        fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
+        fn curvature<S: Scalar, C: Curvature<S>>(
             &self,
-            __terms: __wzvi::elements::Terms,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __into: &mut __C,
+            terms: Terms,
+            at: &Point<'_, S>,
+            into: &mut C,
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.sigma;
-            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            if __terms.drift {
-                if __terms.by_q {
+            let a0: f64 = self.sigma;
+            let size = (at.q.len() / 1) as isize;
+            let t = at.t;
+            if terms.drift {
+                if terms.by_q {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __into
-                                    .add_qq(
-                                        ((__i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((__i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __c,
-                                    );
+                        let c = S::from_f64(at.h);
+                        let mut i0: isize = 0;
+                        let end: isize = (size);
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as usize;
+                            let s0 = ((i0) as isize as usize);
+                            let s0 = &at.q[s0..s0 + len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = s0[k];
+                                into.add_qq(
+                                    ((i0) as isize as usize),
+                                    ((i0) as isize as usize),
+                                    true,
+                                    c,
+                                );
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
                     }
                 }
-                if __terms.by_p {
+                if terms.by_p {
                     {
-                        let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __into
-                                    .add_pp(
-                                        ((__i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((__i0) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __c,
-                                    );
+                        let c = S::from_f64(at.h);
+                        let mut i0: isize = 0;
+                        let end: isize = (size);
+                        while i0 < end {
+                            let low = i0;
+                            let len = (end - low) as usize;
+                            let s0 = ((i0) as isize as usize);
+                            let s0 = &at.p[s0..s0 + len];
+                            for k in 0..len {
+                                let i0 = low + k as isize;
+                                let l0 = s0[k];
+                                into.add_pp(
+                                    ((i0) as isize as usize),
+                                    ((i0) as isize as usize),
+                                    true,
+                                    c,
+                                );
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
+                            i0 += len as isize;
                         }
                     }
                 }
             }
-            if __terms.noise {
-                if __terms.by_q {}
+            if terms.noise {
+                if terms.by_q {}
             }
         }
     }
     const _: () = {
-        const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
-            drift_l: 0.5f64,
-            noise_l: 0.5f64,
-            counter: 0f64,
-            unknowns: __wzvi::elements::Unknowns::Both,
+        const SCHEME: Scheme = Scheme {
+            drift_l: 0.5,
+            noise_l: 0.5,
+            counter: 0.0,
+            unknowns: Unknowns::Both,
             remembers: false,
             is_linear: false,
             has_noise: true,
         };
-        type __Prepared = (
-            [__wzvi::core::primitive::f64; 4usize],
-            [__wzvi::core::primitive::bool; 1usize],
-        );
-        type __Memory<__S> = __wzvi::core::marker::PhantomData<__S>;
+        #[derive(Clone, Debug)]
+        pub struct Prepared {
+            sigma: f64,
+            inverse_pivot: f64,
+            half_h: f64,
+            half_inverse_pivot: f64,
+            condition: bool,
+        }
+        type Memory<S> = PhantomData<S>;
         #[inline(always)]
-        fn __solve<
-            __S: __wzvi::Scalar,
-            __C: __wzvi::Carry<__S>,
-            const __CAREFUL: __wzvi::core::primitive::bool,
-        >(
-            __prepared: &__Prepared,
-            __t: __wzvi::core::primitive::f64,
-            __h: __wzvi::core::primitive::f64,
-            [__q0,
-            ]: [__S; 1usize],
-            [__p0,
-            ]: [__S; 1usize],
-            [__dw0,
-            ]: [__S; 1usize],
-            __memory: &mut __Memory<__S>,
-            __carry: &__C,
-        ) -> __wzvi::core::result::Result<
-            __wzvi::Solution<__S, 1usize>,
-            __wzvi::StepFailure,
-        > {
-            let [__c0, __c1, __c2, __c3] = __prepared.0;
-            let [__b0] = __prepared.1;
-            let __x0 = __dw0 * __c0;
-            let __x1 = __x0 + (__q0 + __p0 * __c2) * __h;
-            let __momentum0 = (if __b0 {
-                (__p0 - (__x0 + __q0 * __h) * 0.5f64) * __c1
+        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared,
+            h: f64,
+            q: [S; 1],
+            p: [S; 1],
+            dw: [S; 1],
+            carry: &C,
+        ) -> Result<Solution<S, 1>, StepFailure> {
+            let ([q_k], [p_k], [dw]) = (q, p, dw);
+            let &Prepared {
+                sigma,
+                inverse_pivot,
+                half_h,
+                half_inverse_pivot,
+                condition,
+            } = prepared;
+            let dw_sigma = dw * sigma;
+            let sum = dw_sigma + (q_k + p_k * half_h) * h;
+            let node_p_k = (if condition {
+                (p_k - (dw_sigma + q_k * h) * 0.5) * inverse_pivot
             } else {
-                __p0 - __x1 * __c3
+                p_k - sum * half_inverse_pivot
             });
-            let __next = __wzvi::Solution::new(
-                __carry,
-                [[__q0], [__p0]],
-                [[__momentum0 * __h], [-(__x1 * __c1)]],
-                [__momentum0],
-                __wzvi::Effort::fast(0),
+            let next = Solution::new(
+                carry,
+                [[q_k], [p_k]],
+                [[node_p_k * h], [-(sum * inverse_pivot)]],
+                [node_p_k],
+                Effort::fast(0),
             );
-            if !__next.is_finite() {
-                return __wzvi::core::result::Result::Err(__wzvi::StepFailure::NonFinite);
+            if !next.is_finite() {
+                return Err(StepFailure::NonFinite);
             }
-            __wzvi::core::result::Result::Ok(__next)
+            Ok(next)
         }
         #[automatically_derived]
-        impl __wzvi::elements::sites::Sites<__wzvi::embedding::Midpoint, 1usize, 1usize>
-        for Bath {
-            const IS_UNIFORM: __wzvi::core::primitive::bool = true;
-            type SitePrepared = __Prepared;
-            type SiteMemory<__S: __wzvi::Scalar> = __Memory<__S>;
+        impl Sites<Midpoint, 1, 1> for Bath {
+            const IS_UNIFORM: bool = true;
+            type SitePrepared = Prepared;
+            type SiteMemory<S: Scalar> = Memory<S>;
             fn prepare_site(
                 &self,
-                __h: __wzvi::core::primitive::f64,
-                __site: __wzvi::core::primitive::usize,
-                __sites: __wzvi::core::primitive::usize,
-            ) -> __wzvi::core::result::Result<__Prepared, __wzvi::ConfigError> {
-                let __i2 = __site as __wzvi::core::primitive::isize;
-                let __size = ((__sites * 1usize) / 1) as __wzvi::core::primitive::isize;
-                let __a0: __wzvi::core::primitive::f64 = self.sigma;
-                if __a0.is_nan() {
-                    return __wzvi::core::result::Result::Err(
-                        __wzvi::ConfigError::Parameter,
-                    );
+                h: f64,
+                site: usize,
+                sites: usize,
+            ) -> Result<Prepared, ConfigError> {
+                let i2 = site as isize;
+                let size = ((sites * 1) / 1) as isize;
+                let sigma: f64 = self.sigma;
+                if sigma.is_nan() {
+                    return Err(ConfigError::Parameter);
                 }
-                let __x0 = 1f64 + __h * __h * 0.25f64;
-                let __x1 = __wzvi::prepared(__h, __wzvi::reciprocal(__x0))?;
-                __wzvi::core::result::Result::Ok((
-                    [__a0, __x1, 0.5f64 * __h, 0.5f64 * __x1],
-                    [(2f64 < __x0)],
-                ))
+                let sum = 1.0 + h * h * 0.25;
+                let inverse_pivot = wzvi::prepared(h, wzvi::reciprocal(sum))?;
+                Ok(Prepared {
+                    sigma,
+                    inverse_pivot,
+                    half_h: 0.5 * h,
+                    half_inverse_pivot: 0.5 * inverse_pivot,
+                    condition: (2.0 < sum),
+                })
             }
             #[inline(always)]
-            fn increments(
-                &self,
-                __site: __wzvi::core::primitive::usize,
-                __sites: __wzvi::core::primitive::usize,
-            ) -> [__wzvi::core::option::Option<__wzvi::core::primitive::usize>; 1usize] {
-                let __i2 = __site as __wzvi::core::primitive::isize;
-                let __size = ((__sites * 1usize) / 1) as __wzvi::core::primitive::isize;
+            fn increments(&self, site: usize, sites: usize) -> [Option<usize>; 1] {
+                let i2 = site as isize;
+                let size = ((sites * 1) / 1) as isize;
                 [
-                    if __i2 >= 0
-                        && __i2 < ((self.sites as __wzvi::core::primitive::isize))
-                    {
-                        __wzvi::core::option::Option::Some(
-                            ((__i2) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize),
-                        )
+                    if i2 >= 0 && i2 < ((self.sites as isize)) {
+                        Option::Some(((i2) as isize as usize))
                     } else {
-                        __wzvi::core::option::Option::None
+                        Option::None
                     },
                 ]
             }
             #[inline(always)]
-            fn solve_site<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
-                __prepared: &__Prepared,
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: [__S; 1usize],
-                __p: [__S; 1usize],
-                __dw: [__S; 1usize],
-                __memory: &mut __Memory<__S>,
-                __carry: &__C,
-            ) -> __wzvi::core::result::Result<
-                __wzvi::Solution<__S, 1usize>,
-                __wzvi::StepFailure,
-            > {
-                __solve::<
-                    __S,
-                    __C,
-                    __CAREFUL,
-                >(__prepared, __t, __h, __q, __p, __dw, __memory, __carry)
+            fn solve_site<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+                prepared: &Prepared,
+                t: f64,
+                h: f64,
+                q: [S; 1],
+                p: [S; 1],
+                dw: [S; 1],
+                memory: &mut Memory<S>,
+                carry: &C,
+            ) -> Result<Solution<S, 1>, StepFailure> {
+                solve::<S, C, CAREFUL>(prepared, h, q, p, dw, carry)
             }
         }
         #[automatically_derived]
-        impl __wzvi::Discretized<__wzvi::embedding::Midpoint> for Bath {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Linear,
-                unknowns: 1usize,
-                order: 2u32,
-                noise: __wzvi::NoiseClass::Additive,
+        impl Discretized<Midpoint> for Bath {
+            const PLAN: Plan = Plan {
+                solver: Solver::Linear,
+                unknowns: 1,
+                order: 2,
+                noise: NoiseClass::Additive,
                 consistent: true,
-                conserves_energy: __wzvi::Knowledge::Refuted,
-                commuting: __wzvi::Knowledge::Proven,
+                conserves_energy: Knowledge::Refuted,
+                commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nThe sites k = 0..n - 1 are not coupled: each is a system of its own\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq[k] - h (q[k]_{i+1/2}²/2 + P²/2) - sigma q[k]_{i+1/2} ΔW\n  Δq[k] = q[k]_{i+1} - q[k]_i\n  q[k]_{i+1/2} = Δq[k]/2 + q[k]_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[k] = P h\n  p[k]_i = -D1 L_d:  P = p[k]_i + δp[k],  δp[k] = (-q[k]_{i+1/2} h - sigma ΔW)/2\n  p[k]_{i+1} = D2 L_d:  p[k]_{i+1} - p[k]_i = 2 δp[k]\n\nStep\n  solve for δp[k]: linear (then Δq[k])\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
-            const REMEMBERS: __wzvi::core::primitive::bool = false;
-            const IN_LANES: __wzvi::core::primitive::bool = false;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
-                __S,
+            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nThe sites k = 0..n - 1 are not coupled: each is a system of its own\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq[k] - h (q[k]_{i+1/2}²/2 + P²/2) - sigma q[k]_{i+1/2} ΔW\n  Δq[k] = q[k]_{i+1} - q[k]_i\n  q[k]_{i+1/2} = Δq[k]/2 + q[k]_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[k] = P h\n  p[k]_i = -D1 L_d:  P = p[k]_i + δp[k],  δp[k] = (-q[k]_{i+1/2} h - sigma ΔW)/2\n  p[k]_{i+1} = D2 L_d:  p[k]_{i+1} - p[k]_i = 2 δp[k]\n\nStep\n  solve for δp[k]: linear (then Δq[k])\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
+            const REMEMBERS: bool = false;
+            const IN_LANES: bool = false;
+            type Prepared = wzvi::elements::sites::Prepared<Prepared>;
+            type Memory<S: Scalar> = wzvi::elements::sites::Memory<
+                S,
+                Memory<S>,
+                Prepared,
             >;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
-            type Prepared = __wzvi::elements::sites::Prepared<__Prepared>;
-            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::sites::Memory<
-                __S,
-                __Memory<__S>,
-                __Prepared,
-            >;
-            fn memory(&self) -> Self::Memory<__wzvi::core::primitive::f64> {
-                __wzvi::elements::sites::Memory::new(self, 1usize)
+            type Compensated<S: Scalar> = CompensationVec<S>;
+            type Carry<S: Scalar> = Plain;
+            fn memory(&self) -> Self::Memory<f64> {
+                wzvi::elements::sites::Memory::new(self, 1)
             }
-            fn prepare(
-                &self,
-                __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<Self::Prepared, __wzvi::ConfigError> {
-                __wzvi::elements::sites::prepare::<
-                    _,
-                    __wzvi::embedding::Midpoint,
-                    1usize,
-                    1usize,
-                >(self, __h)
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                wzvi::elements::sites::prepare::<_, Midpoint, 1, 1>(self, h)
             }
-            fn advance_carrying<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
-                __prepared: &Self::Prepared,
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: &mut [__S],
-                __p: &mut [__S],
-                __dw: &[__S],
-                __memory: &mut Self::Memory<__S>,
-                __carry: &mut __C,
-            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                __wzvi::elements::sites::advance::<
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                wzvi::elements::sites::advance::<
                     _,
-                    __wzvi::embedding::Midpoint,
-                    __S,
-                    __C,
-                    __CAREFUL,
-                    1usize,
-                    1usize,
-                >(self, __prepared, __t, __h, __q, __p, __dw, __memory, __carry)
+                    Midpoint,
+                    S,
+                    C,
+                    CAREFUL,
+                    1,
+                    1,
+                >(self, prepared, t, h, q, p, dw, memory, carry)
             }
             fn discrete_lagrangian(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::core::primitive::f64 {
-                __wzvi::elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                wzvi::elements::discrete_lagrangian(self, &SCHEME, segment, dw)
             }
             fn discrete_lagrangian_gradient(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                __wzvi::elements::discrete_lagrangian_gradient(
-                    self,
-                    &__SCHEME,
-                    __segment,
-                    __dw,
-                )
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                wzvi::elements::discrete_lagrangian_gradient(self, &SCHEME, segment, dw)
             }
             fn step_momentum(
                 &self,
-                __before: &__wzvi::State<Self::Vector>,
-                __after: &__wzvi::State<Self::Vector>,
-                __h: __wzvi::core::primitive::f64,
-                __dw: &[__wzvi::core::primitive::f64],
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
             ) -> Self::Vector {
-                __wzvi::elements::sites::step_momentum(&__before.p, &__after.p, [0.5f64])
+                wzvi::elements::sites::step_momentum(&before.p, &after.p, [0.5])
             }
         }
+    };
+    /// The names that are bound above, so that no constant around can stand for them.
+    use ::wzvi::__private::{
+        binding as a0, binding as after, binding as at, binding as at_index,
+        binding as b0, binding as before, binding as by_p, binding as by_q, binding as c,
+        binding as carry, binding as condition, binding as degrees, binding as dw,
+        binding as dw_sigma, binding as end, binding as h, binding as half_h,
+        binding as half_inverse_pivot, binding as i0, binding as i1, binding as i2,
+        binding as index, binding as into, binding as inverse_pivot, binding as k,
+        binding as l0, binding as l1, binding as len, binding as low, binding as member,
+        binding as memory, binding as nan, binding as next, binding as node_p_k,
+        binding as outer, binding as p, binding as p_k, binding as places,
+        binding as prepared, binding as q, binding as q_k, binding as range,
+        binding as s0, binding as s1, binding as segment, binding as sigma,
+        binding as site, binding as sites, binding as size, binding as sum, binding as t,
+        binding as table, binding as term, binding as terms, binding as total,
     };
 };
 const _: () = {

@@ -37,7 +37,7 @@ pub use crate::memory::{Iteration, Method};
 use crate::error::{ConfigError, StepFailure};
 use crate::scalar::Scalar;
 use crate::state::{State, Vector};
-use crate::system::{Gradient, Hamiltonian, LagrangianGradient, Segment};
+use crate::system::{Hamiltonian, LagrangianGradient, Segment};
 
 /// Fixed-point iterations and old factors are kept while corrections shrink to this fraction.
 pub const CONTRACTS: f64 = 0.2;
@@ -122,25 +122,6 @@ pub fn prepare<H: Elements>(system: &H) -> Result<(), ConfigError> {
             places::index_error(system, degrees).map_or(Ok(()), |error| Err(ConfigError::Index(error)))
         }
     }
-}
-
-/// `{H_k, H_0}`, NaN if the state does not fit.
-pub fn energy_rate<H: Elements>(system: &H, k: usize, state: &State<H::Vector>) -> f64 {
-    let d = state.q.components().len();
-    if k >= system.noises() || state.p.components().len() != d {
-        return f64::NAN;
-    }
-    let slopes = |term: usize| {
-        let mut gradient = Gradient { q: H::Vector::zeros(d), p: H::Vector::zeros(d) };
-        let (q, p) = (state.q.components(), state.p.components());
-        system.differentiate(term, q, p, state.t, gradient.q.components_mut(), gradient.p.components_mut());
-        gradient
-    };
-    let (noise, drift) = (slopes(k + 1), slopes(0));
-    let dot = |a: &H::Vector, b: &H::Vector| -> f64 {
-        a.components().iter().zip(b.components()).map(|(a, b)| a * b).sum()
-    };
-    dot(&noise.p, &drift.q) - dot(&noise.q, &drift.p)
 }
 
 /// `P` of the step between two states: the step is taken once more. NaN if that fails.

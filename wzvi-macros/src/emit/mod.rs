@@ -1,6 +1,8 @@
 //! From equations to Rust: the struct as written, its traits, and nothing that the scene does not use.
 
+pub(crate) mod discretized;
 mod lagrangian;
+pub(crate) mod names;
 pub(crate) mod plan;
 mod print;
 mod program;
@@ -16,9 +18,10 @@ use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::model::Model;
 
+pub(crate) use names::{Names, Surroundings, readable};
 pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
-pub(crate) use system::parameter;
+pub(crate) use system::{count, number_of, parameter};
 
 /// Everything that `#[hamiltonian]` stands for. `equations` has the text of each scheme, in their order.
 pub(crate) fn emit(
@@ -27,33 +30,46 @@ pub(crate) fn emit(
     schemes: &[Scheme],
     equations: &[String],
 ) -> TokenStream {
-    let mut generated = system::emit(model, facts);
+    let mut generated = system::emit(model);
     for (scheme, text) in schemes.iter().zip(equations) {
         generated.extend(step::emit(model, facts, scheme, text));
     }
-    let Model { item, crate_path, type_checks, .. } = model;
-    wrapped(item, crate_path, &generated, type_checks, equations)
+    let surroundings = Surroundings {
+        crate_path: &model.crate_path,
+        tokens: with_header(&model.item, model.parameters.iter().map(|parameter| &parameter.tokens)),
+        spelled: &model.type_checks,
+    };
+    wrapped(&model.item, generated, &surroundings, equations)
 }
 
 /// The struct as it was written, documented, and `generated` in a scope of its own.
 pub(crate) fn wrapped(
     item: &syn::ItemStruct,
-    crate_path: &syn::Path,
-    generated: &TokenStream,
-    type_checks: &TokenStream,
+    generated: TokenStream,
+    surroundings: &Surroundings<'_>,
     equations: &[String],
 ) -> TokenStream {
-    let doc = documentation(equations);
+    let (doc, type_checks) = (documentation(equations), surroundings.spelled);
+    let generated = readable(generated, surroundings);
     quote! {
         #doc
         #item
         #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction, clippy::cargo)]
         const _: () = {
-            use #crate_path::__private as __wzvi;
             #generated
         };
         #type_checks
     }
+}
+
+/// What implementations name of the user's: the struct with its generics, and what `read` reads.
+pub(crate) fn with_header<'t>(
+    item: &syn::ItemStruct,
+    read: impl Iterator<Item = &'t TokenStream>,
+) -> TokenStream {
+    let (name, (generics, arguments, filter)) = (&item.ident, item.generics.split_for_impl());
+    let read = read.cloned().collect::<Vec<_>>();
+    quote!(#generics #name #arguments #filter #(; #read)*)
 }
 
 /// The equations as rustdoc of the struct.

@@ -68,14 +68,14 @@ impl Chunk<'_> {
         let Some(inner) = self.inner else { return self.single(inside, values) };
         let name = variable(inner.variable);
         let (start, end) = (self.indices.value(&inner.start), self.indices.value(&inner.end));
-        let (isize, usize) = (quote!(__wzvi::core::primitive::isize), quote!(__wzvi::core::primitive::usize));
+        let (isize, usize) = (quote!(__wzvi::isize), quote!(__wzvi::usize));
         let mut code = Code::default();
         for (k, local) in self.element.locals.iter().enumerate() {
             self.open(&mut code, inner.variable, k, local);
         }
         self.store(&mut code, inner.variable, values);
         let most = match code.has_buffers {
-            true => quote!(__wzvi::core::cmp::Ord::min((__end - __low) as #usize, #CHUNK)),
+            true => quote!(__wzvi::Ord::min((__end - __low) as #usize, #CHUNK)),
             false => quote!((__end - __low) as #usize),
         };
         let Code { before, limits, opening, reads, stores, closing, after, .. } = code;
@@ -136,7 +136,7 @@ impl Chunk<'_> {
                 let is_state = matches!(local.slot, Slot::Coordinate(_) | Slot::Momentum(_));
                 code.reads.extend(match is_state {
                     true => quote!(let #own = #slice[__k];),
-                    false => quote!(let #own = <__S as __wzvi::Scalar>::from_f64(#slice[__k]);),
+                    false => quote!(let #own = __S::from_f64(#slice[__k]);),
                 });
             }
             Motion::Points { base, part } => {
@@ -308,7 +308,7 @@ impl Chunk<'_> {
                 let (name, add) = (variable(inner), self.add(target, &quote!(#buffer[__k])));
                 code.closing.extend(quote! {
                     for __k in 0..__len {
-                        let #name = __low + __k as __wzvi::core::primitive::isize;
+                        let #name = __low + __k as __wzvi::isize;
                         #add
                     }
                 });
@@ -324,7 +324,7 @@ impl Chunk<'_> {
         code.limited.push(index.clone());
         let (at, size) = (self.indices.value(&both.0), self.indices.value(&both.1));
         code.limits.extend(quote! {
-            __len = __wzvi::core::cmp::Ord::min(__len, (#size - #at % #size) as __wzvi::core::primitive::usize);
+            __len = __wzvi::Ord::min(__len, (#size - #at % #size) as __wzvi::usize);
         });
     }
 
@@ -364,12 +364,12 @@ impl Chunk<'_> {
             }
             Slot::Entry(table, indices) => {
                 let entry = self.indices.entry(*table, indices);
-                quote!(<__S as __wzvi::Scalar>::from_f64(#entry))
+                quote!(__S::from_f64(#entry))
             }
             Slot::Number(index) => {
                 let value = self.indices.value(index);
-                quote!(<__S as __wzvi::Scalar>::from_f64(
-                    #value as __wzvi::core::primitive::isize as __wzvi::core::primitive::f64
+                quote!(__S::from_f64(
+                    #value as __wzvi::isize as __wzvi::f64
                 ))
             }
         }
@@ -394,7 +394,7 @@ impl Chunk<'_> {
 }
 
 fn zero() -> TokenStream {
-    quote!(<__S as __wzvi::Scalar>::from_f64(0.0))
+    quote!(__S::from_f64(0.0))
 }
 
 fn slot_index(slot: &Slot) -> Index {

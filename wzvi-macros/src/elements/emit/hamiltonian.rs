@@ -3,7 +3,7 @@
 use super::indices::{Indices, variable};
 use super::{Wanted, degrees, element_code, noise_count, parameters, sizes, vector_type};
 use crate::diagnostics::internal::Promised;
-use crate::emit::{f64_type, parameter};
+use crate::emit::{count, f64_type, number_of, parameter};
 use crate::model::index::Index;
 use crate::model::{Element, Family, Noise, System, Term};
 use proc_macro2::TokenStream;
@@ -12,14 +12,17 @@ use quote::quote;
 /// `impl Hamiltonian`
 pub(super) fn emit(model: &mut System) -> TokenStream {
     let vector = vector_type(model);
-    let (degrees, noises) = (degrees(model), noise_count(model));
+    let degrees = degrees(model);
+    let noises = (!model.noise.is_empty()).then(|| number_of("noises", &noise_count(model)));
     let (values, slopes) = (arms(model, Wanted::Value), arms(model, Wanted::Slopes));
     let read = parameters(model);
     let size = sizes(model, &quote!(__q.len()));
-    let (invariants, invariant) = (model.invariants.len(), invariant(model));
+    let invariants = count(model.invariants.len());
+    let invariants = (!model.invariants.is_empty()).then(|| number_of("invariants", &quote!(#invariants)));
+    let invariant = invariant(model);
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let (usize, f64) = (quote!(__wzvi::core::primitive::usize), f64_type());
+    let (usize, f64) = (quote!(__wzvi::usize), f64_type());
     let parameter = parameter(&model.graph, &model.parameters);
     let fits = quote! {
         __q.len() == __p.len() && __wzvi::elements::check(self, __q.len()).is_ok()
@@ -34,25 +37,25 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
             fn check(
                 &self,
                 __degrees: #usize,
-            ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
+            ) -> __wzvi::Result<(), __wzvi::StepFailure> {
                 __wzvi::elements::check(self, __degrees)
             }
 
-            fn noises(&self) -> #usize { #noises }
+            #noises
 
-            fn invariants(&self) -> #usize { #invariants }
+            #invariants
 
             #parameter
 
             fn evaluate<__S: __wzvi::Scalar>(&self, __term: #usize, __q: &[__S], __p: &[__S], __t: #f64) -> __S {
-                let __nan = <__S as __wzvi::Scalar>::from_f64(#f64::NAN);
+                let __nan = __S::from_f64(#f64::NAN);
                 if !(#fits) {
                     return __nan;
                 }
                 #read
                 #size
                 let __at = __wzvi::elements::Point { q: __q, p: __p, t: __t, h: 1.0, dw: &[] };
-                let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
+                let mut __total = __S::from_f64(0.0);
                 match __term {
                     #values
                     _ => return __nan,
@@ -69,14 +72,14 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
                 __by_q: &mut [__S],
                 __by_p: &mut [__S],
             ) {
-                let __nan = <__S as __wzvi::Scalar>::from_f64(#f64::NAN);
+                let __nan = __S::from_f64(#f64::NAN);
                 if !(#fits && __by_q.len() == __q.len() && __by_p.len() == __q.len()) {
                     __by_q.fill(__nan);
                     __by_p.fill(__nan);
                     return;
                 }
-                __by_q.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
-                __by_p.fill(<__S as __wzvi::Scalar>::from_f64(0.0));
+                __by_q.fill(__S::from_f64(0.0));
+                __by_p.fill(__S::from_f64(0.0));
                 #read
                 #size
                 let __at = __wzvi::elements::Point { q: __q, p: __p, t: __t, h: 1.0, dw: &[] };
@@ -90,19 +93,15 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
             }
 
             #invariant
-
-            fn energy_rate(&self, __k: #usize, __state: &__wzvi::State<Self::Vector>) -> #f64 {
-                __wzvi::elements::energy_rate(self, __k, __state)
-            }
         }
     }
 }
 
 /// `Hamiltonian::invariant`
 pub(super) fn invariant(model: &mut System) -> TokenStream {
-    let (usize, f64) = (quote!(__wzvi::core::primitive::usize), f64_type());
+    let (usize, f64) = (quote!(__wzvi::usize), f64_type());
     if model.invariants.is_empty() {
-        return quote!(fn invariant(&self, _: #usize, _: &__wzvi::State<Self::Vector>) -> #f64 { #f64::NAN });
+        return TokenStream::new();
     }
     let integrals: Vec<Vec<Element>> =
         model.invariants.iter().map(|invariant| invariant.values.clone()).collect();
@@ -114,6 +113,7 @@ pub(super) fn invariant(model: &mut System) -> TokenStream {
     let (read, size) = (parameters(model), sizes(model, &quote!(__at.q.len())));
     quote! {
         fn invariant(&self, __number: #usize, __state: &__wzvi::State<Self::Vector>) -> #f64 {
+            use __wzvi::Scalar as _;
             type __S = #f64;
             let (__q, __p) = (__wzvi::Vector::components(&__state.q), __wzvi::Vector::components(&__state.p));
             if __q.len() != __p.len() || __wzvi::elements::check(self, __q.len()).is_err() {
@@ -160,7 +160,7 @@ pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
 
 /// The arm of one noise, or of the members of a family, after `offset` others.
 fn noise_arm(model: &mut System, noise: &Noise, offset: &Index, wanted: Wanted) -> TokenStream {
-    let (isize, usize) = (quote!(__wzvi::core::primitive::isize), quote!(__wzvi::core::primitive::usize));
+    let (isize, usize) = (quote!(__wzvi::isize), quote!(__wzvi::usize));
     let indices = Indices { tables: &model.tables, checked: false };
     let before = indices.value(offset);
     let Some(Family { variable: id, count }) = &noise.family else {

@@ -53,11 +53,11 @@ impl Indices<'_> {
         }
         let value = self.value(index);
         if self.checked {
-            quote!(__wzvi::core::convert::TryInto::<__wzvi::core::primitive::usize>::try_into(
-                #value as __wzvi::core::primitive::isize,
+            quote!(__wzvi::TryInto::<__wzvi::usize>::try_into(
+                #value as __wzvi::isize,
             ).ok()?)
         } else {
-            quote!((#value as __wzvi::core::primitive::isize as __wzvi::core::primitive::usize))
+            quote!((#value as __wzvi::isize as __wzvi::usize))
         }
     }
 
@@ -93,7 +93,7 @@ impl Indices<'_> {
 
     /// A checked value, or not a number.
     pub(crate) fn or_nan(&self, checked: &TokenStream) -> TokenStream {
-        quote!((|| __wzvi::core::option::Option::Some(#checked))().unwrap_or(__wzvi::core::primitive::f64::NAN))
+        quote!((|| __wzvi::Some(#checked))().unwrap_or(__wzvi::f64::NAN))
     }
 
     /// Whether the entries of a table are the elements of a list.
@@ -102,7 +102,7 @@ impl Indices<'_> {
     }
 
     fn atom(&self, atom: &Atom) -> TokenStream {
-        let isize = quote!(__wzvi::core::primitive::isize);
+        let isize = quote!(__wzvi::isize);
         let both = |both: &(Index, Index)| (self.value(&both.0), self.value(&both.1));
         match atom {
             Atom::Loop(id) => {
@@ -134,11 +134,11 @@ impl Indices<'_> {
             }
             Atom::Minimum(operands) => {
                 let (a, b) = both(operands);
-                quote!(__wzvi::core::cmp::Ord::min(#a, #b))
+                quote!(__wzvi::Ord::min(#a, #b))
             }
             Atom::Maximum(operands) => {
                 let (a, b) = both(operands);
-                quote!(__wzvi::core::cmp::Ord::max(#a, #b))
+                quote!(__wzvi::Ord::max(#a, #b))
             }
         }
     }

@@ -7,7 +7,7 @@ use quote::{format_ident, quote};
 
 use super::chunk::Chunk;
 use super::indices::{Indices, variable};
-use crate::emit::{Level, Lowering, Op, Printer};
+use crate::emit::{Level, Lowering, Names, Op, Printer};
 use crate::model::Parameter;
 use crate::model::index::{Index, Loop};
 use crate::model::{Element, Table};
@@ -37,6 +37,12 @@ pub(super) struct Context<'a> {
     /// What other symbols of the outputs stand for.
     pub(super) definitions: HashMap<Symbol, Expr>,
 }
+
+/// What the code around an element names.
+const LIVE: [&str; 20] = [
+    "ahead", "at", "base", "by_p", "by_q", "c", "end", "into", "k", "len", "low", "nan", "p", "q", "size",
+    "t", "term", "terms", "total", "value",
+];
 
 /// The loops of `element` around what computes `outputs`.
 pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Expr, Target)]) -> TokenStream {
@@ -70,7 +76,7 @@ pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Exp
     let program = &lowering.program;
     let uses = program.uses(&ops);
     let hints = HashMap::new();
-    let mut printer = Printer::new(program, quote!(__S), &hints);
+    let mut printer = Printer::new(program, quote!(__S), &hints, Names::beside(&LIVE));
     for (op, name) in names {
         printer.set(op, name);
     }
@@ -104,7 +110,7 @@ pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Exp
     for Loop { variable: id, start, end } in outer.iter().rev() {
         let (name, start, end) = (variable(*id), indices.value(start), indices.value(end));
         nest = quote! {
-            for #name in (#start as __wzvi::core::primitive::isize)..#end {
+            for #name in (#start as __wzvi::isize)..#end {
                 #nest
             }
         };

@@ -20,7 +20,7 @@ use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::sums::Weighted;
 use crate::elements::plan::Strategy;
-use crate::emit::{f64_type, wrapped};
+use crate::emit::{Surroundings, f64_type, with_header, wrapped};
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, Noise, Reads, System};
@@ -44,10 +44,25 @@ pub(crate) fn emit(
                 discretized::sweep(model, facts, embedding, *unknowns, *is_linear)
             }
         };
-        generated.extend(discretized::emit(model, facts, embedding, &road, text));
+        generated.extend(discretized::emit(model, facts, embedding, road, text));
     }
-    let System { item, crate_path, type_checks, .. } = model;
-    wrapped(item, crate_path, &generated, type_checks, equations)
+    let surroundings = Surroundings {
+        crate_path: &model.crate_path,
+        tokens: with_header(&model.item, user_tokens(model).iter()),
+        spelled: &model.type_checks,
+    };
+    wrapped(&model.item, generated, &surroundings, equations)
+}
+
+/// What is read of the struct and of the constants around it.
+fn user_tokens(model: &System) -> Vec<TokenStream> {
+    let parameters = model.parameters.iter().map(|parameter| parameter.tokens.clone());
+    let tables = model.tables.iter().flat_map(|table| [table.tokens.clone(), table.suffix.clone()]);
+    let length = match &model.shape {
+        Shape::Array(_, Length::Named(expr)) => Some(quote!(#expr)),
+        _ => None,
+    };
+    parameters.chain(tables).chain(length).collect()
 }
 
 /// `SVector<f64, D>` where the type system can name `D`, else `DVector<f64>`.
@@ -83,7 +98,7 @@ fn expr_mentions(expr: &syn::Expr, name: &str) -> bool {
 /// The outermost size and the degrees of freedom in a method whose state is `__q`.
 fn sizes(model: &System, degrees: &TokenStream) -> TokenStream {
     let components = proc_macro2::Literal::i128_unsuffixed(model.components);
-    quote! { let __size = (#degrees / #components) as __wzvi::core::primitive::isize; }
+    quote! { let __size = (#degrees / #components) as __wzvi::isize; }
 }
 
 /// The number of degrees of freedom; 0 if only the state knows it.
@@ -93,7 +108,7 @@ fn degrees(model: &System) -> TokenStream {
     }
     let indices = Indices { tables: &model.tables, checked: false };
     let (size, components) = (indices.value(&model.size), usize::try_from(model.components).unwrap_or(1));
-    quote!((#size as __wzvi::core::primitive::usize) * #components)
+    quote!((#size as __wzvi::usize) * #components)
 }
 
 fn noise_count(model: &System) -> TokenStream {
@@ -102,7 +117,7 @@ fn noise_count(model: &System) -> TokenStream {
         Some(count) => quote!(#count),
         None => {
             let count = Indices { tables: &model.tables, checked: false }.value(&count);
-            quote!((#count as __wzvi::core::primitive::isize as __wzvi::core::primitive::usize))
+            quote!((#count as __wzvi::isize as __wzvi::usize))
         }
     }
 }
@@ -292,12 +307,8 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
 
 /// Every element of the drift and the noises, under the conditions of `__terms`.
 fn sweep(model: &mut System, facts: &Facts, wanted: Wanted) -> TokenStream {
-    let drift: Vec<(Element, TokenStream)> = model
-        .drift
-        .elements
-        .iter()
-        .map(|element| (element.clone(), quote!(<__S as __wzvi::Scalar>::from_f64(__at.h))))
-        .collect();
+    let drift: Vec<(Element, TokenStream)> =
+        model.drift.elements.iter().map(|element| (element.clone(), quote!(__S::from_f64(__at.h)))).collect();
     let noise = noise_elements(model);
     let counter = counter_elements(model, facts);
     let mut code = TokenStream::new();

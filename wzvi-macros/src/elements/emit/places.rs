@@ -32,7 +32,7 @@ pub(super) fn emit(system: &System) -> TokenStream {
         quote!(__places::Name { name: #name, suffix: #suffix },)
     });
     let arms = places.arms.values();
-    let usize = quote!(__wzvi::core::primitive::usize);
+    let usize = quote!(__wzvi::usize);
     quote! {
         const PLACES: __wzvi::elements::places::Places = {
             use __wzvi::elements::places as __places;
@@ -43,7 +43,7 @@ pub(super) fn emit(system: &System) -> TokenStream {
             &self,
             __table: #usize,
             __outer: &[#usize],
-            __range: __wzvi::core::ops::Range<#usize>,
+            __range: __wzvi::Range<#usize>,
         ) -> __wzvi::elements::places::Entries {
             use __wzvi::elements::places as __places;
             match (__table, __outer) {
@@ -141,7 +141,7 @@ impl Places<'_> {
             }
             Atom::Size => return quote!(__places::Atom::Size),
             Atom::Given(table, indices) => {
-                let read = quote!(|__integer| __integer as __wzvi::core::primitive::i128);
+                let read = quote!(|__integer| __integer as __wzvi::i128);
                 let positions = self.positions(*table, indices, element, Some(read));
                 let table = *table as usize;
                 return quote!(__places::Atom::Given(#table, #positions));
@@ -175,7 +175,7 @@ impl Places<'_> {
         match (last, &wide) {
             (None, Some(_)) => {
                 let arm = quote! {
-                    (#number, []) => __places::Entries::of_integer((#tokens) as __wzvi::core::primitive::i128),
+                    (#number, []) => __places::Entries::of_integer((#tokens) as __wzvi::i128),
                 };
                 self.arms.insert((number, 0), arm);
             }
@@ -200,8 +200,8 @@ impl Places<'_> {
                     let at = quote::format_ident!("__o{level}");
                     list = quote! {
                         match (#list).get(#at) {
-                            __wzvi::core::option::Option::Some(__inner) => &__inner[..],
-                            __wzvi::core::option::Option::None => return __places::Entries::of_length(0),
+                            __wzvi::Some(__inner) => &__inner[..],
+                            __wzvi::None => return __places::Entries::of_length(0),
                         }
                     };
                 }

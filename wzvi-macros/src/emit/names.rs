@@ -1,0 +1,101 @@
+//! Names in emitted code: unmistakable while it is put together, those of the user's formulas where it is read.
+//!
+//! An emitter marks each of its own names with two underscores, and writes everything of this library by its path. When
+//! the code of a struct is complete, [`readable`] knows all of its words and takes the marks off.
+
+use std::collections::HashSet;
+
+use proc_macro2::{Ident, Span};
+
+mod readable;
+
+pub(crate) use readable::{Surroundings, readable};
+
+/// What stands before a name of ours.
+const MARK: &str = "__";
+
+/// The names of one function body: no two are the same.
+#[derive(Clone, Default)]
+pub(crate) struct Names {
+    taken: HashSet<String>,
+}
+
+impl Names {
+    /// For a body that reads `live` names besides those that it asks for.
+    pub(crate) fn beside(live: &[&str]) -> Self {
+        Self { taken: live.iter().map(|name| format!("{MARK}{name}")).collect() }
+    }
+
+    /// Nothing else is called `name` from here on.
+    pub(crate) fn avoid(&mut self, name: &Ident) {
+        self.taken.insert(name.to_string());
+    }
+
+    /// A name as near to `wish` as possible: a variable of the user, or a part of a formula.
+    pub(crate) fn take(&mut self, wish: &str) -> Ident {
+        let word = as_word(wish);
+        let separator = if word.ends_with(|last: char| last.is_ascii_digit()) { "_" } else { "" };
+        let mut name = format!("{MARK}{word}");
+        let mut number = 2_u32;
+        while !self.taken.insert(name.clone()) {
+            name = format!("{MARK}{word}{separator}{number}");
+            number += 1;
+        }
+        Ident::new(&name, Span::call_site())
+    }
+
+    /// Names for `wishes`, in their order.
+    pub(crate) fn take_all<W: AsRef<str>>(&mut self, wishes: impl IntoIterator<Item = W>) -> Vec<Ident> {
+        wishes.into_iter().map(|wish| self.take(wish.as_ref())).collect()
+    }
+}
+
+/// `q[0]` is `q0`, `q[i + 1]` is `q_i_plus_1`, `self.0` is `field0`; what is a word already is left alone.
+fn as_word(wish: &str) -> String {
+    let wish = wish.strip_prefix("self.").map_or_else(|| wish.to_owned(), |field| format!("field[{field}]"));
+    let spelled = wish.replace('+', " plus ").replace('-', " minus ").replace('%', " mod ");
+    let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
+    let mut word = String::new();
+    let mut before = "";
+    for part in spelled.split(|c| !is_of_word(c)).filter(|part| !part.is_empty()) {
+        let is_number = part.chars().all(|c| c.is_ascii_digit());
+        let is_name = !before.ends_with(|c: char| c.is_ascii_digit()) && !["plus", "minus"].contains(&before);
+        if !(before.is_empty() || is_number && is_name) {
+            word.push('_');
+        }
+        word.push_str(part);
+        before = part;
+    }
+    let is_word = word.chars().any(|c| c != '_') && syn::parse_str::<Ident>(&format!("{MARK}{word}")).is_ok();
+    if is_word { word } else { "x".to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variables_keep_their_names() {
+        let cases = [
+            ("sigma", "__sigma"),
+            ("θ", "__θ"),
+            ("q[0]", "__q0"),
+            ("q[1][2]", "__q1_2"),
+            ("q[i + 1]", "__q_i_plus_1"),
+            ("self.0", "__field0"),
+            ("_", "__x"),
+            ("", "__x"),
+        ];
+        for (wish, name) in cases {
+            assert_eq!(Names::default().take(wish).to_string(), name);
+        }
+    }
+
+    #[test]
+    fn no_two_names_are_the_same() {
+        let mut names = Names::beside(&["h"]);
+        let taken = names.take_all(["h", "q", "q", "q0", "q[0]", "q"]);
+        let taken: Vec<String> = taken.iter().map(ToString::to_string).collect();
+        assert_eq!(taken, ["__h2", "__q", "__q2", "__q0", "__q0_2", "__q3"]);
+    }
+}
