@@ -52,9 +52,13 @@ impl Names {
 
 /// `q[0]` is `q0`, `q[i + 1]` is `q_i_plus_1`, `self.0` is `field0`; what is a word already is left alone.
 fn as_word(wish: &str) -> String {
+    let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
+    let is_word = |word: &str| word.chars().any(|c| c != '_') && word.chars().all(is_of_word);
+    if is_word(wish) {
+        return wish.to_owned();
+    }
     let wish = wish.strip_prefix("self.").map_or_else(|| wish.to_owned(), |field| format!("field[{field}]"));
     let spelled = wish.replace('+', " plus ").replace('-', " minus ").replace('%', " mod ");
-    let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
     let mut word = String::new();
     let mut before = "";
     for part in spelled.split(|c| !is_of_word(c)).filter(|part| !part.is_empty()) {
@@ -66,8 +70,7 @@ fn as_word(wish: &str) -> String {
         word.push_str(part);
         before = part;
     }
-    let is_word = word.chars().any(|c| c != '_') && syn::parse_str::<Ident>(&format!("{MARK}{word}")).is_ok();
-    if is_word { word } else { "x".to_owned() }
+    if is_word(&word) { word } else { "x".to_owned() }
 }
 
 #[cfg(test)]

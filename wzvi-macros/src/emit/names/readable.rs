@@ -47,9 +47,10 @@ pub(crate) fn readable(generated: TokenStream, surroundings: &Surroundings<'_>) 
     if crate_path.leading_colon.is_none() {
         survey.listen(quote!(#crate_path), &|_| true);
     }
-    survey.read(generated.clone());
+    let code = nodes(generated);
+    survey.read(&code);
     let decided = survey.decide();
-    let body = decided.rewritten(generated);
+    let body = decided.rewritten(code, false);
     let (root, imports, bindings) = (decided.name(ROOT), decided.imports(), decided.bindings());
     let bindings = (!bindings.is_empty()).then(|| {
         quote! {
@@ -78,44 +79,47 @@ struct Survey {
 impl Survey {
     /// Remembers the words of the user that can be meant by themselves: not fields, not the end of paths.
     fn listen(&mut self, tokens: TokenStream, is_wanted: &dyn Fn(&str) -> bool) {
-        let tokens: Vec<TokenTree> = tokens.into_iter().collect();
-        for (i, token) in tokens.iter().enumerate() {
-            match token {
-                TokenTree::Ident(ident) if !is_field(&tokens, i) && !ends_path(&tokens, i) => {
-                    let word = ident.to_string();
-                    let word = word.strip_prefix("r#").unwrap_or(&word);
+        self.listen_to(&nodes(tokens), is_wanted);
+    }
+
+    fn listen_to(&mut self, code: &[Node], is_wanted: &dyn Fn(&str) -> bool) {
+        for (i, node) in code.iter().enumerate() {
+            match node {
+                Node::Word(word, _) if !is_field(code, i) && !ends_path(code, i) => {
+                    let word = word.strip_prefix("r#").unwrap_or(word);
                     if is_wanted(word) {
                         self.of_user.insert(word.to_owned());
                     }
                 }
-                TokenTree::Group(group) => self.listen(group.stream(), is_wanted),
+                Node::Group(_, inner) => self.listen_to(inner, is_wanted),
                 _ => {}
             }
         }
     }
 
-    fn read(&mut self, tokens: TokenStream) {
-        let tokens: Vec<TokenTree> = tokens.into_iter().collect();
-        for (i, token) in tokens.iter().enumerate() {
-            match token {
-                TokenTree::Group(group) => self.read(group.stream()),
-                TokenTree::Ident(ident) if !is_field(&tokens, i) => {
-                    let word = ident.to_string();
-                    if word.starts_with(MARK) && !self.of_user.contains(&word) {
-                        let before = i.checked_sub(1).map(|before| &tokens[before]);
-                        let is_declared = matches!(before, Some(TokenTree::Ident(before))
-                            if DECLARING.iter().any(|keyword| before == keyword));
-                        let is_item = is_declared || word == ROOT || TYPE_PARAMETERS.contains(&word.as_str());
-                        *self.own.entry(word.clone()).or_insert(true) &= !is_item;
-                        if word == ROOT
-                            && let Some((path, _)) = path_to_type(&tokens, i)
-                        {
-                            self.paths.insert(path);
-                        }
-                    }
+    fn read(&mut self, code: &[Node]) {
+        for (i, node) in code.iter().enumerate() {
+            match node {
+                Node::Group(_, inner) => self.read(inner),
+                Node::Word(word, _) if is_marked(code, i) && !self.of_user.contains(word) => {
+                    self.read_own(word, code, i);
                 }
                 _ => {}
             }
+        }
+    }
+
+    /// The marked `word` at `i`.
+    fn read_own(&mut self, word: &str, code: &[Node], i: usize) {
+        if word == ROOT {
+            self.paths.extend(path_to_type(code, i).map(|(path, _)| path));
+        }
+        let is_declared = matches!(before(code, i, 1), Some(Node::Word(before, _))
+            if DECLARING.contains(&before.as_str()));
+        let is_item = is_declared || word == ROOT || TYPE_PARAMETERS.contains(&word);
+        match self.own.get_mut(word) {
+            Some(is_bound) => *is_bound &= !is_item,
+            None => drop(self.own.insert(word.to_owned(), !is_item)),
         }
     }
 
@@ -185,92 +189,119 @@ impl Decided {
         modules.into_iter().map(import).collect()
     }
 
-    fn rewritten(&self, tokens: TokenStream) -> TokenStream {
-        let tokens: Vec<TokenTree> = tokens.into_iter().collect();
-        let mut written: Vec<TokenTree> = Vec::with_capacity(tokens.len());
-        let mut i = 0;
-        while i < tokens.len() {
-            let mut length = 1;
-            written.push(match &tokens[i] {
-                TokenTree::Group(group) => {
-                    let inner = self.rewritten(group.stream());
-                    let is_braced = group.delimiter() == Delimiter::Brace;
-                    let inner = if is_braced { with_short_fields(inner) } else { inner };
+    fn rewritten(&self, code: Vec<Node>, is_braced: bool) -> TokenStream {
+        let names: Vec<Option<(String, usize)>> =
+            (0..code.len()).map(|i| is_marked(&code, i).then(|| self.rename(&code, i)).flatten()).collect();
+        let mut written: Vec<TokenTree> = Vec::with_capacity(code.len());
+        let mut next = 0;
+        for (i, (node, name)) in code.into_iter().zip(names).enumerate() {
+            if i < next {
+                continue;
+            }
+            match (node, name) {
+                (Node::Word(_, ident), Some((name, end))) => {
+                    written.push(Ident::new(&name, ident.span()).into());
+                    next = end;
+                }
+                (Node::Word(_, ident), None) => written.push(ident.into()),
+                (Node::Group(group, inner), _) => {
+                    let inner = self.rewritten(inner, group.delimiter() == Delimiter::Brace);
                     let mut new = Group::new(group.delimiter(), inner);
                     new.set_span(group.span());
-                    new.into()
+                    written.push(new.into());
                 }
-                TokenTree::Ident(ident) if !is_field(&tokens, i) => {
-                    let mut word = ident.to_string();
-                    if word == ROOT
-                        && let Some((path, end)) = path_to_type(&tokens, i)
-                        && self.imports.contains(&path)
-                    {
-                        length = end - i;
-                        word = path.last().cloned().unwrap_or(word);
-                    } else if let Some(name) = self.names.get(&word) {
-                        word.clone_from(name);
+                (Node::Other(token), _) => {
+                    if is_braced && is(&token, ',') {
+                        shorten_field(&mut written);
                     }
-                    match *ident == word {
-                        true => ident.clone().into(),
-                        false => Ident::new(&word, ident.span()).into(),
-                    }
+                    written.push(token);
                 }
-                other => other.clone(),
-            });
-            i += length;
+            }
+        }
+        if is_braced {
+            shorten_field(&mut written);
         }
         written.into_iter().collect()
     }
-}
 
-/// `Point { q, p }` instead of `Point { q: q, p: p }`.
-fn with_short_fields(tokens: TokenStream) -> TokenStream {
-    let tokens: Vec<TokenTree> = tokens.into_iter().collect();
-    let is =
-        |i: usize, c: char| matches!(tokens.get(i), Some(TokenTree::Punct(punct)) if punct.as_char() == c);
-    let mut written: Vec<TokenTree> = Vec::with_capacity(tokens.len());
-    let mut i = 0;
-    while i < tokens.len() {
-        written.push(tokens[i].clone());
-        let starts = i == 0 || is(i - 1, ',');
-        let is_twice = match (&tokens[i], tokens.get(i + 2)) {
-            (TokenTree::Ident(field), Some(TokenTree::Ident(value))) => is(i + 1, ':') && field == value,
-            _ => false,
-        };
-        let ends = i + 3 == tokens.len() || is(i + 3, ',');
-        i += if starts && is_twice && ends { 3 } else { 1 };
+    /// What the marked word at `i` becomes, and where that ends.
+    fn rename(&self, code: &[Node], i: usize) -> Option<(String, usize)> {
+        let Node::Word(word, _) = &code[i] else { return None };
+        if word == ROOT
+            && let Some((path, end)) = path_to_type(code, i)
+            && self.imports.contains(&path)
+        {
+            return path.into_iter().next_back().map(|name| (name, end));
+        }
+        self.names.get(word).map(|name| (name.clone(), i + 1))
     }
-    written.into_iter().collect()
 }
 
-fn is_punct(token: Option<&TokenTree>, c: char) -> bool {
-    matches!(token, Some(TokenTree::Punct(punct)) if punct.as_char() == c)
+/// `q` at the end instead of `q: q`, as in `Point { q, p }`.
+fn shorten_field(written: &mut Vec<TokenTree>) {
+    let [before @ .., TokenTree::Ident(field), colon, TokenTree::Ident(value)] = written.as_slice() else {
+        return;
+    };
+    let is_field = is(colon, ':') && before.last().is_none_or(|last| is(last, ','));
+    if is_field && field == value {
+        written.truncate(written.len() - 2);
+    }
 }
 
-fn before(tokens: &[TokenTree], i: usize, distance: usize) -> Option<&TokenTree> {
-    i.checked_sub(distance).and_then(|before| tokens.get(before))
+/// A token, with its words spelled: they are looked at more than once.
+enum Node {
+    Word(String, Ident),
+    Group(Group, Vec<Node>),
+    Other(TokenTree),
 }
 
-/// Whether token `i` is a field or a method: it comes after one dot.
-fn is_field(tokens: &[TokenTree], i: usize) -> bool {
-    is_punct(before(tokens, i, 1), '.') && !is_punct(before(tokens, i, 2), '.')
+fn nodes(tokens: TokenStream) -> Vec<Node> {
+    let node = |token| match token {
+        TokenTree::Ident(ident) => Node::Word(ident.to_string(), ident),
+        TokenTree::Group(group) => {
+            let inner = nodes(group.stream());
+            Node::Group(group, inner)
+        }
+        other => Node::Other(other),
+    };
+    tokens.into_iter().map(node).collect()
 }
 
-/// Whether token `i` comes after `::`.
-fn ends_path(tokens: &[TokenTree], i: usize) -> bool {
-    is_punct(before(tokens, i, 1), ':') && is_punct(before(tokens, i, 2), ':')
+fn is(token: &TokenTree, c: char) -> bool {
+    matches!(token, TokenTree::Punct(punct) if punct.as_char() == c)
+}
+
+fn is_punct(node: Option<&Node>, c: char) -> bool {
+    matches!(node, Some(Node::Other(token)) if is(token, c))
+}
+
+fn before(code: &[Node], i: usize, distance: usize) -> Option<&Node> {
+    i.checked_sub(distance).and_then(|before| code.get(before))
+}
+
+/// Whether node `i` is a word with a mark, and no field.
+fn is_marked(code: &[Node], i: usize) -> bool {
+    matches!(&code[i], Node::Word(word, _) if word.starts_with(MARK)) && !is_field(code, i)
+}
+
+/// Whether node `i` is a field or a method: it comes after one dot.
+fn is_field(code: &[Node], i: usize) -> bool {
+    is_punct(before(code, i, 1), '.') && !is_punct(before(code, i, 2), '.')
+}
+
+/// Whether node `i` comes after `::`.
+fn ends_path(code: &[Node], i: usize) -> bool {
+    is_punct(before(code, i, 1), ':') && is_punct(before(code, i, 2), ':')
 }
 
 /// The path from [`ROOT`] at `i` to its first type, and where it ends.
-fn path_to_type(tokens: &[TokenTree], i: usize) -> Option<(Vec<String>, usize)> {
+fn path_to_type(code: &[Node], i: usize) -> Option<(Vec<String>, usize)> {
     let mut path = Vec::new();
     let mut at = i + 1;
-    while is_punct(tokens.get(at), ':') && is_punct(tokens.get(at + 1), ':') {
-        let Some(TokenTree::Ident(segment)) = tokens.get(at + 2) else { return None };
-        let segment = segment.to_string();
+    while is_punct(code.get(at), ':') && is_punct(code.get(at + 1), ':') {
+        let Some(Node::Word(segment, _)) = code.get(at + 2) else { return None };
         let is_type = segment.starts_with(char::is_uppercase) || PRIMITIVES.contains(&segment.as_str());
-        path.push(segment);
+        path.push(segment.clone());
         at += 3;
         if is_type {
             return Some((path, at));
