@@ -74,8 +74,8 @@ pub use wzvi_runtime::noise;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
-    calculus, elements, embedding, error, increments, integrate, memory, numbers, plan, retry, scalar,
-    simulate, state, step, system, trajectory,
+    calculus, compose, elements, embedding, error, increments, integrate, memory, numbers, plan, retry,
+    scalar, simulate, state, step, system, trajectory,
 };
 #[cfg(feature = "ensemble")]
 pub use wzvi_runtime::{ensemble, lanes};
@@ -97,7 +97,8 @@ pub mod prelude {
     pub use wzvi_runtime::checkpoint::Checkpoint;
     pub use wzvi_runtime::elements::Iteration;
     pub use wzvi_runtime::embedding::{
-        Corrected, DeltaMinus, DeltaPlus, Lambda, Midpoint, Mixed, Uncorrected,
+        BlanesMoan4, BlanesMoan6, Composed, Corrected, DeltaMinus, DeltaPlus, KahanLi6, KahanLi8, Lambda,
+        Midpoint, Mixed, Suzuki4, SuzukiUmeno8, Uncorrected, Verlet, Yoshida4, Yoshida6,
     };
     pub use wzvi_runtime::increments::{Increments, Noise};
     pub use wzvi_runtime::integrate::Integrate;
@@ -130,7 +131,9 @@ pub mod __private {
 
     pub use wzvi_macros::__continue;
 
+    pub use wzvi_runtime::__composition as composition;
     pub use wzvi_runtime::carry::{Carry, Compensation, Plain};
+    pub use wzvi_runtime::compose;
     pub use wzvi_runtime::elements;
     pub use wzvi_runtime::embedding;
     pub use wzvi_runtime::error::{ConfigError, StepFailure};

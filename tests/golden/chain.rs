@@ -55,11 +55,12 @@ const _: () = {
         self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
         Knowledge, LagrangianGradient, NoiseClass, Option, Plain, Plan, Range, Result,
         Scalar, Segment, Solver, State, StepFailure, bool, f64, isize, str, usize,
+        compose::Composes,
         elements::{
             CompensationVec, Curvature, Elements, Memory, Point, Scheme, Terms, Unknowns,
         },
         elements::places::{Entries, Places},
-        embedding::Midpoint,
+        embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
     impl Hamiltonian for Chain {
@@ -520,6 +521,12 @@ const _: () = {
             }
         }
     };
+    wzvi::composition! {
+        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
+        Chain] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes < Midpoint
+        > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as Composes <
+        Midpoint > > ::substeps()
+    }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as a0, binding as after, binding as ahead, binding as at, binding as at1,

@@ -54,7 +54,8 @@ const _: () = {
         self as wzvi, Carry, Clone, Compensation, ConfigError, Debug, Discretized,
         Effort, Err, Factor, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok,
         Option, PhantomData, Plain, Plan, Result, SVector, Scalar, Segment, Solution,
-        Solver, State, StepFailure, Vector, bool, f64, str, usize, embedding::Midpoint,
+        Solver, State, StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
     impl Hamiltonian for Oscillators {
@@ -252,6 +253,12 @@ const _: () = {
             }
         }
     };
+    wzvi::composition! {
+        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
+        Oscillators] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes <
+        Midpoint > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as
+        Composes < Midpoint > > ::substeps()
+    }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as after, binding as before, binding as by_p, binding as by_q,

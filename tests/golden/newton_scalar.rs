@@ -49,7 +49,7 @@ const _: () = {
         Effort, Err, Extrapolation, Hamiltonian, Knowledge, LagrangianGradient,
         NoiseClass, Ok, Option, Plain, Plan, Result, Rounded, SVector, Scalar, Segment,
         Solution, Solver, State, StepFailure, Vector, bool, f64, str, usize,
-        embedding::Midpoint,
+        compose::Composes, embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
     impl Hamiltonian for Pendulum {
@@ -275,6 +275,12 @@ const _: () = {
             }
         }
     };
+    wzvi::composition! {
+        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
+        Pendulum] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes <
+        Midpoint > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as
+        Composes < Midpoint > > ::substeps()
+    }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as after, binding as before, binding as by_p, binding as by_q,

@@ -81,8 +81,8 @@ const _: () = {
         self as wzvi, Carry, Clone, Compensation, ConfigError, Debug, Discretized,
         Effort, Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option,
         PhantomData, Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver,
-        State, StepFailure, Vector, bool, f64, str, usize,
-        embedding::{DeltaPlus, Midpoint, Uncorrected},
+        State, StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        embedding::{Composed, DeltaPlus, Midpoint, Uncorrected},
     };
     #[automatically_derived]
     impl Hamiltonian for Kubo {
@@ -399,6 +399,12 @@ const _: () = {
             }
         }
     };
+    wzvi::composition! {
+        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
+        Kubo] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes < Midpoint
+        > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as Composes <
+        Midpoint > > ::substeps()
+    }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as a, binding as a_h, binding as after, binding as before,

@@ -55,10 +55,10 @@ const _: () = {
         self as wzvi, Carry, Clone, ConfigError, DVector, Debug, Discretized, Effort,
         Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option,
         PhantomData, Plain, Plan, Range, Result, Scalar, Segment, Solution, Solver,
-        State, StepFailure, bool, f64, i128, isize, str, usize,
+        State, StepFailure, bool, f64, i128, isize, str, usize, compose::Composes,
         elements::{CompensationVec, Curvature, Elements, Point, Scheme, Terms, Unknowns},
         elements::places::{Entries, Places},
-        elements::sites::Sites, embedding::Midpoint,
+        elements::sites::Sites, embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
     impl Hamiltonian for Bath {
@@ -586,6 +586,12 @@ const _: () = {
             }
         }
     };
+    wzvi::composition! {
+        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
+        Bath] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes < Midpoint
+        > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as Composes <
+        Midpoint > > ::substeps()
+    }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as a0, binding as after, binding as at, binding as at_index,

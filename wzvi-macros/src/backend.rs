@@ -4,7 +4,8 @@ use std::rc::Rc;
 
 use proc_macro2::TokenStream;
 
-use crate::discretise::describe::describe;
+use crate::describe::{Texts, derived};
+use crate::discretise::describe::{describe, properties};
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::sites::Site;
@@ -12,30 +13,38 @@ use crate::discretise::{Scheme, discretise};
 use crate::elements;
 use crate::elements::plan::{Strategy, strategy};
 use crate::emit::emit;
-use crate::model::{Model, System};
+use crate::model::{Located, Model, System};
 
 /// The struct with everything that the compiler gives it, as straight-line code.
 pub(crate) fn back_end(mut model: Model, facts: &Facts) -> TokenStream {
-    let embeddings: Vec<Embedding> =
-        model.embeddings.iter().map(|embedding| embedding.value.clone()).collect();
-    let schemes: Vec<Scheme> = embeddings.iter().map(|e| discretise(&mut model, facts, e)).collect();
-    let equations: Vec<String> = schemes.iter().map(|scheme| describe(&mut model, facts, scheme)).collect();
-    emit(&mut model, facts, &schemes, &equations)
+    let listed = values(&model.embeddings);
+    let schemes: Vec<Scheme> = derived(&listed).iter().map(|e| discretise(&mut model, facts, e)).collect();
+    let of_parts = schemes.iter().map(|scheme| describe(&mut model, facts, scheme)).collect();
+    let texts = Texts::new(&listed, of_parts, |embedding, text| {
+        properties(&mut model.graph, facts, embedding, text);
+    });
+    emit(&mut model, facts, &schemes, &texts)
 }
 
 /// [`back_end`] in loops.
 pub(crate) fn elements_back_end(mut system: Box<System>, facts: &Facts) -> TokenStream {
-    let embeddings: Vec<Embedding> =
-        system.embeddings.iter().map(|embedding| embedding.value.clone()).collect();
+    let listed = values(&system.embeddings);
     let site = Site::of(&mut system).map(Rc::new);
-    let schemes: Vec<(Embedding, Strategy)> = embeddings
+    let schemes: Vec<(Embedding, Strategy)> = derived(&listed)
         .into_iter()
         .map(|embedding| {
             let strategy = strategy(&mut system, site.as_ref(), facts, &embedding);
             (embedding, strategy)
         })
         .collect();
-    let equations: Vec<String> =
+    let of_parts =
         schemes.iter().map(|(e, s)| elements::describe::describe(&mut system, facts, e, s)).collect();
-    elements::emit::emit(&mut system, facts, &schemes, &equations)
+    let texts = Texts::new(&listed, of_parts, |embedding, text| {
+        properties(&mut system.graph, facts, embedding, text);
+    });
+    elements::emit::emit(&mut system, facts, &schemes, &texts)
+}
+
+fn values(embeddings: &[Located<Embedding>]) -> Vec<Embedding> {
+    embeddings.iter().map(|embedding| embedding.value.clone()).collect()
 }

@@ -6,6 +6,7 @@
 mod backend;
 mod check;
 mod compile;
+mod describe;
 mod diagnostics;
 mod discretise;
 mod elements;

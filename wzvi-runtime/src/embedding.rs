@@ -10,6 +10,11 @@
 
 use std::marker::PhantomData;
 
+pub use crate::compose::{
+    BlanesMoan4, BlanesMoan6, Composed, KahanLi6, KahanLi8, Partitioned, Suzuki4, SuzukiUmeno8, Verlet,
+    Weights, Yoshida4, Yoshida6,
+};
+
 /// `l = 0`: the paper's order-one embedding (Δ₊, ∫ Δt).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DeltaPlus;

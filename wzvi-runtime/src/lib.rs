@@ -5,6 +5,7 @@ pub mod carry;
 mod checksum;
 #[cfg(feature = "ensemble")]
 mod clock;
+pub mod compose;
 pub mod elements;
 pub mod embedding;
 #[cfg(feature = "ensemble")]
@@ -43,6 +44,9 @@ pub mod step;
 mod sum;
 pub mod system;
 pub mod trajectory;
+
+#[doc(hidden)]
+pub use core;
 
 #[cfg(feature = "mpi")]
 pub use mpi;

@@ -263,7 +263,7 @@ pub fn increments<S: Copy, const K: usize>(dw: &[S]) -> Result<[S; K], StepFailu
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no discretisation by `{E}`",
     label = "this scheme was not generated for `{Self}`",
-    note = "add `{E}` to `embedding = [...]` in the `#[hamiltonian(...)]` of `{Self}`; only listed schemes are compiled"
+    note = "add `{E}`, or the scheme that it composes, to `embedding = [...]` in the `#[hamiltonian(...)]` of `{Self}`; only listed schemes are compiled"
 )]
 pub trait Discretized<E>: Hamiltonian {
     /// What the compiler found out.

@@ -10,7 +10,7 @@ use crate::discretise::embedding::Embedding;
 use crate::input::{Shape, closest};
 
 const KEYS: &str = "`drift`, `noise`, `embedding`, `invariant` and `crate`";
-const SCHEMES: &str = "`DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Mixed<Drift, Noise>`, \
+const SCHEMES: &str = "`DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Mixed<Drift, Noise>`, `Verlet`, \
                        `Corrected<E>` and `Uncorrected<E>`";
 const PATTERNS: &str = "supported are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
                         time as an optional third parameter";
@@ -162,9 +162,16 @@ pub(crate) fn not_a_scheme(found: impl ToTokens) -> Error {
 }
 
 pub(crate) fn unknown_embedding(name: &syn::Ident) -> Error {
-    let names = ["DeltaPlus", "Midpoint", "DeltaMinus", "Lambda", "Mixed", "Corrected", "Uncorrected"];
+    let names =
+        ["DeltaPlus", "Midpoint", "DeltaMinus", "Lambda", "Mixed", "Verlet", "Corrected", "Uncorrected"];
     let suggestion = scheme_synonym(&name.to_string()).or_else(|| closest(&name.to_string(), names));
     at(name, suggest(format!("unknown embedding `{name}`; there are {SCHEMES}"), suggestion))
+}
+
+/// A composition is not listed, but its base is.
+pub(crate) fn composed(found: impl ToTokens, base: &syn::Type) -> Error {
+    let base = base.to_token_stream();
+    at(found, format!("compositions are not listed: list `{base}`, and its compositions are there"))
 }
 
 /// What other texts call the same scheme.

@@ -15,6 +15,8 @@ pub(crate) enum Embedding {
     Lambda(u32, u32),
     /// `Mixed<Drift, Noise>`; neither is itself mixed or wrapped, which the parser checks.
     Mixed(Box<Embedding>, Box<Embedding>),
+    /// Half a step of `DeltaPlus`, then half a step of `DeltaMinus`.
+    Verlet,
     /// `Corrected<E>`; `E` is not wrapped.
     Corrected(Box<Embedding>),
     /// `Uncorrected<E>`; `E` is not wrapped.
@@ -33,11 +35,11 @@ pub(crate) enum Correction {
 }
 
 impl Embedding {
-    /// The quadrature points `(l_drift, l_noise)`.
+    /// The quadrature points `(l_drift, l_noise)`, on average over the step.
     pub(crate) fn quadrature(&self) -> (Rational, Rational) {
         match self {
             Self::DeltaPlus => (Rational::ZERO, Rational::ZERO),
-            Self::Midpoint => (Rational::HALF, Rational::HALF),
+            Self::Midpoint | Self::Verlet => (Rational::HALF, Rational::HALF),
             Self::DeltaMinus => (Rational::ONE, Rational::ONE),
             &Self::Lambda(n, d) => {
                 let l =
@@ -47,6 +49,20 @@ impl Embedding {
             Self::Mixed(drift, noise) => (drift.quadrature().0, noise.quadrature().1),
             Self::Corrected(inner) | Self::Uncorrected(inner) => inner.quadrature(),
         }
+    }
+
+    /// The schemes with one quadrature point that a step is made of, one after the other.
+    pub(crate) fn parts(&self) -> Vec<Self> {
+        let uncorrected = |half: Self| Self::Uncorrected(Box::new(half));
+        match self {
+            Self::Verlet => vec![uncorrected(Self::DeltaPlus), uncorrected(Self::DeltaMinus)],
+            whole => vec![whole.clone()],
+        }
+    }
+
+    /// Whether the step backwards undoes the step forwards.
+    pub(crate) fn is_symmetric(&self) -> bool {
+        matches!(self, Self::Midpoint | Self::Verlet)
     }
 
     /// The order in `h` without noise.
@@ -71,6 +87,7 @@ impl fmt::Display for Embedding {
             Self::DeltaMinus => f.write_str("DeltaMinus"),
             Self::Lambda(n, d) => write!(f, "Lambda<{n}, {d}>"),
             Self::Mixed(drift, noise) => write!(f, "Mixed<{drift}, {noise}>"),
+            Self::Verlet => f.write_str("Verlet"),
             Self::Corrected(inner) => write!(f, "Corrected<{inner}>"),
             Self::Uncorrected(inner) => write!(f, "Uncorrected<{inner}>"),
         }

@@ -44,7 +44,7 @@ pub(crate) struct Invariant {
 pub(crate) struct Form {
     /// Quadratic in (q, p): a first integral is kept exactly by `Midpoint`.
     quadratic: bool,
-    /// `pᵀA q` plus linear terms: kept exactly by every embedding with one quadrature point.
+    /// `pᵀA q` plus linear terms: kept exactly by every embedding with one quadrature point and by compositions of them.
     bilinear: bool,
 }
 
@@ -58,7 +58,8 @@ impl Form {
     /// Whether the step keeps a first integral of this form to rounding.
     pub(crate) fn is_kept(self, embedding: &Embedding, has_noise: bool) -> bool {
         let (drift, noise) = embedding.quadrature();
-        self.quadratic && drift == Rational::HALF && (noise == Rational::HALF || !has_noise)
+        let has_midpoint = drift == Rational::HALF && *embedding != Embedding::Verlet;
+        self.quadratic && has_midpoint && (noise == Rational::HALF || !has_noise)
             || self.bilinear && (drift == noise || !has_noise)
     }
 }

@@ -1,5 +1,6 @@
 //! From equations to Rust: the struct as written, its traits, and nothing that the scene does not use.
 
+mod compose;
 pub(crate) mod discretized;
 mod lagrangian;
 pub(crate) mod names;
@@ -13,6 +14,7 @@ mod system;
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{ToTokens, quote};
 
+use crate::describe::Texts;
 use crate::discretise::Scheme;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
@@ -23,15 +25,10 @@ pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
 pub(crate) use system::{count, number_of, parameter};
 
-/// Everything that `#[hamiltonian]` stands for. `equations` has the text of each scheme, in their order.
-pub(crate) fn emit(
-    model: &mut Model,
-    facts: &Facts,
-    schemes: &[Scheme],
-    equations: &[String],
-) -> TokenStream {
+/// Everything that `#[hamiltonian]` stands for. `texts` has those of each scheme, in their order.
+pub(crate) fn emit(model: &mut Model, facts: &Facts, schemes: &[Scheme], texts: &Texts) -> TokenStream {
     let mut generated = system::emit(model);
-    for (scheme, text) in schemes.iter().zip(equations) {
+    for (scheme, text) in schemes.iter().zip(&texts.of_parts) {
         generated.extend(step::emit(model, facts, scheme, text));
     }
     let surroundings = Surroundings {
@@ -39,17 +36,18 @@ pub(crate) fn emit(
         tokens: with_header(&model.item, model.parameters.iter().map(|parameter| &parameter.tokens)),
         spelled: &model.type_checks,
     };
-    wrapped(&model.item, generated, &surroundings, equations)
+    wrapped(&model.item, generated, &surroundings, texts)
 }
 
 /// The struct as it was written, documented, and `generated` in a scope of its own.
 pub(crate) fn wrapped(
     item: &syn::ItemStruct,
-    generated: TokenStream,
+    mut generated: TokenStream,
     surroundings: &Surroundings<'_>,
-    equations: &[String],
+    texts: &Texts,
 ) -> TokenStream {
-    let (doc, type_checks) = (documentation(equations), surroundings.spelled);
+    generated.extend(compose::emit(item, texts));
+    let (doc, type_checks) = (documentation(texts), surroundings.spelled);
     let generated = readable(generated, surroundings);
     quote! {
         #doc
@@ -73,8 +71,8 @@ pub(crate) fn with_header<'t>(
 }
 
 /// The equations as rustdoc of the struct.
-fn documentation(equations: &[String]) -> TokenStream {
-    let blocks = equations.iter().map(|text| format!("```text\n{text}\n```\n"));
+fn documentation(texts: &Texts) -> TokenStream {
+    let blocks = texts.listed.iter().map(|(_, text)| format!("```text\n{text}\n```\n"));
     let text = format!("\n# Discrete equations\n\n{}", blocks.collect::<Vec<_>>().join("\n"));
     quote!(#[doc = #text])
 }
@@ -89,6 +87,7 @@ pub(crate) fn embedding_type(embedding: &Embedding, wzvi: &impl ToTokens) -> Tok
         Embedding::DeltaPlus => quote!(#wzvi::embedding::DeltaPlus),
         Embedding::Midpoint => quote!(#wzvi::embedding::Midpoint),
         Embedding::DeltaMinus => quote!(#wzvi::embedding::DeltaMinus),
+        Embedding::Verlet => quote!(#wzvi::embedding::Verlet),
         Embedding::Lambda(n, d) => quote!(#wzvi::embedding::Lambda<#n, #d>),
         Embedding::Mixed(drift, noise) => {
             let (drift, noise) = (embedding_type(drift, wzvi), embedding_type(noise, wzvi));

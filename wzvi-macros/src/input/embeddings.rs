@@ -28,6 +28,9 @@ pub(super) fn read_embeddings(
 fn embedding(ty: &Type) -> syn::Result<Embedding> {
     let (name, arguments) = parts(ty)?;
     match (name.to_string().as_str(), arguments.as_deref()) {
+        ("Verlet", None) => Ok(Embedding::Verlet),
+        ("Verlet", Some(_)) => Err(messages::scheme_arguments(ty, "Verlet")),
+        ("Composed", Some([GenericArgument::Type(base), _])) => Err(messages::composed(ty, base)),
         ("Corrected", Some([inner])) => Ok(Embedding::Corrected(Box::new(unwrapped(inner)?))),
         ("Uncorrected", Some([inner])) => Ok(Embedding::Uncorrected(Box::new(unwrapped(inner)?))),
         ("Corrected" | "Uncorrected", _) => Err(messages::scheme_arguments(ty, "Corrected<Midpoint>")),

@@ -15,6 +15,7 @@ use quote::{format_ident, quote};
 use self::combine::Combined;
 pub(crate) use self::indices::Indices;
 use self::kernel::{Context, Target};
+use crate::describe::Texts;
 use crate::diagnostics::internal::Promised;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
@@ -28,16 +29,16 @@ use crate::symbolic::{Expr, Graph, Symbol};
 
 pub(crate) use self::sites::site_entry;
 
-/// Everything that `#[hamiltonian]` stands for. `equations` has the text of each scheme, in their order.
+/// Everything that `#[hamiltonian]` stands for. `texts` has those of each scheme, in their order.
 pub(crate) fn emit(
     model: &mut System,
     facts: &Facts,
     schemes: &[(Embedding, Strategy)],
-    equations: &[String],
+    texts: &Texts,
 ) -> TokenStream {
     let mut generated = hamiltonian::emit(model);
     generated.extend(elements(model, facts));
-    for ((embedding, strategy), text) in schemes.iter().zip(equations) {
+    for ((embedding, strategy), text) in schemes.iter().zip(&texts.of_parts) {
         let road = match strategy {
             Strategy::Sites(site, scheme) => sites::emit(model, facts, site, scheme),
             Strategy::Sweep { unknowns, is_linear } => {
@@ -51,7 +52,7 @@ pub(crate) fn emit(
         tokens: with_header(&model.item, user_tokens(model).iter()),
         spelled: &model.type_checks,
     };
-    wrapped(&model.item, generated, &surroundings, equations)
+    wrapped(&model.item, generated, &surroundings, texts)
 }
 
 /// What is read of the struct and of the constants around it.

@@ -1,0 +1,54 @@
+//! The texts of the schemes that were listed, from those of the schemes that were derived.
+
+use crate::discretise::embedding::Embedding;
+
+/// What `EQUATIONS` and the documentation say.
+pub(crate) struct Texts {
+    /// Of every scheme that was derived, in their order.
+    pub(crate) of_parts: Vec<String>,
+    /// Of every scheme that was listed.
+    pub(crate) listed: Vec<(Embedding, String)>,
+}
+
+/// The schemes with one quadrature point to derive, each once, for those that were listed.
+pub(crate) fn derived(listed: &[Embedding]) -> Vec<Embedding> {
+    let mut derived: Vec<Embedding> = Vec::new();
+    for part in listed.iter().flat_map(Embedding::parts) {
+        if !derived.contains(&part) {
+            derived.push(part);
+        }
+    }
+    derived
+}
+
+impl Texts {
+    /// `of_parts` are those of `derived(listed)`; `facts_of` says what is known of a scheme that is made of several.
+    pub(crate) fn new(
+        listed: &[Embedding],
+        of_parts: Vec<String>,
+        mut facts_of: impl FnMut(&Embedding, &mut String),
+    ) -> Self {
+        let derived = derived(listed);
+        let text_of = |part: &Embedding| {
+            let known = derived.iter().zip(&of_parts).find(|(embedding, _)| *embedding == part);
+            known.map_or("", |(_, text)| text.as_str())
+        };
+        let mut text = |embedding: &Embedding| match embedding.parts().as_slice() {
+            [whole] => text_of(whole).to_owned(),
+            parts => {
+                let mut text = format!(
+                    "{embedding}\n\nA step of size h is two of size h/2, with half of the increments each:\n"
+                );
+                for part in parts {
+                    let derivation = text_of(part).split("\nFacts").next().unwrap_or_default();
+                    text.push('\n');
+                    text.push_str(derivation);
+                }
+                facts_of(embedding, &mut text);
+                text
+            }
+        };
+        let listed = listed.iter().map(|embedding| (embedding.clone(), text(embedding))).collect();
+        Self { of_parts, listed }
+    }
+}

@@ -1,0 +1,139 @@
+//! What the parts of a step leave for those of the next.
+
+use std::fmt::Debug;
+
+use crate::carry::Carry;
+use crate::memory::{Iteration, Method, StepMemory};
+use crate::numbers::{Numbers, Tape};
+use crate::scalar::Scalar;
+
+/// One memory for each part of a step, so that a part starts from what it was in the steps before; `A` for parts of the
+/// first kind, `B` for those of the second.
+#[derive(Debug)]
+pub struct Memory<S, A, B> {
+    pub(super) first: Vec<A>,
+    pub(super) second: Vec<B>,
+    /// The same before the step.
+    saved: (Vec<A>, Vec<B>),
+    /// The state before the step, and what was carried for it.
+    start: [Vec<S>; 4],
+    /// The increments of a part.
+    pub(super) dw: Vec<S>,
+}
+
+impl<S, A, B> Default for Memory<S, A, B> {
+    fn default() -> Self {
+        Self::of(Vec::new(), Vec::new())
+    }
+}
+
+/// What the steps before left; scratch is allocated anew where the copy is used.
+impl<S, A: Clone, B: Clone> Clone for Memory<S, A, B> {
+    fn clone(&self) -> Self {
+        Self::of(self.first.clone(), self.second.clone())
+    }
+}
+
+impl<S, A: Numbers + Default, B: Numbers + Default> Numbers for Memory<S, A, B> {
+    fn pass(&mut self, tape: &mut Tape) {
+        self.first.pass(tape);
+        self.second.pass(tape);
+    }
+}
+
+impl<S: Scalar, A: StepMemory, B: StepMemory> StepMemory for Memory<S, A, B> {
+    fn forget(&mut self) {
+        self.first.iter_mut().for_each(A::forget);
+        self.second.iter_mut().for_each(B::forget);
+    }
+
+    fn adopt(&mut self, left: Self) {
+        adopt(&mut self.first, left.first);
+        adopt(&mut self.second, left.second);
+    }
+
+    fn pin(&mut self, iteration: Iteration) {
+        self.first.iter_mut().for_each(|memory| memory.pin(iteration));
+        self.second.iter_mut().for_each(|memory| memory.pin(iteration));
+    }
+
+    fn pinned(&self) -> Iteration {
+        let first = self.first.first().map_or(Iteration::Automatic, A::pinned);
+        if first == Iteration::Automatic {
+            self.second.first().map_or(Iteration::Automatic, B::pinned)
+        } else {
+            first
+        }
+    }
+
+    fn method(&self) -> Option<Method> {
+        self.first.first().and_then(A::method).or_else(|| self.second.first().and_then(B::method))
+    }
+}
+
+/// Memory by memory; as many as there are in `left` where none was in use yet.
+fn adopt<M: StepMemory>(memories: &mut Vec<M>, left: Vec<M>) {
+    if memories.len() == left.len() {
+        memories.iter_mut().zip(left).for_each(|(memory, left)| memory.adopt(left));
+    } else {
+        *memories = left;
+    }
+}
+
+impl<S, A, B> Memory<S, A, B> {
+    pub(super) fn of(first: Vec<A>, second: Vec<B>) -> Self {
+        Self {
+            first,
+            second,
+            saved: (Vec::new(), Vec::new()),
+            start: std::array::from_fn(|_| Vec::new()),
+            dw: Vec::new(),
+        }
+    }
+}
+
+impl<S: Scalar, A: StepMemory, B: StepMemory> Memory<S, A, B> {
+    /// Room for the parts of a step, and a copy of everything that they will change. Allocates in the first step only.
+    #[inline(always)]
+    pub(super) fn save<C: Carry<S>>(&mut self, parts: [usize; 2], q: &[S], p: &[S], dw: &[S], carry: &C) {
+        if self.first.len() != parts[0] || self.second.len() != parts[1] {
+            self.first.resize_with(parts[0], A::default);
+            self.second.resize_with(parts[1], B::default);
+        }
+        // A part without memory has nothing to lose.
+        if size_of::<A>() != 0 {
+            self.saved.0.clone_from(&self.first);
+        }
+        if size_of::<B>() != 0 {
+            self.saved.1.clone_from(&self.second);
+        }
+        let [start_q, start_p, lost_q, lost_p] = &mut self.start;
+        for (saved, numbers) in [(start_q, q), (start_p, p), (&mut self.dw, dw)] {
+            saved.clear();
+            saved.extend_from_slice(numbers);
+        }
+        if C::CARRIES {
+            for (saved, of) in [(lost_q, C::of_coordinate as fn(&C, usize) -> S), (lost_p, C::of_momentum)] {
+                saved.clear();
+                saved.extend((0..q.len()).map(|i| of(carry, i)));
+            }
+        }
+    }
+
+    /// Gives back what [`Memory::save`] has seen.
+    #[cold]
+    pub(super) fn restore<C: Carry<S>>(&mut self, q: &mut [S], p: &mut [S], carry: &mut C) {
+        let [start_q, start_p, lost_q, lost_p] = &self.start;
+        q.copy_from_slice(start_q);
+        p.copy_from_slice(start_p);
+        if C::CARRIES {
+            carry.keep(lost_q, lost_p);
+        }
+        if size_of::<A>() != 0 {
+            std::mem::swap(&mut self.first, &mut self.saved.0);
+        }
+        if size_of::<B>() != 0 {
+            std::mem::swap(&mut self.second, &mut self.saved.1);
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The discrete Lagrangian of a step that is made of others.
+//!
+//! The parts lead from `(q_i, P)` to `(Q, R)`, which are functions of `q_i` and `P`, and the sum `A` of their discrete Lagrangians
+//! has `dA = R · dQ - P · dq_i`. Therefore
+//!
+//! ```text
+//! L_d(q_i, q_{i+1}, P) = A(q_i, P) + R(q_i, P) · (q_{i+1} - Q(q_i, P))
+//! D_1 L_d = -P + (∂R/∂q_i)ᵀ (q_{i+1} - Q),   D_2 L_d = R,   ∂L_d/∂P = (∂R/∂P)ᵀ (q_{i+1} - Q)
+//! ```
+//!
+//! whose discrete Euler-Lagrange equations say that `q_{i+1} = Q` and that the momenta of a node agree: `P = p_i` is the
+//! momentum with which the step starts.
+
+use super::{Half, Substep};
+use crate::scalar::{Dual, Scalar};
+use crate::state::{State, Vector};
+use crate::system::{Discretized, LagrangianGradient, Segment};
+
+/// `L_d`; NaN where a part of the step has no solution.
+pub fn value<H, A, B>(system: &H, segment: &Segment<H::Vector>, dw: &[f64], substeps: &[Substep]) -> f64
+where
+    H: Discretized<A> + Discretized<B>,
+{
+    if segment.q0.components().len() != segment.p.components().len() || dw.len() != system.noises() {
+        return f64::NAN;
+    }
+    let mut state = State { q: segment.q0.clone(), p: segment.p.clone(), t: segment.t };
+    let (mut action, mut start) = (0.0, 0.0);
+    for &(half, weight) in substeps {
+        state.t = segment.t + start * segment.h;
+        let own_dw: Vec<f64> = dw.iter().map(|dw| weight * dw).collect();
+        let h = weight * segment.h;
+        action += match half {
+            Half::First => part::<H, A>(system, &mut state, h, &own_dw),
+            Half::Second => part::<H, B>(system, &mut state, h, &own_dw),
+        };
+        start += weight;
+    }
+    action + dot(&state.p, &difference(&segment.q1, &state.q))
+}
+
+/// Moves the state by one part, and gives its discrete Lagrangian.
+fn part<H: Discretized<E>, E>(system: &H, state: &mut State<H::Vector>, h: f64, dw: &[f64]) -> f64 {
+    let before = state.clone();
+    let Ok(prepared) = system.prepare(h) else { return f64::NAN };
+    let mut memory = H::Memory::<f64>::default();
+    let (q, p) = (state.q.components_mut(), state.p.components_mut());
+    if system.advance::<f64>(&prepared, before.t, h, q, p, dw, &mut memory).is_err() {
+        return f64::NAN;
+    }
+    let momentum = system.step_momentum(&before, state, h, dw);
+    let segment = Segment { q0: before.q, q1: state.q.clone(), p: momentum, t: before.t, h };
+    system.discrete_lagrangian(&segment, dw)
+}
+
+/// The gradient of `L_d`, by dual numbers; NaN where the step has no solution.
+pub fn gradient<H: Discretized<E>, E>(
+    system: &H,
+    segment: &Segment<H::Vector>,
+    dw: &[f64],
+) -> LagrangianGradient<H::Vector> {
+    let d = segment.q0.components().len();
+    let nowhere = || {
+        let mut nan = H::Vector::zeros(d);
+        nan.components_mut().fill(f64::NAN);
+        LagrangianGradient { q0: nan.clone(), q1: nan.clone(), p: nan }
+    };
+    let Ok(prepared) = &system.prepare(segment.h) else { return nowhere() };
+    if segment.p.components().len() != d || segment.q1.components().len() != d {
+        return nowhere();
+    }
+    let start = [segment.q0.components(), segment.p.components()];
+    let step = |varied: Option<usize>| {
+        let lift = |offset: usize, values: &[f64]| -> Vec<Dual<1>> {
+            let numbered = values.iter().enumerate();
+            numbered
+                .map(|(i, &x)| Dual { value: x, derivative: [f64::from(varied == Some(offset + i))] })
+                .collect()
+        };
+        let (mut q, mut p) = (lift(0, start[0]), lift(d, start[1]));
+        let dw: Vec<Dual<1>> = dw.iter().map(|&dw| Dual::from_f64(dw)).collect();
+        let mut memory = H::Memory::<Dual<1>>::default();
+        system.advance(prepared, segment.t, segment.h, &mut q, &mut p, &dw, &mut memory).ok()?;
+        Some([q, p])
+    };
+    let Some([reached, left_with]) = step(None) else { return nowhere() };
+    let gap: Vec<f64> = segment.q1.components().iter().zip(&reached).map(|(q1, q)| q1 - q.value).collect();
+    let mut gradient =
+        LagrangianGradient { q0: segment.p.clone(), q1: segment.p.clone(), p: H::Vector::zeros(d) };
+    gradient.q0.components_mut().iter_mut().for_each(|p| *p = -*p);
+    for (q1, momentum) in gradient.q1.components_mut().iter_mut().zip(&left_with) {
+        *q1 = momentum.value;
+    }
+    for i in 0..d {
+        for (offset, slope) in [(0, &mut gradient.q0), (d, &mut gradient.p)] {
+            let Some([_, momenta]) = step(Some(offset + i)) else { return nowhere() };
+            let pulled: f64 =
+                momenta.iter().zip(&gap).map(|(momentum, gap)| momentum.derivative[0] * gap).sum();
+            slope.components_mut()[i] += pulled;
+        }
+    }
+    gradient
+}
+
+fn difference<V: Vector>(a: &V, b: &V) -> V {
+    let mut difference = a.clone();
+    difference.components_mut().iter_mut().zip(b.components()).for_each(|(a, b)| *a -= b);
+    difference
+}
+
+fn dot<V: Vector>(a: &V, b: &V) -> f64 {
+    a.components().iter().zip(b.components()).map(|(a, b)| a * b).sum()
+}
