@@ -118,11 +118,9 @@ pub mod prelude {
 #[doc(hidden)]
 pub mod __private {
     pub use core;
-    pub use core::clone::Clone;
     pub use core::cmp::Ord;
     pub use core::convert::{Into, TryInto};
     pub use core::default::Default;
-    pub use core::fmt::Debug;
     pub use core::marker::PhantomData;
     pub use core::ops::Range;
     pub use core::option::Option::{self, None, Some};

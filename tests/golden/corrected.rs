@@ -48,11 +48,10 @@ pub struct Multiplicative {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, Clone, Compensation, ConfigError, Debug, Discretized,
-        Effort, Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option,
-        PhantomData, Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver,
-        State, StepFailure, Vector, bool, f64, str, usize,
-        embedding::{Corrected, DeltaPlus},
+        self as wzvi, Carry, Compensation, ConfigError, Discretized, Effort, Err,
+        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option, PhantomData,
+        Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver, State,
+        StepFailure, Vector, bool, f64, str, usize, embedding::{Corrected, DeltaPlus},
     };
     #[automatically_derived]
     impl Hamiltonian for Multiplicative {
@@ -99,11 +98,7 @@ const _: () = {
         }
     }
     const _: () = {
-        #[derive(Clone, Debug)]
-        pub struct Prepared {
-            sigma: f64,
-            half_sigma: f64,
-        }
+        type Prepared = [f64; 2];
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
         fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
@@ -115,7 +110,7 @@ const _: () = {
             carry: &C,
         ) -> Result<Solution<S, 1>, StepFailure> {
             let ([q], [p], [dw]) = (q, p, dw);
-            let &Prepared { sigma, half_sigma } = prepared;
+            let [sigma, half_sigma] = *prepared;
             let product = dw * (dw * half_sigma + 1.0) * sigma;
             let inverse_pivot = wzvi::reciprocal::<S>(product + 1.0)?;
             let product2 = inverse_pivot * (p * product + q * h);
@@ -153,10 +148,7 @@ const _: () = {
                 if sigma.is_nan() {
                     return Err(ConfigError::Parameter);
                 }
-                Ok(Prepared {
-                    sigma,
-                    half_sigma: 0.5 * sigma,
-                })
+                Ok([sigma, 0.5 * sigma])
             }
             #[inline(always)]
             fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(

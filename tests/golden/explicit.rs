@@ -45,10 +45,10 @@ pub struct Pendulum {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, Clone, Compensation, ConfigError, Debug, Discretized,
-        Effort, Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option,
-        PhantomData, Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver,
-        State, StepFailure, Vector, bool, f64, str, usize, embedding::DeltaPlus,
+        self as wzvi, Carry, Compensation, ConfigError, Discretized, Effort, Err,
+        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option, PhantomData,
+        Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver, State,
+        StepFailure, Vector, bool, f64, str, usize, embedding::DeltaPlus,
     };
     #[automatically_derived]
     impl Hamiltonian for Pendulum {
@@ -90,10 +90,7 @@ const _: () = {
         }
     }
     const _: () = {
-        #[derive(Clone, Debug)]
-        pub struct Prepared {
-            product: f64,
-        }
+        type Prepared = [f64; 1];
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
         fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
@@ -104,7 +101,7 @@ const _: () = {
             carry: &C,
         ) -> Result<Solution<S, 1>, StepFailure> {
             let ([q], [p]) = (q, p);
-            let &Prepared { product } = prepared;
+            let [product] = *prepared;
             let product2 = q.sin() * product;
             let node_p = p - product2;
             let next = Solution::new(
@@ -140,9 +137,7 @@ const _: () = {
                 if omega.is_nan() {
                     return Err(ConfigError::Parameter);
                 }
-                Ok(Prepared {
-                    product: omega * omega * h,
-                })
+                Ok([omega * omega * h])
             }
             #[inline(always)]
             fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(

@@ -51,10 +51,10 @@ pub struct Oscillators {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, Clone, Compensation, ConfigError, Debug, Discretized,
-        Effort, Err, Factor, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok,
-        Option, PhantomData, Plain, Plan, Result, SVector, Scalar, Segment, Solution,
-        Solver, State, StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        self as wzvi, Carry, Compensation, ConfigError, Discretized, Effort, Err, Factor,
+        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option, PhantomData,
+        Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver, State,
+        StepFailure, Vector, bool, f64, str, usize, compose::Composes,
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -101,13 +101,7 @@ const _: () = {
         }
     }
     const _: () = {
-        #[derive(Clone, Debug)]
-        pub struct Prepared {
-            k: f64,
-            c: f64,
-            half_h: f64,
-            factor: Factor<f64, 2>,
-        }
+        type Prepared = ([f64; 3], Factor<f64, 2>);
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
         fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
@@ -118,7 +112,7 @@ const _: () = {
             carry: &C,
         ) -> Result<Solution<S, 2>, StepFailure> {
             let ([x, y], [px, py]) = (q, p);
-            let &Prepared { k, c, half_h, ref factor } = prepared;
+            let ([k, c, half_h], ref factor) = *prepared;
             let sum = y + py * half_h;
             let sum2 = x + px * half_h;
             let [delta_px, delta_py] = factor
@@ -168,12 +162,7 @@ const _: () = {
                     h,
                     Factor::new([[sum, product], [product, sum]]),
                 )?;
-                Ok(Prepared {
-                    k,
-                    c,
-                    half_h: 0.5 * h,
-                    factor,
-                })
+                Ok(([k, c, 0.5 * h], factor))
             }
             #[inline(always)]
             fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(

@@ -48,10 +48,10 @@ pub struct HenonHeiles;
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Block, Carry, Clone, Compensation, ConfigError, Debug, Discretized,
-        Effort, Err, Extrapolation, Hamiltonian, Knowledge, LagrangianGradient,
-        NoiseClass, Ok, Plain, Plan, Result, Rounded, SVector, Scalar, Segment, Solution,
-        Solver, State, StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        self as wzvi, Block, Carry, Compensation, ConfigError, Discretized, Effort, Err,
+        Extrapolation, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Plain,
+        Plan, Result, Rounded, SVector, Scalar, Segment, Solution, Solver, State,
+        StepFailure, Vector, bool, f64, str, usize, compose::Composes,
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -97,12 +97,7 @@ const _: () = {
         }
     }
     const _: () = {
-        #[derive(Clone, Debug)]
-        pub struct Prepared {
-            half_h: f64,
-            quarter_h_squared: f64,
-            half_h_squared: f64,
-        }
+        type Prepared = [f64; 3];
         type Memory<S> = Extrapolation<S, 2>;
         /// The equations of a block, and their Jacobian by rows.
         #[inline(always)]
@@ -166,7 +161,7 @@ const _: () = {
             carry: &C,
         ) -> Result<Solution<S, 2>, StepFailure> {
             let ([x, y], [px, py]) = (q, p);
-            let &Prepared { half_h, quarter_h_squared, half_h_squared } = prepared;
+            let [half_h, quarter_h_squared, half_h_squared] = *prepared;
             let ([delta_px, delta_py], effort) = wzvi::newton::<
                 S,
                 2,
@@ -223,11 +218,7 @@ const _: () = {
             type Carry<S: Scalar> = Plain;
             fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
                 let h_squared = h * h;
-                Ok(Prepared {
-                    half_h: 0.5 * h,
-                    quarter_h_squared: h_squared * 0.25,
-                    half_h_squared: h_squared * 0.5,
-                })
+                Ok([0.5 * h, h_squared * 0.25, h_squared * 0.5])
             }
             #[inline(always)]
             fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(

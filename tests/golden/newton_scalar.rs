@@ -45,11 +45,11 @@ pub struct Pendulum {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Block, Carry, Clone, Compensation, ConfigError, Debug, Discretized,
-        Effort, Err, Extrapolation, Hamiltonian, Knowledge, LagrangianGradient,
-        NoiseClass, Ok, Option, Plain, Plan, Result, Rounded, SVector, Scalar, Segment,
-        Solution, Solver, State, StepFailure, Vector, bool, f64, str, usize,
-        compose::Composes, embedding::{Composed, Midpoint},
+        self as wzvi, Block, Carry, Compensation, ConfigError, Discretized, Effort, Err,
+        Extrapolation, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok,
+        Option, Plain, Plan, Result, Rounded, SVector, Scalar, Segment, Solution, Solver,
+        State, StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
     impl Hamiltonian for Pendulum {
@@ -91,12 +91,7 @@ const _: () = {
         }
     }
     const _: () = {
-        #[derive(Clone, Debug)]
-        pub struct Prepared {
-            half_h: f64,
-            product: f64,
-            product2: f64,
-        }
+        type Prepared = [f64; 3];
         type Memory<S> = Extrapolation<S, 1>;
         /// The equations of a block, and their Jacobian by rows.
         #[inline(always)]
@@ -139,7 +134,7 @@ const _: () = {
             carry: &C,
         ) -> Result<Solution<S, 1>, StepFailure> {
             let ([q], [p]) = (q, p);
-            let &Prepared { half_h, product, product2 } = prepared;
+            let [half_h, product, product2] = *prepared;
             let ([delta_p], effort) = wzvi::newton::<
                 S,
                 1,
@@ -199,11 +194,7 @@ const _: () = {
                     return Err(ConfigError::Parameter);
                 }
                 let omega_squared = omega * omega;
-                Ok(Prepared {
-                    half_h: 0.5 * h,
-                    product: omega_squared * 0.5 * h,
-                    product2: h * h * (0.25 * omega_squared),
-                })
+                Ok([0.5 * h, omega_squared * 0.5 * h, h * h * (0.25 * omega_squared)])
             }
             #[inline(always)]
             fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(

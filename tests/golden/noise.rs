@@ -78,10 +78,10 @@ pub struct Kubo {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, Clone, Compensation, ConfigError, Debug, Discretized,
-        Effort, Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option,
-        PhantomData, Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver,
-        State, StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        self as wzvi, Carry, Compensation, ConfigError, Discretized, Effort, Err,
+        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option, PhantomData,
+        Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver, State,
+        StepFailure, Vector, bool, f64, str, usize, compose::Composes,
         embedding::{Composed, DeltaPlus, Midpoint, Uncorrected},
     };
     #[automatically_derived]
@@ -144,11 +144,7 @@ const _: () = {
         }
     }
     const _: () = {
-        #[derive(Clone, Debug)]
-        pub struct Prepared {
-            sigma: f64,
-            a_h: f64,
-        }
+        type Prepared = [f64; 2];
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
         fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
@@ -159,7 +155,7 @@ const _: () = {
             carry: &C,
         ) -> Result<Solution<S, 1>, StepFailure> {
             let ([q], [p], [dw]) = (q, p, dw);
-            let &Prepared { sigma, a_h } = prepared;
+            let [sigma, a_h] = *prepared;
             let sum = dw * sigma + a_h;
             let inverse_pivot = wzvi::reciprocal_above_one::<S>(sum * sum * 0.25 + 1.0);
             let sum2 = q + p * (sum * 0.5);
@@ -199,7 +195,7 @@ const _: () = {
                 if a.is_nan() || sigma.is_nan() {
                     return Err(ConfigError::Parameter);
                 }
-                Ok(Prepared { sigma, a_h: h * a })
+                Ok([sigma, h * a])
             }
             #[inline(always)]
             fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
@@ -274,11 +270,7 @@ const _: () = {
         }
     };
     const _: () = {
-        #[derive(Clone, Debug)]
-        pub struct Prepared {
-            sigma: f64,
-            a_h: f64,
-        }
+        type Prepared = [f64; 2];
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
         fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
@@ -289,7 +281,7 @@ const _: () = {
             carry: &C,
         ) -> Result<Solution<S, 1>, StepFailure> {
             let ([q], [p], [dw]) = (q, p, dw);
-            let &Prepared { sigma, a_h } = prepared;
+            let [sigma, a_h] = *prepared;
             let sum = dw * sigma + a_h;
             let product = q * sum;
             let node_p = p - product;
@@ -327,7 +319,7 @@ const _: () = {
                 if a.is_nan() || sigma.is_nan() {
                     return Err(ConfigError::Parameter);
                 }
-                Ok(Prepared { sigma, a_h: h * a })
+                Ok([sigma, h * a])
             }
             #[inline(always)]
             fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(

@@ -52,10 +52,10 @@ pub struct Bath {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, Clone, ConfigError, DVector, Debug, Discretized, Effort,
-        Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option,
-        PhantomData, Plain, Plan, Range, Result, Scalar, Segment, Solution, Solver,
-        State, StepFailure, bool, f64, i128, isize, str, usize, compose::Composes,
+        self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
+        Knowledge, LagrangianGradient, NoiseClass, Ok, Option, PhantomData, Plain, Plan,
+        Range, Result, Scalar, Segment, Solution, Solver, State, StepFailure, bool, f64,
+        i128, isize, str, usize, compose::Composes,
         elements::{CompensationVec, Curvature, Elements, Point, Scheme, Terms, Unknowns},
         elements::places::{Entries, Places},
         elements::sites::Sites, embedding::{Composed, Midpoint},
@@ -414,14 +414,7 @@ const _: () = {
             is_linear: false,
             has_noise: true,
         };
-        #[derive(Clone, Debug)]
-        pub struct Prepared {
-            sigma: f64,
-            inverse_pivot: f64,
-            half_h: f64,
-            half_inverse_pivot: f64,
-            condition: bool,
-        }
+        type Prepared = ([f64; 4], [bool; 1]);
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
         fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
@@ -433,13 +426,7 @@ const _: () = {
             carry: &C,
         ) -> Result<Solution<S, 1>, StepFailure> {
             let ([q_k], [p_k], [dw]) = (q, p, dw);
-            let &Prepared {
-                sigma,
-                inverse_pivot,
-                half_h,
-                half_inverse_pivot,
-                condition,
-            } = prepared;
+            let ([sigma, inverse_pivot, half_h, half_inverse_pivot], [condition]) = *prepared;
             let dw_sigma = dw * sigma;
             let sum = dw_sigma + (q_k + p_k * half_h) * h;
             let node_p_k = (if condition {
@@ -478,13 +465,7 @@ const _: () = {
                 }
                 let sum = 1.0 + h * h * 0.25;
                 let inverse_pivot = wzvi::prepared(h, wzvi::reciprocal(sum))?;
-                Ok(Prepared {
-                    sigma,
-                    inverse_pivot,
-                    half_h: 0.5 * h,
-                    half_inverse_pivot: 0.5 * inverse_pivot,
-                    condition: (2.0 < sum),
-                })
+                Ok(([sigma, inverse_pivot, 0.5 * h, 0.5 * inverse_pivot], [(2.0 < sum)]))
             }
             #[inline(always)]
             fn increments(&self, site: usize, sites: usize) -> [Option<usize>; 1] {

@@ -46,10 +46,10 @@ pub struct Driven {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, Clone, Compensation, ConfigError, Debug, Discretized,
-        Effort, Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option,
-        PhantomData, Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver,
-        State, StepFailure, Vector, bool, f64, str, usize, embedding::DeltaPlus,
+        self as wzvi, Carry, Compensation, ConfigError, Discretized, Effort, Err,
+        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option, PhantomData,
+        Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver, State,
+        StepFailure, Vector, bool, f64, str, usize, embedding::DeltaPlus,
     };
     #[automatically_derived]
     impl Hamiltonian for Driven {
@@ -98,11 +98,7 @@ const _: () = {
         }
     }
     const _: () = {
-        #[derive(Clone, Debug)]
-        pub struct Prepared {
-            f: f64,
-            omega: f64,
-        }
+        type Prepared = [f64; 2];
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
         fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
@@ -114,7 +110,7 @@ const _: () = {
             carry: &C,
         ) -> Result<Solution<S, 1>, StepFailure> {
             let ([q], [p]) = (q, p);
-            let &Prepared { f, omega } = prepared;
+            let [f, omega] = *prepared;
             let product = (q * (q * q) - (t * omega).cos() * f) * h;
             let node_p = p - product;
             let next = Solution::new(
@@ -151,7 +147,7 @@ const _: () = {
                 if f.is_nan() || omega.is_nan() {
                     return Err(ConfigError::Parameter);
                 }
-                Ok(Prepared { f, omega })
+                Ok([f, omega])
             }
             #[inline(always)]
             fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(

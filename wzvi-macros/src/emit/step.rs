@@ -69,10 +69,10 @@ impl Kernel {
             true => quote!(let ([#(#q),*], [#(#p),*]) = (__q, __p);),
             false => quote!(let ([#(#q),*], [#(#p),*], [#(#dw),*]) = (__q, __p, __dw);),
         };
-        let (open, item, memory_type) = (prepared.open(), prepared.item(), memory::memory_type(&sizes));
+        let (open, prepared_type, memory_type) =
+            (prepared.open(), prepared.ty(), memory::memory_type(&sizes));
         let items = quote! {
-            #item
-
+            type __Prepared = #prepared_type;
             type __Memory<__S> = #memory_type;
 
             #functions

@@ -6,7 +6,7 @@
 //! no token tells: a pattern `h` means the constant `h` if there is one. Hence all names that are bound are imported as
 //! functions, which patterns may shadow.
 
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use quote::quote;
@@ -41,17 +41,17 @@ pub(crate) struct Surroundings<'s> {
 /// `generated` as a person would write it, with its imports.
 pub(crate) fn readable(generated: TokenStream, surroundings: &Surroundings<'_>) -> TokenStream {
     let Surroundings { crate_path, tokens, spelled } = surroundings;
-    let mut survey = Survey::default();
-    survey.listen((*spelled).clone(), &|word| word.starts_with(MARK) && !word.starts_with(ROOT));
-    survey.listen(tokens.clone(), &|word| !word.starts_with(MARK));
+    let mut of_user = HashSet::new();
+    listen(tokens.clone(), &mut of_user, &|word| !word.starts_with(MARK));
+    listen((*spelled).clone(), &mut of_user, &|word| word.starts_with(MARK) && !word.starts_with(ROOT));
     if crate_path.leading_colon.is_none() {
-        survey.listen(quote!(#crate_path), &|_| true);
+        listen(quote!(#crate_path), &mut of_user, &|_| true);
     }
-    let code = nodes(generated);
-    survey.read(&code);
+    let mut survey = Survey::new(of_user);
+    let code = survey.read(generated);
     let decided = survey.decide();
-    let body = decided.rewritten(code, false);
-    let (root, imports, bindings) = (decided.name(ROOT), decided.imports(), decided.bindings());
+    let body = decided.written(code, false);
+    let (root, imports, bindings) = (&decided.root, decided.imports(), &decided.bindings);
     let bindings = (!bindings.is_empty()).then(|| {
         quote! {
             /// The names that are bound above, so that no constant around can stand for them.
@@ -65,120 +65,171 @@ pub(crate) fn readable(generated: TokenStream, surroundings: &Surroundings<'_>) 
     }
 }
 
+/// Remembers the words of the user that can be meant by themselves: not fields, not the end of paths.
+fn listen(tokens: TokenStream, heard: &mut HashSet<String>, is_wanted: &dyn Fn(&str) -> bool) {
+    let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+    for (i, token) in tokens.iter().enumerate() {
+        match token {
+            TokenTree::Ident(ident) if !is_field(&tokens, i) && !ends_path(&tokens, i) => {
+                let word = ident.to_string();
+                let word = word.strip_prefix("r#").unwrap_or(&word);
+                if is_wanted(word) {
+                    heard.insert(word.to_owned());
+                }
+            }
+            TokenTree::Group(group) => listen(group.stream(), heard, is_wanted),
+            _ => {}
+        }
+    }
+}
+
+/// A part of the code, with what may be renamed by its number.
+enum Node {
+    /// A marked word.
+    Word(usize, Ident),
+    /// A path to a type, and how it is written at length after [`ROOT`].
+    Path(usize, Ident, Vec<TokenTree>),
+    Group(Group, Vec<Node>),
+    Other(TokenTree),
+}
+
 /// The words of the code.
-#[derive(Default)]
 struct Survey {
     /// Those that are not ours.
     of_user: HashSet<String>,
-    /// Marked ones, and whether patterns bind them.
-    own: BTreeMap<String, bool>,
-    /// Paths to types.
-    paths: BTreeSet<Vec<String>>,
+    numbers: HashMap<String, usize>,
+    /// Marked words, and whether patterns bind them.
+    words: Vec<(String, bool)>,
+    path_numbers: HashMap<String, usize>,
+    paths: Vec<Vec<String>>,
 }
 
 impl Survey {
-    /// Remembers the words of the user that can be meant by themselves: not fields, not the end of paths.
-    fn listen(&mut self, tokens: TokenStream, is_wanted: &dyn Fn(&str) -> bool) {
-        self.listen_to(&nodes(tokens), is_wanted);
+    fn new(of_user: HashSet<String>) -> Self {
+        Self {
+            of_user,
+            numbers: HashMap::new(),
+            words: Vec::new(),
+            path_numbers: HashMap::new(),
+            paths: Vec::new(),
+        }
     }
 
-    fn listen_to(&mut self, code: &[Node], is_wanted: &dyn Fn(&str) -> bool) {
-        for (i, node) in code.iter().enumerate() {
-            match node {
-                Node::Word(word, _) if !is_field(code, i) && !ends_path(code, i) => {
-                    let word = word.strip_prefix("r#").unwrap_or(word);
-                    if is_wanted(word) {
-                        self.of_user.insert(word.to_owned());
+    fn read(&mut self, tokens: TokenStream) -> Vec<Node> {
+        let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+        let mut code = Vec::with_capacity(tokens.len());
+        let mut is_declared = false;
+        let mut i = 0;
+        while i < tokens.len() {
+            let mut next = i + 1;
+            let declares = std::mem::take(&mut is_declared);
+            code.push(match &tokens[i] {
+                TokenTree::Group(group) => Node::Group(group.clone(), self.read(group.stream())),
+                TokenTree::Ident(ident) => {
+                    let word = ident.to_string();
+                    is_declared = DECLARING.contains(&word.as_str());
+                    if !word.starts_with(MARK) || is_field(&tokens, i) || self.of_user.contains(&word) {
+                        Node::Other(tokens[i].clone())
+                    } else if word == ROOT
+                        && let Some((path, end)) = path_to_type(&tokens, i)
+                    {
+                        next = end;
+                        Node::Path(self.path(path), ident.clone(), tokens[i + 1..end].to_vec())
+                    } else {
+                        Node::Word(self.word(word, declares), ident.clone())
                     }
                 }
-                Node::Group(_, inner) => self.listen_to(inner, is_wanted),
-                _ => {}
-            }
+                other => Node::Other(other.clone()),
+            });
+            i = next;
         }
+        code
     }
 
-    fn read(&mut self, code: &[Node]) {
-        for (i, node) in code.iter().enumerate() {
-            match node {
-                Node::Group(_, inner) => self.read(inner),
-                Node::Word(word, _) if is_marked(code, i) && !self.of_user.contains(word) => {
-                    self.read_own(word, code, i);
-                }
-                _ => {}
+    fn word(&mut self, word: String, is_declared: bool) -> usize {
+        let is_item = is_declared || word == ROOT || TYPE_PARAMETERS.contains(&word.as_str());
+        let number = match self.numbers.get(&word) {
+            Some(&known) => known,
+            None => {
+                self.words.push((word.clone(), true));
+                self.numbers.insert(word, self.words.len() - 1);
+                self.words.len() - 1
             }
-        }
+        };
+        self.words[number].1 &= !is_item;
+        number
     }
 
-    /// The marked `word` at `i`.
-    fn read_own(&mut self, word: &str, code: &[Node], i: usize) {
-        if word == ROOT {
-            self.paths.extend(path_to_type(code, i).map(|(path, _)| path));
-        }
-        let is_declared = matches!(before(code, i, 1), Some(Node::Word(before, _))
-            if DECLARING.contains(&before.as_str()));
-        let is_item = is_declared || word == ROOT || TYPE_PARAMETERS.contains(&word);
-        match self.own.get_mut(word) {
-            Some(is_bound) => *is_bound &= !is_item,
-            None => drop(self.own.insert(word.to_owned(), !is_item)),
-        }
+    fn path(&mut self, path: Vec<String>) -> usize {
+        let key = path.concat();
+        *self.path_numbers.entry(key).or_insert_with(|| {
+            self.paths.push(path);
+            self.paths.len() - 1
+        })
     }
 
     /// Items have the first choice of words, then types, then what is bound.
     fn decide(self) -> Decided {
-        let Self { of_user, own, paths } = self;
+        let Self { of_user, words, paths, .. } = self;
         let mut taken = of_user;
         taken.extend(KEYWORDS.map(str::to_owned));
-        let mut decided = Decided::default();
-        let choose = |decided: &mut Decided, taken: &mut HashSet<String>, wanted: bool| {
-            for (word, &is_bound) in own.iter().filter(|(_, is_bound)| **is_bound == wanted) {
-                let mut name = word.strip_prefix(MARK).unwrap_or(word).to_owned();
-                while !taken.insert(name.clone()) {
-                    name.push('_');
-                }
-                decided.names.insert(word.clone(), name);
-                if is_bound {
-                    decided.bound.push(word.clone());
-                }
+        let root = Ident::new(&free(ROOT, &mut taken), Span::call_site());
+        let of_items: Vec<Option<String>> = words
+            .iter()
+            .map(|(word, is_bound)| match word.as_str() {
+                ROOT => Some(root.to_string()),
+                _ => (!is_bound).then(|| free(word, &mut taken)),
+            })
+            .collect();
+        let is_imported = paths
+            .iter()
+            .map(|path| path.last().is_some_and(|last| taken.insert(last.clone())))
+            .collect::<Vec<bool>>();
+        let mut bindings = Vec::new();
+        let names = words.iter().zip(of_items).map(|((word, _), of_item)| match of_item {
+            Some(name) => name,
+            None => {
+                let name = free(word, &mut taken);
+                bindings.push(Ident::new(&name, Span::call_site()));
+                name
             }
-        };
-        choose(&mut decided, &mut taken, false);
-        for path in paths {
-            if path.last().is_some_and(|last| taken.insert(last.clone())) {
-                decided.imports.insert(path);
-            }
-        }
-        choose(&mut decided, &mut taken, true);
-        decided
+        });
+        let names = names.collect();
+        bindings.sort();
+        Decided { root, names, paths, is_imported, bindings }
     }
+}
+
+/// The word without its mark, and not one that is taken.
+fn free(word: &str, taken: &mut HashSet<String>) -> String {
+    let mut name = word.strip_prefix(MARK).unwrap_or(word).to_owned();
+    while !taken.insert(name.clone()) {
+        name.push('_');
+    }
+    name
 }
 
 /// What every word of ours becomes.
-#[derive(Default)]
 struct Decided {
-    names: BTreeMap<String, String>,
-    bound: Vec<String>,
-    imports: BTreeSet<Vec<String>>,
+    root: Ident,
+    names: Vec<String>,
+    paths: Vec<Vec<String>>,
+    is_imported: Vec<bool>,
+    bindings: Vec<Ident>,
 }
 
 impl Decided {
-    fn name(&self, word: &str) -> Ident {
-        Ident::new(self.names.get(word).map_or(word, String::as_str), Span::call_site())
-    }
-
-    fn bindings(&self) -> Vec<Ident> {
-        self.bound.iter().map(|word| self.name(word)).collect()
-    }
-
     /// What is imported, by module.
     fn imports(&self) -> Vec<TokenStream> {
         let ident = |segment: &String| Ident::new(segment, Span::call_site());
         let mut modules: BTreeMap<&[String], Vec<Ident>> = BTreeMap::new();
-        for path in &self.imports {
+        for (path, _) in self.paths.iter().zip(&self.is_imported).filter(|(_, is_imported)| **is_imported) {
             if let Some((last, module)) = path.split_last() {
                 modules.entry(module).or_default().push(ident(last));
             }
         }
-        let import = |(module, types): (&[String], Vec<Ident>)| {
+        let import = |(module, mut types): (&[String], Vec<Ident>)| {
+            types.sort();
             let module = module.iter().map(ident);
             match types.as_slice() {
                 [only] => quote!(#(#module::)* #only),
@@ -189,29 +240,28 @@ impl Decided {
         modules.into_iter().map(import).collect()
     }
 
-    fn rewritten(&self, code: Vec<Node>, is_braced: bool) -> TokenStream {
-        let names: Vec<Option<(String, usize)>> =
-            (0..code.len()).map(|i| is_marked(&code, i).then(|| self.rename(&code, i)).flatten()).collect();
+    fn written(&self, code: Vec<Node>, is_braced: bool) -> TokenStream {
         let mut written: Vec<TokenTree> = Vec::with_capacity(code.len());
-        let mut next = 0;
-        for (i, (node, name)) in code.into_iter().zip(names).enumerate() {
-            if i < next {
-                continue;
-            }
-            match (node, name) {
-                (Node::Word(_, ident), Some((name, end))) => {
-                    written.push(Ident::new(&name, ident.span()).into());
-                    next = end;
-                }
-                (Node::Word(_, ident), None) => written.push(ident.into()),
-                (Node::Group(group, inner), _) => {
-                    let inner = self.rewritten(inner, group.delimiter() == Delimiter::Brace);
+        for node in code {
+            match node {
+                Node::Word(number, ident) => written.push(named(&self.names[number], &ident)),
+                Node::Path(number, ident, rest) => match self.paths[number].last() {
+                    Some(last) if self.is_imported[number] => written.push(named(last, &ident)),
+                    _ => {
+                        let mut root = self.root.clone();
+                        root.set_span(ident.span());
+                        written.push(root.into());
+                        written.extend(rest);
+                    }
+                },
+                Node::Group(group, inner) => {
+                    let inner = self.written(inner, group.delimiter() == Delimiter::Brace);
                     let mut new = Group::new(group.delimiter(), inner);
                     new.set_span(group.span());
                     written.push(new.into());
                 }
-                (Node::Other(token), _) => {
-                    if is_braced && is(&token, ',') {
+                Node::Other(token) => {
+                    if is_braced && is(Some(&token), ',') {
                         shorten_field(&mut written);
                     }
                     written.push(token);
@@ -223,18 +273,10 @@ impl Decided {
         }
         written.into_iter().collect()
     }
+}
 
-    /// What the marked word at `i` becomes, and where that ends.
-    fn rename(&self, code: &[Node], i: usize) -> Option<(String, usize)> {
-        let Node::Word(word, _) = &code[i] else { return None };
-        if word == ROOT
-            && let Some((path, end)) = path_to_type(code, i)
-            && self.imports.contains(&path)
-        {
-            return path.into_iter().next_back().map(|name| (name, end));
-        }
-        self.names.get(word).map(|name| (name.clone(), i + 1))
-    }
+fn named(name: &str, like: &Ident) -> TokenTree {
+    Ident::new(name, like.span()).into()
 }
 
 /// `q` at the end instead of `q: q`, as in `Point { q, p }`.
@@ -242,66 +284,39 @@ fn shorten_field(written: &mut Vec<TokenTree>) {
     let [before @ .., TokenTree::Ident(field), colon, TokenTree::Ident(value)] = written.as_slice() else {
         return;
     };
-    let is_field = is(colon, ':') && before.last().is_none_or(|last| is(last, ','));
+    let is_field = is(Some(colon), ':') && before.last().is_none_or(|last| is(Some(last), ','));
     if is_field && field == value {
         written.truncate(written.len() - 2);
     }
 }
 
-/// A token, with its words spelled: they are looked at more than once.
-enum Node {
-    Word(String, Ident),
-    Group(Group, Vec<Node>),
-    Other(TokenTree),
+fn is(token: Option<&TokenTree>, c: char) -> bool {
+    matches!(token, Some(TokenTree::Punct(punct)) if punct.as_char() == c)
 }
 
-fn nodes(tokens: TokenStream) -> Vec<Node> {
-    let node = |token| match token {
-        TokenTree::Ident(ident) => Node::Word(ident.to_string(), ident),
-        TokenTree::Group(group) => {
-            let inner = nodes(group.stream());
-            Node::Group(group, inner)
-        }
-        other => Node::Other(other),
-    };
-    tokens.into_iter().map(node).collect()
+fn before(tokens: &[TokenTree], i: usize, distance: usize) -> Option<&TokenTree> {
+    i.checked_sub(distance).and_then(|before| tokens.get(before))
 }
 
-fn is(token: &TokenTree, c: char) -> bool {
-    matches!(token, TokenTree::Punct(punct) if punct.as_char() == c)
+/// Whether token `i` is a field or a method: it comes after one dot.
+fn is_field(tokens: &[TokenTree], i: usize) -> bool {
+    is(before(tokens, i, 1), '.') && !is(before(tokens, i, 2), '.')
 }
 
-fn is_punct(node: Option<&Node>, c: char) -> bool {
-    matches!(node, Some(Node::Other(token)) if is(token, c))
-}
-
-fn before(code: &[Node], i: usize, distance: usize) -> Option<&Node> {
-    i.checked_sub(distance).and_then(|before| code.get(before))
-}
-
-/// Whether node `i` is a word with a mark, and no field.
-fn is_marked(code: &[Node], i: usize) -> bool {
-    matches!(&code[i], Node::Word(word, _) if word.starts_with(MARK)) && !is_field(code, i)
-}
-
-/// Whether node `i` is a field or a method: it comes after one dot.
-fn is_field(code: &[Node], i: usize) -> bool {
-    is_punct(before(code, i, 1), '.') && !is_punct(before(code, i, 2), '.')
-}
-
-/// Whether node `i` comes after `::`.
-fn ends_path(code: &[Node], i: usize) -> bool {
-    is_punct(before(code, i, 1), ':') && is_punct(before(code, i, 2), ':')
+/// Whether token `i` comes after `::`.
+fn ends_path(tokens: &[TokenTree], i: usize) -> bool {
+    is(before(tokens, i, 1), ':') && is(before(tokens, i, 2), ':')
 }
 
 /// The path from [`ROOT`] at `i` to its first type, and where it ends.
-fn path_to_type(code: &[Node], i: usize) -> Option<(Vec<String>, usize)> {
+fn path_to_type(tokens: &[TokenTree], i: usize) -> Option<(Vec<String>, usize)> {
     let mut path = Vec::new();
     let mut at = i + 1;
-    while is_punct(code.get(at), ':') && is_punct(code.get(at + 1), ':') {
-        let Some(Node::Word(segment, _)) = code.get(at + 2) else { return None };
+    while is(tokens.get(at), ':') && is(tokens.get(at + 1), ':') {
+        let Some(TokenTree::Ident(segment)) = tokens.get(at + 2) else { return None };
+        let segment = segment.to_string();
         let is_type = segment.starts_with(char::is_uppercase) || PRIMITIVES.contains(&segment.as_str());
-        path.push(segment.clone());
+        path.push(segment);
         at += 3;
         if is_type {
             return Some((path, at));

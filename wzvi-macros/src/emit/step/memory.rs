@@ -28,8 +28,8 @@ pub(super) fn part(index: usize, blocks: usize) -> TokenStream {
     quote!(__memory #place)
 }
 
-/// A tuple of any number of types, in tuples of tuples.
-fn tuple(types: Vec<TokenStream>) -> TokenStream {
+/// A tuple of any number of types, values or patterns, in tuples of tuples.
+pub(super) fn tuple(types: Vec<TokenStream>) -> TokenStream {
     if types.len() <= PARTS {
         return quote!((#(#types,)*));
     }

@@ -1,9 +1,10 @@
-//! What is computed once for all steps: a struct of the numbers that a step reads, and the body that makes it.
+//! What is computed once for all steps: the numbers that a step reads, and the body that makes them.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::flow::{Flow, Solve};
+use super::memory::tuple;
 use crate::emit::names::Names;
 use crate::emit::program::Op;
 use crate::emit::system::{count, parameter_names};
@@ -73,50 +74,65 @@ impl Prepared {
             }
         }
         statements.extend(printer.bind(&read_by_step, &used, &|_| false));
-        let mut fields = TokenStream::new();
-        let mut named = |ops: Vec<Op>| -> Vec<(Op, Ident)> {
-            ops.into_iter()
-                .map(|op| {
-                    let (field, value) = (names.take(&printer.wish_or_name(op)), printer.value(op));
-                    fields.extend(quote!(#field: #value,));
-                    (op, field)
-                })
-                .collect()
-        };
-        let (constants, truths) = (named(constants), named(truths));
-        fields.extend(factors.iter().map(|(_, name)| quote!(#name,)));
+        let [numbers, flags] = [&constants, &truths].map(|ops| {
+            let values = ops.iter().map(|&op| printer.value(op));
+            quote!([#(#values),*])
+        });
+        let made = factors.iter().map(|(_, name)| quote!(#name)).collect();
+        let value = parts(&constants, numbers, &truths, flags, made);
         let body = quote! {
             #statements
-            __wzvi::Ok(__Prepared { #fields })
+            __wzvi::Ok(#value)
         };
+        let mut named = |ops: Vec<Op>| -> Vec<(Op, Ident)> {
+            ops.into_iter().map(|op| (op, names.take(&printer.wish_or_name(op)))).collect()
+        };
+        let (constants, truths) = (named(constants), named(truths));
         Self { constants, truths, factors, body }
     }
 
-    /// `struct __Prepared`
-    pub(super) fn item(&self) -> TokenStream {
-        let f64 = f64_type();
-        let numbers = self.constants.iter().map(|(_, name)| quote!(#name: #f64,));
-        let truths = self.truths.iter().map(|(_, name)| quote!(#name: __wzvi::bool,));
-        let factors = self.factors.iter().map(|(size, name)| {
+    /// The type `__Prepared`.
+    pub(super) fn ty(&self) -> TokenStream {
+        let (f64, bool) = (f64_type(), quote!(__wzvi::bool));
+        let (constants, truths) = (count(self.constants.len()), count(self.truths.len()));
+        let factors = self.factors.iter().map(|(size, _)| {
             let size = count(*size);
-            quote!(#name: __wzvi::Factor<#f64, #size>,)
+            quote!(__wzvi::Factor<#f64, #size>)
         });
-        quote! {
-            #[derive(__wzvi::Clone, __wzvi::Debug)]
-            pub struct __Prepared { #(#numbers)* #(#truths)* #(#factors)* }
-        }
+        let (numbers, flags) = (quote!([#f64; #constants]), quote!([#bool; #truths]));
+        parts(&self.constants, numbers, &self.truths, flags, factors.collect())
     }
 
     /// `let` for all parts: numbers by value, factors by reference.
     pub(super) fn open(&self) -> TokenStream {
-        let values = self.constants.iter().chain(&self.truths).map(|(_, name)| quote!(#name));
-        let factors = self.factors.iter().map(|(_, name)| quote!(ref #name));
-        let parts: Vec<TokenStream> = values.chain(factors).collect();
-        match parts.is_empty() {
+        let [numbers, flags] = [&self.constants, &self.truths].map(|parts| {
+            let names = parts.iter().map(|(_, name)| name);
+            quote!([#(#names),*])
+        });
+        let factors: Vec<TokenStream> = self.factors.iter().map(|(_, name)| quote!(ref #name)).collect();
+        let pattern = parts(&self.constants, numbers, &self.truths, flags, factors);
+        match self.constants.is_empty() && self.truths.is_empty() && self.factors.is_empty() {
             true => TokenStream::new(),
-            false => quote!(let &__Prepared { #(#parts),* } = __prepared;),
+            false => quote!(let #pattern = *__prepared;),
         }
     }
+}
+
+/// What is prepared, as a type, a value or a pattern: an array of numbers, and where there are others, a tuple of
+/// numbers, truths and factors.
+fn parts<T>(
+    constants: &[T],
+    numbers: TokenStream,
+    truths: &[T],
+    flags: TokenStream,
+    factors: Vec<TokenStream>,
+) -> TokenStream {
+    if truths.is_empty() && factors.is_empty() {
+        return numbers;
+    }
+    let numbers = (!constants.is_empty()).then_some(numbers);
+    let flags = (!truths.is_empty()).then_some(flags);
+    tuple(numbers.into_iter().chain(flags).chain(factors).collect())
 }
 
 pub(super) fn rows(printer: &Printer<'_>, matrix: &[Vec<Op>]) -> Vec<TokenStream> {
