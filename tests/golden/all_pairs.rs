@@ -80,7 +80,7 @@ const _: () = {
             if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()) {
                 return nan;
             }
-            let a0: f64 = self.g;
+            let g: f64 = self.g;
             let size = (q.len() / 2) as isize;
             let at = Point { q, p, t, h: 1.0, dw: &[] };
             let mut total = S::from_f64(0.0);
@@ -88,59 +88,55 @@ const _: () = {
                 0 => {
                     {
                         let mut b0 = S::from_f64(0.0);
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let points0 = ((2 * i0) as isize as usize);
+                            let points0 = (2 * i0) as usize;
                             let points0 = &at
                                 .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            let s2 = ((i0) as isize as usize);
+                            let s2 = i0 as usize;
                             let s2 = &self.mass[s2..s2 + len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = points0[k][0usize];
-                                let l1 = points0[k][1usize];
-                                let l2 = S::from_f64(s2[k]);
-                                b0 = b0 + (l1 * l1 + l0 * l0) / l2 * 0.5;
+                                let p2_i = points0[k][0usize];
+                                let p2_i_plus_1 = points0[k][1usize];
+                                let mass_i = S::from_f64(s2[k]);
+                                b0 = b0
+                                    + (p2_i_plus_1 * p2_i_plus_1 + p2_i * p2_i) / mass_i * 0.5;
                             }
-                            i0 += len as isize;
                         }
                         total = total + b0;
                     }
                     {
-                        for i1 in (0 as isize)..(size) {
-                            let l0 = at.q[((2 * i1) as isize as usize)];
-                            let l2 = at.q[((2 * i1 + 1) as isize as usize)];
-                            let l4 = S::from_f64(self.mass[((i1) as isize as usize)]);
+                        for i1 in 0 as isize..size {
+                            let q2_i = at.q[(2 * i1) as usize];
+                            let q2_i_plus_1 = at.q[(2 * i1 + 1) as usize];
+                            let mass_i = S::from_f64(self.mass[i1 as usize]);
                             let mut b0 = S::from_f64(0.0);
-                            let mut i2: isize = 0;
-                            let end: isize = (i1);
-                            while i2 < end {
-                                let low = i2;
+                            let (low, end): (isize, isize) = (0, i1);
+                            if low < end {
+                                let i2 = low;
                                 let len = (end - low) as usize;
-                                let points0 = ((2 * i2) as isize as usize);
+                                let points0 = (2 * i2) as usize;
                                 let points0 = &at
                                     .q[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
                                     .0[..len];
-                                let s5 = ((i2) as isize as usize);
+                                let s5 = i2 as usize;
                                 let s5 = &self.mass[s5..s5 + len];
                                 for k in 0..len {
-                                    let i2 = low + k as isize;
-                                    let l1 = points0[k][0usize];
-                                    let l3 = points0[k][1usize];
-                                    let l5 = S::from_f64(s5[k]);
-                                    let difference = l0 - l1;
-                                    let difference2 = l2 - l3;
+                                    let q2_j = points0[k][0usize];
+                                    let q2_j_plus_1 = points0[k][1usize];
+                                    let mass_j = S::from_f64(s5[k]);
+                                    let difference = q2_i - q2_j;
+                                    let difference2 = q2_i_plus_1 - q2_j_plus_1;
                                     let sum = difference2 * difference2
                                         + difference * difference;
-                                    b0 = b0 + -(l4 * l5 * (sum.recip() * sum.sqrt()) * a0);
+                                    b0 = b0
+                                        + -(mass_i * mass_j * (sum.recip() * sum.sqrt()) * g);
                                 }
-                                i2 += len as isize;
                             }
                             total = total + b0;
                         }
@@ -169,86 +165,81 @@ const _: () = {
             }
             by_q.fill(S::from_f64(0.0));
             by_p.fill(S::from_f64(0.0));
-            let a0: f64 = self.g;
+            let g: f64 = self.g;
             let size = (q.len() / 2) as isize;
             let at = Point { q, p, t, h: 1.0, dw: &[] };
             match term {
                 0 => {
                     {
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let points0 = ((2 * i0) as isize as usize);
+                            let points0 = (2 * i0) as usize;
                             let points0 = &at
                                 .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            let s2 = ((i0) as isize as usize);
+                            let s2 = i0 as usize;
                             let s2 = &self.mass[s2..s2 + len];
-                            let points1 = ((2 * i0) as isize as usize);
+                            let points1 = (2 * i0) as usize;
                             let points1 = &mut by_p[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
                                 .0[..len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = points0[k][0usize];
-                                let l1 = points0[k][1usize];
-                                let l2 = S::from_f64(s2[k]);
-                                points1[k][0usize] = points1[k][0usize] + l0 / l2;
-                                points1[k][1usize] = points1[k][1usize] + l1 / l2;
+                                let p2_i = points0[k][0usize];
+                                let p2_i_plus_1 = points0[k][1usize];
+                                let mass_i = S::from_f64(s2[k]);
+                                points1[k][0usize] = points1[k][0usize] + p2_i / mass_i;
+                                points1[k][1usize] = points1[k][1usize]
+                                    + p2_i_plus_1 / mass_i;
                             }
-                            i0 += len as isize;
                         }
                     }
                     {
-                        for i1 in (0 as isize)..(size) {
-                            let l0 = at.q[((2 * i1) as isize as usize)];
-                            let l2 = at.q[((2 * i1 + 1) as isize as usize)];
-                            let l4 = S::from_f64(self.mass[((i1) as isize as usize)]);
+                        for i1 in 0 as isize..size {
+                            let q2_i = at.q[(2 * i1) as usize];
+                            let q2_i_plus_1 = at.q[(2 * i1 + 1) as usize];
+                            let mass_i = S::from_f64(self.mass[i1 as usize]);
                             let mut b0 = S::from_f64(0.0);
                             let mut b2 = S::from_f64(0.0);
-                            let mut i2: isize = 0;
-                            let end: isize = (i1);
-                            while i2 < end {
-                                let low = i2;
+                            let (low, end): (isize, isize) = (0, i1);
+                            if low < end {
+                                let i2 = low;
                                 let len = (end - low) as usize;
-                                let points0 = ((2 * i2) as isize as usize);
+                                let points0 = (2 * i2) as usize;
                                 let points0 = &at
                                     .q[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
                                     .0[..len];
-                                let s5 = ((i2) as isize as usize);
+                                let s5 = i2 as usize;
                                 let s5 = &self.mass[s5..s5 + len];
-                                let points1 = ((2 * i2) as isize as usize);
+                                let points1 = (2 * i2) as usize;
                                 let points1 = &mut by_q[points1..points1 + 2 * len]
                                     .as_chunks_mut::<2>()
                                     .0[..len];
                                 for k in 0..len {
-                                    let i2 = low + k as isize;
-                                    let l1 = points0[k][0usize];
-                                    let l3 = points0[k][1usize];
-                                    let l5 = S::from_f64(s5[k]);
-                                    let difference = l2 - l3;
-                                    let difference2 = l0 - l1;
+                                    let q2_j = points0[k][0usize];
+                                    let q2_j_plus_1 = points0[k][1usize];
+                                    let mass_j = S::from_f64(s5[k]);
+                                    let difference = q2_i_plus_1 - q2_j_plus_1;
+                                    let difference2 = q2_i - q2_j;
                                     let sum = difference2 * difference2
                                         + difference * difference;
-                                    let l4_l5 = l4 * l5;
+                                    let mass_i_mass_j = mass_i * mass_j;
                                     let inverse = sum.recip();
                                     let product = inverse * (inverse * sum.sqrt());
-                                    let product2 = difference2 * l4_l5 * product * a0;
-                                    let product3 = product * (difference * l4_l5) * a0;
+                                    let product2 = difference2 * mass_i_mass_j * product * g;
+                                    let product3 = product * (difference * mass_i_mass_j) * g;
                                     points1[k][0usize] = points1[k][0usize] + -product2;
                                     points1[k][1usize] = points1[k][1usize] + -product3;
                                     b0 = b0 + product2;
                                     b2 = b2 + product3;
                                 }
-                                i2 += len as isize;
                             }
-                            let at_index = ((2 * i1) as isize as usize);
+                            let at_index = (2 * i1) as usize;
                             by_q[at_index] = by_q[at_index] + b0;
-                            let at_index = ((2 * i1 + 1) as isize as usize);
+                            let at_index = (2 * i1 + 1) as usize;
                             by_q[at_index] = by_q[at_index] + b2;
                         }
                     }
@@ -416,90 +407,85 @@ const _: () = {
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            let a0: f64 = self.g;
+            let g: f64 = self.g;
             let size = (at.q.len() / 2) as isize;
             let t = at.t;
             if terms.drift {
                 if terms.by_p {
                     {
                         let c = S::from_f64(at.h);
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let points0 = ((2 * i0) as isize as usize);
+                            let points0 = (2 * i0) as usize;
                             let points0 = &at
                                 .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            let s2 = ((i0) as isize as usize);
+                            let s2 = i0 as usize;
                             let s2 = &self.mass[s2..s2 + len];
-                            let points1 = ((2 * i0) as isize as usize);
+                            let points1 = (2 * i0) as usize;
                             let points1 = &mut by_p[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
                                 .0[..len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = points0[k][0usize];
-                                let l1 = points0[k][1usize];
-                                let l2 = S::from_f64(s2[k]);
-                                points1[k][0usize] = points1[k][0usize] + l0 * c / l2;
-                                points1[k][1usize] = points1[k][1usize] + l1 * c / l2;
+                                let p2_i = points0[k][0usize];
+                                let p2_i_plus_1 = points0[k][1usize];
+                                let mass_i = S::from_f64(s2[k]);
+                                points1[k][0usize] = points1[k][0usize] + p2_i * c / mass_i;
+                                points1[k][1usize] = points1[k][1usize]
+                                    + p2_i_plus_1 * c / mass_i;
                             }
-                            i0 += len as isize;
                         }
                     }
                 }
                 if terms.by_q {
                     {
-                        for i1 in (0 as isize)..(size) {
+                        for i1 in 0 as isize..size {
                             let c = S::from_f64(at.h);
-                            let l0 = at.q[((2 * i1) as isize as usize)];
-                            let l2 = at.q[((2 * i1 + 1) as isize as usize)];
-                            let l4 = S::from_f64(self.mass[((i1) as isize as usize)]);
+                            let q2_i = at.q[(2 * i1) as usize];
+                            let q2_i_plus_1 = at.q[(2 * i1 + 1) as usize];
+                            let mass_i = S::from_f64(self.mass[i1 as usize]);
                             let mut b0 = S::from_f64(0.0);
                             let mut b2 = S::from_f64(0.0);
-                            let mut i2: isize = 0;
-                            let end: isize = (i1);
-                            while i2 < end {
-                                let low = i2;
+                            let (low, end): (isize, isize) = (0, i1);
+                            if low < end {
+                                let i2 = low;
                                 let len = (end - low) as usize;
-                                let points0 = ((2 * i2) as isize as usize);
+                                let points0 = (2 * i2) as usize;
                                 let points0 = &at
                                     .q[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
                                     .0[..len];
-                                let s5 = ((i2) as isize as usize);
+                                let s5 = i2 as usize;
                                 let s5 = &self.mass[s5..s5 + len];
-                                let points1 = ((2 * i2) as isize as usize);
+                                let points1 = (2 * i2) as usize;
                                 let points1 = &mut by_q[points1..points1 + 2 * len]
                                     .as_chunks_mut::<2>()
                                     .0[..len];
                                 for k in 0..len {
-                                    let i2 = low + k as isize;
-                                    let l1 = points0[k][0usize];
-                                    let l3 = points0[k][1usize];
-                                    let l5 = S::from_f64(s5[k]);
-                                    let difference = l2 - l3;
-                                    let difference2 = l0 - l1;
+                                    let q2_j = points0[k][0usize];
+                                    let q2_j_plus_1 = points0[k][1usize];
+                                    let mass_j = S::from_f64(s5[k]);
+                                    let difference = q2_i_plus_1 - q2_j_plus_1;
+                                    let difference2 = q2_i - q2_j;
                                     let sum = difference2 * difference2
                                         + difference * difference;
-                                    let product = c * (l4 * l5);
+                                    let product = c * (mass_i * mass_j);
                                     let inverse = sum.recip();
                                     let product2 = inverse * (inverse * sum.sqrt());
-                                    let product3 = difference2 * product * product2 * a0;
-                                    let product4 = product2 * (difference * product) * a0;
+                                    let product3 = difference2 * product * product2 * g;
+                                    let product4 = product2 * (difference * product) * g;
                                     points1[k][0usize] = points1[k][0usize] + -product3;
                                     points1[k][1usize] = points1[k][1usize] + -product4;
                                     b0 = b0 + product3;
                                     b2 = b2 + product4;
                                 }
-                                i2 += len as isize;
                             }
-                            let at_index = ((2 * i1) as isize as usize);
+                            let at_index = (2 * i1) as usize;
                             by_q[at_index] = by_q[at_index] + b0;
-                            let at_index = ((2 * i1 + 1) as isize as usize);
+                            let at_index = (2 * i1 + 1) as usize;
                             by_q[at_index] = by_q[at_index] + b2;
                         }
                     }
@@ -512,155 +498,147 @@ const _: () = {
             at: &Point<'_, S>,
             into: &mut C,
         ) {
-            let a0: f64 = self.g;
+            let g: f64 = self.g;
             let size = (at.q.len() / 2) as isize;
             let t = at.t;
             if terms.drift {
                 if terms.by_p {
                     {
                         let c = S::from_f64(at.h);
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let points0 = ((2 * i0) as isize as usize);
+                            let points0 = (2 * i0) as usize;
                             let points0 = &at
                                 .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            let s2 = ((i0) as isize as usize);
+                            let s2 = i0 as usize;
                             let s2 = &self.mass[s2..s2 + len];
                             for k in 0..len {
                                 let i0 = low + k as isize;
-                                let l0 = points0[k][0usize];
-                                let l1 = points0[k][1usize];
-                                let l2 = S::from_f64(s2[k]);
-                                let quotient = c / l2;
+                                let p2_i = points0[k][0usize];
+                                let p2_i_plus_1 = points0[k][1usize];
+                                let mass_i = S::from_f64(s2[k]);
+                                let quotient = c / mass_i;
                                 into.add_pp(
-                                    ((2 * i0) as isize as usize),
-                                    ((2 * i0) as isize as usize),
+                                    (2 * i0) as usize,
+                                    (2 * i0) as usize,
                                     true,
                                     quotient,
                                 );
                                 into.add_pp(
-                                    ((2 * i0 + 1) as isize as usize),
-                                    ((2 * i0 + 1) as isize as usize),
+                                    (2 * i0 + 1) as usize,
+                                    (2 * i0 + 1) as usize,
                                     true,
                                     quotient,
                                 );
                             }
-                            i0 += len as isize;
                         }
                     }
                 }
                 if terms.by_q {
                     {
-                        let three_a0 = 3.0 * a0;
-                        for i1 in (0 as isize)..(size) {
+                        let three_g = 3.0 * g;
+                        for i1 in 0 as isize..size {
                             let c = S::from_f64(at.h);
-                            let l0 = at.q[((2 * i1) as isize as usize)];
-                            let l2 = at.q[((2 * i1 + 1) as isize as usize)];
-                            let l4 = S::from_f64(self.mass[((i1) as isize as usize)]);
+                            let q2_i = at.q[(2 * i1) as usize];
+                            let q2_i_plus_1 = at.q[(2 * i1 + 1) as usize];
+                            let mass_i = S::from_f64(self.mass[i1 as usize]);
                             let mut b0 = S::from_f64(0.0);
                             let mut b2 = S::from_f64(0.0);
                             let mut b7 = S::from_f64(0.0);
-                            let mut i2: isize = 0;
-                            let end: isize = (i1);
-                            while i2 < end {
-                                let low = i2;
+                            let (low, end): (isize, isize) = (0, i1);
+                            if low < end {
+                                let i2 = low;
                                 let len = (end - low) as usize;
-                                let points0 = ((2 * i2) as isize as usize);
+                                let points0 = (2 * i2) as usize;
                                 let points0 = &at
                                     .q[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
                                     .0[..len];
-                                let s5 = ((i2) as isize as usize);
+                                let s5 = i2 as usize;
                                 let s5 = &self.mass[s5..s5 + len];
                                 for k in 0..len {
                                     let i2 = low + k as isize;
-                                    let l1 = points0[k][0usize];
-                                    let l3 = points0[k][1usize];
-                                    let l5 = S::from_f64(s5[k]);
-                                    let difference = l2 - l3;
-                                    let difference2 = l0 - l1;
-                                    let product = difference2 * difference2;
-                                    let product2 = difference * difference;
-                                    let sum = product + product2;
+                                    let q2_j = points0[k][0usize];
+                                    let q2_j_plus_1 = points0[k][1usize];
+                                    let mass_j = S::from_f64(s5[k]);
+                                    let difference = q2_i_plus_1 - q2_j_plus_1;
+                                    let difference2 = q2_i - q2_j;
+                                    let difference2_squared = difference2 * difference2;
+                                    let difference_squared = difference * difference;
+                                    let sum = difference2_squared + difference_squared;
                                     let inverse = sum.recip();
-                                    let product3 = inverse * (inverse * sum.sqrt());
-                                    let product4 = inverse * product3;
-                                    let product5 = l4 * (l5 * c);
-                                    let product6 = (product3 - product * product4 * 3.0)
-                                        * product5 * a0;
-                                    let product7 = product4
-                                        * (difference * (difference2 * (c * (l4 * l5)))) * three_a0;
-                                    let minus = -product7;
-                                    let product8 = product5
-                                        * (product3 - product2 * product4 * 3.0) * a0;
-                                    b0 = b0 + product6;
+                                    let product = inverse * (inverse * sum.sqrt());
+                                    let product2 = inverse * product;
+                                    let product3 = mass_i * (mass_j * c);
+                                    let product4 = (product
+                                        - difference2_squared * product2 * 3.0) * product3 * g;
+                                    let product5 = product2
+                                        * (difference * (difference2 * (c * (mass_i * mass_j))))
+                                        * three_g;
+                                    let minus = -product5;
+                                    let product6 = product3
+                                        * (product - difference_squared * product2 * 3.0) * g;
+                                    b0 = b0 + product4;
                                     into.add_qq(
-                                        ((2 * i1) as isize as usize),
-                                        ((2 * i2) as isize as usize),
+                                        (2 * i1) as usize,
+                                        (2 * i2) as usize,
                                         false,
-                                        -product6,
+                                        -product4,
                                     );
                                     b2 = b2 + minus;
                                     into.add_qq(
-                                        ((2 * i1) as isize as usize),
-                                        ((2 * i2 + 1) as isize as usize),
+                                        (2 * i1) as usize,
+                                        (2 * i2 + 1) as usize,
                                         false,
-                                        product7,
+                                        product5,
                                     );
                                     into.add_qq(
-                                        ((2 * i2) as isize as usize),
-                                        ((2 * i2) as isize as usize),
+                                        (2 * i2) as usize,
+                                        (2 * i2) as usize,
                                         true,
-                                        product6,
+                                        product4,
                                     );
                                     into.add_qq(
-                                        ((2 * i2) as isize as usize),
-                                        ((2 * i1 + 1) as isize as usize),
+                                        (2 * i2) as usize,
+                                        (2 * i1 + 1) as usize,
                                         false,
-                                        product7,
+                                        product5,
                                     );
                                     into.add_qq(
-                                        ((2 * i2) as isize as usize),
-                                        ((2 * i2 + 1) as isize as usize),
+                                        (2 * i2) as usize,
+                                        (2 * i2 + 1) as usize,
                                         false,
                                         minus,
                                     );
-                                    b7 = b7 + product8;
+                                    b7 = b7 + product6;
                                     into.add_qq(
-                                        ((2 * i1 + 1) as isize as usize),
-                                        ((2 * i2 + 1) as isize as usize),
+                                        (2 * i1 + 1) as usize,
+                                        (2 * i2 + 1) as usize,
                                         false,
-                                        -product8,
+                                        -product6,
                                     );
                                     into.add_qq(
-                                        ((2 * i2 + 1) as isize as usize),
-                                        ((2 * i2 + 1) as isize as usize),
+                                        (2 * i2 + 1) as usize,
+                                        (2 * i2 + 1) as usize,
                                         true,
-                                        product8,
+                                        product6,
                                     );
                                 }
-                                i2 += len as isize;
                             }
+                            into.add_qq((2 * i1) as usize, (2 * i1) as usize, true, b0);
                             into.add_qq(
-                                ((2 * i1) as isize as usize),
-                                ((2 * i1) as isize as usize),
-                                true,
-                                b0,
-                            );
-                            into.add_qq(
-                                ((2 * i1) as isize as usize),
-                                ((2 * i1 + 1) as isize as usize),
+                                (2 * i1) as usize,
+                                (2 * i1 + 1) as usize,
                                 false,
                                 b2,
                             );
                             into.add_qq(
-                                ((2 * i1 + 1) as isize as usize),
-                                ((2 * i1 + 1) as isize as usize),
+                                (2 * i1 + 1) as usize,
+                                (2 * i1 + 1) as usize,
                                 true,
                                 b7,
                             );
@@ -752,22 +730,24 @@ const _: () = {
     };
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as a0, binding as after, binding as at, binding as at_index,
-        binding as b0, binding as b2, binding as b7, binding as before, binding as by_p,
+        binding as after, binding as at, binding as at_index, binding as b0,
+        binding as b2, binding as b7, binding as before, binding as by_p,
         binding as by_q, binding as c, binding as carry, binding as degrees,
-        binding as difference, binding as difference2, binding as dw, binding as end,
+        binding as difference, binding as difference2, binding as difference2_squared,
+        binding as difference_squared, binding as dw, binding as end, binding as g,
         binding as h, binding as i0, binding as i1, binding as i2, binding as index,
-        binding as into, binding as inverse, binding as k, binding as l0, binding as l1,
-        binding as l2, binding as l3, binding as l4, binding as l4_l5, binding as l5,
-        binding as len, binding as list, binding as low, binding as memory,
-        binding as minus, binding as nan, binding as outer, binding as p,
+        binding as into, binding as inverse, binding as k, binding as len,
+        binding as list, binding as low, binding as mass_i, binding as mass_i_mass_j,
+        binding as mass_j, binding as memory, binding as minus, binding as nan,
+        binding as outer, binding as p, binding as p2_i, binding as p2_i_plus_1,
         binding as places, binding as points0, binding as points1, binding as prepared,
         binding as product, binding as product2, binding as product3,
-        binding as product4, binding as product5, binding as product6,
-        binding as product7, binding as product8, binding as q, binding as quotient,
-        binding as range, binding as s2, binding as s5, binding as segment,
-        binding as size, binding as sum, binding as t, binding as table, binding as term,
-        binding as terms, binding as three_a0, binding as total,
+        binding as product4, binding as product5, binding as product6, binding as q,
+        binding as q2_i, binding as q2_i_plus_1, binding as q2_j, binding as q2_j_plus_1,
+        binding as quotient, binding as range, binding as s2, binding as s5,
+        binding as segment, binding as size, binding as sum, binding as t,
+        binding as table, binding as term, binding as terms, binding as three_g,
+        binding as total,
     };
 };
 const _: () = {

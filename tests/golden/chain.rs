@@ -79,61 +79,55 @@ const _: () = {
             if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()) {
                 return nan;
             }
-            let a0: f64 = self.beta;
-            let size = (q.len() / 1) as isize;
+            let beta: f64 = self.beta;
+            let size = q.len() as isize;
             let at = Point { q, p, t, h: 1.0, dw: &[] };
             let mut total = S::from_f64(0.0);
             match term {
                 0 => {
                     {
                         let mut b0 = S::from_f64(0.0);
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i0) as isize as usize);
+                            let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = s0[k];
-                                b0 = b0 + l0 * l0 * 0.5;
+                                let p_i = s0[k];
+                                b0 = b0 + p_i * p_i * 0.5;
                             }
-                            i0 += len as isize;
                         }
                         total = total + b0;
                     }
                     {
-                        let quarter_a0 = 0.25 * a0;
+                        let quarter_beta = 0.25 * beta;
                         let mut b0 = S::from_f64(0.0);
-                        let mut i1: isize = 0;
-                        let end: isize = (size - 1);
-                        while i1 < end {
-                            let low = i1;
+                        let (low, end): (isize, isize) = (0, size - 1);
+                        if low < end {
+                            let i1 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i1 + 1) as isize as usize);
+                            let s0 = (i1 + 1) as usize;
                             let s0 = &at.q[s0..s0 + len];
-                            let s1 = ((i1) as isize as usize);
+                            let s1 = i1 as usize;
                             let s1 = &at.q[s1..s1 + len];
                             for k in 0..len {
-                                let i1 = low + k as isize;
-                                let l0 = s0[k];
-                                let l1 = s1[k];
-                                let difference = l0 - l1;
-                                let product = difference * difference;
-                                b0 = b0 + product * (product * quarter_a0 + 0.5);
+                                let q_i_plus_1 = s0[k];
+                                let q_i = s1[k];
+                                let difference = q_i_plus_1 - q_i;
+                                let difference_squared = difference * difference;
+                                b0 = b0
+                                    + difference_squared
+                                        * (difference_squared * quarter_beta + 0.5);
                             }
-                            i1 += len as isize;
                         }
                         total = total + b0;
                     }
                     {
-                        let quarter_a0 = 0.25 * a0;
-                        {
-                            let l0 = at.q[0];
-                            let l0_squared = l0 * l0;
-                            total = total + l0_squared * (l0_squared * quarter_a0 + 0.5);
-                        }
+                        let quarter_beta = 0.25 * beta;
+                        let q0 = at.q[0];
+                        let q0_squared = q0 * q0;
+                        total = total + q0_squared * (q0_squared * quarter_beta + 0.5);
                     }
                 }
                 _ => return nan,
@@ -159,69 +153,55 @@ const _: () = {
             }
             by_q.fill(S::from_f64(0.0));
             by_p.fill(S::from_f64(0.0));
-            let a0: f64 = self.beta;
-            let size = (q.len() / 1) as isize;
+            let beta: f64 = self.beta;
+            let size = q.len() as isize;
             let at = Point { q, p, t, h: 1.0, dw: &[] };
             match term {
                 0 => {
                     {
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i0) as isize as usize);
+                            let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
-                            let b0 = ((i0) as isize as usize);
+                            let b0 = i0 as usize;
                             let b0 = &mut by_p[b0..b0 + len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = s0[k];
-                                b0[k] = b0[k] + l0;
+                                let p_i = s0[k];
+                                b0[k] = b0[k] + p_i;
                             }
-                            i0 += len as isize;
                         }
                     }
                     {
-                        let mut i1: isize = 0;
-                        let end: isize = (size - 1);
-                        while i1 < end {
-                            let low = i1;
-                            let mut len = (end - low) as usize;
-                            if ((i1 + 1) as isize as usize)
-                                != ((i1) as isize as usize) + 1
-                            {
-                                len = 1;
-                            }
-                            let s0 = ((i1 + 1) as isize as usize);
+                        let (low, end): (isize, isize) = (0, size - 1);
+                        if low < end {
+                            let i1 = low;
+                            let len = (end - low) as usize;
+                            let s0 = (i1 + 1) as usize;
                             let s0 = &at.q[s0..s0 + len];
-                            let s1 = ((i1) as isize as usize);
+                            let s1 = i1 as usize;
                             let s1 = &at.q[s1..s1 + len];
-                            let at1 = ((i1 + 1) as isize as usize) + (len - 1);
+                            let at1 = (i1 + 1) as usize + (len - 1);
                             let mut carried1 = S::from_f64(0.0);
-                            let b1 = ((i1) as isize as usize);
+                            let b1 = i1 as usize;
                             let b1 = &mut by_q[b1..b1 + len];
                             for k in 0..len {
-                                let i1 = low + k as isize;
-                                let l0 = s0[k];
-                                let l1 = s1[k];
-                                let difference = l0 - l1;
+                                let q_i_plus_1 = s0[k];
+                                let q_i = s1[k];
+                                let difference = q_i_plus_1 - q_i;
                                 let product = difference
-                                    * (difference * difference * a0 + 1.0);
+                                    * (difference * difference * beta + 1.0);
                                 let ahead = product;
                                 b1[k] = b1[k] + (-product + carried1);
                                 carried1 = ahead;
                             }
                             by_q[at1] = by_q[at1] + carried1;
-                            i1 += len as isize;
                         }
                     }
                     {
-                        {
-                            let l0 = at.q[0];
-                            let at_index = 0;
-                            by_q[at_index] = by_q[at_index] + l0 * (l0 * l0 * a0 + 1.0);
-                        }
+                        let q0 = at.q[0];
+                        by_q[0] = by_q[0] + q0 * (q0 * q0 * beta + 1.0);
                     }
                 }
                 _ => {
@@ -276,77 +256,62 @@ const _: () = {
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            let a0: f64 = self.beta;
-            let size = (at.q.len() / 1) as isize;
+            let beta: f64 = self.beta;
+            let size = at.q.len() as isize;
             let t = at.t;
             if terms.drift {
                 if terms.by_p {
                     {
                         let c = S::from_f64(at.h);
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i0) as isize as usize);
+                            let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
-                            let b0 = ((i0) as isize as usize);
+                            let b0 = i0 as usize;
                             let b0 = &mut by_p[b0..b0 + len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = s0[k];
-                                b0[k] = b0[k] + l0 * c;
+                                let p_i = s0[k];
+                                b0[k] = b0[k] + p_i * c;
                             }
-                            i0 += len as isize;
                         }
                     }
                 }
                 if terms.by_q {
                     {
                         let c = S::from_f64(at.h);
-                        let mut i1: isize = 0;
-                        let end: isize = (size - 1);
-                        while i1 < end {
-                            let low = i1;
-                            let mut len = (end - low) as usize;
-                            if ((i1 + 1) as isize as usize)
-                                != ((i1) as isize as usize) + 1
-                            {
-                                len = 1;
-                            }
-                            let s0 = ((i1 + 1) as isize as usize);
+                        let (low, end): (isize, isize) = (0, size - 1);
+                        if low < end {
+                            let i1 = low;
+                            let len = (end - low) as usize;
+                            let s0 = (i1 + 1) as usize;
                             let s0 = &at.q[s0..s0 + len];
-                            let s1 = ((i1) as isize as usize);
+                            let s1 = i1 as usize;
                             let s1 = &at.q[s1..s1 + len];
-                            let at1 = ((i1 + 1) as isize as usize) + (len - 1);
+                            let at1 = (i1 + 1) as usize + (len - 1);
                             let mut carried1 = S::from_f64(0.0);
-                            let b1 = ((i1) as isize as usize);
+                            let b1 = i1 as usize;
                             let b1 = &mut by_q[b1..b1 + len];
                             for k in 0..len {
-                                let i1 = low + k as isize;
-                                let l0 = s0[k];
-                                let l1 = s1[k];
-                                let difference = l0 - l1;
-                                let product = (difference * difference * a0 + 1.0)
+                                let q_i_plus_1 = s0[k];
+                                let q_i = s1[k];
+                                let difference = q_i_plus_1 - q_i;
+                                let product = (difference * difference * beta + 1.0)
                                     * (c * difference);
                                 let ahead = product;
                                 b1[k] = b1[k] + (-product + carried1);
                                 carried1 = ahead;
                             }
                             by_q[at1] = by_q[at1] + carried1;
-                            i1 += len as isize;
                         }
                     }
                 }
                 if terms.by_q {
                     {
                         let c = S::from_f64(at.h);
-                        {
-                            let l0 = at.q[0];
-                            let at_index = 0;
-                            by_q[at_index] = by_q[at_index]
-                                + c * (l0 * (l0 * l0 * a0 + 1.0));
-                        }
+                        let q0 = at.q[0];
+                        by_q[0] = by_q[0] + c * (q0 * (q0 * q0 * beta + 1.0));
                     }
                 }
             }
@@ -357,85 +322,69 @@ const _: () = {
             at: &Point<'_, S>,
             into: &mut C,
         ) {
-            let a0: f64 = self.beta;
-            let size = (at.q.len() / 1) as isize;
+            let beta: f64 = self.beta;
+            let size = at.q.len() as isize;
             let t = at.t;
             if terms.drift {
                 if terms.by_p {
                     {
                         let c = S::from_f64(at.h);
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i0) as isize as usize);
+                            let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
                             for k in 0..len {
                                 let i0 = low + k as isize;
-                                let l0 = s0[k];
-                                into.add_pp(
-                                    ((i0) as isize as usize),
-                                    ((i0) as isize as usize),
-                                    true,
-                                    c,
-                                );
+                                let p_i = s0[k];
+                                into.add_pp(i0 as usize, i0 as usize, true, c);
                             }
-                            i0 += len as isize;
                         }
                     }
                 }
                 if terms.by_q {
                     {
-                        let three_a0 = 3.0 * a0;
+                        let three_beta = 3.0 * beta;
                         let c = S::from_f64(at.h);
-                        let mut i1: isize = 0;
-                        let end: isize = (size - 1);
-                        while i1 < end {
-                            let low = i1;
+                        let (low, end): (isize, isize) = (0, size - 1);
+                        if low < end {
+                            let i1 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i1 + 1) as isize as usize);
+                            let s0 = (i1 + 1) as usize;
                             let s0 = &at.q[s0..s0 + len];
-                            let s1 = ((i1) as isize as usize);
+                            let s1 = i1 as usize;
                             let s1 = &at.q[s1..s1 + len];
                             for k in 0..len {
                                 let i1 = low + k as isize;
-                                let l0 = s0[k];
-                                let l1 = s1[k];
-                                let difference = l0 - l1;
+                                let q_i_plus_1 = s0[k];
+                                let q_i = s1[k];
+                                let difference = q_i_plus_1 - q_i;
                                 let product = c
-                                    * (difference * difference * three_a0 + 1.0);
+                                    * (difference * difference * three_beta + 1.0);
                                 into.add_qq(
-                                    ((i1 + 1) as isize as usize),
-                                    ((i1 + 1) as isize as usize),
+                                    (i1 + 1) as usize,
+                                    (i1 + 1) as usize,
                                     true,
                                     product,
                                 );
                                 into.add_qq(
-                                    ((i1 + 1) as isize as usize),
-                                    ((i1) as isize as usize),
+                                    (i1 + 1) as usize,
+                                    i1 as usize,
                                     false,
                                     -product,
                                 );
-                                into.add_qq(
-                                    ((i1) as isize as usize),
-                                    ((i1) as isize as usize),
-                                    true,
-                                    product,
-                                );
+                                into.add_qq(i1 as usize, i1 as usize, true, product);
                             }
-                            i1 += len as isize;
                         }
                     }
                 }
                 if terms.by_q {
                     {
-                        let three_a0 = 3.0 * a0;
+                        let three_beta = 3.0 * beta;
                         let c = S::from_f64(at.h);
-                        {
-                            let l0 = at.q[0];
-                            into.add_qq(0, 0, true, c * (l0 * l0 * three_a0 + 1.0));
-                        }
+                        let q0 = at.q[0];
+                        into.add_qq(0, 0, true, c * (q0 * q0 * three_beta + 1.0));
                     }
                 }
             }
@@ -529,17 +478,18 @@ const _: () = {
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as a0, binding as after, binding as ahead, binding as at, binding as at1,
-        binding as at_index, binding as b0, binding as b1, binding as before,
-        binding as by_p, binding as by_q, binding as c, binding as carried1,
-        binding as carry, binding as degrees, binding as difference, binding as dw,
-        binding as end, binding as h, binding as i0, binding as i1, binding as index,
-        binding as into, binding as k, binding as l0, binding as l0_squared,
-        binding as l1, binding as len, binding as low, binding as memory, binding as nan,
-        binding as outer, binding as p, binding as places, binding as prepared,
-        binding as product, binding as q, binding as quarter_a0, binding as range,
-        binding as s0, binding as s1, binding as segment, binding as size, binding as t,
-        binding as table, binding as term, binding as terms, binding as three_a0,
+        binding as after, binding as ahead, binding as at, binding as at1, binding as b0,
+        binding as b1, binding as before, binding as beta, binding as by_p,
+        binding as by_q, binding as c, binding as carried1, binding as carry,
+        binding as degrees, binding as difference, binding as difference_squared,
+        binding as dw, binding as end, binding as h, binding as i0, binding as i1,
+        binding as index, binding as into, binding as k, binding as len, binding as low,
+        binding as memory, binding as nan, binding as outer, binding as p,
+        binding as p_i, binding as places, binding as prepared, binding as product,
+        binding as q, binding as q0, binding as q0_squared, binding as q_i,
+        binding as q_i_plus_1, binding as quarter_beta, binding as range, binding as s0,
+        binding as s1, binding as segment, binding as size, binding as t,
+        binding as table, binding as term, binding as terms, binding as three_beta,
         binding as total,
     };
 };

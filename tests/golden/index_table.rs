@@ -70,51 +70,45 @@ const _: () = {
             if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()) {
                 return nan;
             }
-            let size = (q.len() / 1) as isize;
+            let size = q.len() as isize;
             let at = Point { q, p, t, h: 1.0, dw: &[] };
             let mut total = S::from_f64(0.0);
             match term {
                 0 => {
                     {
                         let mut b0 = S::from_f64(0.0);
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i0) as isize as usize);
+                            let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = s0[k];
-                                b0 = b0 + l0 * l0 * 0.5;
+                                let p_i = s0[k];
+                                b0 = b0 + p_i * p_i * 0.5;
                             }
-                            i0 += len as isize;
                         }
                         total = total + b0;
                     }
                     {
                         let mut b0 = S::from_f64(0.0);
-                        let mut i1: isize = 0;
-                        let end: isize = ((self.bonds.len() as isize));
-                        while i1 < end {
-                            let low = i1;
+                        let (low, end): (isize, isize) = (
+                            0,
+                            (self.bonds.len() as isize),
+                        );
+                        if low < end {
+                            let i1 = low;
                             let len = (end - low) as usize;
                             for k in 0..len {
                                 let i1 = low + k as isize;
-                                let l0 = S::from_f64(
-                                    self.bonds[((i1) as isize as usize)].2,
-                                );
-                                let l1 = at
-                                    .q[(((self.bonds[((i1) as isize as usize)].0 as isize))
-                                    as isize as usize)];
-                                let l2 = at
-                                    .q[(((self.bonds[((i1) as isize as usize)].1 as isize))
-                                    as isize as usize)];
-                                let difference = l1 - l2;
-                                b0 = b0 + l0 * (difference * difference) * 0.5;
+                                let bonds2_i = S::from_f64(self.bonds[i1 as usize].2);
+                                let q_bonds0_i = at
+                                    .q[(self.bonds[i1 as usize].0 as isize) as usize];
+                                let q_bonds1_i = at
+                                    .q[(self.bonds[i1 as usize].1 as isize) as usize];
+                                let difference = q_bonds0_i - q_bonds1_i;
+                                b0 = b0 + bonds2_i * (difference * difference) * 0.5;
                             }
-                            i1 += len as isize;
                         }
                         total = total + b0;
                     }
@@ -142,54 +136,48 @@ const _: () = {
             }
             by_q.fill(S::from_f64(0.0));
             by_p.fill(S::from_f64(0.0));
-            let size = (q.len() / 1) as isize;
+            let size = q.len() as isize;
             let at = Point { q, p, t, h: 1.0, dw: &[] };
             match term {
                 0 => {
                     {
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i0) as isize as usize);
+                            let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
-                            let b0 = ((i0) as isize as usize);
+                            let b0 = i0 as usize;
                             let b0 = &mut by_p[b0..b0 + len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = s0[k];
-                                b0[k] = b0[k] + l0;
+                                let p_i = s0[k];
+                                b0[k] = b0[k] + p_i;
                             }
-                            i0 += len as isize;
                         }
                     }
                     {
-                        let mut i1: isize = 0;
-                        let end: isize = ((self.bonds.len() as isize));
-                        while i1 < end {
-                            let low = i1;
+                        let (low, end): (isize, isize) = (
+                            0,
+                            (self.bonds.len() as isize),
+                        );
+                        if low < end {
+                            let i1 = low;
                             let len = (end - low) as usize;
                             for k in 0..len {
                                 let i1 = low + k as isize;
-                                let l0 = S::from_f64(
-                                    self.bonds[((i1) as isize as usize)].2,
-                                );
-                                let l1 = at
-                                    .q[(((self.bonds[((i1) as isize as usize)].0 as isize))
-                                    as isize as usize)];
-                                let l2 = at
-                                    .q[(((self.bonds[((i1) as isize as usize)].1 as isize))
-                                    as isize as usize)];
-                                let product = l0 * (l1 - l2);
-                                let at_index = (((self.bonds[((i1) as isize as usize)].0
-                                    as isize)) as isize as usize);
+                                let bonds2_i = S::from_f64(self.bonds[i1 as usize].2);
+                                let q_bonds0_i = at
+                                    .q[(self.bonds[i1 as usize].0 as isize) as usize];
+                                let q_bonds1_i = at
+                                    .q[(self.bonds[i1 as usize].1 as isize) as usize];
+                                let product = bonds2_i * (q_bonds0_i - q_bonds1_i);
+                                let at_index = (self.bonds[i1 as usize].0 as isize)
+                                    as usize;
                                 by_q[at_index] = by_q[at_index] + product;
-                                let at_index = (((self.bonds[((i1) as isize as usize)].1
-                                    as isize)) as isize as usize);
+                                let at_index = (self.bonds[i1 as usize].1 as isize)
+                                    as usize;
                                 by_q[at_index] = by_q[at_index] + -product;
                             }
-                            i1 += len as isize;
                         }
                     }
                 }
@@ -355,58 +343,52 @@ const _: () = {
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            let size = (at.q.len() / 1) as isize;
+            let size = at.q.len() as isize;
             let t = at.t;
             if terms.drift {
                 if terms.by_p {
                     {
                         let c = S::from_f64(at.h);
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i0) as isize as usize);
+                            let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
-                            let b0 = ((i0) as isize as usize);
+                            let b0 = i0 as usize;
                             let b0 = &mut by_p[b0..b0 + len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = s0[k];
-                                b0[k] = b0[k] + l0 * c;
+                                let p_i = s0[k];
+                                b0[k] = b0[k] + p_i * c;
                             }
-                            i0 += len as isize;
                         }
                     }
                 }
                 if terms.by_q {
                     {
                         let c = S::from_f64(at.h);
-                        let mut i1: isize = 0;
-                        let end: isize = ((self.bonds.len() as isize));
-                        while i1 < end {
-                            let low = i1;
+                        let (low, end): (isize, isize) = (
+                            0,
+                            (self.bonds.len() as isize),
+                        );
+                        if low < end {
+                            let i1 = low;
                             let len = (end - low) as usize;
                             for k in 0..len {
                                 let i1 = low + k as isize;
-                                let l0 = S::from_f64(
-                                    self.bonds[((i1) as isize as usize)].2,
-                                );
-                                let l1 = at
-                                    .q[(((self.bonds[((i1) as isize as usize)].0 as isize))
-                                    as isize as usize)];
-                                let l2 = at
-                                    .q[(((self.bonds[((i1) as isize as usize)].1 as isize))
-                                    as isize as usize)];
-                                let product = (l1 - l2) * (l0 * c);
-                                let at_index = (((self.bonds[((i1) as isize as usize)].0
-                                    as isize)) as isize as usize);
+                                let bonds2_i = S::from_f64(self.bonds[i1 as usize].2);
+                                let q_bonds0_i = at
+                                    .q[(self.bonds[i1 as usize].0 as isize) as usize];
+                                let q_bonds1_i = at
+                                    .q[(self.bonds[i1 as usize].1 as isize) as usize];
+                                let product = (q_bonds0_i - q_bonds1_i) * (bonds2_i * c);
+                                let at_index = (self.bonds[i1 as usize].0 as isize)
+                                    as usize;
                                 by_q[at_index] = by_q[at_index] + product;
-                                let at_index = (((self.bonds[((i1) as isize as usize)].1
-                                    as isize)) as isize as usize);
+                                let at_index = (self.bonds[i1 as usize].1 as isize)
+                                    as usize;
                                 by_q[at_index] = by_q[at_index] + -product;
                             }
-                            i1 += len as isize;
                         }
                     }
                 }
@@ -418,79 +400,63 @@ const _: () = {
             at: &Point<'_, S>,
             into: &mut C,
         ) {
-            let size = (at.q.len() / 1) as isize;
+            let size = at.q.len() as isize;
             let t = at.t;
             if terms.drift {
                 if terms.by_p {
                     {
                         let c = S::from_f64(at.h);
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i0) as isize as usize);
+                            let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
                             for k in 0..len {
                                 let i0 = low + k as isize;
-                                let l0 = s0[k];
-                                into.add_pp(
-                                    ((i0) as isize as usize),
-                                    ((i0) as isize as usize),
-                                    true,
-                                    c,
-                                );
+                                let p_i = s0[k];
+                                into.add_pp(i0 as usize, i0 as usize, true, c);
                             }
-                            i0 += len as isize;
                         }
                     }
                 }
                 if terms.by_q {
                     {
                         let c = S::from_f64(at.h);
-                        let mut i1: isize = 0;
-                        let end: isize = ((self.bonds.len() as isize));
-                        while i1 < end {
-                            let low = i1;
+                        let (low, end): (isize, isize) = (
+                            0,
+                            (self.bonds.len() as isize),
+                        );
+                        if low < end {
+                            let i1 = low;
                             let len = (end - low) as usize;
                             for k in 0..len {
                                 let i1 = low + k as isize;
-                                let l0 = S::from_f64(
-                                    self.bonds[((i1) as isize as usize)].2,
-                                );
-                                let l1 = at
-                                    .q[(((self.bonds[((i1) as isize as usize)].0 as isize))
-                                    as isize as usize)];
-                                let l2 = at
-                                    .q[(((self.bonds[((i1) as isize as usize)].1 as isize))
-                                    as isize as usize)];
-                                let l0_c = l0 * c;
+                                let bonds2_i = S::from_f64(self.bonds[i1 as usize].2);
+                                let q_bonds0_i = at
+                                    .q[(self.bonds[i1 as usize].0 as isize) as usize];
+                                let q_bonds1_i = at
+                                    .q[(self.bonds[i1 as usize].1 as isize) as usize];
+                                let bonds2_i_c = bonds2_i * c;
                                 into.add_qq(
-                                    (((self.bonds[((i1) as isize as usize)].0 as isize))
-                                        as isize as usize),
-                                    (((self.bonds[((i1) as isize as usize)].0 as isize))
-                                        as isize as usize),
+                                    (self.bonds[i1 as usize].0 as isize) as usize,
+                                    (self.bonds[i1 as usize].0 as isize) as usize,
                                     true,
-                                    l0_c,
+                                    bonds2_i_c,
                                 );
                                 into.add_qq(
-                                    (((self.bonds[((i1) as isize as usize)].0 as isize))
-                                        as isize as usize),
-                                    (((self.bonds[((i1) as isize as usize)].1 as isize))
-                                        as isize as usize),
+                                    (self.bonds[i1 as usize].0 as isize) as usize,
+                                    (self.bonds[i1 as usize].1 as isize) as usize,
                                     false,
-                                    -l0_c,
+                                    -bonds2_i_c,
                                 );
                                 into.add_qq(
-                                    (((self.bonds[((i1) as isize as usize)].1 as isize))
-                                        as isize as usize),
-                                    (((self.bonds[((i1) as isize as usize)].1 as isize))
-                                        as isize as usize),
+                                    (self.bonds[i1 as usize].1 as isize) as usize,
+                                    (self.bonds[i1 as usize].1 as isize) as usize,
                                     true,
-                                    l0_c,
+                                    bonds2_i_c,
                                 );
                             }
-                            i1 += len as isize;
                         }
                     }
                 }
@@ -577,16 +543,16 @@ const _: () = {
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as after, binding as at, binding as at_index, binding as b0,
-        binding as before, binding as by_p, binding as by_q, binding as c,
-        binding as carry, binding as degrees, binding as difference, binding as dw,
-        binding as end, binding as entry, binding as h, binding as i0, binding as i1,
-        binding as integer, binding as into, binding as k, binding as l0,
-        binding as l0_c, binding as l1, binding as l2, binding as len, binding as list,
-        binding as low, binding as memory, binding as nan, binding as outer,
-        binding as p, binding as places, binding as prepared, binding as product,
-        binding as q, binding as range, binding as s0, binding as segment,
-        binding as size, binding as t, binding as table, binding as term,
-        binding as terms, binding as total,
+        binding as before, binding as bonds2_i, binding as bonds2_i_c, binding as by_p,
+        binding as by_q, binding as c, binding as carry, binding as degrees,
+        binding as difference, binding as dw, binding as end, binding as entry,
+        binding as h, binding as i0, binding as i1, binding as integer, binding as into,
+        binding as k, binding as len, binding as list, binding as low, binding as memory,
+        binding as nan, binding as outer, binding as p, binding as p_i,
+        binding as places, binding as prepared, binding as product, binding as q,
+        binding as q_bonds0_i, binding as q_bonds1_i, binding as range, binding as s0,
+        binding as segment, binding as size, binding as t, binding as table,
+        binding as term, binding as terms, binding as total,
     };
 };
 const _: () = {

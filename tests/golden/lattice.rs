@@ -66,7 +66,7 @@ const _: () = {
     impl<const N: usize> Hamiltonian for Lattice<N> {
         type Vector = DVector<f64>;
         fn degrees(&self) -> wzvi::usize {
-            (((N as isize)) as wzvi::usize) * 2usize
+            (N as isize) as wzvi::usize * 2
         }
         fn check(&self, degrees: wzvi::usize) -> Result<(), StepFailure> {
             wzvi::elements::check(self, degrees)
@@ -79,7 +79,7 @@ const _: () = {
             if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()) {
                 return nan;
             }
-            let a0: f64 = self.k;
+            let k2: f64 = self.k;
             let size = (q.len() / 2) as isize;
             let at = Point { q, p, t, h: 1.0, dw: &[] };
             let mut total = S::from_f64(0.0);
@@ -87,54 +87,47 @@ const _: () = {
                 0 => {
                     {
                         let mut b0 = S::from_f64(0.0);
-                        let mut i0: isize = 0;
-                        let end: isize = ((N as isize));
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, (N as isize));
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as wzvi::usize;
-                            let points0 = ((2 * i0) as isize as wzvi::usize);
+                            let points0 = (2 * i0) as wzvi::usize;
                             let points0 = &at
                                 .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = points0[k][0usize];
-                                let l1 = points0[k][1usize];
-                                b0 = b0 + (l1 * l1 + l0 * l0) * 0.5;
+                                let p2_i = points0[k][0usize];
+                                let p2_i_plus_1 = points0[k][1usize];
+                                b0 = b0 + (p2_i_plus_1 * p2_i_plus_1 + p2_i * p2_i) * 0.5;
                             }
-                            i0 += len as isize;
                         }
                         total = total + b0;
                     }
                     {
-                        let half_a0 = 0.5 * a0;
+                        let half_k2 = 0.5 * k2;
                         let mut b0 = S::from_f64(0.0);
-                        let mut i1: isize = 0;
-                        let end: isize = ((N as isize));
-                        while i1 < end {
-                            let low = i1;
+                        let (low, end): (isize, isize) = (0, (N as isize));
+                        if low < end {
+                            let i1 = low;
                             let len = (end - low) as wzvi::usize;
-                            let points0 = ((2 * i1) as isize as wzvi::usize);
+                            let points0 = (2 * i1) as wzvi::usize;
                             let points0 = &at
                                 .q[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
                             for k in 0..len {
                                 let i1 = low + k as isize;
-                                let l0 = at
-                                    .q[((2 * ((i1 + 1) % ((N as isize)))) as isize
-                                    as wzvi::usize)];
-                                let l1 = points0[k][0usize];
-                                let l2 = at
-                                    .q[((2 * ((i1 + 1) % ((N as isize))) + 1) as isize
-                                    as wzvi::usize)];
-                                let l3 = points0[k][1usize];
-                                let sin = ((l0 - l1) * half_a0).sin();
-                                let difference = l2 - l3;
+                                let q2_i_plus_1_mod_N = at
+                                    .q[(2 * ((i1 + 1) % (N as isize))) as wzvi::usize];
+                                let q2_i = points0[k][0usize];
+                                let q2_i_plus_1_mod_N_plus_1 = at
+                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as wzvi::usize];
+                                let q2_i_plus_1 = points0[k][1usize];
+                                let sin = ((q2_i_plus_1_mod_N - q2_i) * half_k2).sin();
+                                let difference = q2_i_plus_1_mod_N_plus_1 - q2_i_plus_1;
                                 b0 = b0 + difference * difference * 0.5 + sin * sin * 2.0;
                             }
-                            i1 += len as isize;
                         }
                         total = total + b0;
                     }
@@ -162,50 +155,47 @@ const _: () = {
             }
             by_q.fill(S::from_f64(0.0));
             by_p.fill(S::from_f64(0.0));
-            let a0: f64 = self.k;
+            let k2: f64 = self.k;
             let size = (q.len() / 2) as isize;
             let at = Point { q, p, t, h: 1.0, dw: &[] };
             match term {
                 0 => {
                     {
-                        let mut i0: isize = 0;
-                        let end: isize = ((N as isize));
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, (N as isize));
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as wzvi::usize;
-                            let points0 = ((2 * i0) as isize as wzvi::usize);
+                            let points0 = (2 * i0) as wzvi::usize;
                             let points0 = &at
                                 .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            let points1 = ((2 * i0) as isize as wzvi::usize);
+                            let points1 = (2 * i0) as wzvi::usize;
                             let points1 = &mut by_p[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
                                 .0[..len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = points0[k][0usize];
-                                let l1 = points0[k][1usize];
-                                points1[k][0usize] = points1[k][0usize] + l0;
-                                points1[k][1usize] = points1[k][1usize] + l1;
+                                let p2_i = points0[k][0usize];
+                                let p2_i_plus_1 = points0[k][1usize];
+                                points1[k][0usize] = points1[k][0usize] + p2_i;
+                                points1[k][1usize] = points1[k][1usize] + p2_i_plus_1;
                             }
-                            i0 += len as isize;
                         }
                     }
                     {
                         let mut b0 = [S::from_f64(0.0); 64usize];
                         let mut b2 = [S::from_f64(0.0); 64usize];
                         let mut i1: isize = 0;
-                        let end: isize = ((N as isize));
+                        let end: isize = (N as isize);
                         while i1 < end {
                             let low = i1;
                             let len = Ord::min((end - low) as wzvi::usize, 64usize);
-                            let points0 = ((2 * i1) as isize as wzvi::usize);
+                            let points0 = (2 * i1) as wzvi::usize;
                             let points0 = &at
                                 .q[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            let points1 = ((2 * i1) as isize as wzvi::usize);
+                            let points1 = (2 * i1) as wzvi::usize;
                             let points1 = &mut by_q[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
                                 .0[..len];
@@ -213,16 +203,14 @@ const _: () = {
                             let b2 = &mut b2[..len];
                             for k in 0..len {
                                 let i1 = low + k as isize;
-                                let l0 = at
-                                    .q[((2 * ((i1 + 1) % ((N as isize)))) as isize
-                                    as wzvi::usize)];
-                                let l1 = points0[k][0usize];
-                                let l2 = at
-                                    .q[((2 * ((i1 + 1) % ((N as isize))) + 1) as isize
-                                    as wzvi::usize)];
-                                let l3 = points0[k][1usize];
-                                let product = ((l0 - l1) * a0).sin() * a0;
-                                let difference = l2 - l3;
+                                let q2_i_plus_1_mod_N = at
+                                    .q[(2 * ((i1 + 1) % (N as isize))) as wzvi::usize];
+                                let q2_i = points0[k][0usize];
+                                let q2_i_plus_1_mod_N_plus_1 = at
+                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as wzvi::usize];
+                                let q2_i_plus_1 = points0[k][1usize];
+                                let product = ((q2_i_plus_1_mod_N - q2_i) * k2).sin() * k2;
+                                let difference = q2_i_plus_1_mod_N_plus_1 - q2_i_plus_1;
                                 points1[k][0usize] = points1[k][0usize] + -product;
                                 points1[k][1usize] = points1[k][1usize] + -difference;
                                 b0[k] = product;
@@ -230,14 +218,14 @@ const _: () = {
                             }
                             for k in 0..len {
                                 let i1 = low + k as isize;
-                                let at_index = ((2 * ((i1 + 1) % ((N as isize)))) as isize
-                                    as wzvi::usize);
+                                let at_index = (2 * ((i1 + 1) % (N as isize)))
+                                    as wzvi::usize;
                                 by_q[at_index] = by_q[at_index] + b0[k];
                             }
                             for k in 0..len {
                                 let i1 = low + k as isize;
-                                let at_index = ((2 * ((i1 + 1) % ((N as isize))) + 1)
-                                    as isize as wzvi::usize);
+                                let at_index = (2 * ((i1 + 1) % (N as isize)) + 1)
+                                    as wzvi::usize;
                                 by_q[at_index] = by_q[at_index] + b2[k];
                             }
                             i1 += len as isize;
@@ -284,35 +272,32 @@ const _: () = {
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            let a0: f64 = self.k;
+            let k2: f64 = self.k;
             let size = (at.q.len() / 2) as isize;
             let t = at.t;
             if terms.drift {
                 if terms.by_p {
                     {
                         let c = S::from_f64(at.h);
-                        let mut i0: isize = 0;
-                        let end: isize = ((N as isize));
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, (N as isize));
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as wzvi::usize;
-                            let points0 = ((2 * i0) as isize as wzvi::usize);
+                            let points0 = (2 * i0) as wzvi::usize;
                             let points0 = &at
                                 .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            let points1 = ((2 * i0) as isize as wzvi::usize);
+                            let points1 = (2 * i0) as wzvi::usize;
                             let points1 = &mut by_p[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
                                 .0[..len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = points0[k][0usize];
-                                let l1 = points0[k][1usize];
-                                points1[k][0usize] = points1[k][0usize] + l0 * c;
-                                points1[k][1usize] = points1[k][1usize] + l1 * c;
+                                let p2_i = points0[k][0usize];
+                                let p2_i_plus_1 = points0[k][1usize];
+                                points1[k][0usize] = points1[k][0usize] + p2_i * c;
+                                points1[k][1usize] = points1[k][1usize] + p2_i_plus_1 * c;
                             }
-                            i0 += len as isize;
                         }
                     }
                 }
@@ -322,16 +307,16 @@ const _: () = {
                         let mut b0 = [S::from_f64(0.0); 64usize];
                         let mut b2 = [S::from_f64(0.0); 64usize];
                         let mut i1: isize = 0;
-                        let end: isize = ((N as isize));
+                        let end: isize = (N as isize);
                         while i1 < end {
                             let low = i1;
                             let len = Ord::min((end - low) as wzvi::usize, 64usize);
-                            let points0 = ((2 * i1) as isize as wzvi::usize);
+                            let points0 = (2 * i1) as wzvi::usize;
                             let points0 = &at
                                 .q[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            let points1 = ((2 * i1) as isize as wzvi::usize);
+                            let points1 = (2 * i1) as wzvi::usize;
                             let points1 = &mut by_q[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
                                 .0[..len];
@@ -339,16 +324,15 @@ const _: () = {
                             let b2 = &mut b2[..len];
                             for k in 0..len {
                                 let i1 = low + k as isize;
-                                let l0 = at
-                                    .q[((2 * ((i1 + 1) % ((N as isize)))) as isize
-                                    as wzvi::usize)];
-                                let l1 = points0[k][0usize];
-                                let l2 = at
-                                    .q[((2 * ((i1 + 1) % ((N as isize))) + 1) as isize
-                                    as wzvi::usize)];
-                                let l3 = points0[k][1usize];
-                                let product = c * ((l0 - l1) * a0).sin() * a0;
-                                let product2 = c * (l2 - l3);
+                                let q2_i_plus_1_mod_N = at
+                                    .q[(2 * ((i1 + 1) % (N as isize))) as wzvi::usize];
+                                let q2_i = points0[k][0usize];
+                                let q2_i_plus_1_mod_N_plus_1 = at
+                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as wzvi::usize];
+                                let q2_i_plus_1 = points0[k][1usize];
+                                let product = c * ((q2_i_plus_1_mod_N - q2_i) * k2).sin()
+                                    * k2;
+                                let product2 = c * (q2_i_plus_1_mod_N_plus_1 - q2_i_plus_1);
                                 points1[k][0usize] = points1[k][0usize] + -product;
                                 points1[k][1usize] = points1[k][1usize] + -product2;
                                 b0[k] = product;
@@ -356,14 +340,14 @@ const _: () = {
                             }
                             for k in 0..len {
                                 let i1 = low + k as isize;
-                                let at_index = ((2 * ((i1 + 1) % ((N as isize)))) as isize
-                                    as wzvi::usize);
+                                let at_index = (2 * ((i1 + 1) % (N as isize)))
+                                    as wzvi::usize;
                                 by_q[at_index] = by_q[at_index] + b0[k];
                             }
                             for k in 0..len {
                                 let i1 = low + k as isize;
-                                let at_index = ((2 * ((i1 + 1) % ((N as isize))) + 1)
-                                    as isize as wzvi::usize);
+                                let at_index = (2 * ((i1 + 1) % (N as isize)) + 1)
+                                    as wzvi::usize;
                                 by_q[at_index] = by_q[at_index] + b2[k];
                             }
                             i1 += len as isize;
@@ -378,110 +362,102 @@ const _: () = {
             at: &Point<'_, S>,
             into: &mut C,
         ) {
-            let a0: f64 = self.k;
+            let k2: f64 = self.k;
             let size = (at.q.len() / 2) as isize;
             let t = at.t;
             if terms.drift {
                 if terms.by_p {
                     {
                         let c = S::from_f64(at.h);
-                        let mut i0: isize = 0;
-                        let end: isize = ((N as isize));
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, (N as isize));
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as wzvi::usize;
-                            let points0 = ((2 * i0) as isize as wzvi::usize);
+                            let points0 = (2 * i0) as wzvi::usize;
                             let points0 = &at
                                 .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
                             for k in 0..len {
                                 let i0 = low + k as isize;
-                                let l0 = points0[k][0usize];
-                                let l1 = points0[k][1usize];
+                                let p2_i = points0[k][0usize];
+                                let p2_i_plus_1 = points0[k][1usize];
                                 into.add_pp(
-                                    ((2 * i0) as isize as wzvi::usize),
-                                    ((2 * i0) as isize as wzvi::usize),
+                                    (2 * i0) as wzvi::usize,
+                                    (2 * i0) as wzvi::usize,
                                     true,
                                     c,
                                 );
                                 into.add_pp(
-                                    ((2 * i0 + 1) as isize as wzvi::usize),
-                                    ((2 * i0 + 1) as isize as wzvi::usize),
+                                    (2 * i0 + 1) as wzvi::usize,
+                                    (2 * i0 + 1) as wzvi::usize,
                                     true,
                                     c,
                                 );
                             }
-                            i0 += len as isize;
                         }
                     }
                 }
                 if terms.by_q {
                     {
-                        let a0_squared = a0 * a0;
+                        let k2_squared = k2 * k2;
                         let c = S::from_f64(at.h);
-                        let mut i1: isize = 0;
-                        let end: isize = ((N as isize));
-                        while i1 < end {
-                            let low = i1;
+                        let (low, end): (isize, isize) = (0, (N as isize));
+                        if low < end {
+                            let i1 = low;
                             let len = (end - low) as wzvi::usize;
-                            let points0 = ((2 * i1) as isize as wzvi::usize);
+                            let points0 = (2 * i1) as wzvi::usize;
                             let points0 = &at
                                 .q[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
                             for k in 0..len {
                                 let i1 = low + k as isize;
-                                let l0 = at
-                                    .q[((2 * ((i1 + 1) % ((N as isize)))) as isize
-                                    as wzvi::usize)];
-                                let l1 = points0[k][0usize];
-                                let l2 = at
-                                    .q[((2 * ((i1 + 1) % ((N as isize))) + 1) as isize
-                                    as wzvi::usize)];
-                                let l3 = points0[k][1usize];
-                                let product = c * ((l0 - l1) * a0).cos() * a0_squared;
+                                let q2_i_plus_1_mod_N = at
+                                    .q[(2 * ((i1 + 1) % (N as isize))) as wzvi::usize];
+                                let q2_i = points0[k][0usize];
+                                let q2_i_plus_1_mod_N_plus_1 = at
+                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as wzvi::usize];
+                                let q2_i_plus_1 = points0[k][1usize];
+                                let product = c * ((q2_i_plus_1_mod_N - q2_i) * k2).cos()
+                                    * k2_squared;
                                 into.add_qq(
-                                    ((2 * ((i1 + 1) % ((N as isize)))) as isize as wzvi::usize),
-                                    ((2 * ((i1 + 1) % ((N as isize)))) as isize as wzvi::usize),
+                                    (2 * ((i1 + 1) % (N as isize))) as wzvi::usize,
+                                    (2 * ((i1 + 1) % (N as isize))) as wzvi::usize,
                                     true,
                                     product,
                                 );
                                 into.add_qq(
-                                    ((2 * ((i1 + 1) % ((N as isize)))) as isize as wzvi::usize),
-                                    ((2 * i1) as isize as wzvi::usize),
+                                    (2 * ((i1 + 1) % (N as isize))) as wzvi::usize,
+                                    (2 * i1) as wzvi::usize,
                                     false,
                                     -product,
                                 );
                                 into.add_qq(
-                                    ((2 * i1) as isize as wzvi::usize),
-                                    ((2 * i1) as isize as wzvi::usize),
+                                    (2 * i1) as wzvi::usize,
+                                    (2 * i1) as wzvi::usize,
                                     true,
                                     product,
                                 );
                                 into.add_qq(
-                                    ((2 * ((i1 + 1) % ((N as isize))) + 1) as isize
-                                        as wzvi::usize),
-                                    ((2 * ((i1 + 1) % ((N as isize))) + 1) as isize
-                                        as wzvi::usize),
+                                    (2 * ((i1 + 1) % (N as isize)) + 1) as wzvi::usize,
+                                    (2 * ((i1 + 1) % (N as isize)) + 1) as wzvi::usize,
                                     true,
                                     c,
                                 );
                                 into.add_qq(
-                                    ((2 * ((i1 + 1) % ((N as isize))) + 1) as isize
-                                        as wzvi::usize),
-                                    ((2 * i1 + 1) as isize as wzvi::usize),
+                                    (2 * ((i1 + 1) % (N as isize)) + 1) as wzvi::usize,
+                                    (2 * i1 + 1) as wzvi::usize,
                                     false,
                                     -c,
                                 );
                                 into.add_qq(
-                                    ((2 * i1 + 1) as isize as wzvi::usize),
-                                    ((2 * i1 + 1) as isize as wzvi::usize),
+                                    (2 * i1 + 1) as wzvi::usize,
+                                    (2 * i1 + 1) as wzvi::usize,
                                     true,
                                     c,
                                 );
                             }
-                            i1 += len as isize;
                         }
                     }
                 }
@@ -570,18 +546,20 @@ const _: () = {
     };
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as a0, binding as a0_squared, binding as after, binding as at,
-        binding as at_index, binding as b0, binding as b2, binding as before,
-        binding as by_p, binding as by_q, binding as c, binding as carry,
-        binding as degrees, binding as difference, binding as dw, binding as end,
-        binding as h, binding as half_a0, binding as i0, binding as i1, binding as index,
-        binding as into, binding as k, binding as l0, binding as l1, binding as l2,
-        binding as l3, binding as len, binding as low, binding as memory, binding as nan,
-        binding as outer, binding as p, binding as places, binding as points0,
+        binding as after, binding as at, binding as at_index, binding as b0,
+        binding as b2, binding as before, binding as by_p, binding as by_q, binding as c,
+        binding as carry, binding as degrees, binding as difference, binding as dw,
+        binding as end, binding as h, binding as half_k2, binding as i0, binding as i1,
+        binding as index, binding as into, binding as k, binding as k2,
+        binding as k2_squared, binding as len, binding as low, binding as memory,
+        binding as nan, binding as outer, binding as p, binding as p2_i,
+        binding as p2_i_plus_1, binding as places, binding as points0,
         binding as points1, binding as prepared, binding as product, binding as product2,
-        binding as q, binding as range, binding as segment, binding as sin,
-        binding as size, binding as t, binding as table, binding as term,
-        binding as terms, binding as total,
+        binding as q, binding as q2_i, binding as q2_i_plus_1,
+        binding as q2_i_plus_1_mod_N, binding as q2_i_plus_1_mod_N_plus_1,
+        binding as range, binding as segment, binding as sin, binding as size,
+        binding as t, binding as table, binding as term, binding as terms,
+        binding as total,
     };
 };
 const _: () = {

@@ -253,11 +253,13 @@ const _: () = {
                 };
                 let product = (y_start + y_end) * 0.5;
                 let product2 = (x_start + x_end) * 0.5;
-                let product3 = product2 * product2;
-                let product4 = product * product;
+                let product2_squared = product2 * product2;
+                let product_squared = product * product;
                 let difference = px * (x_end - x_start)
-                    - (product * (product3 - product4 * 0.3333333333333333)
-                        + (product4 + (product3 + (py * py + px * px))) * 0.5) * h;
+                    - (product
+                        * (product2_squared - product_squared * 0.3333333333333333)
+                        + (product_squared + (product2_squared + (py * py + px * px)))
+                            * 0.5) * h;
                 py * (y_end - y_start) + difference
             }
             fn discrete_lagrangian_gradient(
@@ -312,12 +314,13 @@ const _: () = {
         binding as iterate, binding as lane, binding as memory, binding as next,
         binding as node_px, binding as node_py, binding as number, binding as p,
         binding as prepared, binding as product, binding as product2,
-        binding as product3, binding as product4, binding as px, binding as py,
-        binding as q, binding as quarter_h_squared, binding as segment,
-        binding as stage_x, binding as stage_y, binding as sum, binding as t,
-        binding as term, binding as twice_stage_y, binding as x, binding as x_end,
-        binding as x_squared, binding as x_start, binding as y, binding as y_end,
-        binding as y_squared, binding as y_start,
+        binding as product2_squared, binding as product3, binding as product4,
+        binding as product_squared, binding as px, binding as py, binding as q,
+        binding as quarter_h_squared, binding as segment, binding as stage_x,
+        binding as stage_y, binding as sum, binding as t, binding as term,
+        binding as twice_stage_y, binding as x, binding as x_end, binding as x_squared,
+        binding as x_start, binding as y, binding as y_end, binding as y_squared,
+        binding as y_start,
     };
 };
 const _: () = {

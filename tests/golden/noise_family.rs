@@ -70,7 +70,7 @@ const _: () = {
             wzvi::elements::check(self, degrees)
         }
         fn noises(&self) -> usize {
-            (((self.sites as isize)) as isize as usize)
+            (self.sites as isize) as usize
         }
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("sigma", self.sigma)].get(index).copied()
@@ -80,40 +80,35 @@ const _: () = {
             if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()) {
                 return nan;
             }
-            let a0: f64 = self.sigma;
-            let size = (q.len() / 1) as isize;
+            let sigma: f64 = self.sigma;
+            let size = q.len() as isize;
             let at = Point { q, p, t, h: 1.0, dw: &[] };
             let mut total = S::from_f64(0.0);
             match term {
                 0 => {
                     let mut b0 = S::from_f64(0.0);
-                    let mut i0: isize = 0;
-                    let end: isize = (size);
-                    while i0 < end {
-                        let low = i0;
+                    let (low, end): (isize, isize) = (0, size);
+                    if low < end {
+                        let i0 = low;
                         let len = (end - low) as usize;
-                        let s0 = ((i0) as isize as usize);
+                        let s0 = i0 as usize;
                         let s0 = &at.p[s0..s0 + len];
-                        let s1 = ((i0) as isize as usize);
+                        let s1 = i0 as usize;
                         let s1 = &at.q[s1..s1 + len];
                         for k in 0..len {
-                            let i0 = low + k as isize;
-                            let l0 = s0[k];
-                            let l1 = s1[k];
-                            b0 = b0 + (l1 * l1 + l0 * l0) * 0.5;
+                            let p_i = s0[k];
+                            let q_i = s1[k];
+                            b0 = b0 + (q_i * q_i + p_i * p_i) * 0.5;
                         }
-                        i0 += len as isize;
                     }
                     total = total + b0;
                 }
                 member if member as isize > 0
-                    && member as isize <= ((self.sites as isize)) => {
+                    && member as isize <= (self.sites as isize) => {
                     let i1 = member as isize - 1 - 0;
                     {
-                        {
-                            let l0 = at.q[((i1) as isize as usize)];
-                            total = total + l0 * a0;
-                        }
+                        let q_i = at.q[i1 as usize];
+                        total = total + q_i * sigma;
                     }
                 }
                 _ => return nan,
@@ -139,57 +134,49 @@ const _: () = {
             }
             by_q.fill(S::from_f64(0.0));
             by_p.fill(S::from_f64(0.0));
-            let a0: f64 = self.sigma;
-            let size = (q.len() / 1) as isize;
+            let sigma: f64 = self.sigma;
+            let size = q.len() as isize;
             let at = Point { q, p, t, h: 1.0, dw: &[] };
             match term {
                 0 => {
                     {
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i0) as isize as usize);
+                            let s0 = i0 as usize;
                             let s0 = &at.q[s0..s0 + len];
-                            let b0 = ((i0) as isize as usize);
+                            let b0 = i0 as usize;
                             let b0 = &mut by_q[b0..b0 + len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = s0[k];
-                                b0[k] = b0[k] + l0;
+                                let q_i = s0[k];
+                                b0[k] = b0[k] + q_i;
                             }
-                            i0 += len as isize;
                         }
                     }
                     {
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i0) as isize as usize);
+                            let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
-                            let b0 = ((i0) as isize as usize);
+                            let b0 = i0 as usize;
                             let b0 = &mut by_p[b0..b0 + len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = s0[k];
-                                b0[k] = b0[k] + l0;
+                                let p_i = s0[k];
+                                b0[k] = b0[k] + p_i;
                             }
-                            i0 += len as isize;
                         }
                     }
                 }
                 member if member as isize > 0
-                    && member as isize <= ((self.sites as isize)) => {
+                    && member as isize <= (self.sites as isize) => {
                     let i1 = member as isize - 1 - 0;
                     {
-                        {
-                            let l0 = at.q[((i1) as isize as usize)];
-                            let at_index = ((i1) as isize as usize);
-                            by_q[at_index] = by_q[at_index] + S::from_f64(a0);
-                        }
+                        let q_i = at.q[i1 as usize];
+                        let at_index = i1 as usize;
+                        by_q[at_index] = by_q[at_index] + S::from_f64(sigma);
                     }
                 }
                 _ => {
@@ -269,49 +256,43 @@ const _: () = {
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            let a0: f64 = self.sigma;
-            let size = (at.q.len() / 1) as isize;
+            let sigma: f64 = self.sigma;
+            let size = at.q.len() as isize;
             let t = at.t;
             if terms.drift {
                 if terms.by_q {
                     {
                         let c = S::from_f64(at.h);
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i0) as isize as usize);
+                            let s0 = i0 as usize;
                             let s0 = &at.q[s0..s0 + len];
-                            let b0 = ((i0) as isize as usize);
+                            let b0 = i0 as usize;
                             let b0 = &mut by_q[b0..b0 + len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = s0[k];
-                                b0[k] = b0[k] + l0 * c;
+                                let q_i = s0[k];
+                                b0[k] = b0[k] + q_i * c;
                             }
-                            i0 += len as isize;
                         }
                     }
                 }
                 if terms.by_p {
                     {
                         let c = S::from_f64(at.h);
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i0) as isize as usize);
+                            let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
-                            let b0 = ((i0) as isize as usize);
+                            let b0 = i0 as usize;
                             let b0 = &mut by_p[b0..b0 + len];
                             for k in 0..len {
-                                let i0 = low + k as isize;
-                                let l0 = s0[k];
-                                b0[k] = b0[k] + l0 * c;
+                                let p_i = s0[k];
+                                b0[k] = b0[k] + p_i * c;
                             }
-                            i0 += len as isize;
                         }
                     }
                 }
@@ -319,22 +300,20 @@ const _: () = {
             if terms.noise {
                 if terms.by_q {
                     {
-                        let mut i1: isize = 0;
-                        let end: isize = ((self.sites as isize));
-                        while i1 < end {
-                            let low = i1;
+                        let (low, end): (isize, isize) = (0, (self.sites as isize));
+                        if low < end {
+                            let i1 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i1) as isize as usize);
+                            let s0 = i1 as usize;
                             let s0 = &at.q[s0..s0 + len];
-                            let b0 = ((i1) as isize as usize);
+                            let b0 = i1 as usize;
                             let b0 = &mut by_q[b0..b0 + len];
                             for k in 0..len {
                                 let i1 = low + k as isize;
-                                let l0 = s0[k];
-                                let c = at.dw[((i1) as isize as usize)];
-                                b0[k] = b0[k] + c * a0;
+                                let q_i = s0[k];
+                                let c = at.dw[i1 as usize];
+                                b0[k] = b0[k] + c * sigma;
                             }
-                            i1 += len as isize;
                         }
                     }
                 }
@@ -346,55 +325,41 @@ const _: () = {
             at: &Point<'_, S>,
             into: &mut C,
         ) {
-            let a0: f64 = self.sigma;
-            let size = (at.q.len() / 1) as isize;
+            let sigma: f64 = self.sigma;
+            let size = at.q.len() as isize;
             let t = at.t;
             if terms.drift {
                 if terms.by_q {
                     {
                         let c = S::from_f64(at.h);
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i0) as isize as usize);
+                            let s0 = i0 as usize;
                             let s0 = &at.q[s0..s0 + len];
                             for k in 0..len {
                                 let i0 = low + k as isize;
-                                let l0 = s0[k];
-                                into.add_qq(
-                                    ((i0) as isize as usize),
-                                    ((i0) as isize as usize),
-                                    true,
-                                    c,
-                                );
+                                let q_i = s0[k];
+                                into.add_qq(i0 as usize, i0 as usize, true, c);
                             }
-                            i0 += len as isize;
                         }
                     }
                 }
                 if terms.by_p {
                     {
                         let c = S::from_f64(at.h);
-                        let mut i0: isize = 0;
-                        let end: isize = (size);
-                        while i0 < end {
-                            let low = i0;
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = ((i0) as isize as usize);
+                            let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
                             for k in 0..len {
                                 let i0 = low + k as isize;
-                                let l0 = s0[k];
-                                into.add_pp(
-                                    ((i0) as isize as usize),
-                                    ((i0) as isize as usize),
-                                    true,
-                                    c,
-                                );
+                                let p_i = s0[k];
+                                into.add_pp(i0 as usize, i0 as usize, true, c);
                             }
-                            i0 += len as isize;
                         }
                     }
                 }
@@ -458,7 +423,7 @@ const _: () = {
                 sites: usize,
             ) -> Result<Prepared, ConfigError> {
                 let i2 = site as isize;
-                let size = ((sites * 1) / 1) as isize;
+                let size = (sites * 1) as isize;
                 let sigma: f64 = self.sigma;
                 if sigma.is_nan() {
                     return Err(ConfigError::Parameter);
@@ -470,10 +435,10 @@ const _: () = {
             #[inline(always)]
             fn increments(&self, site: usize, sites: usize) -> [Option<usize>; 1] {
                 let i2 = site as isize;
-                let size = ((sites * 1) / 1) as isize;
+                let size = (sites * 1) as isize;
                 [
-                    if i2 >= 0 && i2 < ((self.sites as isize)) {
-                        Option::Some(((i2) as isize as usize))
+                    if i2 >= 0 && i2 < (self.sites as isize) {
+                        Option::Some(i2 as usize)
                     } else {
                         Option::None
                     },
@@ -575,19 +540,20 @@ const _: () = {
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as a0, binding as after, binding as at, binding as at_index,
-        binding as b0, binding as before, binding as by_p, binding as by_q, binding as c,
+        binding as after, binding as at, binding as at_index, binding as b0,
+        binding as before, binding as by_p, binding as by_q, binding as c,
         binding as carry, binding as condition, binding as degrees, binding as dw,
         binding as dw_sigma, binding as end, binding as h, binding as half_h,
         binding as half_inverse_pivot, binding as i0, binding as i1, binding as i2,
         binding as index, binding as into, binding as inverse_pivot, binding as k,
-        binding as l0, binding as l1, binding as len, binding as low, binding as member,
-        binding as memory, binding as nan, binding as next, binding as node_p_k,
-        binding as outer, binding as p, binding as p_k, binding as places,
-        binding as prepared, binding as q, binding as q_k, binding as range,
-        binding as s0, binding as s1, binding as segment, binding as sigma,
-        binding as site, binding as sites, binding as size, binding as sum, binding as t,
-        binding as table, binding as term, binding as terms, binding as total,
+        binding as len, binding as low, binding as member, binding as memory,
+        binding as nan, binding as next, binding as node_p_k, binding as outer,
+        binding as p, binding as p_i, binding as p_k, binding as places,
+        binding as prepared, binding as q, binding as q_i, binding as q_k,
+        binding as range, binding as s0, binding as s1, binding as segment,
+        binding as sigma, binding as site, binding as sites, binding as size,
+        binding as sum, binding as t, binding as table, binding as term,
+        binding as terms, binding as total,
     };
 };
 const _: () = {

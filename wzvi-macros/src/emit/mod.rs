@@ -23,7 +23,7 @@ use crate::model::Model;
 pub(crate) use names::{Names, Surroundings, readable};
 pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
-pub(crate) use system::{count, number_of, parameter};
+pub(crate) use system::{count, number_of, parameter, parameter_names};
 
 /// Everything that `#[hamiltonian]` stands for. `texts` has those of each scheme, in their order.
 pub(crate) fn emit(model: &mut Model, facts: &Facts, schemes: &[Scheme], texts: &Texts) -> TokenStream {

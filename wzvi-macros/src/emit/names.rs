@@ -18,12 +18,24 @@ const MARK: &str = "__";
 #[derive(Clone, Default)]
 pub(crate) struct Names {
     taken: HashSet<String>,
+    /// Names that are taken with any number after them.
+    numbered: &'static [&'static str],
 }
 
 impl Names {
     /// For a body that reads `live` names besides those that it asks for.
     pub(crate) fn beside(live: &[&str]) -> Self {
-        Self { taken: live.iter().map(|name| format!("{MARK}{name}")).collect() }
+        Self { taken: live.iter().map(|name| format!("{MARK}{name}")).collect(), numbered: &[] }
+    }
+
+    /// The same, and it numbers others from 0 on.
+    pub(crate) fn and_numbered(self, numbered: &'static [&'static str]) -> Self {
+        Self { numbered, ..self }
+    }
+
+    fn is_numbered(&self, word: &str) -> bool {
+        let is_number = |rest: &str| !rest.is_empty() && rest.chars().all(|c| c.is_ascii_digit());
+        self.numbered.iter().any(|name| word.strip_prefix(name).is_some_and(is_number))
     }
 
     /// Nothing else is called `name` from here on.
@@ -33,7 +45,10 @@ impl Names {
 
     /// A name as near to `wish` as possible: a variable of the user, or a part of a formula.
     pub(crate) fn take(&mut self, wish: &str) -> Ident {
-        let word = as_word(wish);
+        let mut word = as_word(wish);
+        if self.is_numbered(&word) {
+            word.push('_');
+        }
         let separator = if word.ends_with(|last: char| last.is_ascii_digit()) { "_" } else { "" };
         let mut name = format!("{MARK}{word}");
         let mut number = 2_u32;
@@ -92,6 +107,14 @@ mod tests {
         for (wish, name) in cases {
             assert_eq!(Names::default().take(wish).to_string(), name);
         }
+    }
+
+    #[test]
+    fn series_are_left_alone() {
+        let mut names = Names::beside(&[]).and_numbered(&["s", "at"]);
+        let taken: Vec<String> =
+            names.take_all(["s0", "at12", "s", "s0"]).iter().map(ToString::to_string).collect();
+        assert_eq!(taken, ["__s0_", "__at12_", "__s", "__s0_2"]);
     }
 
     #[test]

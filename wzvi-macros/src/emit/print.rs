@@ -84,8 +84,12 @@ impl<'p> Printer<'p> {
 
     /// The name of `op`, or what a person might call it.
     pub(crate) fn wish_or_name(&self, op: Op) -> String {
-        let bound = self.bound.get(&op).map(|name| name.to_string().trim_start_matches('_').to_owned());
-        bound.unwrap_or_else(|| self.spelled(op).0)
+        self.word(op).unwrap_or_else(|| self.spelled(op).0)
+    }
+
+    /// The name of `op` without its mark, if it has one.
+    fn word(&self, op: Op) -> Option<String> {
+        self.bound.get(&op).map(|name| name.to_string().trim_start_matches('_').to_owned())
     }
 
     /// What a person might call the value, and whether that is only what kind it is.
@@ -96,10 +100,10 @@ impl<'p> Printer<'p> {
         let words = |op: Op| match self.program.operation(op) {
             Operation::Constant(bits) => fraction(f64::from_bits(*bits)).map(str::to_owned),
             _ if self.plain.contains(&op) => None,
-            _ => self.bound.get(&op).map(|name| name.to_string().trim_start_matches('_').to_owned()),
+            _ => self.word(op),
         };
         let (spelled, kind) = match self.program.operation(op) {
-            Operation::Multiply(a, b) if a == b => (words(*a).map(squared), "product"),
+            Operation::Multiply(a, b) if a == b => (self.word(*a).map(squared), "product"),
             Operation::Multiply(a, b) => {
                 let (a, b) = if self.program.is_literal(*b) { (b, a) } else { (a, b) };
                 (words(*a).zip(words(*b)).map(|(a, b)| format!("{a}_{b}")), "product")

@@ -10,6 +10,7 @@ use quote::{format_ident, quote};
 use super::indices::{Indices, variable};
 use super::kernel::Target;
 use crate::diagnostics::internal::Promised;
+use crate::emit::step::mentions;
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::{Element, Local, Slot};
 use crate::symbolic::Expr;
@@ -23,6 +24,8 @@ pub(super) struct Chunk<'a> {
     pub(super) element: &'a Element,
     pub(super) inner: Option<&'a Loop>,
     pub(super) outputs: &'a [(Expr, Target)],
+    /// What the local variables are called.
+    pub(super) locals: &'a [Ident],
     /// Components of a point.
     pub(super) components: i128,
 }
@@ -67,35 +70,51 @@ impl Chunk<'_> {
     pub(super) fn emit(&self, inside: &TokenStream, values: &[TokenStream]) -> TokenStream {
         let Some(inner) = self.inner else { return self.single(inside, values) };
         let name = variable(inner.variable);
-        let (start, end) = (self.indices.value(&inner.start), self.indices.value(&inner.end));
+        let (start, end) = (self.indices.sum(&inner.start), self.indices.sum(&inner.end));
         let (isize, usize) = (quote!(__wzvi::isize), quote!(__wzvi::usize));
         let mut code = Code::default();
         for (k, local) in self.element.locals.iter().enumerate() {
             self.open(&mut code, inner.variable, k, local);
         }
         self.store(&mut code, inner.variable, values);
+        let has_all = code.limits.is_empty() && !code.has_buffers;
         let most = match code.has_buffers {
             true => quote!(__wzvi::Ord::min((__end - __low) as #usize, #CHUNK)),
             false => quote!((__end - __low) as #usize),
         };
         let Code { before, limits, opening, reads, stores, closing, after, .. } = code;
         let mutable = if limits.is_empty() { quote!() } else { quote!(mut) };
+        let body = quote!(#reads #inside #stores);
+        let place = mentions(&body, &name.to_string()).then(|| quote!(let #name = __low + __k as #isize;));
+        let chunk = quote! {
+            let #mutable __len = #most;
+            #limits
+            #opening
+            for __k in 0..__len {
+                #place
+                #body
+            }
+            #closing
+        };
+        if has_all {
+            let opens_at_low = mentions(&chunk, &name.to_string()).then(|| quote!(let #name = __low;));
+            return quote! {
+                #before
+                let (__low, __end): (#isize, #isize) = (#start, #end);
+                if __low < __end {
+                    #opens_at_low
+                    #chunk
+                }
+                #after
+            };
+        }
         quote! {
             #before
             let mut #name: #isize = #start;
             let __end: #isize = #end;
             while #name < __end {
                 let __low = #name;
-                let #mutable __len = #most;
-                #limits
-                #opening
-                for __k in 0..__len {
-                    let #name = __low + __k as #isize;
-                    #reads
-                    #inside
-                    #stores
-                }
-                #closing
+                #chunk
                 #name += __len as #isize;
             }
             #after
@@ -106,19 +125,19 @@ impl Chunk<'_> {
     fn single(&self, inside: &TokenStream, values: &[TokenStream]) -> TokenStream {
         let mut statements = TokenStream::new();
         for (k, local) in self.element.locals.iter().enumerate() {
-            let (own, value) = (format_ident!("__l{k}"), self.read(&local.slot));
+            let (own, value) = (&self.locals[k], self.read(&local.slot));
             statements.extend(quote!(let #own = #value;));
         }
         statements.extend(inside.clone());
         for ((_, target), value) in self.outputs.iter().zip(values) {
             statements.extend(self.add(target, value));
         }
-        quote!({ #statements })
+        statements
     }
 
     /// The read of a local variable.
     fn open(&self, code: &mut Code, inner: u32, k: usize, local: &Local) {
-        let own = format_ident!("__l{k}");
+        let own = &self.locals[k];
         let list = self.list(&local.slot);
         match self.motion(&local.slot, inner) {
             Motion::Fixed => {
@@ -246,11 +265,13 @@ impl Chunk<'_> {
             let (base_ahead, value_ahead) = (self.indices.position(ahead), &values[next]);
             let zero = zero();
             // One by one where the next place is another one after all.
-            code.limits.extend(quote! {
-                if #base_ahead != #base + 1 {
-                    __len = 1;
-                }
-            });
+            if wrap(index, inner).is_some() || wrap(ahead, inner).is_some() {
+                code.limits.extend(quote! {
+                    if #base_ahead != #base + 1 {
+                        __len = 1;
+                    }
+                });
+            }
             code.opening.extend(quote! {
                 let #at = #base_ahead + (__len - 1);
                 let mut #carried = #zero;
@@ -368,9 +389,7 @@ impl Chunk<'_> {
             }
             Slot::Number(index) => {
                 let value = self.indices.value(index);
-                quote!(__S::from_f64(
-                    #value as __wzvi::isize as __wzvi::f64
-                ))
+                quote!(__S::from_f64(#value as __wzvi::f64))
             }
         }
     }
@@ -380,9 +399,12 @@ impl Chunk<'_> {
             Target::Total => quote!(__total = __total + #value;),
             Target::Slope { vector, index } => {
                 let position = self.indices.position(index);
-                quote! {
-                    let __at_index = #position;
-                    #vector[__at_index] = #vector[__at_index] + #value;
+                match index.as_integer() {
+                    Some(_) => quote!(#vector[#position] = #vector[#position] + #value;),
+                    None => quote! {
+                        let __at_index = #position;
+                        #vector[__at_index] = #vector[__at_index] + #value;
+                    },
                 }
             }
             Target::Curvature { method, row, column, is_diagonal } => {

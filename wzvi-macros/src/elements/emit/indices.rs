@@ -18,8 +18,19 @@ pub(crate) struct Indices<'a> {
 }
 
 impl Indices<'_> {
-    /// The index as an `isize`.
+    /// The index as an `isize`, to stand anywhere in an expression.
     pub(crate) fn value(&self, index: &Index) -> TokenStream {
+        let sum = self.sum(index);
+        let is_atom = match (index.terms.as_slice(), index.constant) {
+            ([], constant) => constant >= 0,
+            ([(_, coefficient)], 0) => *coefficient == 1,
+            _ => false,
+        };
+        if is_atom { sum } else { quote!((#sum)) }
+    }
+
+    /// The index as an `isize`, to stand alone.
+    pub(crate) fn sum(&self, index: &Index) -> TokenStream {
         let mut sum: Option<TokenStream> = None;
         for (atom, coefficient) in &index.terms {
             let atom = self.atom(atom);
@@ -34,15 +45,15 @@ impl Indices<'_> {
         }
         let size = Literal::i128_unsuffixed(index.constant.unsigned_abs().cast_signed());
         match (sum, index.constant) {
-            (None, constant) if constant < 0 => quote!((-#size)),
+            (None, constant) if constant < 0 => quote!(-#size),
             (None, _) => quote!(#size),
-            (Some(sum), 0) => quote!((#sum)),
-            (Some(sum), constant) if constant < 0 => quote!((#sum - #size)),
-            (Some(sum), _) => quote!((#sum + #size)),
+            (Some(sum), 0) => sum,
+            (Some(sum), constant) if constant < 0 => quote!(#sum - #size),
+            (Some(sum), _) => quote!(#sum + #size),
         }
     }
 
-    /// The index as a `usize`.
+    /// The index as a `usize`: an operand of sums and ranges.
     pub(crate) fn position(&self, index: &Index) -> TokenStream {
         if let Some(known) = index.as_integer().and_then(|known| usize::try_from(known).ok()) {
             let known = match self.checked {
@@ -52,12 +63,12 @@ impl Indices<'_> {
             return quote!(#known);
         }
         let value = self.value(index);
+        // Literals alone have no type.
+        let typed = if index.terms.is_empty() { quote!(#value as __wzvi::isize) } else { value };
         if self.checked {
-            quote!(__wzvi::TryInto::<__wzvi::usize>::try_into(
-                #value as __wzvi::isize,
-            ).ok()?)
+            quote!(__wzvi::TryInto::<__wzvi::usize>::try_into(#typed).ok()?)
         } else {
-            quote!((#value as __wzvi::isize as __wzvi::usize))
+            quote!(#typed as __wzvi::usize)
         }
     }
 

@@ -7,7 +7,8 @@ use quote::{format_ident, quote};
 
 use super::chunk::Chunk;
 use super::indices::{Indices, variable};
-use crate::emit::{Level, Lowering, Names, Op, Printer};
+use crate::emit::step::mentions;
+use crate::emit::{Level, Lowering, Names, Op, Printer, parameter_names};
 use crate::model::Parameter;
 use crate::model::index::{Index, Loop};
 use crate::model::{Element, Table};
@@ -44,6 +45,18 @@ const LIVE: [&str; 20] = [
     "t", "term", "terms", "total", "value",
 ];
 
+/// Loop variables, slices, buffers, and what is carried from one place to another.
+const NUMBERED: [&str; 6] = ["at", "b", "carried", "i", "points", "s"];
+
+/// What parameters are called.
+pub(super) fn parameters(graph: &Graph, parameters: &[Parameter]) -> Vec<Ident> {
+    parameter_names(&mut names(), graph, parameters)
+}
+
+fn names() -> Names {
+    Names::beside(&LIVE).and_numbered(&NUMBERED)
+}
+
 /// The loops of `element` around what computes `outputs`.
 pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Expr, Target)]) -> TokenStream {
     if outputs.is_empty() {
@@ -55,29 +68,34 @@ pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Exp
         None => (&[][..], None),
     };
     let roots: Vec<Expr> = outputs.iter().map(|(root, _)| *root).collect();
+    let parameters = parameters(context.graph, context.parameters);
+    let mut taken = names();
+    parameters.iter().for_each(|name| taken.avoid(name));
+    let slots = element.locals.iter().map(|local| context.graph.symbol_name(local.symbol));
+    let locals = taken.take_all(slots);
 
     let mut lowering = Lowering::new(context.graph, std::mem::take(&mut context.definitions));
-    let mut names: Vec<(Op, Ident)> = Vec::new();
-    for (k, local) in element.locals.iter().enumerate() {
+    let mut inputs: Vec<(Op, Ident)> = Vec::new();
+    for (local, name) in element.locals.iter().zip(&locals) {
         lowering.program.declare(local.symbol, Level::State);
-        names.push((lowering.program.input(local.symbol), format_ident!("__l{k}")));
+        inputs.push((lowering.program.input(local.symbol), name.clone()));
     }
     if let Some((symbol, _)) = context.weight {
         lowering.program.declare(symbol, Level::State);
-        names.push((lowering.program.input(symbol), format_ident!("__c")));
+        inputs.push((lowering.program.input(symbol), format_ident!("__c")));
     }
     lowering.program.declare(context.t, Level::Time);
-    names.push((lowering.program.input(context.t), format_ident!("__t")));
-    for (k, parameter) in context.parameters.iter().enumerate() {
+    inputs.push((lowering.program.input(context.t), format_ident!("__t")));
+    for (parameter, name) in context.parameters.iter().zip(parameters) {
         lowering.program.declare(parameter.symbol, Level::Prepared);
-        names.push((lowering.program.input(parameter.symbol), format_ident!("__a{k}")));
+        inputs.push((lowering.program.input(parameter.symbol), name));
     }
     let ops: Vec<Op> = roots.iter().map(|&root| lowering.lower(root)).collect();
     let program = &lowering.program;
     let uses = program.uses(&ops);
     let hints = HashMap::new();
-    let mut printer = Printer::new(program, quote!(__S), &hints, Names::beside(&LIVE));
-    for (op, name) in names {
+    let mut printer = Printer::new(program, quote!(__S), &hints, taken);
+    for (op, name) in inputs {
         printer.set(op, name);
     }
     // What the state does not enter is computed before the loops.
@@ -99,29 +117,24 @@ pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Exp
     // The increments of a family whose members are the innermost loop change with it.
     let (fixed_weight, own_weight) = match (context.weight, inner) {
         (None, _) => (quote!(), quote!()),
-        (Some((_, weight)), Some(inner)) if mentions(weight, &variable(inner.variable)) => {
+        (Some((_, weight)), Some(inner)) if mentions(weight, &variable(inner.variable).to_string()) => {
             (quote!(), quote!(let __c = #weight;))
         }
         (Some((_, weight)), _) => (quote!(let __c = #weight;), quote!()),
     };
-    let chunk = Chunk { indices: &indices, element, inner, outputs, components: context.components };
+    let chunk =
+        Chunk { indices: &indices, element, inner, outputs, locals: &locals, components: context.components };
     let body = chunk.emit(&quote!(#own_weight #inside), &values);
     let mut nest = quote! { #fixed_weight #body };
     for Loop { variable: id, start, end } in outer.iter().rev() {
-        let (name, start, end) = (variable(*id), indices.value(start), indices.value(end));
+        let (name, typed, end) = (variable(*id), indices.value(start), indices.value(end));
+        // Literals alone have no type.
+        let typed = if start.terms.is_empty() { quote!(#typed as __wzvi::isize) } else { typed };
         nest = quote! {
-            for #name in (#start as __wzvi::isize)..#end {
+            for #name in #typed..#end {
                 #nest
             }
         };
     }
     quote! {{ #before #nest }}
-}
-
-fn mentions(tokens: &TokenStream, name: &Ident) -> bool {
-    tokens.clone().into_iter().any(|token| match token {
-        proc_macro2::TokenTree::Ident(ident) => ident == *name,
-        proc_macro2::TokenTree::Group(group) => mentions(&group.stream(), name),
-        _ => false,
-    })
 }

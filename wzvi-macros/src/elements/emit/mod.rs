@@ -9,7 +9,7 @@ mod kernel;
 mod places;
 mod sites;
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use self::combine::Combined;
@@ -21,10 +21,10 @@ use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::sums::Weighted;
 use crate::elements::plan::Strategy;
-use crate::emit::{Surroundings, f64_type, with_header, wrapped};
+use crate::emit::{Surroundings, count, f64_type, with_header, wrapped};
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
-use crate::model::{Element, Noise, Reads, System};
+use crate::model::{Element, Noise, Parameter, Reads, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 pub(crate) use self::sites::site_entry;
@@ -74,7 +74,7 @@ fn vector_type(model: &System) -> TokenStream {
     let components = usize::try_from(model.components).unwrap_or(1);
     match length {
         Length::Literal(len) => {
-            let degrees = len * components;
+            let degrees = count(len * components);
             quote!(__wzvi::SVector<#f64, #degrees>)
         }
         Length::RunTime => dynamic,
@@ -98,8 +98,11 @@ fn expr_mentions(expr: &syn::Expr, name: &str) -> bool {
 
 /// The outermost size and the degrees of freedom in a method whose state is `__q`.
 fn sizes(model: &System, degrees: &TokenStream) -> TokenStream {
-    let components = proc_macro2::Literal::i128_unsuffixed(model.components);
-    quote! { let __size = (#degrees / #components) as __wzvi::isize; }
+    if model.components == 1 {
+        return quote!(let __size = #degrees as __wzvi::isize;);
+    }
+    let components = Literal::i128_unsuffixed(model.components);
+    quote!(let __size = (#degrees / #components) as __wzvi::isize;)
 }
 
 /// The number of degrees of freedom; 0 if only the state knows it.
@@ -109,27 +112,37 @@ fn degrees(model: &System) -> TokenStream {
     }
     let indices = Indices { tables: &model.tables, checked: false };
     let (size, components) = (indices.value(&model.size), usize::try_from(model.components).unwrap_or(1));
-    quote!((#size as __wzvi::usize) * #components)
-}
-
-fn noise_count(model: &System) -> TokenStream {
-    let count = model.noise_offsets().pop().promised("the last offset is the number of noises");
-    match count.as_integer().and_then(|count| usize::try_from(count).ok()) {
-        Some(count) => quote!(#count),
-        None => {
-            let count = Indices { tables: &model.tables, checked: false }.value(&count);
-            quote!((#count as __wzvi::isize as __wzvi::usize))
+    match components {
+        1 => quote!(#size as __wzvi::usize),
+        _ => {
+            let components = count(components);
+            quote!(#size as __wzvi::usize * #components)
         }
     }
 }
 
-/// `let __a0 = self.a;` for every parameter.
+fn noise_count(model: &System) -> TokenStream {
+    let all = model.noise_offsets().pop().promised("the last offset is the number of noises");
+    match all.as_integer().and_then(|count| usize::try_from(count).ok()) {
+        Some(known) => {
+            let known = count(known);
+            quote!(#known)
+        }
+        None => {
+            let count = Indices { tables: &model.tables, checked: false }.value(&all);
+            quote!(#count as __wzvi::usize)
+        }
+    }
+}
+
+/// `let a = self.a;` for every parameter.
 fn parameters(model: &System) -> TokenStream {
     let f64 = f64_type();
-    let reads = model.parameters.iter().enumerate().map(|(k, parameter)| {
-        let (name, tokens) = (format_ident!("__a{k}"), &parameter.tokens);
-        quote!(let #name: #f64 = #tokens;)
-    });
+    let names = kernel::parameters(&model.graph, &model.parameters);
+    let reads = names
+        .iter()
+        .zip(&model.parameters)
+        .map(|(name, Parameter { tokens, .. })| quote!(let #name: #f64 = #tokens;));
     quote!(#(#reads)*)
 }
 
@@ -236,7 +249,10 @@ fn noise_elements(model: &System) -> Vec<(Element, TokenStream)> {
             None => offset,
         };
         let position = match number.as_integer().and_then(|number| usize::try_from(number).ok()) {
-            Some(number) => quote!(#number),
+            Some(number) => {
+                let number = count(number);
+                quote!(#number)
+            }
             None => indices.position(&number),
         };
         let weight = quote!(__at.dw[#position]);
@@ -250,7 +266,10 @@ fn counter_elements(model: &System, facts: &Facts) -> Vec<(Element, TokenStream)
     let indices = Indices { tables: &model.tables, checked: false };
     let increment = |number: &Index| {
         let position = match number.as_integer().and_then(|number| usize::try_from(number).ok()) {
-            Some(number) => quote!(#number),
+            Some(number) => {
+                let number = count(number);
+                quote!(#number)
+            }
             None => indices.position(number),
         };
         quote!(__at.dw[#position])
