@@ -60,7 +60,9 @@ const _: () = {
         elements::{
             CompensationVec, Curvature, Elements, Memory, Point, Scheme, Terms, Unknowns,
         },
-        elements::places::{Entries, Places},
+        elements::places::{
+            Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
+        },
         embedding::DeltaPlus,
     };
     #[automatically_derived]
@@ -99,20 +101,20 @@ const _: () = {
                                 .0[..len];
                             let s2 = i0 as usize;
                             let s2 = &self.mass[s2..s2 + len];
-                            for k in 0..len {
-                                let p2_i = points0[k][0usize];
-                                let p2_i_plus_1 = points0[k][1usize];
-                                let mass_i = S::from_f64(s2[k]);
+                            for place in 0..len {
+                                let p_2i = points0[place][0];
+                                let p_2i_plus_1 = points0[place][1];
+                                let mass_i = S::from_f64(s2[place]);
                                 b0 = b0
-                                    + (p2_i_plus_1 * p2_i_plus_1 + p2_i * p2_i) / mass_i * 0.5;
+                                    + (p_2i_plus_1 * p_2i_plus_1 + p_2i * p_2i) / mass_i * 0.5;
                             }
                         }
                         total = total + b0;
                     }
                     {
                         for i1 in 0 as isize..size {
-                            let q2_i = at.q[(2 * i1) as usize];
-                            let q2_i_plus_1 = at.q[(2 * i1 + 1) as usize];
+                            let q_2i = at.q[(2 * i1) as usize];
+                            let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
                             let mass_i = S::from_f64(self.mass[i1 as usize]);
                             let mut b0 = S::from_f64(0.0);
                             let (low, end): (isize, isize) = (0, i1);
@@ -126,12 +128,12 @@ const _: () = {
                                     .0[..len];
                                 let s5 = i2 as usize;
                                 let s5 = &self.mass[s5..s5 + len];
-                                for k in 0..len {
-                                    let q2_j = points0[k][0usize];
-                                    let q2_j_plus_1 = points0[k][1usize];
-                                    let mass_j = S::from_f64(s5[k]);
-                                    let difference = q2_i - q2_j;
-                                    let difference2 = q2_i_plus_1 - q2_j_plus_1;
+                                for place in 0..len {
+                                    let q_2j = points0[place][0];
+                                    let q_2j_plus_1 = points0[place][1];
+                                    let mass_j = S::from_f64(s5[place]);
+                                    let difference = q_2i - q_2j;
+                                    let difference2 = q_2i_plus_1 - q_2j_plus_1;
                                     let sum = difference2 * difference2
                                         + difference * difference;
                                     b0 = b0
@@ -186,20 +188,20 @@ const _: () = {
                             let points1 = &mut by_p[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
                                 .0[..len];
-                            for k in 0..len {
-                                let p2_i = points0[k][0usize];
-                                let p2_i_plus_1 = points0[k][1usize];
-                                let mass_i = S::from_f64(s2[k]);
-                                points1[k][0usize] = points1[k][0usize] + p2_i / mass_i;
-                                points1[k][1usize] = points1[k][1usize]
-                                    + p2_i_plus_1 / mass_i;
+                            for place in 0..len {
+                                let p_2i = points0[place][0];
+                                let p_2i_plus_1 = points0[place][1];
+                                let mass_i = S::from_f64(s2[place]);
+                                points1[place][0] = points1[place][0] + p_2i / mass_i;
+                                points1[place][1] = points1[place][1]
+                                    + p_2i_plus_1 / mass_i;
                             }
                         }
                     }
                     {
                         for i1 in 0 as isize..size {
-                            let q2_i = at.q[(2 * i1) as usize];
-                            let q2_i_plus_1 = at.q[(2 * i1 + 1) as usize];
+                            let q_2i = at.q[(2 * i1) as usize];
+                            let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
                             let mass_i = S::from_f64(self.mass[i1 as usize]);
                             let mut b0 = S::from_f64(0.0);
                             let mut b2 = S::from_f64(0.0);
@@ -218,12 +220,12 @@ const _: () = {
                                 let points1 = &mut by_q[points1..points1 + 2 * len]
                                     .as_chunks_mut::<2>()
                                     .0[..len];
-                                for k in 0..len {
-                                    let q2_j = points0[k][0usize];
-                                    let q2_j_plus_1 = points0[k][1usize];
-                                    let mass_j = S::from_f64(s5[k]);
-                                    let difference = q2_i_plus_1 - q2_j_plus_1;
-                                    let difference2 = q2_i - q2_j;
+                                for place in 0..len {
+                                    let q_2j = points0[place][0];
+                                    let q_2j_plus_1 = points0[place][1];
+                                    let mass_j = S::from_f64(s5[place]);
+                                    let difference = q_2i_plus_1 - q_2j_plus_1;
+                                    let difference2 = q_2i - q_2j;
                                     let sum = difference2 * difference2
                                         + difference * difference;
                                     let mass_i_mass_j = mass_i * mass_j;
@@ -231,8 +233,8 @@ const _: () = {
                                     let product = inverse * (inverse * sum.sqrt());
                                     let product2 = difference2 * mass_i_mass_j * product * g;
                                     let product3 = product * (difference * mass_i_mass_j) * g;
-                                    points1[k][0usize] = points1[k][0usize] + -product2;
-                                    points1[k][1usize] = points1[k][1usize] + -product3;
+                                    points1[place][0] = points1[place][0] + -product2;
+                                    points1[place][1] = points1[place][1] + -product3;
                                     b0 = b0 + product2;
                                     b2 = b2 + product3;
                                 }
@@ -253,137 +255,98 @@ const _: () = {
     }
     #[automatically_derived]
     impl Elements for Bodies {
-        const PLACES: Places = {
-            use wzvi::elements::places as places;
-            places::Places {
-                components: 2usize,
-                tables: &[
-                    places::Name {
-                        name: "",
-                        suffix: "",
-                    },
-                    places::Name {
-                        name: "mass",
-                        suffix: "",
-                    },
-                ],
-                nests: &[
-                    places::Nest {
-                        loops: &[
-                            places::Loop {
-                                start: places::Index {
-                                    terms: &[],
-                                    constant: 0,
-                                    name: places::Name {
-                                        name: "0",
-                                        suffix: "",
-                                    },
-                                },
-                                end: places::Index {
-                                    terms: &[(places::Atom::Size, 1)],
-                                    constant: 0,
-                                    name: places::Name {
-                                        name: "n",
-                                        suffix: "",
-                                    },
-                                },
+        const PLACES: Places = Places {
+            components: 2,
+            tables: &[Name { name: "", suffix: "" }, Name { name: "mass", suffix: "" }],
+            nests: &[
+                Nest {
+                    loops: &[
+                        Loop {
+                            start: Index {
+                                terms: &[],
+                                constant: 0,
+                                name: Name { name: "0", suffix: "" },
                             },
-                        ],
-                        slots: &[
-                            places::Slot::Entry(
-                                1usize,
-                                &[
-                                    places::Position {
-                                        index: places::Index {
-                                            terms: &[(places::Atom::Loop(0usize), 1)],
-                                            constant: 0,
-                                            name: places::Name {
-                                                name: "i",
-                                                suffix: "",
-                                            },
-                                        },
-                                        is_inside: false,
-                                    },
-                                ],
-                            ),
-                        ],
-                    },
-                    places::Nest {
-                        loops: &[
-                            places::Loop {
-                                start: places::Index {
-                                    terms: &[],
-                                    constant: 0,
-                                    name: places::Name {
-                                        name: "0",
-                                        suffix: "",
-                                    },
-                                },
-                                end: places::Index {
-                                    terms: &[(places::Atom::Size, 1)],
-                                    constant: 0,
-                                    name: places::Name {
-                                        name: "n",
-                                        suffix: "",
-                                    },
-                                },
+                            end: Index {
+                                terms: &[(Atom::Size, 1)],
+                                constant: 0,
+                                name: Name { name: "n", suffix: "" },
                             },
-                            places::Loop {
-                                start: places::Index {
-                                    terms: &[],
-                                    constant: 0,
-                                    name: places::Name {
-                                        name: "0",
-                                        suffix: "",
+                        },
+                    ],
+                    slots: &[
+                        Slot::Entry(
+                            1,
+                            &[
+                                Position {
+                                    index: Index {
+                                        terms: &[(Atom::Loop(0), 1)],
+                                        constant: 0,
+                                        name: Name { name: "i", suffix: "" },
                                     },
+                                    is_inside: false,
                                 },
-                                end: places::Index {
-                                    terms: &[(places::Atom::Loop(0usize), 1)],
-                                    constant: 0,
-                                    name: places::Name {
-                                        name: "i",
-                                        suffix: "",
-                                    },
-                                },
+                            ],
+                        ),
+                    ],
+                },
+                Nest {
+                    loops: &[
+                        Loop {
+                            start: Index {
+                                terms: &[],
+                                constant: 0,
+                                name: Name { name: "0", suffix: "" },
                             },
-                        ],
-                        slots: &[
-                            places::Slot::Entry(
-                                1usize,
-                                &[
-                                    places::Position {
-                                        index: places::Index {
-                                            terms: &[(places::Atom::Loop(0usize), 1)],
-                                            constant: 0,
-                                            name: places::Name {
-                                                name: "i",
-                                                suffix: "",
-                                            },
-                                        },
-                                        is_inside: false,
+                            end: Index {
+                                terms: &[(Atom::Size, 1)],
+                                constant: 0,
+                                name: Name { name: "n", suffix: "" },
+                            },
+                        },
+                        Loop {
+                            start: Index {
+                                terms: &[],
+                                constant: 0,
+                                name: Name { name: "0", suffix: "" },
+                            },
+                            end: Index {
+                                terms: &[(Atom::Loop(0), 1)],
+                                constant: 0,
+                                name: Name { name: "i", suffix: "" },
+                            },
+                        },
+                    ],
+                    slots: &[
+                        Slot::Entry(
+                            1,
+                            &[
+                                Position {
+                                    index: Index {
+                                        terms: &[(Atom::Loop(0), 1)],
+                                        constant: 0,
+                                        name: Name { name: "i", suffix: "" },
                                     },
-                                ],
-                            ),
-                            places::Slot::Entry(
-                                1usize,
-                                &[
-                                    places::Position {
-                                        index: places::Index {
-                                            terms: &[(places::Atom::Loop(1usize), 1)],
-                                            constant: 0,
-                                            name: places::Name {
-                                                name: "j",
-                                                suffix: "",
-                                            },
-                                        },
-                                        is_inside: false,
+                                    is_inside: false,
+                                },
+                            ],
+                        ),
+                        Slot::Entry(
+                            1,
+                            &[
+                                Position {
+                                    index: Index {
+                                        terms: &[(Atom::Loop(1), 1)],
+                                        constant: 0,
+                                        name: Name { name: "j", suffix: "" },
                                     },
-                                ],
-                            ),
-                        ],
-                    },
-                ],
-            }
+                                    is_inside: false,
+                                },
+                            ],
+                        ),
+                    ],
+                },
+            ],
         };
         fn entries(
             &self,
@@ -391,13 +354,12 @@ const _: () = {
             outer: &[usize],
             range: Range<usize>,
         ) -> Entries {
-            use wzvi::elements::places as places;
             match (table, outer) {
                 (1usize, &[]) => {
                     let list = &self.mass[..];
-                    places::Entries::of_length(list.len())
+                    Entries::of_length(list.len())
                 }
-                _ => places::Entries::of_length(0),
+                _ => Entries::of_length(0),
             }
         }
         fn slopes<S: Scalar>(
@@ -409,11 +371,10 @@ const _: () = {
         ) {
             let g: f64 = self.g;
             let size = (at.q.len() / 2) as isize;
-            let t = at.t;
             if terms.drift {
                 if terms.by_p {
                     {
-                        let c = S::from_f64(at.h);
+                        let weight = S::from_f64(at.h);
                         let (low, end): (isize, isize) = (0, size);
                         if low < end {
                             let i0 = low;
@@ -429,13 +390,14 @@ const _: () = {
                             let points1 = &mut by_p[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
                                 .0[..len];
-                            for k in 0..len {
-                                let p2_i = points0[k][0usize];
-                                let p2_i_plus_1 = points0[k][1usize];
-                                let mass_i = S::from_f64(s2[k]);
-                                points1[k][0usize] = points1[k][0usize] + p2_i * c / mass_i;
-                                points1[k][1usize] = points1[k][1usize]
-                                    + p2_i_plus_1 * c / mass_i;
+                            for place in 0..len {
+                                let p_2i = points0[place][0];
+                                let p_2i_plus_1 = points0[place][1];
+                                let mass_i = S::from_f64(s2[place]);
+                                points1[place][0] = points1[place][0]
+                                    + p_2i * weight / mass_i;
+                                points1[place][1] = points1[place][1]
+                                    + p_2i_plus_1 * weight / mass_i;
                             }
                         }
                     }
@@ -443,9 +405,9 @@ const _: () = {
                 if terms.by_q {
                     {
                         for i1 in 0 as isize..size {
-                            let c = S::from_f64(at.h);
-                            let q2_i = at.q[(2 * i1) as usize];
-                            let q2_i_plus_1 = at.q[(2 * i1 + 1) as usize];
+                            let weight = S::from_f64(at.h);
+                            let q_2i = at.q[(2 * i1) as usize];
+                            let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
                             let mass_i = S::from_f64(self.mass[i1 as usize]);
                             let mut b0 = S::from_f64(0.0);
                             let mut b2 = S::from_f64(0.0);
@@ -464,21 +426,21 @@ const _: () = {
                                 let points1 = &mut by_q[points1..points1 + 2 * len]
                                     .as_chunks_mut::<2>()
                                     .0[..len];
-                                for k in 0..len {
-                                    let q2_j = points0[k][0usize];
-                                    let q2_j_plus_1 = points0[k][1usize];
-                                    let mass_j = S::from_f64(s5[k]);
-                                    let difference = q2_i_plus_1 - q2_j_plus_1;
-                                    let difference2 = q2_i - q2_j;
+                                for place in 0..len {
+                                    let q_2j = points0[place][0];
+                                    let q_2j_plus_1 = points0[place][1];
+                                    let mass_j = S::from_f64(s5[place]);
+                                    let difference = q_2i_plus_1 - q_2j_plus_1;
+                                    let difference2 = q_2i - q_2j;
                                     let sum = difference2 * difference2
                                         + difference * difference;
-                                    let product = c * (mass_i * mass_j);
+                                    let product = weight * (mass_i * mass_j);
                                     let inverse = sum.recip();
                                     let product2 = inverse * (inverse * sum.sqrt());
                                     let product3 = difference2 * product * product2 * g;
                                     let product4 = product2 * (difference * product) * g;
-                                    points1[k][0usize] = points1[k][0usize] + -product3;
-                                    points1[k][1usize] = points1[k][1usize] + -product4;
+                                    points1[place][0] = points1[place][0] + -product3;
+                                    points1[place][1] = points1[place][1] + -product4;
                                     b0 = b0 + product3;
                                     b2 = b2 + product4;
                                 }
@@ -500,11 +462,10 @@ const _: () = {
         ) {
             let g: f64 = self.g;
             let size = (at.q.len() / 2) as isize;
-            let t = at.t;
             if terms.drift {
                 if terms.by_p {
                     {
-                        let c = S::from_f64(at.h);
+                        let weight = S::from_f64(at.h);
                         let (low, end): (isize, isize) = (0, size);
                         if low < end {
                             let i0 = low;
@@ -516,12 +477,12 @@ const _: () = {
                                 .0[..len];
                             let s2 = i0 as usize;
                             let s2 = &self.mass[s2..s2 + len];
-                            for k in 0..len {
-                                let i0 = low + k as isize;
-                                let p2_i = points0[k][0usize];
-                                let p2_i_plus_1 = points0[k][1usize];
-                                let mass_i = S::from_f64(s2[k]);
-                                let quotient = c / mass_i;
+                            for place in 0..len {
+                                let i0 = low + place as isize;
+                                let p_2i = points0[place][0];
+                                let p_2i_plus_1 = points0[place][1];
+                                let mass_i = S::from_f64(s2[place]);
+                                let quotient = weight / mass_i;
                                 into.add_pp(
                                     (2 * i0) as usize,
                                     (2 * i0) as usize,
@@ -542,9 +503,9 @@ const _: () = {
                     {
                         let three_g = 3.0 * g;
                         for i1 in 0 as isize..size {
-                            let c = S::from_f64(at.h);
-                            let q2_i = at.q[(2 * i1) as usize];
-                            let q2_i_plus_1 = at.q[(2 * i1 + 1) as usize];
+                            let weight = S::from_f64(at.h);
+                            let q_2i = at.q[(2 * i1) as usize];
+                            let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
                             let mass_i = S::from_f64(self.mass[i1 as usize]);
                             let mut b0 = S::from_f64(0.0);
                             let mut b2 = S::from_f64(0.0);
@@ -560,25 +521,25 @@ const _: () = {
                                     .0[..len];
                                 let s5 = i2 as usize;
                                 let s5 = &self.mass[s5..s5 + len];
-                                for k in 0..len {
-                                    let i2 = low + k as isize;
-                                    let q2_j = points0[k][0usize];
-                                    let q2_j_plus_1 = points0[k][1usize];
-                                    let mass_j = S::from_f64(s5[k]);
-                                    let difference = q2_i_plus_1 - q2_j_plus_1;
-                                    let difference2 = q2_i - q2_j;
+                                for place in 0..len {
+                                    let i2 = low + place as isize;
+                                    let q_2j = points0[place][0];
+                                    let q_2j_plus_1 = points0[place][1];
+                                    let mass_j = S::from_f64(s5[place]);
+                                    let difference = q_2i_plus_1 - q_2j_plus_1;
+                                    let difference2 = q_2i - q_2j;
                                     let difference2_squared = difference2 * difference2;
                                     let difference_squared = difference * difference;
                                     let sum = difference2_squared + difference_squared;
                                     let inverse = sum.recip();
                                     let product = inverse * (inverse * sum.sqrt());
                                     let product2 = inverse * product;
-                                    let product3 = mass_i * (mass_j * c);
+                                    let product3 = mass_i * (mass_j * weight);
                                     let product4 = (product
                                         - difference2_squared * product2 * 3.0) * product3 * g;
                                     let product5 = product2
-                                        * (difference * (difference2 * (c * (mass_i * mass_j))))
-                                        * three_g;
+                                        * (difference
+                                            * (difference2 * (weight * (mass_i * mass_j)))) * three_g;
                                     let minus = -product5;
                                     let product6 = product3
                                         * (product - difference_squared * product2 * 3.0) * g;
@@ -732,22 +693,22 @@ const _: () = {
     use ::wzvi::__private::{
         binding as after, binding as at, binding as at_index, binding as b0,
         binding as b2, binding as b7, binding as before, binding as by_p,
-        binding as by_q, binding as c, binding as carry, binding as degrees,
-        binding as difference, binding as difference2, binding as difference2_squared,
+        binding as by_q, binding as carry, binding as degrees, binding as difference,
+        binding as difference2, binding as difference2_squared,
         binding as difference_squared, binding as dw, binding as end, binding as g,
         binding as h, binding as i0, binding as i1, binding as i2, binding as index,
-        binding as into, binding as inverse, binding as k, binding as len,
-        binding as list, binding as low, binding as mass_i, binding as mass_i_mass_j,
-        binding as mass_j, binding as memory, binding as minus, binding as nan,
-        binding as outer, binding as p, binding as p2_i, binding as p2_i_plus_1,
-        binding as places, binding as points0, binding as points1, binding as prepared,
-        binding as product, binding as product2, binding as product3,
-        binding as product4, binding as product5, binding as product6, binding as q,
-        binding as q2_i, binding as q2_i_plus_1, binding as q2_j, binding as q2_j_plus_1,
+        binding as into, binding as inverse, binding as len, binding as list,
+        binding as low, binding as mass_i, binding as mass_i_mass_j, binding as mass_j,
+        binding as memory, binding as minus, binding as nan, binding as outer,
+        binding as p, binding as p_2i, binding as p_2i_plus_1, binding as place,
+        binding as points0, binding as points1, binding as prepared, binding as product,
+        binding as product2, binding as product3, binding as product4,
+        binding as product5, binding as product6, binding as q, binding as q_2i,
+        binding as q_2i_plus_1, binding as q_2j, binding as q_2j_plus_1,
         binding as quotient, binding as range, binding as s2, binding as s5,
         binding as segment, binding as size, binding as sum, binding as t,
         binding as table, binding as term, binding as terms, binding as three_g,
-        binding as total,
+        binding as total, binding as weight,
     };
 };
 const _: () = {

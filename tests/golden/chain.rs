@@ -59,7 +59,7 @@ const _: () = {
         elements::{
             CompensationVec, Curvature, Elements, Memory, Point, Scheme, Terms, Unknowns,
         },
-        elements::places::{Entries, Places},
+        elements::places::{Entries, Index, Name, Nest, Places, Slot},
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -93,8 +93,8 @@ const _: () = {
                             let len = (end - low) as usize;
                             let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
-                            for k in 0..len {
-                                let p_i = s0[k];
+                            for place in 0..len {
+                                let p_i = s0[place];
                                 b0 = b0 + p_i * p_i * 0.5;
                             }
                         }
@@ -111,9 +111,9 @@ const _: () = {
                             let s0 = &at.q[s0..s0 + len];
                             let s1 = i1 as usize;
                             let s1 = &at.q[s1..s1 + len];
-                            for k in 0..len {
-                                let q_i_plus_1 = s0[k];
-                                let q_i = s1[k];
+                            for place in 0..len {
+                                let q_i_plus_1 = s0[place];
+                                let q_i = s1[place];
                                 let difference = q_i_plus_1 - q_i;
                                 let difference_squared = difference * difference;
                                 b0 = b0
@@ -167,9 +167,9 @@ const _: () = {
                             let s0 = &at.p[s0..s0 + len];
                             let b0 = i0 as usize;
                             let b0 = &mut by_p[b0..b0 + len];
-                            for k in 0..len {
-                                let p_i = s0[k];
-                                b0[k] = b0[k] + p_i;
+                            for place in 0..len {
+                                let p_i = s0[place];
+                                b0[place] = b0[place] + p_i;
                             }
                         }
                     }
@@ -186,14 +186,14 @@ const _: () = {
                             let mut carried1 = S::from_f64(0.0);
                             let b1 = i1 as usize;
                             let b1 = &mut by_q[b1..b1 + len];
-                            for k in 0..len {
-                                let q_i_plus_1 = s0[k];
-                                let q_i = s1[k];
+                            for place in 0..len {
+                                let q_i_plus_1 = s0[place];
+                                let q_i = s1[place];
                                 let difference = q_i_plus_1 - q_i;
                                 let product = difference
                                     * (difference * difference * beta + 1.0);
                                 let ahead = product;
-                                b1[k] = b1[k] + (-product + carried1);
+                                b1[place] = b1[place] + (-product + carried1);
                                 carried1 = ahead;
                             }
                             by_q[at1] = by_q[at1] + carried1;
@@ -213,30 +213,24 @@ const _: () = {
     }
     #[automatically_derived]
     impl Elements for Chain {
-        const PLACES: Places = {
-            use wzvi::elements::places as places;
-            places::Places {
-                components: 1usize,
-                tables: &[],
-                nests: &[
-                    places::Nest {
-                        loops: &[],
-                        slots: &[
-                            places::Slot::State {
-                                index: places::Index {
-                                    terms: &[],
-                                    constant: 0,
-                                    name: places::Name {
-                                        name: "0",
-                                        suffix: "",
-                                    },
-                                },
-                                is_natural: true,
+        const PLACES: Places = Places {
+            components: 1,
+            tables: &[],
+            nests: &[
+                Nest {
+                    loops: &[],
+                    slots: &[
+                        Slot::State {
+                            index: Index {
+                                terms: &[],
+                                constant: 0,
+                                name: Name { name: "0", suffix: "" },
                             },
-                        ],
-                    },
-                ],
-            }
+                            is_natural: true,
+                        },
+                    ],
+                },
+            ],
         };
         fn entries(
             &self,
@@ -244,10 +238,7 @@ const _: () = {
             outer: &[usize],
             range: Range<usize>,
         ) -> Entries {
-            use wzvi::elements::places as places;
-            match (table, outer) {
-                _ => places::Entries::of_length(0),
-            }
+            Entries::of_length(0)
         }
         fn slopes<S: Scalar>(
             &self,
@@ -258,11 +249,10 @@ const _: () = {
         ) {
             let beta: f64 = self.beta;
             let size = at.q.len() as isize;
-            let t = at.t;
             if terms.drift {
                 if terms.by_p {
                     {
-                        let c = S::from_f64(at.h);
+                        let weight = S::from_f64(at.h);
                         let (low, end): (isize, isize) = (0, size);
                         if low < end {
                             let i0 = low;
@@ -271,16 +261,16 @@ const _: () = {
                             let s0 = &at.p[s0..s0 + len];
                             let b0 = i0 as usize;
                             let b0 = &mut by_p[b0..b0 + len];
-                            for k in 0..len {
-                                let p_i = s0[k];
-                                b0[k] = b0[k] + p_i * c;
+                            for place in 0..len {
+                                let p_i = s0[place];
+                                b0[place] = b0[place] + p_i * weight;
                             }
                         }
                     }
                 }
                 if terms.by_q {
                     {
-                        let c = S::from_f64(at.h);
+                        let weight = S::from_f64(at.h);
                         let (low, end): (isize, isize) = (0, size - 1);
                         if low < end {
                             let i1 = low;
@@ -293,14 +283,14 @@ const _: () = {
                             let mut carried1 = S::from_f64(0.0);
                             let b1 = i1 as usize;
                             let b1 = &mut by_q[b1..b1 + len];
-                            for k in 0..len {
-                                let q_i_plus_1 = s0[k];
-                                let q_i = s1[k];
+                            for place in 0..len {
+                                let q_i_plus_1 = s0[place];
+                                let q_i = s1[place];
                                 let difference = q_i_plus_1 - q_i;
                                 let product = (difference * difference * beta + 1.0)
-                                    * (c * difference);
+                                    * (weight * difference);
                                 let ahead = product;
-                                b1[k] = b1[k] + (-product + carried1);
+                                b1[place] = b1[place] + (-product + carried1);
                                 carried1 = ahead;
                             }
                             by_q[at1] = by_q[at1] + carried1;
@@ -309,9 +299,9 @@ const _: () = {
                 }
                 if terms.by_q {
                     {
-                        let c = S::from_f64(at.h);
+                        let weight = S::from_f64(at.h);
                         let q0 = at.q[0];
-                        by_q[0] = by_q[0] + c * (q0 * (q0 * q0 * beta + 1.0));
+                        by_q[0] = by_q[0] + weight * (q0 * (q0 * q0 * beta + 1.0));
                     }
                 }
             }
@@ -324,21 +314,20 @@ const _: () = {
         ) {
             let beta: f64 = self.beta;
             let size = at.q.len() as isize;
-            let t = at.t;
             if terms.drift {
                 if terms.by_p {
                     {
-                        let c = S::from_f64(at.h);
+                        let weight = S::from_f64(at.h);
                         let (low, end): (isize, isize) = (0, size);
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
                             let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
-                            for k in 0..len {
-                                let i0 = low + k as isize;
-                                let p_i = s0[k];
-                                into.add_pp(i0 as usize, i0 as usize, true, c);
+                            for place in 0..len {
+                                let i0 = low + place as isize;
+                                let p_i = s0[place];
+                                into.add_pp(i0 as usize, i0 as usize, true, weight);
                             }
                         }
                     }
@@ -346,7 +335,7 @@ const _: () = {
                 if terms.by_q {
                     {
                         let three_beta = 3.0 * beta;
-                        let c = S::from_f64(at.h);
+                        let weight = S::from_f64(at.h);
                         let (low, end): (isize, isize) = (0, size - 1);
                         if low < end {
                             let i1 = low;
@@ -355,12 +344,12 @@ const _: () = {
                             let s0 = &at.q[s0..s0 + len];
                             let s1 = i1 as usize;
                             let s1 = &at.q[s1..s1 + len];
-                            for k in 0..len {
-                                let i1 = low + k as isize;
-                                let q_i_plus_1 = s0[k];
-                                let q_i = s1[k];
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let q_i_plus_1 = s0[place];
+                                let q_i = s1[place];
                                 let difference = q_i_plus_1 - q_i;
-                                let product = c
+                                let product = weight
                                     * (difference * difference * three_beta + 1.0);
                                 into.add_qq(
                                     (i1 + 1) as usize,
@@ -382,9 +371,9 @@ const _: () = {
                 if terms.by_q {
                     {
                         let three_beta = 3.0 * beta;
-                        let c = S::from_f64(at.h);
+                        let weight = S::from_f64(at.h);
                         let q0 = at.q[0];
-                        into.add_qq(0, 0, true, c * (q0 * q0 * three_beta + 1.0));
+                        into.add_qq(0, 0, true, weight * (q0 * q0 * three_beta + 1.0));
                     }
                 }
             }
@@ -480,17 +469,17 @@ const _: () = {
     use ::wzvi::__private::{
         binding as after, binding as ahead, binding as at, binding as at1, binding as b0,
         binding as b1, binding as before, binding as beta, binding as by_p,
-        binding as by_q, binding as c, binding as carried1, binding as carry,
-        binding as degrees, binding as difference, binding as difference_squared,
-        binding as dw, binding as end, binding as h, binding as i0, binding as i1,
-        binding as index, binding as into, binding as k, binding as len, binding as low,
-        binding as memory, binding as nan, binding as outer, binding as p,
-        binding as p_i, binding as places, binding as prepared, binding as product,
-        binding as q, binding as q0, binding as q0_squared, binding as q_i,
-        binding as q_i_plus_1, binding as quarter_beta, binding as range, binding as s0,
-        binding as s1, binding as segment, binding as size, binding as t,
-        binding as table, binding as term, binding as terms, binding as three_beta,
-        binding as total,
+        binding as by_q, binding as carried1, binding as carry, binding as degrees,
+        binding as difference, binding as difference_squared, binding as dw,
+        binding as end, binding as h, binding as i0, binding as i1, binding as index,
+        binding as into, binding as len, binding as low, binding as memory,
+        binding as nan, binding as outer, binding as p, binding as p_i, binding as place,
+        binding as prepared, binding as product, binding as q, binding as q0,
+        binding as q0_squared, binding as q_i, binding as q_i_plus_1,
+        binding as quarter_beta, binding as range, binding as s0, binding as s1,
+        binding as segment, binding as size, binding as t, binding as table,
+        binding as term, binding as terms, binding as three_beta, binding as total,
+        binding as weight,
     };
 };
 const _: () = {

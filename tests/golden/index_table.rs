@@ -53,7 +53,9 @@ const _: () = {
         elements::{
             CompensationVec, Curvature, Elements, Memory, Point, Scheme, Terms, Unknowns,
         },
-        elements::places::{Entries, Places},
+        elements::places::{
+            Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
+        },
         embedding::DeltaPlus,
     };
     #[automatically_derived]
@@ -83,8 +85,8 @@ const _: () = {
                             let len = (end - low) as usize;
                             let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
-                            for k in 0..len {
-                                let p_i = s0[k];
+                            for place in 0..len {
+                                let p_i = s0[place];
                                 b0 = b0 + p_i * p_i * 0.5;
                             }
                         }
@@ -92,22 +94,17 @@ const _: () = {
                     }
                     {
                         let mut b0 = S::from_f64(0.0);
-                        let (low, end): (isize, isize) = (
-                            0,
-                            (self.bonds.len() as isize),
-                        );
+                        let (low, end): (isize, isize) = (0, self.bonds.len() as isize);
                         if low < end {
                             let i1 = low;
                             let len = (end - low) as usize;
-                            for k in 0..len {
-                                let i1 = low + k as isize;
-                                let bonds2_i = S::from_f64(self.bonds[i1 as usize].2);
-                                let q_bonds0_i = at
-                                    .q[(self.bonds[i1 as usize].0 as isize) as usize];
-                                let q_bonds1_i = at
-                                    .q[(self.bonds[i1 as usize].1 as isize) as usize];
-                                let difference = q_bonds0_i - q_bonds1_i;
-                                b0 = b0 + bonds2_i * (difference * difference) * 0.5;
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let bonds_2_i = S::from_f64(self.bonds[i1 as usize].2);
+                                let q_bonds_0_i = at.q[self.bonds[i1 as usize].0 as usize];
+                                let q_bonds_1_i = at.q[self.bonds[i1 as usize].1 as usize];
+                                let difference = q_bonds_0_i - q_bonds_1_i;
+                                b0 = b0 + bonds_2_i * (difference * difference) * 0.5;
                             }
                         }
                         total = total + b0;
@@ -149,33 +146,26 @@ const _: () = {
                             let s0 = &at.p[s0..s0 + len];
                             let b0 = i0 as usize;
                             let b0 = &mut by_p[b0..b0 + len];
-                            for k in 0..len {
-                                let p_i = s0[k];
-                                b0[k] = b0[k] + p_i;
+                            for place in 0..len {
+                                let p_i = s0[place];
+                                b0[place] = b0[place] + p_i;
                             }
                         }
                     }
                     {
-                        let (low, end): (isize, isize) = (
-                            0,
-                            (self.bonds.len() as isize),
-                        );
+                        let (low, end): (isize, isize) = (0, self.bonds.len() as isize);
                         if low < end {
                             let i1 = low;
                             let len = (end - low) as usize;
-                            for k in 0..len {
-                                let i1 = low + k as isize;
-                                let bonds2_i = S::from_f64(self.bonds[i1 as usize].2);
-                                let q_bonds0_i = at
-                                    .q[(self.bonds[i1 as usize].0 as isize) as usize];
-                                let q_bonds1_i = at
-                                    .q[(self.bonds[i1 as usize].1 as isize) as usize];
-                                let product = bonds2_i * (q_bonds0_i - q_bonds1_i);
-                                let at_index = (self.bonds[i1 as usize].0 as isize)
-                                    as usize;
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let bonds_2_i = S::from_f64(self.bonds[i1 as usize].2);
+                                let q_bonds_0_i = at.q[self.bonds[i1 as usize].0 as usize];
+                                let q_bonds_1_i = at.q[self.bonds[i1 as usize].1 as usize];
+                                let product = bonds_2_i * (q_bonds_0_i - q_bonds_1_i);
+                                let at_index = self.bonds[i1 as usize].0 as usize;
                                 by_q[at_index] = by_q[at_index] + product;
-                                let at_index = (self.bonds[i1 as usize].1 as isize)
-                                    as usize;
+                                let at_index = self.bonds[i1 as usize].1 as usize;
                                 by_q[at_index] = by_q[at_index] + -product;
                             }
                         }
@@ -190,121 +180,103 @@ const _: () = {
     }
     #[automatically_derived]
     impl Elements for Bonds {
-        const PLACES: Places = {
-            use wzvi::elements::places as places;
-            places::Places {
-                components: 1usize,
-                tables: &[
-                    places::Name {
-                        name: "bonds.len()",
-                        suffix: "",
-                    },
-                    places::Name {
-                        name: "",
-                        suffix: "",
-                    },
-                    places::Name {
-                        name: "bonds",
-                        suffix: ".0",
-                    },
-                    places::Name {
-                        name: "bonds",
-                        suffix: ".1",
-                    },
-                    places::Name {
-                        name: "",
-                        suffix: "",
-                    },
-                ],
-                nests: &[
-                    places::Nest {
-                        loops: &[
-                            places::Loop {
-                                start: places::Index {
-                                    terms: &[],
-                                    constant: 0,
-                                    name: places::Name {
-                                        name: "0",
-                                        suffix: "",
-                                    },
-                                },
-                                end: places::Index {
-                                    terms: &[(places::Atom::Given(0usize, &[]), 1)],
-                                    constant: 0,
-                                    name: places::Name {
-                                        name: "bonds.len()",
-                                        suffix: "",
-                                    },
+        const PLACES: Places = Places {
+            components: 1,
+            tables: &[
+                Name {
+                    name: "bonds.len()",
+                    suffix: "",
+                },
+                Name { name: "", suffix: "" },
+                Name {
+                    name: "bonds",
+                    suffix: ".0",
+                },
+                Name {
+                    name: "bonds",
+                    suffix: ".1",
+                },
+                Name { name: "", suffix: "" },
+            ],
+            nests: &[
+                Nest {
+                    loops: &[
+                        Loop {
+                            start: Index {
+                                terms: &[],
+                                constant: 0,
+                                name: Name { name: "0", suffix: "" },
+                            },
+                            end: Index {
+                                terms: &[(Atom::Given(0, &[]), 1)],
+                                constant: 0,
+                                name: Name {
+                                    name: "bonds.len()",
+                                    suffix: "",
                                 },
                             },
-                        ],
-                        slots: &[
-                            places::Slot::State {
-                                index: places::Index {
-                                    terms: &[
-                                        (
-                                            places::Atom::Given(
-                                                2usize,
-                                                &[
-                                                    places::Position {
-                                                        index: places::Index {
-                                                            terms: &[(places::Atom::Loop(0usize), 1)],
-                                                            constant: 0,
-                                                            name: places::Name {
-                                                                name: "i",
-                                                                suffix: "",
-                                                            },
-                                                        },
-                                                        is_inside: true,
+                        },
+                    ],
+                    slots: &[
+                        Slot::State {
+                            index: Index {
+                                terms: &[
+                                    (
+                                        Atom::Given(
+                                            2,
+                                            &[
+                                                Position {
+                                                    index: Index {
+                                                        terms: &[(Atom::Loop(0), 1)],
+                                                        constant: 0,
+                                                        name: Name { name: "i", suffix: "" },
                                                     },
-                                                ],
-                                            ),
-                                            1,
+                                                    is_inside: true,
+                                                },
+                                            ],
                                         ),
-                                    ],
-                                    constant: 0,
-                                    name: places::Name {
-                                        name: "bonds.0[i]",
-                                        suffix: "",
-                                    },
+                                        1,
+                                    ),
+                                ],
+                                constant: 0,
+                                name: Name {
+                                    name: "bonds.0[i]",
+                                    suffix: "",
                                 },
-                                is_natural: false,
                             },
-                            places::Slot::State {
-                                index: places::Index {
-                                    terms: &[
-                                        (
-                                            places::Atom::Given(
-                                                3usize,
-                                                &[
-                                                    places::Position {
-                                                        index: places::Index {
-                                                            terms: &[(places::Atom::Loop(0usize), 1)],
-                                                            constant: 0,
-                                                            name: places::Name {
-                                                                name: "i",
-                                                                suffix: "",
-                                                            },
-                                                        },
-                                                        is_inside: true,
+                            is_natural: false,
+                        },
+                        Slot::State {
+                            index: Index {
+                                terms: &[
+                                    (
+                                        Atom::Given(
+                                            3,
+                                            &[
+                                                Position {
+                                                    index: Index {
+                                                        terms: &[(Atom::Loop(0), 1)],
+                                                        constant: 0,
+                                                        name: Name { name: "i", suffix: "" },
                                                     },
-                                                ],
-                                            ),
-                                            1,
+                                                    is_inside: true,
+                                                },
+                                            ],
                                         ),
-                                    ],
-                                    constant: 0,
-                                    name: places::Name {
-                                        name: "bonds.1[i]",
-                                        suffix: "",
-                                    },
+                                        1,
+                                    ),
+                                ],
+                                constant: 0,
+                                name: Name {
+                                    name: "bonds.1[i]",
+                                    suffix: "",
                                 },
-                                is_natural: false,
                             },
-                        ],
-                    },
-                ],
-            }
+                            is_natural: false,
+                        },
+                    ],
+                },
+            ],
         };
         fn entries(
             &self,
@@ -312,12 +284,11 @@ const _: () = {
             outer: &[usize],
             range: Range<usize>,
         ) -> Entries {
-            use wzvi::elements::places as places;
             match (table, outer) {
-                (0usize, []) => places::Entries::of_integer((self.bonds.len()) as i128),
+                (0usize, []) => Entries::of_integer((self.bonds.len()) as i128),
                 (2usize, &[]) => {
                     let list = &self.bonds[..];
-                    places::Entries::of_list(
+                    Entries::of_list(
                         list,
                         range,
                         |entry| (*entry).0,
@@ -326,14 +297,14 @@ const _: () = {
                 }
                 (3usize, &[]) => {
                     let list = &self.bonds[..];
-                    places::Entries::of_list(
+                    Entries::of_list(
                         list,
                         range,
                         |entry| (*entry).1,
                         |integer| integer as i128,
                     )
                 }
-                _ => places::Entries::of_length(0),
+                _ => Entries::of_length(0),
             }
         }
         fn slopes<S: Scalar>(
@@ -344,11 +315,10 @@ const _: () = {
             by_p: &mut [S],
         ) {
             let size = at.q.len() as isize;
-            let t = at.t;
             if terms.drift {
                 if terms.by_p {
                     {
-                        let c = S::from_f64(at.h);
+                        let weight = S::from_f64(at.h);
                         let (low, end): (isize, isize) = (0, size);
                         if low < end {
                             let i0 = low;
@@ -357,36 +327,30 @@ const _: () = {
                             let s0 = &at.p[s0..s0 + len];
                             let b0 = i0 as usize;
                             let b0 = &mut by_p[b0..b0 + len];
-                            for k in 0..len {
-                                let p_i = s0[k];
-                                b0[k] = b0[k] + p_i * c;
+                            for place in 0..len {
+                                let p_i = s0[place];
+                                b0[place] = b0[place] + p_i * weight;
                             }
                         }
                     }
                 }
                 if terms.by_q {
                     {
-                        let c = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (
-                            0,
-                            (self.bonds.len() as isize),
-                        );
+                        let weight = S::from_f64(at.h);
+                        let (low, end): (isize, isize) = (0, self.bonds.len() as isize);
                         if low < end {
                             let i1 = low;
                             let len = (end - low) as usize;
-                            for k in 0..len {
-                                let i1 = low + k as isize;
-                                let bonds2_i = S::from_f64(self.bonds[i1 as usize].2);
-                                let q_bonds0_i = at
-                                    .q[(self.bonds[i1 as usize].0 as isize) as usize];
-                                let q_bonds1_i = at
-                                    .q[(self.bonds[i1 as usize].1 as isize) as usize];
-                                let product = (q_bonds0_i - q_bonds1_i) * (bonds2_i * c);
-                                let at_index = (self.bonds[i1 as usize].0 as isize)
-                                    as usize;
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let bonds_2_i = S::from_f64(self.bonds[i1 as usize].2);
+                                let q_bonds_0_i = at.q[self.bonds[i1 as usize].0 as usize];
+                                let q_bonds_1_i = at.q[self.bonds[i1 as usize].1 as usize];
+                                let product = (q_bonds_0_i - q_bonds_1_i)
+                                    * (bonds_2_i * weight);
+                                let at_index = self.bonds[i1 as usize].0 as usize;
                                 by_q[at_index] = by_q[at_index] + product;
-                                let at_index = (self.bonds[i1 as usize].1 as isize)
-                                    as usize;
+                                let at_index = self.bonds[i1 as usize].1 as usize;
                                 by_q[at_index] = by_q[at_index] + -product;
                             }
                         }
@@ -401,60 +365,54 @@ const _: () = {
             into: &mut C,
         ) {
             let size = at.q.len() as isize;
-            let t = at.t;
             if terms.drift {
                 if terms.by_p {
                     {
-                        let c = S::from_f64(at.h);
+                        let weight = S::from_f64(at.h);
                         let (low, end): (isize, isize) = (0, size);
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
                             let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
-                            for k in 0..len {
-                                let i0 = low + k as isize;
-                                let p_i = s0[k];
-                                into.add_pp(i0 as usize, i0 as usize, true, c);
+                            for place in 0..len {
+                                let i0 = low + place as isize;
+                                let p_i = s0[place];
+                                into.add_pp(i0 as usize, i0 as usize, true, weight);
                             }
                         }
                     }
                 }
                 if terms.by_q {
                     {
-                        let c = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (
-                            0,
-                            (self.bonds.len() as isize),
-                        );
+                        let weight = S::from_f64(at.h);
+                        let (low, end): (isize, isize) = (0, self.bonds.len() as isize);
                         if low < end {
                             let i1 = low;
                             let len = (end - low) as usize;
-                            for k in 0..len {
-                                let i1 = low + k as isize;
-                                let bonds2_i = S::from_f64(self.bonds[i1 as usize].2);
-                                let q_bonds0_i = at
-                                    .q[(self.bonds[i1 as usize].0 as isize) as usize];
-                                let q_bonds1_i = at
-                                    .q[(self.bonds[i1 as usize].1 as isize) as usize];
-                                let bonds2_i_c = bonds2_i * c;
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let bonds_2_i = S::from_f64(self.bonds[i1 as usize].2);
+                                let q_bonds_0_i = at.q[self.bonds[i1 as usize].0 as usize];
+                                let q_bonds_1_i = at.q[self.bonds[i1 as usize].1 as usize];
+                                let bonds_2_i_weight = bonds_2_i * weight;
                                 into.add_qq(
-                                    (self.bonds[i1 as usize].0 as isize) as usize,
-                                    (self.bonds[i1 as usize].0 as isize) as usize,
+                                    self.bonds[i1 as usize].0 as usize,
+                                    self.bonds[i1 as usize].0 as usize,
                                     true,
-                                    bonds2_i_c,
+                                    bonds_2_i_weight,
                                 );
                                 into.add_qq(
-                                    (self.bonds[i1 as usize].0 as isize) as usize,
-                                    (self.bonds[i1 as usize].1 as isize) as usize,
+                                    self.bonds[i1 as usize].0 as usize,
+                                    self.bonds[i1 as usize].1 as usize,
                                     false,
-                                    -bonds2_i_c,
+                                    -bonds_2_i_weight,
                                 );
                                 into.add_qq(
-                                    (self.bonds[i1 as usize].1 as isize) as usize,
-                                    (self.bonds[i1 as usize].1 as isize) as usize,
+                                    self.bonds[i1 as usize].1 as usize,
+                                    self.bonds[i1 as usize].1 as usize,
                                     true,
-                                    bonds2_i_c,
+                                    bonds_2_i_weight,
                                 );
                             }
                         }
@@ -543,16 +501,16 @@ const _: () = {
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as after, binding as at, binding as at_index, binding as b0,
-        binding as before, binding as bonds2_i, binding as bonds2_i_c, binding as by_p,
-        binding as by_q, binding as c, binding as carry, binding as degrees,
+        binding as before, binding as bonds_2_i, binding as bonds_2_i_weight,
+        binding as by_p, binding as by_q, binding as carry, binding as degrees,
         binding as difference, binding as dw, binding as end, binding as entry,
         binding as h, binding as i0, binding as i1, binding as integer, binding as into,
-        binding as k, binding as len, binding as list, binding as low, binding as memory,
-        binding as nan, binding as outer, binding as p, binding as p_i,
-        binding as places, binding as prepared, binding as product, binding as q,
-        binding as q_bonds0_i, binding as q_bonds1_i, binding as range, binding as s0,
-        binding as segment, binding as size, binding as t, binding as table,
-        binding as term, binding as terms, binding as total,
+        binding as len, binding as list, binding as low, binding as memory,
+        binding as nan, binding as outer, binding as p, binding as p_i, binding as place,
+        binding as prepared, binding as product, binding as q, binding as q_bonds_0_i,
+        binding as q_bonds_1_i, binding as range, binding as s0, binding as segment,
+        binding as size, binding as t, binding as table, binding as term,
+        binding as terms, binding as total, binding as weight,
     };
 };
 const _: () = {

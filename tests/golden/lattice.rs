@@ -56,76 +56,76 @@ const _: () = {
         self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
         Knowledge, LagrangianGradient, NoiseClass, Option, Ord, Plain, Plan, Range,
         Result, Scalar, Segment, Solver, State, StepFailure, bool, f64, isize, str,
+        usize,
         elements::{
             CompensationVec, Curvature, Elements, Memory, Point, Scheme, Terms, Unknowns,
         },
-        elements::places::{Entries, Places},
+        elements::places::{Entries, Name, Places},
         embedding::DeltaPlus,
     };
     #[automatically_derived]
     impl<const N: usize> Hamiltonian for Lattice<N> {
         type Vector = DVector<f64>;
-        fn degrees(&self) -> wzvi::usize {
-            (N as isize) as wzvi::usize * 2
+        fn degrees(&self) -> usize {
+            (N as isize) as usize * 2
         }
-        fn check(&self, degrees: wzvi::usize) -> Result<(), StepFailure> {
+        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
             wzvi::elements::check(self, degrees)
         }
-        fn parameter(&self, index: wzvi::usize) -> Option<(&'static str, f64)> {
+        fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("k", self.k)].get(index).copied()
         }
-        fn evaluate<S: Scalar>(&self, term: wzvi::usize, q: &[S], p: &[S], t: f64) -> S {
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
             let nan = S::from_f64(f64::NAN);
             if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()) {
                 return nan;
             }
-            let k2: f64 = self.k;
-            let size = (q.len() / 2) as isize;
+            let k: f64 = self.k;
             let at = Point { q, p, t, h: 1.0, dw: &[] };
             let mut total = S::from_f64(0.0);
             match term {
                 0 => {
                     {
                         let mut b0 = S::from_f64(0.0);
-                        let (low, end): (isize, isize) = (0, (N as isize));
+                        let (low, end): (isize, isize) = (0, N as isize);
                         if low < end {
                             let i0 = low;
-                            let len = (end - low) as wzvi::usize;
-                            let points0 = (2 * i0) as wzvi::usize;
+                            let len = (end - low) as usize;
+                            let points0 = (2 * i0) as usize;
                             let points0 = &at
                                 .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            for k in 0..len {
-                                let p2_i = points0[k][0usize];
-                                let p2_i_plus_1 = points0[k][1usize];
-                                b0 = b0 + (p2_i_plus_1 * p2_i_plus_1 + p2_i * p2_i) * 0.5;
+                            for place in 0..len {
+                                let p_2i = points0[place][0];
+                                let p_2i_plus_1 = points0[place][1];
+                                b0 = b0 + (p_2i_plus_1 * p_2i_plus_1 + p_2i * p_2i) * 0.5;
                             }
                         }
                         total = total + b0;
                     }
                     {
-                        let half_k2 = 0.5 * k2;
+                        let half_k = 0.5 * k;
                         let mut b0 = S::from_f64(0.0);
-                        let (low, end): (isize, isize) = (0, (N as isize));
+                        let (low, end): (isize, isize) = (0, N as isize);
                         if low < end {
                             let i1 = low;
-                            let len = (end - low) as wzvi::usize;
-                            let points0 = (2 * i1) as wzvi::usize;
+                            let len = (end - low) as usize;
+                            let points0 = (2 * i1) as usize;
                             let points0 = &at
                                 .q[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            for k in 0..len {
-                                let i1 = low + k as isize;
-                                let q2_i_plus_1_mod_N = at
-                                    .q[(2 * ((i1 + 1) % (N as isize))) as wzvi::usize];
-                                let q2_i = points0[k][0usize];
-                                let q2_i_plus_1_mod_N_plus_1 = at
-                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as wzvi::usize];
-                                let q2_i_plus_1 = points0[k][1usize];
-                                let sin = ((q2_i_plus_1_mod_N - q2_i) * half_k2).sin();
-                                let difference = q2_i_plus_1_mod_N_plus_1 - q2_i_plus_1;
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let q_2_i_plus_1_mod_N = at
+                                    .q[(2 * ((i1 + 1) % (N as isize))) as usize];
+                                let q_2i = points0[place][0];
+                                let q_2_i_plus_1_mod_N_plus_1 = at
+                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as usize];
+                                let q_2i_plus_1 = points0[place][1];
+                                let sin = ((q_2_i_plus_1_mod_N - q_2i) * half_k).sin();
+                                let difference = q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1;
                                 b0 = b0 + difference * difference * 0.5 + sin * sin * 2.0;
                             }
                         }
@@ -138,7 +138,7 @@ const _: () = {
         }
         fn differentiate<S: Scalar>(
             &self,
-            term: wzvi::usize,
+            term: usize,
             q: &[S],
             p: &[S],
             t: f64,
@@ -155,78 +155,75 @@ const _: () = {
             }
             by_q.fill(S::from_f64(0.0));
             by_p.fill(S::from_f64(0.0));
-            let k2: f64 = self.k;
-            let size = (q.len() / 2) as isize;
+            let k: f64 = self.k;
             let at = Point { q, p, t, h: 1.0, dw: &[] };
             match term {
                 0 => {
                     {
-                        let (low, end): (isize, isize) = (0, (N as isize));
+                        let (low, end): (isize, isize) = (0, N as isize);
                         if low < end {
                             let i0 = low;
-                            let len = (end - low) as wzvi::usize;
-                            let points0 = (2 * i0) as wzvi::usize;
+                            let len = (end - low) as usize;
+                            let points0 = (2 * i0) as usize;
                             let points0 = &at
                                 .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            let points1 = (2 * i0) as wzvi::usize;
+                            let points1 = (2 * i0) as usize;
                             let points1 = &mut by_p[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
                                 .0[..len];
-                            for k in 0..len {
-                                let p2_i = points0[k][0usize];
-                                let p2_i_plus_1 = points0[k][1usize];
-                                points1[k][0usize] = points1[k][0usize] + p2_i;
-                                points1[k][1usize] = points1[k][1usize] + p2_i_plus_1;
+                            for place in 0..len {
+                                let p_2i = points0[place][0];
+                                let p_2i_plus_1 = points0[place][1];
+                                points1[place][0] = points1[place][0] + p_2i;
+                                points1[place][1] = points1[place][1] + p_2i_plus_1;
                             }
                         }
                     }
                     {
-                        let mut b0 = [S::from_f64(0.0); 64usize];
-                        let mut b2 = [S::from_f64(0.0); 64usize];
+                        let mut b0 = [S::from_f64(0.0); 64];
+                        let mut b2 = [S::from_f64(0.0); 64];
                         let mut i1: isize = 0;
-                        let end: isize = (N as isize);
+                        let end: isize = N as isize;
                         while i1 < end {
                             let low = i1;
-                            let len = Ord::min((end - low) as wzvi::usize, 64usize);
-                            let points0 = (2 * i1) as wzvi::usize;
+                            let len = Ord::min((end - low) as usize, 64);
+                            let points0 = (2 * i1) as usize;
                             let points0 = &at
                                 .q[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            let points1 = (2 * i1) as wzvi::usize;
+                            let points1 = (2 * i1) as usize;
                             let points1 = &mut by_q[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
                                 .0[..len];
                             let b0 = &mut b0[..len];
                             let b2 = &mut b2[..len];
-                            for k in 0..len {
-                                let i1 = low + k as isize;
-                                let q2_i_plus_1_mod_N = at
-                                    .q[(2 * ((i1 + 1) % (N as isize))) as wzvi::usize];
-                                let q2_i = points0[k][0usize];
-                                let q2_i_plus_1_mod_N_plus_1 = at
-                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as wzvi::usize];
-                                let q2_i_plus_1 = points0[k][1usize];
-                                let product = ((q2_i_plus_1_mod_N - q2_i) * k2).sin() * k2;
-                                let difference = q2_i_plus_1_mod_N_plus_1 - q2_i_plus_1;
-                                points1[k][0usize] = points1[k][0usize] + -product;
-                                points1[k][1usize] = points1[k][1usize] + -difference;
-                                b0[k] = product;
-                                b2[k] = difference;
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let q_2_i_plus_1_mod_N = at
+                                    .q[(2 * ((i1 + 1) % (N as isize))) as usize];
+                                let q_2i = points0[place][0];
+                                let q_2_i_plus_1_mod_N_plus_1 = at
+                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as usize];
+                                let q_2i_plus_1 = points0[place][1];
+                                let product = ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
+                                let difference = q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1;
+                                points1[place][0] = points1[place][0] + -product;
+                                points1[place][1] = points1[place][1] + -difference;
+                                b0[place] = product;
+                                b2[place] = difference;
                             }
-                            for k in 0..len {
-                                let i1 = low + k as isize;
-                                let at_index = (2 * ((i1 + 1) % (N as isize)))
-                                    as wzvi::usize;
-                                by_q[at_index] = by_q[at_index] + b0[k];
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let at_index = (2 * ((i1 + 1) % (N as isize))) as usize;
+                                by_q[at_index] = by_q[at_index] + b0[place];
                             }
-                            for k in 0..len {
-                                let i1 = low + k as isize;
-                                let at_index = (2 * ((i1 + 1) % (N as isize)) + 1)
-                                    as wzvi::usize;
-                                by_q[at_index] = by_q[at_index] + b2[k];
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let at_index = (2 * ((i1 + 1) % (N as isize)) + 1) as usize;
+                                by_q[at_index] = by_q[at_index] + b2[place];
                             }
                             i1 += len as isize;
                         }
@@ -241,29 +238,18 @@ const _: () = {
     }
     #[automatically_derived]
     impl<const N: usize> Elements for Lattice<N> {
-        const PLACES: Places = {
-            use wzvi::elements::places as places;
-            places::Places {
-                components: 2usize,
-                tables: &[
-                    places::Name {
-                        name: "",
-                        suffix: "",
-                    },
-                ],
-                nests: &[],
-            }
+        const PLACES: Places = Places {
+            components: 2,
+            tables: &[Name { name: "", suffix: "" }],
+            nests: &[],
         };
         fn entries(
             &self,
-            table: wzvi::usize,
-            outer: &[wzvi::usize],
-            range: Range<wzvi::usize>,
+            table: usize,
+            outer: &[usize],
+            range: Range<usize>,
         ) -> Entries {
-            use wzvi::elements::places as places;
-            match (table, outer) {
-                _ => places::Entries::of_length(0),
-            }
+            Entries::of_length(0)
         }
         fn slopes<S: Scalar>(
             &self,
@@ -272,83 +258,81 @@ const _: () = {
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            let k2: f64 = self.k;
-            let size = (at.q.len() / 2) as isize;
-            let t = at.t;
+            let k: f64 = self.k;
             if terms.drift {
                 if terms.by_p {
                     {
-                        let c = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, (N as isize));
+                        let weight = S::from_f64(at.h);
+                        let (low, end): (isize, isize) = (0, N as isize);
                         if low < end {
                             let i0 = low;
-                            let len = (end - low) as wzvi::usize;
-                            let points0 = (2 * i0) as wzvi::usize;
+                            let len = (end - low) as usize;
+                            let points0 = (2 * i0) as usize;
                             let points0 = &at
                                 .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            let points1 = (2 * i0) as wzvi::usize;
+                            let points1 = (2 * i0) as usize;
                             let points1 = &mut by_p[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
                                 .0[..len];
-                            for k in 0..len {
-                                let p2_i = points0[k][0usize];
-                                let p2_i_plus_1 = points0[k][1usize];
-                                points1[k][0usize] = points1[k][0usize] + p2_i * c;
-                                points1[k][1usize] = points1[k][1usize] + p2_i_plus_1 * c;
+                            for place in 0..len {
+                                let p_2i = points0[place][0];
+                                let p_2i_plus_1 = points0[place][1];
+                                points1[place][0] = points1[place][0] + p_2i * weight;
+                                points1[place][1] = points1[place][1]
+                                    + p_2i_plus_1 * weight;
                             }
                         }
                     }
                 }
                 if terms.by_q {
                     {
-                        let c = S::from_f64(at.h);
-                        let mut b0 = [S::from_f64(0.0); 64usize];
-                        let mut b2 = [S::from_f64(0.0); 64usize];
+                        let weight = S::from_f64(at.h);
+                        let mut b0 = [S::from_f64(0.0); 64];
+                        let mut b2 = [S::from_f64(0.0); 64];
                         let mut i1: isize = 0;
-                        let end: isize = (N as isize);
+                        let end: isize = N as isize;
                         while i1 < end {
                             let low = i1;
-                            let len = Ord::min((end - low) as wzvi::usize, 64usize);
-                            let points0 = (2 * i1) as wzvi::usize;
+                            let len = Ord::min((end - low) as usize, 64);
+                            let points0 = (2 * i1) as usize;
                             let points0 = &at
                                 .q[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            let points1 = (2 * i1) as wzvi::usize;
+                            let points1 = (2 * i1) as usize;
                             let points1 = &mut by_q[points1..points1 + 2 * len]
                                 .as_chunks_mut::<2>()
                                 .0[..len];
                             let b0 = &mut b0[..len];
                             let b2 = &mut b2[..len];
-                            for k in 0..len {
-                                let i1 = low + k as isize;
-                                let q2_i_plus_1_mod_N = at
-                                    .q[(2 * ((i1 + 1) % (N as isize))) as wzvi::usize];
-                                let q2_i = points0[k][0usize];
-                                let q2_i_plus_1_mod_N_plus_1 = at
-                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as wzvi::usize];
-                                let q2_i_plus_1 = points0[k][1usize];
-                                let product = c * ((q2_i_plus_1_mod_N - q2_i) * k2).sin()
-                                    * k2;
-                                let product2 = c * (q2_i_plus_1_mod_N_plus_1 - q2_i_plus_1);
-                                points1[k][0usize] = points1[k][0usize] + -product;
-                                points1[k][1usize] = points1[k][1usize] + -product2;
-                                b0[k] = product;
-                                b2[k] = product2;
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let q_2_i_plus_1_mod_N = at
+                                    .q[(2 * ((i1 + 1) % (N as isize))) as usize];
+                                let q_2i = points0[place][0];
+                                let q_2_i_plus_1_mod_N_plus_1 = at
+                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as usize];
+                                let q_2i_plus_1 = points0[place][1];
+                                let product = weight
+                                    * ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
+                                let product2 = weight
+                                    * (q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1);
+                                points1[place][0] = points1[place][0] + -product;
+                                points1[place][1] = points1[place][1] + -product2;
+                                b0[place] = product;
+                                b2[place] = product2;
                             }
-                            for k in 0..len {
-                                let i1 = low + k as isize;
-                                let at_index = (2 * ((i1 + 1) % (N as isize)))
-                                    as wzvi::usize;
-                                by_q[at_index] = by_q[at_index] + b0[k];
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let at_index = (2 * ((i1 + 1) % (N as isize))) as usize;
+                                by_q[at_index] = by_q[at_index] + b0[place];
                             }
-                            for k in 0..len {
-                                let i1 = low + k as isize;
-                                let at_index = (2 * ((i1 + 1) % (N as isize)) + 1)
-                                    as wzvi::usize;
-                                by_q[at_index] = by_q[at_index] + b2[k];
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let at_index = (2 * ((i1 + 1) % (N as isize)) + 1) as usize;
+                                by_q[at_index] = by_q[at_index] + b2[place];
                             }
                             i1 += len as isize;
                         }
@@ -362,37 +346,35 @@ const _: () = {
             at: &Point<'_, S>,
             into: &mut C,
         ) {
-            let k2: f64 = self.k;
-            let size = (at.q.len() / 2) as isize;
-            let t = at.t;
+            let k: f64 = self.k;
             if terms.drift {
                 if terms.by_p {
                     {
-                        let c = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, (N as isize));
+                        let weight = S::from_f64(at.h);
+                        let (low, end): (isize, isize) = (0, N as isize);
                         if low < end {
                             let i0 = low;
-                            let len = (end - low) as wzvi::usize;
-                            let points0 = (2 * i0) as wzvi::usize;
+                            let len = (end - low) as usize;
+                            let points0 = (2 * i0) as usize;
                             let points0 = &at
                                 .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            for k in 0..len {
-                                let i0 = low + k as isize;
-                                let p2_i = points0[k][0usize];
-                                let p2_i_plus_1 = points0[k][1usize];
+                            for place in 0..len {
+                                let i0 = low + place as isize;
+                                let p_2i = points0[place][0];
+                                let p_2i_plus_1 = points0[place][1];
                                 into.add_pp(
-                                    (2 * i0) as wzvi::usize,
-                                    (2 * i0) as wzvi::usize,
+                                    (2 * i0) as usize,
+                                    (2 * i0) as usize,
                                     true,
-                                    c,
+                                    weight,
                                 );
                                 into.add_pp(
-                                    (2 * i0 + 1) as wzvi::usize,
-                                    (2 * i0 + 1) as wzvi::usize,
+                                    (2 * i0 + 1) as usize,
+                                    (2 * i0 + 1) as usize,
                                     true,
-                                    c,
+                                    weight,
                                 );
                             }
                         }
@@ -400,62 +382,62 @@ const _: () = {
                 }
                 if terms.by_q {
                     {
-                        let k2_squared = k2 * k2;
-                        let c = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, (N as isize));
+                        let k_squared = k * k;
+                        let weight = S::from_f64(at.h);
+                        let (low, end): (isize, isize) = (0, N as isize);
                         if low < end {
                             let i1 = low;
-                            let len = (end - low) as wzvi::usize;
-                            let points0 = (2 * i1) as wzvi::usize;
+                            let len = (end - low) as usize;
+                            let points0 = (2 * i1) as usize;
                             let points0 = &at
                                 .q[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            for k in 0..len {
-                                let i1 = low + k as isize;
-                                let q2_i_plus_1_mod_N = at
-                                    .q[(2 * ((i1 + 1) % (N as isize))) as wzvi::usize];
-                                let q2_i = points0[k][0usize];
-                                let q2_i_plus_1_mod_N_plus_1 = at
-                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as wzvi::usize];
-                                let q2_i_plus_1 = points0[k][1usize];
-                                let product = c * ((q2_i_plus_1_mod_N - q2_i) * k2).cos()
-                                    * k2_squared;
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let q_2_i_plus_1_mod_N = at
+                                    .q[(2 * ((i1 + 1) % (N as isize))) as usize];
+                                let q_2i = points0[place][0];
+                                let q_2_i_plus_1_mod_N_plus_1 = at
+                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as usize];
+                                let q_2i_plus_1 = points0[place][1];
+                                let product = weight
+                                    * ((q_2_i_plus_1_mod_N - q_2i) * k).cos() * k_squared;
                                 into.add_qq(
-                                    (2 * ((i1 + 1) % (N as isize))) as wzvi::usize,
-                                    (2 * ((i1 + 1) % (N as isize))) as wzvi::usize,
+                                    (2 * ((i1 + 1) % (N as isize))) as usize,
+                                    (2 * ((i1 + 1) % (N as isize))) as usize,
                                     true,
                                     product,
                                 );
                                 into.add_qq(
-                                    (2 * ((i1 + 1) % (N as isize))) as wzvi::usize,
-                                    (2 * i1) as wzvi::usize,
+                                    (2 * ((i1 + 1) % (N as isize))) as usize,
+                                    (2 * i1) as usize,
                                     false,
                                     -product,
                                 );
                                 into.add_qq(
-                                    (2 * i1) as wzvi::usize,
-                                    (2 * i1) as wzvi::usize,
+                                    (2 * i1) as usize,
+                                    (2 * i1) as usize,
                                     true,
                                     product,
                                 );
                                 into.add_qq(
-                                    (2 * ((i1 + 1) % (N as isize)) + 1) as wzvi::usize,
-                                    (2 * ((i1 + 1) % (N as isize)) + 1) as wzvi::usize,
+                                    (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
+                                    (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
                                     true,
-                                    c,
+                                    weight,
                                 );
                                 into.add_qq(
-                                    (2 * ((i1 + 1) % (N as isize)) + 1) as wzvi::usize,
-                                    (2 * i1 + 1) as wzvi::usize,
+                                    (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
+                                    (2 * i1 + 1) as usize,
                                     false,
-                                    -c,
+                                    -weight,
                                 );
                                 into.add_qq(
-                                    (2 * i1 + 1) as wzvi::usize,
-                                    (2 * i1 + 1) as wzvi::usize,
+                                    (2 * i1 + 1) as usize,
+                                    (2 * i1 + 1) as usize,
                                     true,
-                                    c,
+                                    weight,
                                 );
                             }
                         }
@@ -547,19 +529,18 @@ const _: () = {
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as after, binding as at, binding as at_index, binding as b0,
-        binding as b2, binding as before, binding as by_p, binding as by_q, binding as c,
+        binding as b2, binding as before, binding as by_p, binding as by_q,
         binding as carry, binding as degrees, binding as difference, binding as dw,
-        binding as end, binding as h, binding as half_k2, binding as i0, binding as i1,
-        binding as index, binding as into, binding as k, binding as k2,
-        binding as k2_squared, binding as len, binding as low, binding as memory,
-        binding as nan, binding as outer, binding as p, binding as p2_i,
-        binding as p2_i_plus_1, binding as places, binding as points0,
-        binding as points1, binding as prepared, binding as product, binding as product2,
-        binding as q, binding as q2_i, binding as q2_i_plus_1,
-        binding as q2_i_plus_1_mod_N, binding as q2_i_plus_1_mod_N_plus_1,
-        binding as range, binding as segment, binding as sin, binding as size,
-        binding as t, binding as table, binding as term, binding as terms,
-        binding as total,
+        binding as end, binding as h, binding as half_k, binding as i0, binding as i1,
+        binding as index, binding as into, binding as k, binding as k_squared,
+        binding as len, binding as low, binding as memory, binding as nan,
+        binding as outer, binding as p, binding as p_2i, binding as p_2i_plus_1,
+        binding as place, binding as points0, binding as points1, binding as prepared,
+        binding as product, binding as product2, binding as q,
+        binding as q_2_i_plus_1_mod_N, binding as q_2_i_plus_1_mod_N_plus_1,
+        binding as q_2i, binding as q_2i_plus_1, binding as range, binding as segment,
+        binding as sin, binding as t, binding as table, binding as term,
+        binding as terms, binding as total, binding as weight,
     };
 };
 const _: () = {

@@ -57,7 +57,7 @@ const _: () = {
         Range, Result, Scalar, Segment, Solution, Solver, State, StepFailure, bool, f64,
         i128, isize, str, usize, compose::Composes,
         elements::{CompensationVec, Curvature, Elements, Point, Scheme, Terms, Unknowns},
-        elements::places::{Entries, Places},
+        elements::places::{Atom, Entries, Index, Loop, Name, Nest, Places, Slot},
         elements::sites::Sites, embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -95,9 +95,9 @@ const _: () = {
                         let s0 = &at.p[s0..s0 + len];
                         let s1 = i0 as usize;
                         let s1 = &at.q[s1..s1 + len];
-                        for k in 0..len {
-                            let p_i = s0[k];
-                            let q_i = s1[k];
+                        for place in 0..len {
+                            let p_i = s0[place];
+                            let q_i = s1[place];
                             b0 = b0 + (q_i * q_i + p_i * p_i) * 0.5;
                         }
                     }
@@ -148,9 +148,9 @@ const _: () = {
                             let s0 = &at.q[s0..s0 + len];
                             let b0 = i0 as usize;
                             let b0 = &mut by_q[b0..b0 + len];
-                            for k in 0..len {
-                                let q_i = s0[k];
-                                b0[k] = b0[k] + q_i;
+                            for place in 0..len {
+                                let q_i = s0[place];
+                                b0[place] = b0[place] + q_i;
                             }
                         }
                     }
@@ -163,9 +163,9 @@ const _: () = {
                             let s0 = &at.p[s0..s0 + len];
                             let b0 = i0 as usize;
                             let b0 = &mut by_p[b0..b0 + len];
-                            for k in 0..len {
-                                let p_i = s0[k];
-                                b0[k] = b0[k] + p_i;
+                            for place in 0..len {
+                                let p_i = s0[place];
+                                b0[place] = b0[place] + p_i;
                             }
                         }
                     }
@@ -188,54 +188,37 @@ const _: () = {
     }
     #[automatically_derived]
     impl Elements for Bath {
-        const PLACES: Places = {
-            use wzvi::elements::places as places;
-            places::Places {
-                components: 1usize,
-                tables: &[
-                    places::Name {
-                        name: "sites",
-                        suffix: "",
-                    },
-                ],
-                nests: &[
-                    places::Nest {
-                        loops: &[
-                            places::Loop {
-                                start: places::Index {
-                                    terms: &[],
-                                    constant: 0,
-                                    name: places::Name {
-                                        name: "0",
-                                        suffix: "",
-                                    },
-                                },
-                                end: places::Index {
-                                    terms: &[(places::Atom::Given(0usize, &[]), 1)],
-                                    constant: 0,
-                                    name: places::Name {
-                                        name: "sites",
-                                        suffix: "",
-                                    },
-                                },
+        const PLACES: Places = Places {
+            components: 1,
+            tables: &[Name { name: "sites", suffix: "" }],
+            nests: &[
+                Nest {
+                    loops: &[
+                        Loop {
+                            start: Index {
+                                terms: &[],
+                                constant: 0,
+                                name: Name { name: "0", suffix: "" },
                             },
-                        ],
-                        slots: &[
-                            places::Slot::State {
-                                index: places::Index {
-                                    terms: &[(places::Atom::Loop(0usize), 1)],
-                                    constant: 0,
-                                    name: places::Name {
-                                        name: "i",
-                                        suffix: "",
-                                    },
-                                },
-                                is_natural: true,
+                            end: Index {
+                                terms: &[(Atom::Given(0, &[]), 1)],
+                                constant: 0,
+                                name: Name { name: "sites", suffix: "" },
                             },
-                        ],
-                    },
-                ],
-            }
+                        },
+                    ],
+                    slots: &[
+                        Slot::State {
+                            index: Index {
+                                terms: &[(Atom::Loop(0), 1)],
+                                constant: 0,
+                                name: Name { name: "i", suffix: "" },
+                            },
+                            is_natural: true,
+                        },
+                    ],
+                },
+            ],
         };
         fn entries(
             &self,
@@ -243,10 +226,9 @@ const _: () = {
             outer: &[usize],
             range: Range<usize>,
         ) -> Entries {
-            use wzvi::elements::places as places;
             match (table, outer) {
-                (0usize, []) => places::Entries::of_integer((self.sites) as i128),
-                _ => places::Entries::of_length(0),
+                (0usize, []) => Entries::of_integer((self.sites) as i128),
+                _ => Entries::of_length(0),
             }
         }
         fn slopes<S: Scalar>(
@@ -258,11 +240,10 @@ const _: () = {
         ) {
             let sigma: f64 = self.sigma;
             let size = at.q.len() as isize;
-            let t = at.t;
             if terms.drift {
                 if terms.by_q {
                     {
-                        let c = S::from_f64(at.h);
+                        let weight = S::from_f64(at.h);
                         let (low, end): (isize, isize) = (0, size);
                         if low < end {
                             let i0 = low;
@@ -271,16 +252,16 @@ const _: () = {
                             let s0 = &at.q[s0..s0 + len];
                             let b0 = i0 as usize;
                             let b0 = &mut by_q[b0..b0 + len];
-                            for k in 0..len {
-                                let q_i = s0[k];
-                                b0[k] = b0[k] + q_i * c;
+                            for place in 0..len {
+                                let q_i = s0[place];
+                                b0[place] = b0[place] + q_i * weight;
                             }
                         }
                     }
                 }
                 if terms.by_p {
                     {
-                        let c = S::from_f64(at.h);
+                        let weight = S::from_f64(at.h);
                         let (low, end): (isize, isize) = (0, size);
                         if low < end {
                             let i0 = low;
@@ -289,9 +270,9 @@ const _: () = {
                             let s0 = &at.p[s0..s0 + len];
                             let b0 = i0 as usize;
                             let b0 = &mut by_p[b0..b0 + len];
-                            for k in 0..len {
-                                let p_i = s0[k];
-                                b0[k] = b0[k] + p_i * c;
+                            for place in 0..len {
+                                let p_i = s0[place];
+                                b0[place] = b0[place] + p_i * weight;
                             }
                         }
                     }
@@ -300,7 +281,7 @@ const _: () = {
             if terms.noise {
                 if terms.by_q {
                     {
-                        let (low, end): (isize, isize) = (0, (self.sites as isize));
+                        let (low, end): (isize, isize) = (0, self.sites as isize);
                         if low < end {
                             let i1 = low;
                             let len = (end - low) as usize;
@@ -308,11 +289,11 @@ const _: () = {
                             let s0 = &at.q[s0..s0 + len];
                             let b0 = i1 as usize;
                             let b0 = &mut by_q[b0..b0 + len];
-                            for k in 0..len {
-                                let i1 = low + k as isize;
-                                let q_i = s0[k];
-                                let c = at.dw[i1 as usize];
-                                b0[k] = b0[k] + c * sigma;
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let q_i = s0[place];
+                                let weight = at.dw[i1 as usize];
+                                b0[place] = b0[place] + weight * sigma;
                             }
                         }
                     }
@@ -325,40 +306,38 @@ const _: () = {
             at: &Point<'_, S>,
             into: &mut C,
         ) {
-            let sigma: f64 = self.sigma;
             let size = at.q.len() as isize;
-            let t = at.t;
             if terms.drift {
                 if terms.by_q {
                     {
-                        let c = S::from_f64(at.h);
+                        let weight = S::from_f64(at.h);
                         let (low, end): (isize, isize) = (0, size);
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
                             let s0 = i0 as usize;
                             let s0 = &at.q[s0..s0 + len];
-                            for k in 0..len {
-                                let i0 = low + k as isize;
-                                let q_i = s0[k];
-                                into.add_qq(i0 as usize, i0 as usize, true, c);
+                            for place in 0..len {
+                                let i0 = low + place as isize;
+                                let q_i = s0[place];
+                                into.add_qq(i0 as usize, i0 as usize, true, weight);
                             }
                         }
                     }
                 }
                 if terms.by_p {
                     {
-                        let c = S::from_f64(at.h);
+                        let weight = S::from_f64(at.h);
                         let (low, end): (isize, isize) = (0, size);
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
                             let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
-                            for k in 0..len {
-                                let i0 = low + k as isize;
-                                let p_i = s0[k];
-                                into.add_pp(i0 as usize, i0 as usize, true, c);
+                            for place in 0..len {
+                                let i0 = low + place as isize;
+                                let p_i = s0[place];
+                                into.add_pp(i0 as usize, i0 as usize, true, weight);
                             }
                         }
                     }
@@ -541,19 +520,18 @@ const _: () = {
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as after, binding as at, binding as at_index, binding as b0,
-        binding as before, binding as by_p, binding as by_q, binding as c,
-        binding as carry, binding as condition, binding as degrees, binding as dw,
-        binding as dw_sigma, binding as end, binding as h, binding as half_h,
-        binding as half_inverse_pivot, binding as i0, binding as i1, binding as i2,
-        binding as index, binding as into, binding as inverse_pivot, binding as k,
-        binding as len, binding as low, binding as member, binding as memory,
-        binding as nan, binding as next, binding as node_p_k, binding as outer,
-        binding as p, binding as p_i, binding as p_k, binding as places,
+        binding as before, binding as by_p, binding as by_q, binding as carry,
+        binding as condition, binding as degrees, binding as dw, binding as dw_sigma,
+        binding as end, binding as h, binding as half_h, binding as half_inverse_pivot,
+        binding as i0, binding as i1, binding as i2, binding as index, binding as into,
+        binding as inverse_pivot, binding as len, binding as low, binding as member,
+        binding as memory, binding as nan, binding as next, binding as node_p_k,
+        binding as outer, binding as p, binding as p_i, binding as p_k, binding as place,
         binding as prepared, binding as q, binding as q_i, binding as q_k,
         binding as range, binding as s0, binding as s1, binding as segment,
         binding as sigma, binding as site, binding as sites, binding as size,
         binding as sum, binding as t, binding as table, binding as term,
-        binding as terms, binding as total,
+        binding as terms, binding as total, binding as weight,
     };
 };
 const _: () = {

@@ -60,14 +60,18 @@ pub(crate) fn wrapped(
     }
 }
 
-/// What implementations name of the user's: the struct with its generics, and what `read` reads.
+/// What implementations name of the user's: the struct with its generics, and what `read` reads. The type of a constant
+/// is left out: only primitive ones are allowed there.
 pub(crate) fn with_header<'t>(
     item: &syn::ItemStruct,
     read: impl Iterator<Item = &'t TokenStream>,
 ) -> TokenStream {
-    let (name, (generics, arguments, filter)) = (&item.ident, item.generics.split_for_impl());
-    let read = read.cloned().collect::<Vec<_>>();
-    quote!(#generics #name #arguments #filter #(; #read)*)
+    let parameters = item.generics.params.iter().map(|parameter| match parameter {
+        syn::GenericParam::Const(constant) => constant.ident.to_token_stream(),
+        other => other.to_token_stream(),
+    });
+    let (name, filter, read) = (&item.ident, &item.generics.where_clause, read.collect::<Vec<_>>());
+    quote!(#name #(; #parameters)* #filter #(; #read)*)
 }
 
 /// The equations as rustdoc of the struct.

@@ -75,17 +75,25 @@ fn as_word(wish: &str) -> String {
     let wish = wish.strip_prefix("self.").map_or_else(|| wish.to_owned(), |field| format!("field[{field}]"));
     let spelled = wish.replace('+', " plus ").replace('-', " minus ").replace('%', " mod ");
     let mut word = String::new();
-    let mut before = "";
-    for part in spelled.split(|c| !is_of_word(c)).filter(|part| !part.is_empty()) {
-        let is_number = part.chars().all(|c| c.is_ascii_digit());
-        let is_name = !before.ends_with(|c: char| c.is_ascii_digit()) && !["plus", "minus"].contains(&before);
-        if !(before.is_empty() || is_number && is_name) {
+    let mut rest = spelled.as_str();
+    while let Some(start) = rest.find(is_of_word) {
+        let gap = &rest[..start];
+        let end = rest[start..].find(|c| !is_of_word(c)).map_or(rest.len(), |length| start + length);
+        let (part, after) = (&rest[start..end], &rest[end..]);
+        let is_number = |text: &str| text.ends_with(|c: char| c.is_ascii_digit());
+        let is_component = gap == "[" && after.starts_with(']') && is_number(part);
+        let is_multiple = gap == " " && is_number(&word) && !is_number(part) && !is_operator(part);
+        if !(word.is_empty() || is_component && !is_number(&word) || is_multiple) {
             word.push('_');
         }
         word.push_str(part);
-        before = part;
+        rest = after;
     }
     if is_word(&word) { word } else { "x".to_owned() }
+}
+
+fn is_operator(word: &str) -> bool {
+    ["plus", "minus", "mod"].contains(&word)
 }
 
 #[cfg(test)]
@@ -100,6 +108,8 @@ mod tests {
             ("q[0]", "__q0"),
             ("q[1][2]", "__q1_2"),
             ("q[i + 1]", "__q_i_plus_1"),
+            ("q[2 i + 1]", "__q_2i_plus_1"),
+            ("mass[0][i]", "__mass0_i"),
             ("self.0", "__field0"),
             ("_", "__x"),
             ("", "__x"),

@@ -10,6 +10,7 @@ use quote::{format_ident, quote};
 use super::indices::{Indices, variable};
 use super::kernel::Target;
 use crate::diagnostics::internal::Promised;
+use crate::emit::count;
 use crate::emit::step::mentions;
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::{Element, Local, Slot};
@@ -78,19 +79,21 @@ impl Chunk<'_> {
         }
         self.store(&mut code, inner.variable, values);
         let has_all = code.limits.is_empty() && !code.has_buffers;
+        let most = count(CHUNK);
         let most = match code.has_buffers {
-            true => quote!(__wzvi::Ord::min((__end - __low) as #usize, #CHUNK)),
+            true => quote!(__wzvi::Ord::min((__end - __low) as #usize, #most)),
             false => quote!((__end - __low) as #usize),
         };
         let Code { before, limits, opening, reads, stores, closing, after, .. } = code;
         let mutable = if limits.is_empty() { quote!() } else { quote!(mut) };
         let body = quote!(#reads #inside #stores);
-        let place = mentions(&body, &name.to_string()).then(|| quote!(let #name = __low + __k as #isize;));
+        let place =
+            mentions(&body, &name.to_string()).then(|| quote!(let #name = __low + __place as #isize;));
         let chunk = quote! {
             let #mutable __len = #most;
             #limits
             #opening
-            for __k in 0..__len {
+            for __place in 0..__len {
                 #place
                 #body
             }
@@ -154,13 +157,13 @@ impl Chunk<'_> {
                 });
                 let is_state = matches!(local.slot, Slot::Coordinate(_) | Slot::Momentum(_));
                 code.reads.extend(match is_state {
-                    true => quote!(let #own = #slice[__k];),
-                    false => quote!(let #own = __S::from_f64(#slice[__k]);),
+                    true => quote!(let #own = #slice[__place];),
+                    false => quote!(let #own = __S::from_f64(#slice[__place]);),
                 });
             }
             Motion::Points { base, part } => {
-                let points = self.points(code, &list, &base, false);
-                code.reads.extend(quote!(let #own = #points[__k][#part];));
+                let (points, part) = (self.points(code, &list, &base, false), count(part));
+                code.reads.extend(quote!(let #own = #points[__place][#part];));
             }
             Motion::Free => {
                 let value = self.read(&local.slot);
@@ -229,7 +232,8 @@ impl Chunk<'_> {
                     }
                     code.direct.push(vector.clone());
                     let (points, value) = (self.points(code, &list, &base, true), &values[j]);
-                    code.stores.extend(quote!(#points[__k][#part] = #points[__k][#part] + #value;));
+                    let part = count(part);
+                    code.stores.extend(quote!(#points[__place][#part] = #points[__place][#part] + #value;));
                 }
                 _ => left.push(j),
             }
@@ -279,12 +283,12 @@ impl Chunk<'_> {
             // Computed first: only then can the compiler keep what is carried in a vector register.
             code.stores.extend(quote! {
                 let __ahead = #value_ahead;
-                #slice[__k] = #slice[__k] + (#value + #carried);
+                #slice[__place] = #slice[__place] + (#value + #carried);
                 #carried = __ahead;
             });
             code.closing.extend(quote!(#vector[#at] = #vector[#at] + #carried;));
         } else {
-            code.stores.extend(quote!(#slice[__k] = #slice[__k] + #value;));
+            code.stores.extend(quote!(#slice[__place] = #slice[__place] + #value;));
         }
         code.opening.extend(quote! {
             let #slice = #base;
@@ -295,7 +299,7 @@ impl Chunk<'_> {
     /// What does not go to a slice of its own: sums, buffers, single places.
     fn store_other(&self, code: &mut Code, inner: u32, j: usize, value: &TokenStream) {
         let Some((_, target)) = self.outputs.get(j) else { return };
-        let (buffer, zero) = (format_ident!("__b{j}"), zero());
+        let (buffer, zero, most) = (format_ident!("__b{j}"), zero(), count(CHUNK));
         let is_fixed = match target {
             Target::Total => true,
             Target::Slope { index, .. } => !index.loops().contains(&inner),
@@ -313,9 +317,9 @@ impl Chunk<'_> {
             code.after.extend(self.add(target, &quote!(#buffer)));
         } else if let Some((vector, index)) = shared {
             code.has_buffers = true;
-            code.before.extend(quote!(let mut #buffer = [#zero; #CHUNK];));
+            code.before.extend(quote!(let mut #buffer = [#zero; #most];));
             code.opening.extend(quote!(let #buffer = &mut #buffer[..__len];));
-            code.stores.extend(quote!(#buffer[__k] = #value;));
+            code.stores.extend(quote!(#buffer[__place] = #value;));
             if matches!(motion(index, inner, self.components), Motion::Run) {
                 let base = self.indices.position(index);
                 self.limit(code, index, inner);
@@ -326,10 +330,10 @@ impl Chunk<'_> {
                     }
                 });
             } else {
-                let (name, add) = (variable(inner), self.add(target, &quote!(#buffer[__k])));
+                let (name, add) = (variable(inner), self.add(target, &quote!(#buffer[__place])));
                 code.closing.extend(quote! {
-                    for __k in 0..__len {
-                        let #name = __low + __k as __wzvi::isize;
+                    for __place in 0..__len {
+                        let #name = __low + __place as __wzvi::isize;
                         #add
                     }
                 });

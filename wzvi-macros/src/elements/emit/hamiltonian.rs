@@ -3,6 +3,7 @@
 use super::indices::{Indices, variable};
 use super::{Wanted, degrees, element_code, noise_count, parameters, sizes, vector_type};
 use crate::diagnostics::internal::Promised;
+use crate::emit::step::mentions;
 use crate::emit::{count, f64_type, number_of, parameter};
 use crate::model::index::Index;
 use crate::model::{Element, Family, Noise, System, Term};
@@ -15,8 +16,11 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
     let degrees = degrees(model);
     let noises = (!model.noise.is_empty()).then(|| number_of("noises", &noise_count(model)));
     let (values, slopes) = (arms(model, Wanted::Value), arms(model, Wanted::Slopes));
-    let read = parameters(model);
-    let size = sizes(model, &quote!(__q.len()));
+    let [of_values, of_slopes] = [&values, &slopes].map(|code| {
+        let read = parameters(model, code);
+        let size = mentions(code, "__size").then(|| sizes(model, &quote!(__q.len())));
+        quote!(#read #size)
+    });
     let invariants = count(model.invariants.len());
     let invariants = (!model.invariants.is_empty()).then(|| number_of("invariants", &quote!(#invariants)));
     let invariant = invariant(model);
@@ -52,8 +56,7 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
                 if !(#fits) {
                     return __nan;
                 }
-                #read
-                #size
+                #of_values
                 let __at = __wzvi::elements::Point { q: __q, p: __p, t: __t, h: 1.0, dw: &[] };
                 let mut __total = __S::from_f64(0.0);
                 match __term {
@@ -80,8 +83,7 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
                 }
                 __by_q.fill(__S::from_f64(0.0));
                 __by_p.fill(__S::from_f64(0.0));
-                #read
-                #size
+                #of_slopes
                 let __at = __wzvi::elements::Point { q: __q, p: __p, t: __t, h: 1.0, dw: &[] };
                 match __term {
                     #slopes
@@ -108,9 +110,10 @@ pub(super) fn invariant(model: &mut System) -> TokenStream {
     let mut arms = TokenStream::new();
     for (number, elements) in integrals.iter().enumerate() {
         let body = terms_code(model, elements, Wanted::Value);
+        let number = count(number);
         arms.extend(quote!(#number => { #body }));
     }
-    let (read, size) = (parameters(model), sizes(model, &quote!(__at.q.len())));
+    let (read, size) = (parameters(model, &arms), sizes(model, &quote!(__at.q.len())));
     quote! {
         fn invariant(&self, __number: #usize, __state: &__wzvi::State<Self::Vector>) -> #f64 {
             use __wzvi::Scalar as _;
@@ -166,7 +169,7 @@ fn noise_arm(model: &mut System, noise: &Noise, offset: &Index, wanted: Wanted) 
     let Some(Family { variable: id, count }) = &noise.family else {
         let pattern = match offset.as_integer().and_then(|offset| usize::try_from(offset).ok()) {
             Some(offset) => {
-                let number = offset + 1;
+                let number = count(offset + 1);
                 quote!(#number)
             }
             None => quote!(__number if __number == #before as #usize + 1),

@@ -23,7 +23,7 @@ impl Indices<'_> {
         let sum = self.sum(index);
         let is_atom = match (index.terms.as_slice(), index.constant) {
             ([], constant) => constant >= 0,
-            ([(_, coefficient)], 0) => *coefficient == 1,
+            ([(atom, coefficient)], 0) => *coefficient == 1 && !matches!(atom, Atom::Given(..)),
             _ => false,
         };
         if is_atom { sum } else { quote!((#sum)) }
@@ -31,6 +31,9 @@ impl Indices<'_> {
 
     /// The index as an `isize`, to stand alone.
     pub(crate) fn sum(&self, index: &Index) -> TokenStream {
+        if let Some(entry) = self.given(index) {
+            return quote!(#entry as __wzvi::isize);
+        }
         let mut sum: Option<TokenStream> = None;
         for (atom, coefficient) in &index.terms {
             let atom = self.atom(atom);
@@ -53,6 +56,14 @@ impl Indices<'_> {
         }
     }
 
+    /// The entry of a table that the index is.
+    fn given(&self, index: &Index) -> Option<TokenStream> {
+        match (index.terms.as_slice(), index.constant) {
+            ([(Atom::Given(table, indices), 1)], 0) => Some(self.entry(*table, indices)),
+            _ => None,
+        }
+    }
+
     /// The index as a `usize`: an operand of sums and ranges.
     pub(crate) fn position(&self, index: &Index) -> TokenStream {
         if let Some(known) = index.as_integer().and_then(|known| usize::try_from(known).ok()) {
@@ -61,6 +72,9 @@ impl Indices<'_> {
                 false => Literal::usize_unsuffixed(known),
             };
             return quote!(#known);
+        }
+        if let (Some(entry), false) = (self.given(index), self.checked) {
+            return quote!(#entry as __wzvi::usize);
         }
         let value = self.value(index);
         // Literals alone have no type.

@@ -41,8 +41,8 @@ pub(super) struct Context<'a> {
 
 /// What the code around an element names.
 const LIVE: [&str; 20] = [
-    "ahead", "at", "base", "by_p", "by_q", "c", "end", "into", "k", "len", "low", "nan", "p", "q", "size",
-    "t", "term", "terms", "total", "value",
+    "ahead", "at", "base", "by_p", "by_q", "end", "into", "len", "place", "weight", "low", "nan", "p", "q",
+    "size", "t", "term", "terms", "total", "value",
 ];
 
 /// Loop variables, slices, buffers, and what is carried from one place to another.
@@ -82,7 +82,7 @@ pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Exp
     }
     if let Some((symbol, _)) = context.weight {
         lowering.program.declare(symbol, Level::State);
-        inputs.push((lowering.program.input(symbol), format_ident!("__c")));
+        inputs.push((lowering.program.input(symbol), format_ident!("__weight")));
     }
     lowering.program.declare(context.t, Level::Time);
     inputs.push((lowering.program.input(context.t), format_ident!("__t")));
@@ -118,9 +118,9 @@ pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Exp
     let (fixed_weight, own_weight) = match (context.weight, inner) {
         (None, _) => (quote!(), quote!()),
         (Some((_, weight)), Some(inner)) if mentions(weight, &variable(inner.variable).to_string()) => {
-            (quote!(), quote!(let __c = #weight;))
+            (quote!(), quote!(let __weight = #weight;))
         }
-        (Some((_, weight)), _) => (quote!(let __c = #weight;), quote!()),
+        (Some((_, weight)), _) => (quote!(let __weight = #weight;), quote!()),
     };
     let chunk =
         Chunk { indices: &indices, element, inner, outputs, locals: &locals, components: context.components };

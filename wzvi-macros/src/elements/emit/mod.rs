@@ -21,6 +21,7 @@ use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::sums::Weighted;
 use crate::elements::plan::Strategy;
+use crate::emit::step::mentions;
 use crate::emit::{Surroundings, count, f64_type, with_header, wrapped};
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
@@ -135,14 +136,12 @@ fn noise_count(model: &System) -> TokenStream {
     }
 }
 
-/// `let a = self.a;` for every parameter.
-fn parameters(model: &System) -> TokenStream {
+/// `let a = self.a;` for every parameter that `code` reads.
+fn parameters(model: &System, code: &TokenStream) -> TokenStream {
     let f64 = f64_type();
     let names = kernel::parameters(&model.graph, &model.parameters);
-    let reads = names
-        .iter()
-        .zip(&model.parameters)
-        .map(|(name, Parameter { tokens, .. })| quote!(let #name: #f64 = #tokens;));
+    let read = names.iter().zip(&model.parameters).filter(|(name, _)| mentions(code, &name.to_string()));
+    let reads = read.map(|(name, Parameter { tokens, .. })| quote!(let #name: #f64 = #tokens;));
     quote!(#(#reads)*)
 }
 
@@ -288,8 +287,7 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     let slopes = sweep(model, facts, Wanted::Slopes);
     let curvature = sweep(model, facts, Wanted::Curvature);
     let places = places::emit(model);
-    let read = parameters(model);
-    let size = sizes(model, &quote!(__at.q.len()));
+    let [opened_for_slopes, opened_for_curvature] = [&slopes, &curvature].map(|code| opened(model, code));
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     quote! {
@@ -304,9 +302,7 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
                 __by_q: &mut [__S],
                 __by_p: &mut [__S],
             ) {
-                #read
-                #size
-                let __t = __at.t;
+                #opened_for_slopes
                 #slopes
             }
 
@@ -316,13 +312,19 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
                 __at: &__wzvi::elements::Point<'_, __S>,
                 __into: &mut __C,
             ) {
-                #read
-                #size
-                let __t = __at.t;
+                #opened_for_curvature
                 #curvature
             }
         }
     }
+}
+
+/// What `code` reads of the struct and of `__at`.
+fn opened(model: &System, code: &TokenStream) -> TokenStream {
+    let read = parameters(model, code);
+    let size = mentions(code, "__size").then(|| sizes(model, &quote!(__at.q.len())));
+    let t = mentions(code, "__t").then(|| quote!(let __t = __at.t;));
+    quote!(#read #size #t)
 }
 
 /// Every element of the drift and the noises, under the conditions of `__terms`.
