@@ -470,17 +470,10 @@ const _: () = {
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
-                            let points0 = (2 * i0) as usize;
-                            let points0 = &at
-                                .p[points0..points0 + 2 * len]
-                                .as_chunks::<2>()
-                                .0[..len];
                             let s2 = i0 as usize;
                             let s2 = &self.mass[s2..s2 + len];
                             for place in 0..len {
                                 let i0 = low + place as isize;
-                                let p_2i = points0[place][0];
-                                let p_2i_plus_1 = points0[place][1];
                                 let mass_i = S::from_f64(s2[place]);
                                 let quotient = weight / mass_i;
                                 into.add_pp(

@@ -322,11 +322,8 @@ const _: () = {
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = i0 as usize;
-                            let s0 = &at.p[s0..s0 + len];
                             for place in 0..len {
                                 let i0 = low + place as isize;
-                                let p_i = s0[place];
                                 into.add_pp(i0 as usize, i0 as usize, true, weight);
                             }
                         }

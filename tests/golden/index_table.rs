@@ -373,11 +373,8 @@ const _: () = {
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = i0 as usize;
-                            let s0 = &at.p[s0..s0 + len];
                             for place in 0..len {
                                 let i0 = low + place as isize;
-                                let p_i = s0[place];
                                 into.add_pp(i0 as usize, i0 as usize, true, weight);
                             }
                         }
@@ -393,8 +390,6 @@ const _: () = {
                             for place in 0..len {
                                 let i1 = low + place as isize;
                                 let bonds_2_i = S::from_f64(self.bonds[i1 as usize].2);
-                                let q_bonds_0_i = at.q[self.bonds[i1 as usize].0 as usize];
-                                let q_bonds_1_i = at.q[self.bonds[i1 as usize].1 as usize];
                                 let bonds_2_i_weight = bonds_2_i * weight;
                                 into.add_qq(
                                     self.bonds[i1 as usize].0 as usize,

@@ -355,15 +355,8 @@ const _: () = {
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
-                            let points0 = (2 * i0) as usize;
-                            let points0 = &at
-                                .p[points0..points0 + 2 * len]
-                                .as_chunks::<2>()
-                                .0[..len];
                             for place in 0..len {
                                 let i0 = low + place as isize;
-                                let p_2i = points0[place][0];
-                                let p_2i_plus_1 = points0[place][1];
                                 into.add_pp(
                                     (2 * i0) as usize,
                                     (2 * i0) as usize,
@@ -398,9 +391,6 @@ const _: () = {
                                 let q_2_i_plus_1_mod_N = at
                                     .q[(2 * ((i1 + 1) % (N as isize))) as usize];
                                 let q_2i = points0[place][0];
-                                let q_2_i_plus_1_mod_N_plus_1 = at
-                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as usize];
-                                let q_2i_plus_1 = points0[place][1];
                                 let product = weight
                                     * ((q_2_i_plus_1_mod_N - q_2i) * k).cos() * k_squared;
                                 into.add_qq(

@@ -53,9 +53,9 @@ pub struct Bath {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
-        Knowledge, LagrangianGradient, NoiseClass, Ok, Option, PhantomData, Plain, Plan,
-        Range, Result, Scalar, Segment, Solution, Solver, State, StepFailure, bool, f64,
-        i128, isize, str, usize, compose::Composes,
+        Knowledge, LagrangianGradient, NoiseClass, None, Ok, Option, PhantomData, Plain,
+        Plan, Range, Result, Scalar, Segment, Solution, Solver, Some, State, StepFailure,
+        bool, f64, i128, isize, str, usize, compose::Composes,
         elements::{CompensationVec, Curvature, Elements, Point, Scheme, Terms, Unknowns},
         elements::places::{Atom, Entries, Index, Loop, Name, Nest, Places, Slot},
         elements::sites::Sites, embedding::{Composed, Midpoint},
@@ -174,7 +174,6 @@ const _: () = {
                     && member as isize <= (self.sites as isize) => {
                     let i1 = member as isize - 1 - 0;
                     {
-                        let q_i = at.q[i1 as usize];
                         let at_index = i1 as usize;
                         by_q[at_index] = by_q[at_index] + S::from_f64(sigma);
                     }
@@ -285,13 +284,10 @@ const _: () = {
                         if low < end {
                             let i1 = low;
                             let len = (end - low) as usize;
-                            let s0 = i1 as usize;
-                            let s0 = &at.q[s0..s0 + len];
                             let b0 = i1 as usize;
                             let b0 = &mut by_q[b0..b0 + len];
                             for place in 0..len {
                                 let i1 = low + place as isize;
-                                let q_i = s0[place];
                                 let weight = at.dw[i1 as usize];
                                 b0[place] = b0[place] + weight * sigma;
                             }
@@ -315,11 +311,8 @@ const _: () = {
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = i0 as usize;
-                            let s0 = &at.q[s0..s0 + len];
                             for place in 0..len {
                                 let i0 = low + place as isize;
-                                let q_i = s0[place];
                                 into.add_qq(i0 as usize, i0 as usize, true, weight);
                             }
                         }
@@ -332,19 +325,13 @@ const _: () = {
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = i0 as usize;
-                            let s0 = &at.p[s0..s0 + len];
                             for place in 0..len {
                                 let i0 = low + place as isize;
-                                let p_i = s0[place];
                                 into.add_pp(i0 as usize, i0 as usize, true, weight);
                             }
                         }
                     }
                 }
-            }
-            if terms.noise {
-                if terms.by_q {}
             }
         }
     }
@@ -373,11 +360,11 @@ const _: () = {
             let ([sigma, inverse_pivot, half_h, half_inverse_pivot], [condition]) = *prepared;
             let dw_sigma = dw * sigma;
             let sum = dw_sigma + (q_k + p_k * half_h) * h;
-            let node_p_k = (if condition {
+            let node_p_k = if condition {
                 (p_k - (dw_sigma + q_k * h) * 0.5) * inverse_pivot
             } else {
                 p_k - sum * half_inverse_pivot
-            });
+            };
             let next = Solution::new(
                 carry,
                 [[q_k], [p_k]],
@@ -401,25 +388,22 @@ const _: () = {
                 site: usize,
                 sites: usize,
             ) -> Result<Prepared, ConfigError> {
-                let i2 = site as isize;
-                let size = (sites * 1) as isize;
                 let sigma: f64 = self.sigma;
                 if sigma.is_nan() {
                     return Err(ConfigError::Parameter);
                 }
                 let sum = 1.0 + h * h * 0.25;
                 let inverse_pivot = wzvi::prepared(h, wzvi::reciprocal(sum))?;
-                Ok(([sigma, inverse_pivot, 0.5 * h, 0.5 * inverse_pivot], [(2.0 < sum)]))
+                Ok(([sigma, inverse_pivot, 0.5 * h, 0.5 * inverse_pivot], [2.0 < sum]))
             }
             #[inline(always)]
             fn increments(&self, site: usize, sites: usize) -> [Option<usize>; 1] {
                 let i2 = site as isize;
-                let size = (sites * 1) as isize;
                 [
                     if i2 >= 0 && i2 < (self.sites as isize) {
-                        Option::Some(i2 as usize)
+                        Some(i2 as usize)
                     } else {
-                        Option::None
+                        None
                     },
                 ]
             }

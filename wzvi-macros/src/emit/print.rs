@@ -18,6 +18,8 @@ const LONGEST_NAME: usize = 20;
 /// How tightly an expression binds.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
+    /// An `if` or a comparison.
+    Whole,
     Sum,
     Product,
     Prefix,
@@ -270,10 +272,8 @@ impl<'p> Printer<'p> {
                 (quote!(#a.powi(#exponent)), Binding::Atom)
             }
             Operation::Call(function, arguments) => (self.call(op, *function, arguments), Binding::Atom),
-            Operation::Select(condition, then, otherwise) => {
-                (self.select(op, *condition, *then, *otherwise), Binding::Atom)
-            }
-            logical => (self.condition(op, logical), Binding::Atom),
+            Operation::Select(condition, then, otherwise) => self.select(op, *condition, *then, *otherwise),
+            logical => self.condition(op, logical),
         }
     }
 
@@ -292,19 +292,19 @@ impl<'p> Printer<'p> {
         }
     }
 
-    fn select(&self, op: Op, condition: Op, then: Op, otherwise: Op) -> TokenStream {
+    fn select(&self, op: Op, condition: Op, then: Op, otherwise: Op) -> (TokenStream, Binding) {
         let branch = |a: Op| if self.is_scalar(op) { self.scalar_value(a) } else { self.value(a) };
         let (then, otherwise) = (branch(then), branch(otherwise));
         let value = self.value(condition);
         if self.is_scalar(condition) {
-            quote!(__wzvi::Scalar::select(#value, #then, #otherwise))
+            (quote!(__wzvi::Scalar::select(#value, #then, #otherwise)), Binding::Atom)
         } else {
-            quote!((if #value { #then } else { #otherwise }))
+            (quote!(if #value { #then } else { #otherwise }), Binding::Whole)
         }
     }
 
     /// A comparison or a combination of truths: `bool` before the state is known, a mask of the scalar type after.
-    fn condition(&self, op: Op, operation: &Operation) -> TokenStream {
+    fn condition(&self, op: Op, operation: &Operation) -> (TokenStream, Binding) {
         let lanes = self.is_scalar(op);
         let truth = |a: Op| {
             let value = self.atom(a);
@@ -323,31 +323,32 @@ impl<'p> Printer<'p> {
                     Relation::LessEqual => quote!(less_equal),
                     Relation::Equal => quote!(equal),
                 };
-                quote!(__wzvi::Scalar::#method(#a, #b))
+                (quote!(__wzvi::Scalar::#method(#a, #b)), Binding::Atom)
             }
             Operation::Compare(relation, a, b) => {
                 let (a, b) = (self.at_least(a, Binding::Sum), self.at_least(b, Binding::Sum));
-                match relation {
-                    Relation::Less => quote!((#a < #b)),
-                    Relation::LessEqual => quote!((#a <= #b)),
-                    Relation::Equal => quote!((#a == #b)),
-                }
+                let comparison = match relation {
+                    Relation::Less => quote!(#a < #b),
+                    Relation::LessEqual => quote!(#a <= #b),
+                    Relation::Equal => quote!(#a == #b),
+                };
+                (comparison, Binding::Whole)
             }
             Operation::Not(a) => {
                 let a = truth(a);
-                quote!((!#a))
+                (quote!(!#a), Binding::Prefix)
             }
             Operation::And(a, b) => {
                 let (a, b) = (truth(a), truth(b));
-                quote!((#a & #b))
+                (quote!(#a & #b), Binding::Whole)
             }
             Operation::Or(a, b) => {
                 let (a, b) = (truth(a), truth(b));
-                quote!((#a | #b))
+                (quote!(#a | #b), Binding::Whole)
             }
             _ => {
                 broken("conditions are made of comparisons");
-                quote!(())
+                (quote!(()), Binding::Atom)
             }
         }
     }

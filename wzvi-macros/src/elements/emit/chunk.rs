@@ -74,7 +74,7 @@ impl Chunk<'_> {
         let (start, end) = (self.indices.sum(&inner.start), self.indices.sum(&inner.end));
         let (isize, usize) = (quote!(__wzvi::isize), quote!(__wzvi::usize));
         let mut code = Code::default();
-        for (k, local) in self.element.locals.iter().enumerate() {
+        for (k, local) in self.read_locals(inside, values) {
             self.open(&mut code, inner.variable, k, local);
         }
         self.store(&mut code, inner.variable, values);
@@ -124,10 +124,19 @@ impl Chunk<'_> {
         }
     }
 
+    /// The local variables that the arithmetic reads, with their numbers.
+    fn read_locals<'s>(&'s self, inside: &TokenStream, values: &[TokenStream]) -> Vec<(usize, &'s Local)> {
+        let is_read = |name: &Ident| {
+            let name = name.to_string();
+            mentions(inside, &name) || values.iter().any(|value| mentions(value, &name))
+        };
+        self.element.locals.iter().enumerate().filter(|(k, _)| is_read(&self.locals[*k])).collect()
+    }
+
     /// An element without loops.
     fn single(&self, inside: &TokenStream, values: &[TokenStream]) -> TokenStream {
         let mut statements = TokenStream::new();
-        for (k, local) in self.element.locals.iter().enumerate() {
+        for (k, local) in self.read_locals(inside, values) {
             let (own, value) = (&self.locals[k], self.read(&local.slot));
             statements.extend(quote!(let #own = #value;));
         }

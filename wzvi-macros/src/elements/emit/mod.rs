@@ -349,7 +349,9 @@ fn sweep(model: &mut System, facts: &Facts, wanted: Wanted) -> TokenStream {
                 Reads::Both => quote!((__terms.by_q || __terms.by_p)),
             };
             let body = element_code(model, element, wanted, Some(weight));
-            parts.extend(quote!(if #condition { #body }));
+            if !body.is_empty() {
+                parts.extend(quote!(if #condition { #body }));
+            }
         }
         if !parts.is_empty() {
             code.extend(quote!(if #group { #parts }));

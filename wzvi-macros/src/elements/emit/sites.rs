@@ -10,7 +10,7 @@ use crate::discretise::Scheme;
 use crate::discretise::facts::Facts;
 use crate::discretise::sites::{Entry, Increment, Site};
 use crate::elements::plan::Unknowns;
-use crate::emit::step::{self, Kernel};
+use crate::emit::step::{self, Kernel, mentions};
 use crate::emit::{count, embedding_type, f64_type};
 use crate::model::{Slot, System};
 
@@ -46,21 +46,29 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
     let increments = site.increments().map(|Increment { number, acts }| {
         let number = indices.position(number);
         match acts {
-            None => quote!(#option::Some(#number)),
+            None => quote!(__wzvi::Some(#number)),
             Some((first, end)) => {
                 let (first, end) = (indices.value(first), indices.value(end));
-                quote!(if #own >= #first && #own < #end { #option::Some(#number) } else { #option::None })
+                quote!(if #own >= #first && #own < #end { __wzvi::Some(#number) } else { __wzvi::None })
             }
         }
     });
     let increments: Vec<TokenStream> = increments.collect();
     let (degrees, noises) = (count(scheme.lagrangian.symbols.u.len()), count(increments.len()));
     let is_uniform = site.entries.is_empty();
-    let size = sizes(system, &quote!((__sites * #degrees)));
+    let all = match scheme.lagrangian.symbols.u.len() {
+        1 => quote!(__sites),
+        _ => quote!((__sites * #degrees)),
+    };
+    let opened = |code: &TokenStream| {
+        let size = mentions(code, "__size").then(|| sizes(system, &all));
+        let own = mentions(code, &own.to_string()).then(|| quote!(let #own = __site as __wzvi::isize;));
+        quote!(#own #size)
+    };
     let embedding = embedding_type(&scheme.embedding, &quote!(__wzvi));
     let name = &system.item.ident;
     let (generics, arguments, filter) = system.item.generics.split_for_impl();
-    let (f64, usize, isize) = (f64_type(), quote!(__wzvi::usize), quote!(__wzvi::isize));
+    let (f64, usize) = (f64_type(), quote!(__wzvi::usize));
     let (result, sites) = (quote!(__wzvi::Result), quote!(__wzvi::elements::sites));
     let solve = kernel.call(
         &quote!(__S, __C, __CAREFUL),
@@ -70,6 +78,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
         }),
     );
     let Kernel { items, prepare, momentum_factors, .. } = kernel;
+    let [opened_for_prepare, opened_for_increments] = [&prepare, &quote!(#(#increments)*)].map(opened);
     let items = quote! {
         #items
 
@@ -85,15 +94,13 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
                 __site: #usize,
                 __sites: #usize,
             ) -> #result<__Prepared, __wzvi::ConfigError> {
-                let #own = __site as #isize;
-                #size
+                #opened_for_prepare
                 #prepare
             }
 
             #[inline(always)]
             fn increments(&self, __site: #usize, __sites: #usize) -> [#option<#usize>; #noises] {
-                let #own = __site as #isize;
-                #size
+                #opened_for_increments
                 [#(#increments),*]
             }
 
