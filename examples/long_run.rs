@@ -12,6 +12,7 @@ use std::error::Error;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use wzvi::checkpoint::Steps;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 use wzvi::simulate::Simulation;
@@ -49,11 +50,11 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Times runs of ten million steps, the best of five each.
 fn cost(folder: &Path) -> Result<(), Box<dyn Error>> {
     const STEPS: u64 = 10_000_000;
-    type Wants = fn(Checkpoint) -> Checkpoint;
+    type Wants = fn(Checkpoint) -> Checkpoint<Steps>;
     let cases: [(&str, u64, Option<Wants>); 7] = [
         ("no checkpoint", 0, None),
         ("at the end only", 0, Some(|to| to.every_steps(u64::MAX))),
-        ("once a second", 0, Some(|to| to.every(Duration::from_secs(1)))),
+        ("once a second", 0, Some(|to| to.every_steps(u64::MAX).every(Duration::from_secs(1)))),
         ("every million steps", 0, Some(|to| to.every_steps(1_000_000))),
         ("every thousand steps", 0, Some(|to| to.every_steps(1000))),
         ("no checkpoint, every tenth node recorded", 10, None),

@@ -85,8 +85,8 @@ fn measure(target: f64, run: impl Fn(u64) -> Result<[f64; 3], wzvi::Error>) -> R
 
 fn multilevel(target: f64) -> Result<Cost, wzvi::Error> {
     measure(target, |seed| {
-        let run = KUBO.ensemble::<Midpoint>(COARSEST).start(State::new([0.0], [1.0])).seed(seed).until(1.0);
-        let estimate = run.observe("observable0", |state| state.q[0]).multilevel(target).run()?;
+        let run = KUBO.multilevel::<Midpoint>(COARSEST).start(State::new([0.0], [1.0])).seed(seed).until(1.0);
+        let estimate = run.observe("q", |state| state.q[0]).target(target).run()?;
         let finest = estimate.levels().last().map_or(f64::NAN, |level| level.h());
         Ok([estimate.mean(), estimate.cost() as f64, finest])
     })
@@ -119,8 +119,8 @@ fn slope(costs: &[Cost], y: impl Fn(&Cost) -> f64) -> f64 {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let one = KUBO.ensemble::<Midpoint>(COARSEST).start(State::new([0.0], [1.0])).seed(7).until(1.0);
-    let one = one.observe("observable0", |state| state.q[0]).multilevel(1e-3).run()?;
+    let one = KUBO.multilevel::<Midpoint>(COARSEST).start(State::new([0.0], [1.0])).seed(7).until(1.0);
+    let one = one.observe("q", |state| state.q[0]).target(1e-3).run()?;
     println!("One run to ε = 1e-3; exactly {:.6}\n\n{one}\n", exact());
     let variance = one.variance_slope().unwrap_or(f64::NAN);
     println!("V_l ~ h^{variance:.2}; twice the strong order is 2\n");

@@ -62,6 +62,8 @@
 pub use wzvi_macros::{hamiltonian, hamiltonian_fn};
 #[cfg(feature = "serde")]
 pub use wzvi_runtime::checkpoint;
+#[cfg(feature = "ensemble")]
+pub use wzvi_runtime::ensemble;
 pub use wzvi_runtime::error::Error;
 /// The crate that [`Ensemble::run_on`](ensemble::Ensemble::run_on) takes its communicators from.
 #[cfg(feature = "mpi")]
@@ -74,11 +76,9 @@ pub use wzvi_runtime::noise;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
-    calculus, compose, elements, embedding, error, increments, integrate, memory, numbers, plan, retry,
-    scalar, simulate, state, step, system, trajectory,
+    calculus, compose, elements, embedding, error, increments, integrate, lanes, memory, numbers, plan,
+    retry, scalar, simulate, state, step, system, trajectory,
 };
-#[cfg(feature = "ensemble")]
-pub use wzvi_runtime::{ensemble, lanes};
 
 #[cfg(not(all(feature = "report", feature = "serde")))]
 #[doc(hidden)]
@@ -97,8 +97,8 @@ pub mod prelude {
     pub use wzvi_runtime::checkpoint::Checkpoint;
     pub use wzvi_runtime::elements::Iteration;
     pub use wzvi_runtime::embedding::{
-        BlanesMoan4, BlanesMoan6, Composed, Corrected, DeltaMinus, DeltaPlus, KahanLi6, KahanLi8, Lambda,
-        Midpoint, Mixed, Suzuki4, SuzukiUmeno8, Uncorrected, Verlet, Yoshida4, Yoshida6,
+        BlanesMoan4, BlanesMoan6, Composed, Corrected, DeltaMinus, DeltaPlus, Gauss, KahanLi6, KahanLi8,
+        Lambda, Midpoint, Mixed, Suzuki4, SuzukiUmeno8, Uncorrected, Verlet, Yoshida4, Yoshida6,
     };
     pub use wzvi_runtime::increments::{Increments, Noise};
     pub use wzvi_runtime::integrate::Integrate;
@@ -129,7 +129,6 @@ pub mod __private {
 
     pub use wzvi_macros::__continue;
 
-    pub use wzvi_runtime::__composition as composition;
     pub use wzvi_runtime::carry::{Carry, Compensation, Plain};
     pub use wzvi_runtime::compose;
     pub use wzvi_runtime::elements;
@@ -143,6 +142,7 @@ pub mod __private {
     pub use wzvi_runtime::system::{
         Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, array_mut, gradient, increments,
     };
+    pub use wzvi_runtime::{__composition as composition, __gauss as gauss, gauss};
 
     /// What bindings of generated code are called until they are bound: a pattern may shadow a function, and not a
     /// constant.

@@ -6,6 +6,7 @@ mod elements {
     mod corrected;
     mod digits;
     mod integrals;
+    mod lagrangian;
     mod long;
     mod lowering;
     mod ranges;

@@ -8,7 +8,7 @@ use std::sync::Mutex;
 
 use wzvi::ensemble::{InstructionSet, Statistics};
 use wzvi::error::{ConfigError, Error, StepFailure};
-use wzvi::increments::Interval;
+use wzvi::increments::{Interval, NoiseError};
 use wzvi::nalgebra;
 use wzvi::prelude::*;
 
@@ -149,22 +149,15 @@ pub struct Mechanical {
 
 /// Every path beside the one of `Stepper::plain` with the same increments: the same bits, and the same errors. How many steps
 /// were hard, and how many paths failed.
-fn as_steppers<H, E, const D: usize>(
-    system: &H,
-    h: f64,
-    start: &State<nalgebra::SVector<f64, D>>,
-    paths: u64,
-    steps: u64,
-) -> (u64, u64)
+fn as_steppers<H, E>(system: &H, h: f64, start: &State<H::Vector>, paths: u64, steps: u64) -> (u64, u64)
 where
-    H: Discretized<E, Vector = nalgebra::SVector<f64, D>> + Sync,
-    H::Prepared: Send + Sync,
+    H: Discretized<E, Vector: Send + Sync, Prepared: Send + Sync> + Sync,
 {
     let seed = 9;
     let seen = Mutex::new(Vec::new());
     let run = system
         .ensemble::<E>(h)
-        .start(*start)
+        .start(start.clone())
         .paths(paths)
         .seed(seed)
         .steps(steps)
@@ -172,7 +165,7 @@ where
         .allow_losses(1.0)
         .observe("observable0", |state| {
             if state.t > 0.0 {
-                seen.lock().unwrap().push((state.q, state.p));
+                seen.lock().unwrap().push((state.q.clone(), state.p.clone()));
             }
             0.0
         })
@@ -182,7 +175,7 @@ where
     let (mut hard, mut failed) = (0, 0);
     for path in 0..paths {
         let mut stepper = system.stepper::<E>(h).unwrap().plain();
-        let mut state = *start;
+        let mut state = start.clone();
         let mut noise = StepNormals::seed(seed).path(path);
         noise.prepare(&H::PLAN, h, system.noises(), start.t).unwrap();
         let mut dw = vec![0.0; system.noises()];
@@ -207,22 +200,74 @@ where
 #[test]
 fn a_lane_is_the_path_of_a_stepper() {
     let kubo = Kubo { a: 1.5, sigma: 1.0 };
-    as_steppers::<_, Midpoint, 1>(&kubo, 0.1, &State::new([0.0], [1.0]), 40, 50);
+    as_steppers::<_, Midpoint>(&kubo, 0.1, &State::new([0.0], [1.0]), 40, 50);
     let well = DoubleWell { s: 0.3 };
-    as_steppers::<_, Midpoint, 1>(&well, 0.01, &State::new([0.5], [0.5]), 40, 200);
+    as_steppers::<_, Midpoint>(&well, 0.01, &State::new([0.5], [0.5]), 40, 200);
     let (hard, failed) =
-        as_steppers::<_, Midpoint, 1>(&DoubleWell { s: 1.5 }, 0.5, &State::new([0.5], [2.0]), 600, 60);
+        as_steppers::<_, Midpoint>(&DoubleWell { s: 1.5 }, 0.5, &State::new([0.5], [2.0]), 600, 60);
     assert!(hard > 1000 && failed > 0 && failed < 600, "{hard} {failed}");
     let start = State::new([0.5, 0.3], [0.2, -0.4]);
     let tangled = Tangled { s: 0.8 };
-    let (hard, failed) = as_steppers::<_, Midpoint, 2>(&tangled, 0.3, &start, 200, 20);
+    let (hard, failed) = as_steppers::<_, Midpoint>(&tangled, 0.3, &start, 200, 20);
     assert!(hard > 100 && failed > 0 && failed < 200, "{hard} {failed}");
     // Most that fail have no solution on any way.
-    let (hard, failed) = as_steppers::<_, Corrected<DeltaPlus>, 2>(&tangled, 0.1, &start, 200, 20);
+    let (hard, failed) = as_steppers::<_, Corrected<DeltaPlus>>(&tangled, 0.1, &start, 200, 20);
     assert!(hard < 10 && failed > 0 && failed < 200, "{hard} {failed}");
     let start = State::new([0.5, 0.3, 0.1], [0.2, -0.4, 1.0]);
-    let (hard, failed) = as_steppers::<_, Midpoint, 3>(&Mechanical { s: 2.0 }, 0.8, &start, 200, 40);
+    let (hard, failed) = as_steppers::<_, Midpoint>(&Mechanical { s: 2.0 }, 0.8, &start, 200, 40);
     assert!(hard > 100 && failed < 200, "{hard} {failed}");
+}
+
+/// Double wells of a size that the state has: every site is solved for itself.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        (0..q.len()).map(|i| 0.5 * p[i] * p[i] + 0.25 * stiffness[i] * (q[i] * q[i] - 1.0).powi(2)).sum::<f64>()
+    },
+    noise = [|q, p, k| s * q[k] * p[k]; stiffness.len()],
+    embedding = [Midpoint],
+)]
+pub struct DoubleWells {
+    pub s: f64,
+    pub stiffness: Vec<f64>,
+}
+
+/// Explicit steps in loops.
+#[hamiltonian(
+    drift = |q: [f64; N], p: [f64; N]| {
+        (0..N).map(|i| 0.5 * p[i] * p[i] + 0.25 * q[i].powi(4)).sum::<f64>()
+            + (1..N).map(|i| 0.5 * k * (q[i] - q[i - 1]).powi(2)).sum::<f64>()
+    },
+    noise = [|q, p, j| s * q[j] * q[j]; N],
+    embedding = [DeltaPlus, Midpoint],
+)]
+pub struct Shaken<const N: usize> {
+    pub k: f64,
+    pub s: f64,
+}
+
+/// The same of steps that are taken in loops, in lanes or not; where sites fail, too.
+#[test]
+fn a_lane_of_a_system_in_loops_is_the_path_of_a_stepper() {
+    let wave =
+        |n: usize, phase: f64| -> Vec<f64> { (0..n).map(|i| (1.3 * i as f64 + phase).sin()).collect() };
+    let start = State::new(wave(5, 0.2), wave(5, 1.1));
+    let wells =
+        |s, stiffness: f64| DoubleWells { s, stiffness: (0..5).map(|i| stiffness + i as f64).collect() };
+    let (hard, failed) = as_steppers::<_, Midpoint>(&wells(0.3, 1.0), 0.01, &start, 40, 100);
+    assert_eq!((hard, failed), (0, 0));
+    let (hard, failed) = as_steppers::<_, Midpoint>(&wells(1.5, 1.0), 0.3, &start, 100, 20);
+    assert!(hard > 100 && failed > 0 && failed < 100, "{hard} {failed}");
+    let start = State {
+        q: nalgebra::SVector::from_vec(wave(7, 0.2)),
+        p: nalgebra::SVector::from_vec(wave(7, 1.1)),
+        t: 0.0,
+    };
+    let shaken = Shaken::<7> { k: 1.0, s: 0.5 };
+    as_steppers::<_, DeltaPlus>(&shaken, 0.05, &start, 40, 100);
+    as_steppers::<_, Midpoint>(&shaken, 0.05, &start, 10, 20);
+    // The quartic forces of a step that is far too long leave all numbers.
+    let (_, failed) = as_steppers::<_, DeltaPlus>(&shaken, 1.3, &start, 40, 60);
+    assert!(failed > 0, "{failed}");
 }
 
 #[hamiltonian(
@@ -234,7 +279,7 @@ pub struct Kepler;
 /// Without noise every path is that of a stepper, which remembers its steps; also into a collision.
 #[test]
 fn without_noise_all_paths_are_those_of_a_stepper() {
-    as_steppers::<_, Midpoint, 2>(&Kepler, 0.01, &State::new([1.0, 0.0], [0.0, 0.9]), 20, 1000);
+    as_steppers::<_, Midpoint>(&Kepler, 0.01, &State::new([1.0, 0.0], [0.0, 0.9]), 20, 1000);
     let start = State::new([1.0, 0.0], [0.0, 0.0]);
     let failure = Kepler.ensemble::<Midpoint>(0.01).start(start).paths(3).steps(200).run();
     let mut state = start;
@@ -287,9 +332,6 @@ fn what_makes_no_sense_is_refused() {
         config(base().paths(0).run()) && config(base().threads(0).run()) && config(base().until(-1.0).run())
     );
     assert!(matches!(base().truncation(wzvi::noise::Truncation::On(0.5)).run(), Err(Error::Noise(_))));
-    assert!(config(base().noise(Wiener::seed(1)).antithetic().run()));
-    assert!(config(base().noise(Wiener::seed(1)).truncation(wzvi::noise::Truncation::Off).run()));
-    assert!(config(base().noise(Increments::from([0.1, 0.2])).retry(Retry::halving(2)).run()));
     let short = base().noise(Increments::from([0.1])).run();
     assert!(matches!(short, Err(Error::Noise(_))), "{short:?}");
     let without_seed =
@@ -399,5 +441,147 @@ fn failing_steps_are_halved() {
     // The halves round where their sum does not.
     for (a, b) in replayed.increments().zip(single.increments()) {
         assert!((a[0] - b[0]).abs() < 1e-12, "{a:?} {b:?}");
+    }
+}
+
+/// Nodes of a path of one degree of freedom.
+type Nodes = Vec<[f64; 2]>;
+
+/// All steps by a stepper, with the increments that it had.
+fn by_hand<N: Noise>(kubo: &Kubo, mut noise: N, steps: u64, is_plain: bool) -> (Nodes, Vec<f64>) {
+    noise.prepare(&<Kubo as Discretized<Midpoint>>::PLAN, 0.1, 1, 0.0).unwrap();
+    let (mut state, mut nodes, mut rows) = (State::new([0.0], [1.0]), vec![[0.0, 1.0]], Vec::new());
+    let mut plain = kubo.stepper::<Midpoint>(0.1).unwrap().plain();
+    let mut usual = kubo.stepper::<Midpoint>(0.1).unwrap();
+    for step in 0..steps {
+        let mut dw = [0.0];
+        noise.increments(&Interval { start: 0.0, h: 0.1, step }, &mut dw).unwrap();
+        let outcome = if is_plain { plain.step(&mut state, &dw) } else { usual.step(&mut state, &dw) };
+        outcome.unwrap();
+        nodes.push([state.q[0], state.p[0]]);
+        rows.push(dw[0]);
+    }
+    (nodes, rows)
+}
+
+/// The same increments lead every runner to the same nodes, bit for bit: a loop by hand, a simulation with the noise, with the rows
+/// of numbers and with halvings that it does not need, an ensemble that keeps, shows or replays its paths, and a measurement.
+#[test]
+fn every_runner_takes_the_same_steps() {
+    const STEPS: u64 = 23;
+    fn check<N>(noise: impl Fn(u64) -> N)
+    where
+        N: wzvi::noise::Divisible + wzvi::noise::Paths + Clone + Send + Sync,
+    {
+        let kubo = Kubo { a: 1.5, sigma: 1.0 };
+        let start = || State::new([0.0], [1.0]);
+        let nodes = |states: &[State<nalgebra::SVector<f64, 1>>]| -> Nodes {
+            states.iter().map(|state| [state.q[0], state.p[0]]).collect()
+        };
+        let ensemble = || {
+            let run = kubo.ensemble::<Midpoint>(0.1).start(start()).paths(37).steps(STEPS).record_every(1);
+            run.noise(noise(0))
+        };
+        let kept = ensemble().keep_paths(1 << 20).run().unwrap();
+        let halved = ensemble().retry(Retry::halving(4)).keep_paths(1 << 20).run().unwrap();
+        assert!(kept.paths() == halved.paths());
+        let shown = Mutex::new(vec![Vec::new(); 37]);
+        let see = |path: u64, state: &State<nalgebra::SVector<f64, 1>>| {
+            shown.lock().unwrap()[path as usize].push([state.q[0], state.p[0]]);
+        };
+        assert!(ensemble().inspect(see).run().unwrap().nodes() == kept.nodes());
+        let shown = shown.into_inner().unwrap();
+        for path in [0, 1, 17, 36] {
+            let (expected, rows) = by_hand(&kubo, noise(path), STEPS, false);
+            let run = || kubo.simulate::<Midpoint>(0.1).start(start()).steps(STEPS);
+            assert_eq!(nodes(run().noise(noise(path)).run().unwrap().states()), expected);
+            assert_eq!(nodes(run().noise(Increments::from(rows)).run().unwrap().states()), expected);
+            let halving = run().noise(noise(path)).retry(Retry::halving(4)).run().unwrap();
+            assert_eq!(nodes(halving.states()), expected);
+            let mut seen = Vec::new();
+            let sparse = run().noise(noise(path)).record_every(0).inspect(
+                |state: &State<nalgebra::SVector<f64, 1>>, _: &wzvi::simulate::Node<'_>| {
+                    seen.push([state.q[0], state.p[0]]);
+                },
+            );
+            assert_eq!(sparse.run().unwrap().len(), 2);
+            assert_eq!(seen, expected);
+            let (expected, _) = by_hand(&kubo, noise(path), STEPS, true);
+            assert_eq!(shown[path as usize], expected);
+            let (replayed, error) = ensemble().replay(path).unwrap();
+            assert!(error.is_none() && nodes(replayed.states()) == expected);
+            for (node, expected) in expected.iter().enumerate() {
+                assert_eq!(kept.paths().unwrap().at(path as usize, node).unwrap()[..2], expected[..]);
+            }
+        }
+    }
+    check(|path| Wiener::seed(7).path(path));
+    check(|path| StepNormals::seed(7).path(path));
+    check(|path| WongZakai::averaged(0.2).seed(7).path(path));
+}
+
+/// A noise that has no increments for some paths.
+#[derive(Clone)]
+struct Fails {
+    path: u64,
+    from: u64,
+}
+
+impl Noise for Fails {
+    fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
+        dw.fill(0.01);
+        if self.path >= self.from && interval.step >= 3 {
+            return Err(NoiseError::Exhausted { step: interval.step, available: self.path as usize });
+        }
+        Ok(())
+    }
+}
+
+impl wzvi::noise::Paths for Fails {
+    fn set_path(&mut self, path: u64) {
+        self.path = path;
+    }
+}
+
+/// A noise that fails ends the run with the error of the first such path, whatever the threads: no path goes on with old increments.
+#[test]
+fn a_noise_that_fails_ends_the_run() {
+    let kubo = Kubo { a: 1.5, sigma: 1.0 };
+    for threads in [1, 2, 5] {
+        let run = kubo.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(5000).steps(10);
+        let outcome = run.noise(Fails { path: 0, from: 1300 }).threads(threads).run();
+        let expected = NoiseError::Exhausted { step: 3, available: 1300 };
+        // What is asked for before the first step is the last increment of path 0.
+        assert_eq!(outcome.unwrap_err(), Error::Noise(expected));
+    }
+    let run = kubo.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(5000).steps(10);
+    let (path, error) = run.noise(Fails { path: 0, from: 1300 }).replay(4000).unwrap();
+    assert_eq!(path.steps(), 3);
+    assert_eq!(error, Some(Error::Noise(NoiseError::Exhausted { step: 3, available: 4000 })));
+}
+
+/// A measurement has the errors of the paths of the ensemble with the same Wiener paths.
+#[test]
+#[cfg(feature = "report")]
+fn a_measurement_is_of_the_same_paths() {
+    let kubo = Kubo { a: 1.5, sigma: 1.0 };
+    let report = kubo
+        .work_precision()
+        .start(State::new([0.0], [1.0]))
+        .until(2.0)
+        .step_sizes([0.1])
+        .paths(40)
+        .seed(7)
+        .repetitions(0)
+        .value(State::new([0.0], [0.0]))
+        .scheme::<Midpoint>()
+        .run()
+        .unwrap();
+    let cell = &report.cells[0];
+    assert_eq!(cell.path_numbers, (0..40).collect::<Vec<_>>());
+    for (path, error) in (0..).zip(&cell.errors) {
+        let (nodes, _) = by_hand(&kubo, Wiener::seed(7).path(path), 20, true);
+        let [q, p] = nodes[20];
+        assert_eq!(*error, (q * q + p * p).sqrt(), "path {path}");
     }
 }

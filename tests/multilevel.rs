@@ -53,9 +53,13 @@ pub struct Edge {
     pub s: f64,
 }
 
-fn kubo(h: f64, target: f64, seed: u64) -> wzvi::ensemble::Multilevel<'static, Kubo, Midpoint> {
-    let run = KUBO.ensemble::<Midpoint>(h).start(State::new([0.0], [1.0])).seed(seed).until(1.0);
-    run.observe("observable0", |state| state.q[0]).multilevel(target)
+fn kubo(
+    h: f64,
+    target: f64,
+    seed: u64,
+) -> wzvi::ensemble::Multilevel<'static, Kubo, Midpoint, wzvi::ensemble::Observed> {
+    let run = KUBO.multilevel::<Midpoint>(h).start(State::new([0.0], [1.0])).seed(seed).until(1.0);
+    run.observe("q", |state| state.q[0]).target(target)
 }
 
 /// `E q` of Kubo's oscillator after `steps` steps to `t = 1`: each turns `p + iq` by the factor `(1 + iθ)/(1 - iθ)` with
@@ -150,10 +154,10 @@ fn additive_noise_heats_as_it_must() {
     let (mut squares, runs) = (0.0, 20);
     for seed in 0..runs {
         let start = State::new([1.0], [0.0]);
-        let run = system.ensemble::<Midpoint>(0.5).start(start).seed(seed).until(2.0);
+        let run = system.multilevel::<Midpoint>(0.5).start(start).seed(seed).until(2.0);
         let estimate = run
             .observe("observable0", |state| 0.5 * (state.q[0].powi(2) + state.p[0].powi(2)))
-            .multilevel(target);
+            .target(target);
         let estimate = estimate.run().unwrap();
         assert!(estimate.met_target());
         squares += (estimate.mean() - (0.5 + 1.25)).powi(2);
@@ -166,18 +170,18 @@ fn additive_noise_heats_as_it_must() {
 fn every_split_gives_the_same_bits() {
     let well = DoubleWell { s: 0.3 };
     let run = || {
-        let run = well.ensemble::<Midpoint>(0.125).start(State::new([1.0], [0.5])).seed(2).until(1.0);
+        let run = well.multilevel::<Midpoint>(0.125).start(State::new([1.0], [0.5])).seed(2).until(1.0);
         run.observe("observable0", |state| state.q[0] * state.p[0])
     };
-    let one = run().threads(1).instructions(InstructionSet::Baseline).multilevel(5e-3).run_in::<1>().unwrap();
+    let one = run().threads(1).instructions(InstructionSet::Baseline).target(5e-3).run_in::<1>().unwrap();
     assert!(one.levels().len() >= 3 && one.met_target());
     for threads in [1, 2, 3] {
         for set in [InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512] {
-            assert_eq!(run().threads(threads).instructions(set).multilevel(5e-3).run().unwrap(), one);
+            assert_eq!(run().threads(threads).instructions(set).target(5e-3).run().unwrap(), one);
         }
     }
-    assert_eq!(run().multilevel(5e-3).run_in::<4>().unwrap(), one);
-    let other = run().seed(3).multilevel(5e-3).run().unwrap();
+    assert_eq!(run().target(5e-3).run_in::<4>().unwrap(), one);
+    let other = run().seed(3).target(5e-3).run().unwrap();
     assert_ne!(other.mean(), one.mean());
 }
 
@@ -199,20 +203,20 @@ fn the_coarsest_level_is_the_ensemble() {
 #[test]
 fn a_path_that_fails_is_an_error_with_its_level() {
     let edge = Edge { s: 0.4 };
-    let run = || edge.ensemble::<DeltaPlus>(0.05).start(State::new([1.0], [0.0])).seed(4).until(1.0);
-    let failures = run().paths(256).allow_losses(1.0).run().unwrap();
+    let run = || edge.multilevel::<DeltaPlus>(0.05).start(State::new([1.0], [0.0])).seed(4).until(1.0);
+    let failures = edge.ensemble::<DeltaPlus>(0.05).start(State::new([1.0], [0.0])).seed(4).until(1.0);
+    let failures = failures.paths(256).allow_losses(1.0).run().unwrap();
     let first = failures.failures()[0];
     for threads in [1, 3] {
-        let outcome =
-            run().threads(threads).observe("observable0", |state| state.q[0]).multilevel(1e-2).run();
+        let outcome = run().threads(threads).observe("observable0", |state| state.q[0]).target(1e-2).run();
         let Err(Error::Level(error)) = outcome else { panic!("{outcome:?}") };
         let cause = LevelFailure::Step(first.error);
         assert_eq!(error, LevelError { level: 0, path: first.path, h: 0.05, cause });
         let text = Error::from(error).to_string();
         assert!(text.contains("level 0") && text.contains("smaller step size"), "{text}");
     }
-    let logarithm = KUBO.ensemble::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(9).until(1.0);
-    let outcome = logarithm.observe("observable0", |state| state.q[0].ln()).multilevel(1e-2).run();
+    let logarithm = KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(9).until(1.0);
+    let outcome = logarithm.observe("observable0", |state| state.q[0].ln()).target(1e-2).run();
     let Err(Error::Level(LevelError { level: 0, cause: LevelFailure::NonFinite(value), .. })) = outcome
     else {
         panic!("{outcome:?}")
@@ -232,7 +236,8 @@ fn a_path_may_fail_on_a_finer_level_only() {
             let state: &State<wzvi::nalgebra::SVector<f64, 1>> = state;
             if state.q[0] < least { f64::NAN } else { state.q[0] }
         };
-        run(seed).observe("q", defined).multilevel(1e-2).run().err()
+        let levels = KUBO.multilevel::<Midpoint>(0.5).start(State::new([0.0], [1.0])).seed(seed).until(0.5);
+        levels.observe("q", defined).target(1e-2).run().err()
     });
     let Some(Error::Level(LevelError { level, h, cause, .. })) = found else { panic!("{found:?}") };
     assert!(
@@ -244,23 +249,24 @@ fn a_path_may_fail_on_a_finer_level_only() {
 
 #[test]
 fn limits_are_kept_and_said() {
-    let few = KUBO.ensemble::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0).paths(1000);
-    let estimate = few.observe("observable0", |state| state.q[0]).multilevel(1e-3).run().unwrap();
+    let few =
+        KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0).paths(1000);
+    let estimate = few.observe("observable0", |state| state.q[0]).target(1e-3).run().unwrap();
     assert!(!estimate.met_target() && !estimate.is_partial());
     // In whole blocks.
     assert!(estimate.levels().iter().all(|level| level.paths() <= 1024), "{estimate}");
     let coarse = kubo(0.25, 1e-3, 1).finest(2).run().unwrap();
     assert!(!coarse.met_target() && coarse.levels().len() == 3 && coarse.bias() > 5e-4);
     assert!(coarse.to_string().contains("target not met"));
-    let stopped = KUBO.ensemble::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0);
+    let stopped = KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0);
     let stopped =
-        stopped.stop_when(|| true).observe("observable0", |state| state.q[0]).multilevel(1e-3).run().unwrap();
+        stopped.stop_when(|| true).observe("observable0", |state| state.q[0]).target(1e-3).run().unwrap();
     assert!(stopped.is_partial() && stopped.mean().is_nan() && stopped.levels().is_empty());
 }
 
 #[test]
 fn what_makes_no_sense_is_refused() {
-    let base = || KUBO.ensemble::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0);
+    let base = || KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0);
     let refused = |outcome: Result<MultilevelEstimate, Error>, word: &str| {
         let Err(Error::Config(error)) = outcome else { panic!("{outcome:?}") };
         assert!(error.to_string().contains(word), "{error}");
@@ -269,41 +275,27 @@ fn what_makes_no_sense_is_refused() {
         let state: &State<wzvi::nalgebra::SVector<f64, 1>> = state;
         state.q[0]
     };
-    refused(base().multilevel(1e-2).run(), "observables");
-    refused(base().observe("a", q).observe("b", q).multilevel(1e-2).run(), "observables");
-    refused(base().observe("observable0", q).multilevel(0.0).run(), "target");
-    refused(base().observe("observable0", q).multilevel(f64::NAN).run(), "target");
-    refused(base().observe("observable0", q).multilevel(1e-2).weak_order(-1.0).run(), "weak order");
-    refused(base().observe("observable0", q).multilevel(1e-2).finest(1).run(), "finest");
-    refused(base().observe("observable0", q).antithetic().multilevel(1e-2).run(), "antithetic");
-    refused(base().observe("observable0", q).record_every(1).multilevel(1e-2).run(), "record_every");
-    refused(
-        base().observe("observable0", q).first_passage("event0", q).multilevel(1e-2).run(),
-        "first_passage",
-    );
-    refused(base().observe("q", q).until_error("q", 1.0).multilevel(1e-2).run(), "until_error");
-    refused(base().observe("observable0", q).until(0.0).multilevel(1e-2).run(), "step");
-    refused(base().observe("observable0", q).threads(0).multilevel(1e-2).run(), "threads");
-    refused(base().observe("q", q).retry(Retry::halving(3)).multilevel(1e-2).run(), "retry");
-    refused(base().observe("q", q).noise(Wiener::seed(1)).multilevel(1e-2).run(), "seed");
-    refused(base().observe("q", q).covariances(false).multilevel(1e-2).run(), "covariances");
-    refused(base().observe("q", q).allow_losses(0.5).multilevel(1e-2).run(), "allow_losses");
+    refused(base().observe("q", q).run(), "target");
+    refused(base().observe("q", q).target(0.0).run(), "target");
+    refused(base().observe("q", q).target(f64::NAN).run(), "target");
+    refused(base().observe("q", q).target(1e-2).weak_order(-1.0).run(), "weak order");
+    refused(base().observe("q", q).target(1e-2).finest(1).run(), "finest");
+    refused(base().observe("q", q).target(1e-2).paths(0).run(), "paths");
+    refused(base().observe("q", q).until(0.0).target(1e-2).run(), "step");
+    refused(base().observe("q", q).threads(0).target(1e-2).run(), "threads");
+    let unseeded = KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).until(1.0);
+    refused(unseeded.observe("q", q).target(1e-2).run(), "seed");
     // Another time than asked for.
     let ends = |h: f64, end: f64| {
-        let run = KUBO.ensemble::<Midpoint>(h).start(State::new([0.0], [1.0])).seed(1).until(end);
-        run.observe("q", q).multilevel(2e-2).run()
+        let run = KUBO.multilevel::<Midpoint>(h).start(State::new([0.0], [1.0])).seed(1).until(end);
+        run.observe("q", q).target(2e-2).run()
     };
     refused(ends(0.3, 1.0), "1.2");
     assert!(ends(0.1, 0.3).is_ok() && ends(1.0 / 3.0, 1.0).is_ok());
-    #[cfg(feature = "serde")]
-    {
-        let kept = base().observe("q", q).checkpoint(Checkpoint::to("never written"));
-        refused(kept.multilevel(1e-2).run(), "checkpoint");
-    }
     // The paper's experiment has another limit.
     let run =
-        WRONG.ensemble::<Uncorrected<DeltaPlus>>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0);
-    refused(run.observe("q", q).multilevel(1e-2).run(), "limit");
+        WRONG.multilevel::<Uncorrected<DeltaPlus>>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0);
+    refused(run.observe("q", q).target(1e-2).run(), "limit");
 }
 
 #[hamiltonian(
@@ -326,12 +318,12 @@ pub struct Driven;
 #[test]
 fn observables_know_the_time() {
     let run =
-        || Driven.ensemble::<Midpoint>(0.25).start(State { t: 0.5, ..State::new([1.0], [0.0]) }).seed(1);
-    let time = run().until(2.0).paths(1024).observe("t", |state| state.t).multilevel(1e-2).run().unwrap();
+        || Driven.multilevel::<Midpoint>(0.25).start(State { t: 0.5, ..State::new([1.0], [0.0]) }).seed(1);
+    let time = run().until(2.0).paths(1024).observe("t", |state| state.t).target(1e-2).run().unwrap();
     assert_eq!(time.mean(), 2.0);
     let target = 5e-3;
     let levels =
-        run().until(2.0).observe("energy", |state| Driven.energy(state)).multilevel(target).run().unwrap();
+        run().until(2.0).observe("energy", |state| Driven.energy(state)).target(target).run().unwrap();
     let finest = levels.levels().last().unwrap().h();
     let one = Driven.ensemble::<Midpoint>(finest).start(State { t: 0.5, ..State::new([1.0], [0.0]) }).seed(2);
     let one = one.until(2.0).paths(20_000).observe("energy", |state| Driven.energy(state)).run().unwrap();
@@ -354,9 +346,8 @@ fn rare_events_are_not_certain_to_be_absent() {
     let (exact, target, runs) = (1e-3, 2.5e-4, 20);
     let mut far = 0;
     for seed in 0..runs {
-        let run = BROWN.ensemble::<DeltaPlus>(0.5).start(State::new([0.0], [0.0])).seed(seed).until(1.0);
-        let estimate =
-            run.observe("far", |state| f64::from(u8::from(state.p[0] > 3.0902))).multilevel(target);
+        let run = BROWN.multilevel::<DeltaPlus>(0.5).start(State::new([0.0], [0.0])).seed(seed).until(1.0);
+        let estimate = run.observe("far", |state| f64::from(u8::from(state.p[0] > 3.0902))).target(target);
         let estimate = estimate.run().unwrap();
         assert!(estimate.met_target() && !estimate.is_constant(), "{estimate}");
         assert!(estimate.error_bound() >= estimate.standard_error());
@@ -377,9 +368,9 @@ const BROWN: Brown = Brown { s: 1.0 };
 /// What is the same on all paths has no error that is known.
 #[test]
 fn a_constant_is_not_certain() {
-    let run = BROWN.ensemble::<DeltaPlus>(0.5).start(State::new([0.0], [0.0])).seed(1).until(1.0);
+    let run = BROWN.multilevel::<DeltaPlus>(0.5).start(State::new([0.0], [0.0])).seed(1).until(1.0);
     let estimate =
-        run.paths(5000).observe("never", |state| f64::from(u8::from(state.p[0] > 9.0))).multilevel(1e-3);
+        run.paths(5000).observe("never", |state| f64::from(u8::from(state.p[0] > 9.0))).target(1e-3);
     let estimate = estimate.run().unwrap();
     assert!(estimate.is_constant() && !estimate.met_target() && estimate.mean() == 0.0);
     assert!((5000..6100).contains(&estimate.levels()[0].paths()), "{estimate}");

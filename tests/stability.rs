@@ -1,7 +1,7 @@
 //! Steps that are hard, have no solution, or do not resolve the motion: what the run says, and what helps.
 
 use wzvi::__private::Plain;
-use wzvi::error::{ConfigError, StepError, StepFailure};
+use wzvi::error::{StepError, StepFailure};
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 
@@ -204,13 +204,6 @@ fn a_subdivided_step_is_the_finer_run() {
 }
 
 #[test]
-fn given_increments_cannot_be_subdivided() {
-    let run = KickedCubic.simulate::<Midpoint>(0.1).start(State::new([0.1], [0.1]));
-    let outcome = run.noise(Increments::from([0.1])).steps(1).retry(Retry::halving(2)).run();
-    assert!(matches!(outcome, Err(wzvi::Error::Config(ConfigError::Setting(_)))), "{outcome:?}");
-}
-
-#[test]
 fn a_retry_that_does_not_help_leaves_the_state() {
     let run = Cubic.simulate::<Midpoint>(1.0).start(State::new([100.0], [100.0])).steps(3);
     let (path, error) = run.retry(Retry::halving(1)).run_partial().unwrap();
@@ -231,21 +224,21 @@ struct DilatedWell;
 #[test]
 fn isolated_unknowns_count_in_the_orientation() {
     let h = 0.01;
-    let prepared = DilatedWell.prepare(h).unwrap();
+    let prepared = Discretized::<Midpoint>::prepare(&DilatedWell, h).unwrap();
     for w in [-1.5, -0.5, 0.5, 1.5] {
         let (mut q, mut p) = ([0.5], [0.5]);
-        let effort = DilatedWell
-            .advance_carrying::<f64, Plain, true>(
-                &prepared,
-                0.0,
-                h,
-                &mut q,
-                &mut p,
-                &[2.0 * w],
-                &mut Default::default(),
-                &mut Plain,
-            )
-            .unwrap();
+        let effort = Discretized::<Midpoint>::advance_carrying::<f64, Plain, true>(
+            &DilatedWell,
+            &prepared,
+            0.0,
+            h,
+            &mut q,
+            &mut p,
+            &[2.0 * w],
+            &mut Default::default(),
+            &mut Plain,
+        )
+        .unwrap();
         let mid = 0.5 * (0.5 + q[0]);
         let determinant = 1.0 - w * w + 0.25 * h * h * (3.0 * mid * mid - 1.0);
         assert_eq!(effort.is_reversed, determinant < 0.0, "w = {w}");

@@ -20,6 +20,7 @@ mod generate;
 mod random {
     use wzvi::prelude::*;
     include!("random/systems.rs");
+    random_systems!();
 }
 
 use std::array::from_fn;

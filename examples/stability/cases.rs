@@ -4,9 +4,11 @@ use std::time::Instant;
 
 use wzvi::Error;
 use wzvi::error::{StepError, StepFailure};
+use wzvi::increments::NoNoise;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
-use wzvi::simulate::{Node, Simulation};
+use wzvi::retry::Serves;
+use wzvi::simulate::{Node, Simulation, Unobserved};
 
 use crate::Row;
 use crate::systems::{
@@ -48,17 +50,18 @@ fn word(error: Option<&Error>, halvings: u32) -> String {
 }
 
 /// Runs twice: once looking, once against the clock. `measure` gives the error of a node.
-fn row<'a, H, E, N>(
+fn row<'a, H, E, N, R>(
     case: String,
     scheme: &'static str,
     unit: &'static str,
-    run: impl Fn() -> Simulation<'a, H, E, N>,
+    run: impl Fn() -> Simulation<'a, H, E, N, Unobserved, R>,
     measure: impl Fn(&State<H::Vector>) -> f64,
 ) -> Result<Row, Error>
 where
     H: Discretized<E> + 'a,
     E: 'a,
-    N: Noise,
+    N: Noise + Serves<R>,
+    R: 'a,
 {
     let mut worst = 0.0_f64;
     let look = |state: &State<H::Vector>, node: &Node<'_>| {
@@ -78,17 +81,19 @@ where
 }
 
 /// `row` with the drift of the energy relative to `scale`.
-fn energy_row<'a, H, E>(
+fn energy_row<'a, H, E, R>(
     case: String,
     scheme: &'static str,
     system: &'a H,
     start: &State<H::Vector>,
     scale: f64,
-    run: impl Fn() -> Simulation<'a, H, E>,
+    run: impl Fn() -> Simulation<'a, H, E, NoNoise, Unobserved, R>,
 ) -> Result<Row, Error>
 where
     H: Discretized<E> + 'a,
     E: 'a,
+    R: 'a,
+    NoNoise: Serves<R>,
 {
     let energy = system.energy(start);
     row(

@@ -6,19 +6,20 @@ use wzvi::checkpoint::{Checkpoint, CheckpointError};
 use wzvi::increments::{Identity, Interval, NoiseError};
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
-use wzvi::simulate::Simulation;
+use wzvi::retry::Serves;
+use wzvi::simulate::{Simulation, Unobserved};
 
 use super::systems::{DoublePendulum, Folding, KEPLER, PENDULUM, bits, contents, folder, refused};
 
 const STEPS: u64 = 12;
 
 /// Stops after every number of steps up to [`STEPS`] and goes on, then in three parts; `run(steps, every)` is the run.
-fn resumes_from_everywhere<'a, H, E, N, const D: usize>(
+fn resumes_from_everywhere<'a, H, E, N, R, const D: usize>(
     name: &str,
-    run: impl Fn(u64, u64) -> Simulation<'a, H, E, N>,
+    run: impl Fn(u64, u64) -> Simulation<'a, H, E, N, Unobserved, R>,
 ) where
     H: Discretized<E, Vector = SVector<f64, D>> + 'a,
-    N: Noise,
+    N: Noise + Serves<R>,
 {
     let folder = folder(name);
     // Each checkpoint waits for the disk: a stride that divides the steps, one that does not, and none.
@@ -220,9 +221,8 @@ fn backward_runs_go_on_too() {
 fn settings_that_make_no_sense() {
     let folder = folder("settings");
     let path = folder.join("run");
-    for checkpoint in
-        [Checkpoint::to(&path).every_steps(0), Checkpoint::to(&path).every(std::time::Duration::ZERO)]
-    {
+    let to = || Checkpoint::to(&path);
+    for checkpoint in [to().every_steps(0), to().every_steps(1).every(std::time::Duration::ZERO)] {
         let error = KEPLER.run(5, 0).checkpoint(checkpoint).run();
         assert!(matches!(error, Err(wzvi::Error::Config(_))), "{error:?}");
     }

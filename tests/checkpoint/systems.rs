@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use wzvi::checkpoint::CheckpointError;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
-use wzvi::simulate::Simulation;
+use wzvi::retry::Halved;
+use wzvi::simulate::{Simulation, Unobserved};
 
 /// Newton's method with a memory of past steps.
 #[hamiltonian(
@@ -80,7 +81,11 @@ impl Pendulum {
 pub(crate) struct Folding;
 
 impl Folding {
-    pub(crate) fn run(&self, steps: u64, every: u64) -> Simulation<'_, Self, Midpoint, Wiener> {
+    pub(crate) fn run(
+        &self,
+        steps: u64,
+        every: u64,
+    ) -> Simulation<'_, Self, Midpoint, Wiener, Unobserved, Halved> {
         let run = self.simulate(2.5).start(State::new([2.2], [0.8])).noise(Wiener::seed(11));
         run.steps(steps).record_every(every).retry(Retry::halving(10))
     }

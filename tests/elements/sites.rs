@@ -294,3 +294,45 @@ fn linear_chains_are_factored_once() {
         }
     }
 }
+
+/// Wells that are so noisy that steps are solved with care, or have no solution.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        (0..q.len()).map(|i| 0.5 * p[i] * p[i] + 0.25 * stiffness[i] * (q[i] * q[i] - 1.0).powi(2)).sum::<f64>()
+    },
+    noise = [|q, p, k| 1.5 * q[k] * p[k]; stiffness.len()],
+    embedding = [Midpoint],
+)]
+struct Wells {
+    stiffness: Vec<f64>,
+}
+
+#[test]
+fn a_step_that_was_hard_leaves_the_next_one_as_it_is() {
+    let sites = 5;
+    let system = Wells { stiffness: (0..sites).map(|i| 1.0 + i as f64).collect() };
+    let mut stepper = system.stepper::<Midpoint>(0.3).unwrap();
+    let (q, p) = start(sites);
+    let mut state = State::<DVector<f64>>::new(q, p);
+    let (mut hard, mut after) = (0, 0);
+    for step in 0..200 {
+        let dw: Vec<f64> = (0..sites).map(|k| 0.5 * ((step * sites + k) as f64 * 1.7).sin()).collect();
+        let mut twin = state.clone();
+        let expected = system.stepper::<Midpoint>(0.3).unwrap().step(&mut twin, &dw);
+        let was_hard = hard;
+        match (stepper.step(&mut state, &dw), expected) {
+            (Ok(info), Ok(expected)) => {
+                assert_eq!((info, &state.q, &state.p), (expected, &twin.q, &twin.p), "step {step}");
+                hard += usize::from(info.is_hard);
+            }
+            (found, expected) => {
+                assert_eq!(found.map_err(|error| error.cause), expected.map_err(|error| error.cause));
+                // Elsewhere.
+                let (q, p) = start(sites);
+                state = State::new(q, p);
+            }
+        }
+        after += usize::from(was_hard > 0);
+    }
+    assert!(hard > 10 && after > 100, "{hard} {after}");
+}

@@ -58,7 +58,8 @@ const _: () = {
         Knowledge, LagrangianGradient, NoiseClass, Option, Plain, Plan, Range, Result,
         Scalar, Segment, Solver, State, StepFailure, bool, f64, isize, str, usize,
         elements::{
-            CompensationVec, Curvature, Elements, Memory, Point, Scheme, Terms, Unknowns,
+            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
+            Slopes, Stage, Unknowns,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -78,75 +79,7 @@ const _: () = {
             [("g", self.g)].get(index).copied()
         }
         fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            let nan = S::from_f64(f64::NAN);
-            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()) {
-                return nan;
-            }
-            let g: f64 = self.g;
-            let size = (q.len() / 2) as isize;
-            let at = Point { q, p, t, h: 1.0, dw: &[] };
-            let mut total = S::from_f64(0.0);
-            match term {
-                0 => {
-                    {
-                        let mut b0 = S::from_f64(0.0);
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            let points0 = (2 * i0) as usize;
-                            let points0 = &at
-                                .p[points0..points0 + 2 * len]
-                                .as_chunks::<2>()
-                                .0[..len];
-                            let s2 = i0 as usize;
-                            let s2 = &self.mass[s2..s2 + len];
-                            for place in 0..len {
-                                let p_2i = points0[place][0];
-                                let p_2i_plus_1 = points0[place][1];
-                                let mass_i = S::from_f64(s2[place]);
-                                b0 = b0
-                                    + (p_2i_plus_1 * p_2i_plus_1 + p_2i * p_2i) / mass_i * 0.5;
-                            }
-                        }
-                        total = total + b0;
-                    }
-                    {
-                        for i1 in 0 as isize..size {
-                            let q_2i = at.q[(2 * i1) as usize];
-                            let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
-                            let mass_i = S::from_f64(self.mass[i1 as usize]);
-                            let mut b0 = S::from_f64(0.0);
-                            let (low, end): (isize, isize) = (0, i1);
-                            if low < end {
-                                let i2 = low;
-                                let len = (end - low) as usize;
-                                let points0 = (2 * i2) as usize;
-                                let points0 = &at
-                                    .q[points0..points0 + 2 * len]
-                                    .as_chunks::<2>()
-                                    .0[..len];
-                                let s5 = i2 as usize;
-                                let s5 = &self.mass[s5..s5 + len];
-                                for place in 0..len {
-                                    let q_2j = points0[place][0];
-                                    let q_2j_plus_1 = points0[place][1];
-                                    let mass_j = S::from_f64(s5[place]);
-                                    let difference = q_2i - q_2j;
-                                    let difference2 = q_2i_plus_1 - q_2j_plus_1;
-                                    let sum = difference2 * difference2
-                                        + difference * difference;
-                                    b0 = b0
-                                        + -(mass_i * mass_j * (sum.recip() * sum.sqrt()) * g);
-                                }
-                            }
-                            total = total + b0;
-                        }
-                    }
-                }
-                _ => return nan,
-            }
-            total
+            wzvi::elements::evaluate(self, term, q, p, t)
         }
         fn differentiate<S: Scalar>(
             &self,
@@ -157,100 +90,7 @@ const _: () = {
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            let nan = S::from_f64(f64::NAN);
-            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()
-                && by_q.len() == q.len() && by_p.len() == q.len())
-            {
-                by_q.fill(nan);
-                by_p.fill(nan);
-                return;
-            }
-            by_q.fill(S::from_f64(0.0));
-            by_p.fill(S::from_f64(0.0));
-            let g: f64 = self.g;
-            let size = (q.len() / 2) as isize;
-            let at = Point { q, p, t, h: 1.0, dw: &[] };
-            match term {
-                0 => {
-                    {
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            let points0 = (2 * i0) as usize;
-                            let points0 = &at
-                                .p[points0..points0 + 2 * len]
-                                .as_chunks::<2>()
-                                .0[..len];
-                            let s2 = i0 as usize;
-                            let s2 = &self.mass[s2..s2 + len];
-                            let points1 = (2 * i0) as usize;
-                            let points1 = &mut by_p[points1..points1 + 2 * len]
-                                .as_chunks_mut::<2>()
-                                .0[..len];
-                            for place in 0..len {
-                                let p_2i = points0[place][0];
-                                let p_2i_plus_1 = points0[place][1];
-                                let mass_i = S::from_f64(s2[place]);
-                                points1[place][0] = points1[place][0] + p_2i / mass_i;
-                                points1[place][1] = points1[place][1]
-                                    + p_2i_plus_1 / mass_i;
-                            }
-                        }
-                    }
-                    {
-                        for i1 in 0 as isize..size {
-                            let q_2i = at.q[(2 * i1) as usize];
-                            let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
-                            let mass_i = S::from_f64(self.mass[i1 as usize]);
-                            let mut b0 = S::from_f64(0.0);
-                            let mut b2 = S::from_f64(0.0);
-                            let (low, end): (isize, isize) = (0, i1);
-                            if low < end {
-                                let i2 = low;
-                                let len = (end - low) as usize;
-                                let points0 = (2 * i2) as usize;
-                                let points0 = &at
-                                    .q[points0..points0 + 2 * len]
-                                    .as_chunks::<2>()
-                                    .0[..len];
-                                let s5 = i2 as usize;
-                                let s5 = &self.mass[s5..s5 + len];
-                                let points1 = (2 * i2) as usize;
-                                let points1 = &mut by_q[points1..points1 + 2 * len]
-                                    .as_chunks_mut::<2>()
-                                    .0[..len];
-                                for place in 0..len {
-                                    let q_2j = points0[place][0];
-                                    let q_2j_plus_1 = points0[place][1];
-                                    let mass_j = S::from_f64(s5[place]);
-                                    let difference = q_2i_plus_1 - q_2j_plus_1;
-                                    let difference2 = q_2i - q_2j;
-                                    let sum = difference2 * difference2
-                                        + difference * difference;
-                                    let mass_i_mass_j = mass_i * mass_j;
-                                    let inverse = sum.recip();
-                                    let product = inverse * (inverse * sum.sqrt());
-                                    let product2 = difference2 * mass_i_mass_j * product * g;
-                                    let product3 = product * (difference * mass_i_mass_j) * g;
-                                    points1[place][0] = points1[place][0] + -product2;
-                                    points1[place][1] = points1[place][1] + -product3;
-                                    b0 = b0 + product2;
-                                    b2 = b2 + product3;
-                                }
-                            }
-                            let at_index = (2 * i1) as usize;
-                            by_q[at_index] = by_q[at_index] + b0;
-                            let at_index = (2 * i1 + 1) as usize;
-                            by_q[at_index] = by_q[at_index] + b2;
-                        }
-                    }
-                }
-                _ => {
-                    by_q.fill(nan);
-                    by_p.fill(nan);
-                }
-            }
+            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
         }
     }
     #[automatically_derived]
@@ -362,19 +202,16 @@ const _: () = {
                 _ => Entries::of_length(0),
             }
         }
-        fn slopes<S: Scalar>(
-            &self,
-            terms: Terms,
-            at: &Point<'_, S>,
-            by_q: &mut [S],
-            by_p: &mut [S],
-        ) {
+        const INTEGRALS: usize = 3;
+        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let g: f64 = self.g;
             let size = (at.q.len() / 2) as isize;
-            if terms.drift {
-                if terms.by_p {
+            let mut value = S::from_f64(0.0);
+            match part {
+                0 => {
+                    let mut total = S::from_f64(0.0);
                     {
-                        let weight = S::from_f64(at.h);
+                        let mut b0 = S::from_f64(0.0);
                         let (low, end): (isize, isize) = (0, size);
                         if low < end {
                             let i0 = low;
@@ -386,31 +223,22 @@ const _: () = {
                                 .0[..len];
                             let s2 = i0 as usize;
                             let s2 = &self.mass[s2..s2 + len];
-                            let points1 = (2 * i0) as usize;
-                            let points1 = &mut by_p[points1..points1 + 2 * len]
-                                .as_chunks_mut::<2>()
-                                .0[..len];
                             for place in 0..len {
                                 let p_2i = points0[place][0];
                                 let p_2i_plus_1 = points0[place][1];
                                 let mass_i = S::from_f64(s2[place]);
-                                points1[place][0] = points1[place][0]
-                                    + p_2i * weight / mass_i;
-                                points1[place][1] = points1[place][1]
-                                    + p_2i_plus_1 * weight / mass_i;
+                                b0 = b0
+                                    + (p_2i_plus_1 * p_2i_plus_1 + p_2i * p_2i) / mass_i * 0.5;
                             }
                         }
+                        total = total + b0;
                     }
-                }
-                if terms.by_q {
                     {
                         for i1 in 0 as isize..size {
-                            let weight = S::from_f64(at.h);
                             let q_2i = at.q[(2 * i1) as usize];
                             let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
                             let mass_i = S::from_f64(self.mass[i1 as usize]);
                             let mut b0 = S::from_f64(0.0);
-                            let mut b2 = S::from_f64(0.0);
                             let (low, end): (isize, isize) = (0, i1);
                             if low < end {
                                 let i2 = low;
@@ -422,195 +250,291 @@ const _: () = {
                                     .0[..len];
                                 let s5 = i2 as usize;
                                 let s5 = &self.mass[s5..s5 + len];
-                                let points1 = (2 * i2) as usize;
-                                let points1 = &mut by_q[points1..points1 + 2 * len]
-                                    .as_chunks_mut::<2>()
-                                    .0[..len];
                                 for place in 0..len {
                                     let q_2j = points0[place][0];
                                     let q_2j_plus_1 = points0[place][1];
                                     let mass_j = S::from_f64(s5[place]);
-                                    let difference = q_2i_plus_1 - q_2j_plus_1;
-                                    let difference2 = q_2i - q_2j;
+                                    let difference = q_2i - q_2j;
+                                    let difference2 = q_2i_plus_1 - q_2j_plus_1;
                                     let sum = difference2 * difference2
                                         + difference * difference;
-                                    let product = weight * (mass_i * mass_j);
-                                    let inverse = sum.recip();
-                                    let product2 = inverse * (inverse * sum.sqrt());
-                                    let product3 = difference2 * product * product2 * g;
-                                    let product4 = product2 * (difference * product) * g;
-                                    points1[place][0] = points1[place][0] + -product3;
-                                    points1[place][1] = points1[place][1] + -product4;
-                                    b0 = b0 + product3;
-                                    b2 = b2 + product4;
+                                    b0 = b0
+                                        + -(mass_i * mass_j * (sum.recip() * sum.sqrt()) * g);
                                 }
                             }
-                            let at_index = (2 * i1) as usize;
-                            by_q[at_index] = by_q[at_index] + b0;
-                            let at_index = (2 * i1 + 1) as usize;
-                            by_q[at_index] = by_q[at_index] + b2;
+                            total = total + b0;
+                        }
+                    }
+                    value = value + total * S::from_f64(at.h);
+                }
+                _ => {}
+            }
+            value
+        }
+        fn slopes<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S>,
+            wanted: Slopes,
+            by_q: &mut [S],
+            by_p: &mut [S],
+        ) {
+            let g: f64 = self.g;
+            let size = (at.q.len() / 2) as isize;
+            match part {
+                0 => {
+                    if wanted.by_p {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                let points0 = (2 * i0) as usize;
+                                let points0 = &at
+                                    .p[points0..points0 + 2 * len]
+                                    .as_chunks::<2>()
+                                    .0[..len];
+                                let s2 = i0 as usize;
+                                let s2 = &self.mass[s2..s2 + len];
+                                let points1 = (2 * i0) as usize;
+                                let points1 = &mut by_p[points1..points1 + 2 * len]
+                                    .as_chunks_mut::<2>()
+                                    .0[..len];
+                                for place in 0..len {
+                                    let p_2i = points0[place][0];
+                                    let p_2i_plus_1 = points0[place][1];
+                                    let mass_i = S::from_f64(s2[place]);
+                                    points1[place][0] = points1[place][0]
+                                        + p_2i * factor / mass_i;
+                                    points1[place][1] = points1[place][1]
+                                        + p_2i_plus_1 * factor / mass_i;
+                                }
+                            }
+                        }
+                    }
+                    if wanted.by_q {
+                        {
+                            for i1 in 0 as isize..size {
+                                let factor = S::from_f64(at.h);
+                                let q_2i = at.q[(2 * i1) as usize];
+                                let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
+                                let mass_i = S::from_f64(self.mass[i1 as usize]);
+                                let mut b0 = S::from_f64(0.0);
+                                let mut b2 = S::from_f64(0.0);
+                                let (low, end): (isize, isize) = (0, i1);
+                                if low < end {
+                                    let i2 = low;
+                                    let len = (end - low) as usize;
+                                    let points0 = (2 * i2) as usize;
+                                    let points0 = &at
+                                        .q[points0..points0 + 2 * len]
+                                        .as_chunks::<2>()
+                                        .0[..len];
+                                    let s5 = i2 as usize;
+                                    let s5 = &self.mass[s5..s5 + len];
+                                    let points1 = (2 * i2) as usize;
+                                    let points1 = &mut by_q[points1..points1 + 2 * len]
+                                        .as_chunks_mut::<2>()
+                                        .0[..len];
+                                    for place in 0..len {
+                                        let q_2j = points0[place][0];
+                                        let q_2j_plus_1 = points0[place][1];
+                                        let mass_j = S::from_f64(s5[place]);
+                                        let difference = q_2i_plus_1 - q_2j_plus_1;
+                                        let difference2 = q_2i - q_2j;
+                                        let sum = difference2 * difference2
+                                            + difference * difference;
+                                        let product = factor * (mass_i * mass_j);
+                                        let inverse = sum.recip();
+                                        let product2 = inverse * (inverse * sum.sqrt());
+                                        let product3 = difference2 * product * product2 * g;
+                                        let product4 = product2 * (difference * product) * g;
+                                        points1[place][0] = points1[place][0] + -product3;
+                                        points1[place][1] = points1[place][1] + -product4;
+                                        b0 = b0 + product3;
+                                        b2 = b2 + product4;
+                                    }
+                                }
+                                let at_index = (2 * i1) as usize;
+                                by_q[at_index] = by_q[at_index] + b0;
+                                let at_index = (2 * i1 + 1) as usize;
+                                by_q[at_index] = by_q[at_index] + b2;
+                            }
                         }
                     }
                 }
+                _ => {}
             }
         }
         fn curvature<S: Scalar, C: Curvature<S>>(
             &self,
-            terms: Terms,
+            part: usize,
+            weight: f64,
             at: &Point<'_, S>,
+            wanted: Slopes,
             into: &mut C,
         ) {
             let g: f64 = self.g;
             let size = (at.q.len() / 2) as isize;
-            if terms.drift {
-                if terms.by_p {
-                    {
-                        let weight = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            let s2 = i0 as usize;
-                            let s2 = &self.mass[s2..s2 + len];
-                            for place in 0..len {
-                                let i0 = low + place as isize;
-                                let mass_i = S::from_f64(s2[place]);
-                                let quotient = weight / mass_i;
-                                into.add_pp(
-                                    (2 * i0) as usize,
-                                    (2 * i0) as usize,
-                                    true,
-                                    quotient,
-                                );
-                                into.add_pp(
-                                    (2 * i0 + 1) as usize,
-                                    (2 * i0 + 1) as usize,
-                                    true,
-                                    quotient,
-                                );
-                            }
-                        }
-                    }
-                }
-                if terms.by_q {
-                    {
-                        let three_g = 3.0 * g;
-                        for i1 in 0 as isize..size {
-                            let weight = S::from_f64(at.h);
-                            let q_2i = at.q[(2 * i1) as usize];
-                            let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
-                            let mass_i = S::from_f64(self.mass[i1 as usize]);
-                            let mut b0 = S::from_f64(0.0);
-                            let mut b2 = S::from_f64(0.0);
-                            let mut b7 = S::from_f64(0.0);
-                            let (low, end): (isize, isize) = (0, i1);
+            match part {
+                0 => {
+                    if wanted.by_p {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
                             if low < end {
-                                let i2 = low;
+                                let i0 = low;
                                 let len = (end - low) as usize;
-                                let points0 = (2 * i2) as usize;
-                                let points0 = &at
-                                    .q[points0..points0 + 2 * len]
-                                    .as_chunks::<2>()
-                                    .0[..len];
-                                let s5 = i2 as usize;
-                                let s5 = &self.mass[s5..s5 + len];
+                                let s2 = i0 as usize;
+                                let s2 = &self.mass[s2..s2 + len];
                                 for place in 0..len {
-                                    let i2 = low + place as isize;
-                                    let q_2j = points0[place][0];
-                                    let q_2j_plus_1 = points0[place][1];
-                                    let mass_j = S::from_f64(s5[place]);
-                                    let difference = q_2i_plus_1 - q_2j_plus_1;
-                                    let difference2 = q_2i - q_2j;
-                                    let difference2_squared = difference2 * difference2;
-                                    let difference_squared = difference * difference;
-                                    let sum = difference2_squared + difference_squared;
-                                    let inverse = sum.recip();
-                                    let product = inverse * (inverse * sum.sqrt());
-                                    let product2 = inverse * product;
-                                    let product3 = mass_i * (mass_j * weight);
-                                    let product4 = (product
-                                        - difference2_squared * product2 * 3.0) * product3 * g;
-                                    let product5 = product2
-                                        * (difference
-                                            * (difference2 * (weight * (mass_i * mass_j)))) * three_g;
-                                    let minus = -product5;
-                                    let product6 = product3
-                                        * (product - difference_squared * product2 * 3.0) * g;
-                                    b0 = b0 + product4;
-                                    into.add_qq(
-                                        (2 * i1) as usize,
-                                        (2 * i2) as usize,
-                                        false,
-                                        -product4,
-                                    );
-                                    b2 = b2 + minus;
-                                    into.add_qq(
-                                        (2 * i1) as usize,
-                                        (2 * i2 + 1) as usize,
-                                        false,
-                                        product5,
-                                    );
-                                    into.add_qq(
-                                        (2 * i2) as usize,
-                                        (2 * i2) as usize,
+                                    let i0 = low + place as isize;
+                                    let mass_i = S::from_f64(s2[place]);
+                                    let quotient = factor / mass_i;
+                                    into.add_pp(
+                                        (2 * i0) as usize,
+                                        (2 * i0) as usize,
                                         true,
-                                        product4,
+                                        quotient,
                                     );
-                                    into.add_qq(
-                                        (2 * i2) as usize,
-                                        (2 * i1 + 1) as usize,
-                                        false,
-                                        product5,
-                                    );
-                                    into.add_qq(
-                                        (2 * i2) as usize,
-                                        (2 * i2 + 1) as usize,
-                                        false,
-                                        minus,
-                                    );
-                                    b7 = b7 + product6;
-                                    into.add_qq(
-                                        (2 * i1 + 1) as usize,
-                                        (2 * i2 + 1) as usize,
-                                        false,
-                                        -product6,
-                                    );
-                                    into.add_qq(
-                                        (2 * i2 + 1) as usize,
-                                        (2 * i2 + 1) as usize,
+                                    into.add_pp(
+                                        (2 * i0 + 1) as usize,
+                                        (2 * i0 + 1) as usize,
                                         true,
-                                        product6,
+                                        quotient,
                                     );
                                 }
                             }
-                            into.add_qq((2 * i1) as usize, (2 * i1) as usize, true, b0);
-                            into.add_qq(
-                                (2 * i1) as usize,
-                                (2 * i1 + 1) as usize,
-                                false,
-                                b2,
-                            );
-                            into.add_qq(
-                                (2 * i1 + 1) as usize,
-                                (2 * i1 + 1) as usize,
-                                true,
-                                b7,
-                            );
+                        }
+                    }
+                    if wanted.by_q {
+                        {
+                            let three_g = 3.0 * g;
+                            for i1 in 0 as isize..size {
+                                let factor = S::from_f64(at.h);
+                                let q_2i = at.q[(2 * i1) as usize];
+                                let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
+                                let mass_i = S::from_f64(self.mass[i1 as usize]);
+                                let mut b0 = S::from_f64(0.0);
+                                let mut b2 = S::from_f64(0.0);
+                                let mut b7 = S::from_f64(0.0);
+                                let (low, end): (isize, isize) = (0, i1);
+                                if low < end {
+                                    let i2 = low;
+                                    let len = (end - low) as usize;
+                                    let points0 = (2 * i2) as usize;
+                                    let points0 = &at
+                                        .q[points0..points0 + 2 * len]
+                                        .as_chunks::<2>()
+                                        .0[..len];
+                                    let s5 = i2 as usize;
+                                    let s5 = &self.mass[s5..s5 + len];
+                                    for place in 0..len {
+                                        let i2 = low + place as isize;
+                                        let q_2j = points0[place][0];
+                                        let q_2j_plus_1 = points0[place][1];
+                                        let mass_j = S::from_f64(s5[place]);
+                                        let difference = q_2i_plus_1 - q_2j_plus_1;
+                                        let difference2 = q_2i - q_2j;
+                                        let difference2_squared = difference2 * difference2;
+                                        let difference_squared = difference * difference;
+                                        let sum = difference2_squared + difference_squared;
+                                        let inverse = sum.recip();
+                                        let product = inverse * (inverse * sum.sqrt());
+                                        let product2 = inverse * product;
+                                        let product3 = mass_i * (mass_j * factor);
+                                        let product4 = (product
+                                            - difference2_squared * product2 * 3.0) * product3 * g;
+                                        let product5 = product2
+                                            * (difference
+                                                * (difference2 * (factor * (mass_i * mass_j)))) * three_g;
+                                        let minus = -product5;
+                                        let product6 = product3
+                                            * (product - difference_squared * product2 * 3.0) * g;
+                                        b0 = b0 + product4;
+                                        into.add_qq(
+                                            (2 * i1) as usize,
+                                            (2 * i2) as usize,
+                                            false,
+                                            -product4,
+                                        );
+                                        b2 = b2 + minus;
+                                        into.add_qq(
+                                            (2 * i1) as usize,
+                                            (2 * i2 + 1) as usize,
+                                            false,
+                                            product5,
+                                        );
+                                        into.add_qq(
+                                            (2 * i2) as usize,
+                                            (2 * i2) as usize,
+                                            true,
+                                            product4,
+                                        );
+                                        into.add_qq(
+                                            (2 * i2) as usize,
+                                            (2 * i1 + 1) as usize,
+                                            false,
+                                            product5,
+                                        );
+                                        into.add_qq(
+                                            (2 * i2) as usize,
+                                            (2 * i2 + 1) as usize,
+                                            false,
+                                            minus,
+                                        );
+                                        b7 = b7 + product6;
+                                        into.add_qq(
+                                            (2 * i1 + 1) as usize,
+                                            (2 * i2 + 1) as usize,
+                                            false,
+                                            -product6,
+                                        );
+                                        into.add_qq(
+                                            (2 * i2 + 1) as usize,
+                                            (2 * i2 + 1) as usize,
+                                            true,
+                                            product6,
+                                        );
+                                    }
+                                }
+                                into.add_qq((2 * i1) as usize, (2 * i1) as usize, true, b0);
+                                into.add_qq(
+                                    (2 * i1) as usize,
+                                    (2 * i1 + 1) as usize,
+                                    false,
+                                    b2,
+                                );
+                                into.add_qq(
+                                    (2 * i1 + 1) as usize,
+                                    (2 * i1 + 1) as usize,
+                                    true,
+                                    b7,
+                                );
+                            }
                         }
                     }
                 }
+                _ => {}
             }
         }
     }
     const _: () = {
         const SCHEME: Scheme = Scheme {
-            drift_l: 0.0,
-            noise_l: 0.0,
-            counter: 0.0,
+            stages: &[
+                Stage {
+                    point: 0.0,
+                    start: 1.0,
+                    end: 0.0,
+                    parts: &[(0, 1.0)],
+                },
+            ],
+            update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::None,
             remembers: false,
             is_linear: false,
-            has_noise: false,
         };
         #[automatically_derived]
         impl Discretized<DeltaPlus> for Bodies {
@@ -678,7 +602,7 @@ const _: () = {
                 h: f64,
                 dw: &[f64],
             ) -> Self::Vector {
-                wzvi::elements::step_momentum(self, &SCHEME, before, h, dw)
+                wzvi::elements::step_momentum(self, &SCHEME, before, after, h, dw)
             }
         }
     };
@@ -688,20 +612,20 @@ const _: () = {
         binding as b2, binding as b7, binding as before, binding as by_p,
         binding as by_q, binding as carry, binding as degrees, binding as difference,
         binding as difference2, binding as difference2_squared,
-        binding as difference_squared, binding as dw, binding as end, binding as g,
-        binding as h, binding as i0, binding as i1, binding as i2, binding as index,
-        binding as into, binding as inverse, binding as len, binding as list,
-        binding as low, binding as mass_i, binding as mass_i_mass_j, binding as mass_j,
-        binding as memory, binding as minus, binding as nan, binding as outer,
-        binding as p, binding as p_2i, binding as p_2i_plus_1, binding as place,
+        binding as difference_squared, binding as dw, binding as end, binding as factor,
+        binding as g, binding as h, binding as i0, binding as i1, binding as i2,
+        binding as index, binding as into, binding as inverse, binding as len,
+        binding as list, binding as low, binding as mass_i, binding as mass_j,
+        binding as memory, binding as minus, binding as outer, binding as p,
+        binding as p_2i, binding as p_2i_plus_1, binding as part, binding as place,
         binding as points0, binding as points1, binding as prepared, binding as product,
         binding as product2, binding as product3, binding as product4,
         binding as product5, binding as product6, binding as q, binding as q_2i,
         binding as q_2i_plus_1, binding as q_2j, binding as q_2j_plus_1,
         binding as quotient, binding as range, binding as s2, binding as s5,
         binding as segment, binding as size, binding as sum, binding as t,
-        binding as table, binding as term, binding as terms, binding as three_g,
-        binding as total, binding as weight,
+        binding as table, binding as term, binding as three_g, binding as total,
+        binding as value, binding as wanted, binding as weight,
     };
 };
 const _: () = {

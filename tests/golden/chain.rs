@@ -57,7 +57,8 @@ const _: () = {
         Scalar, Segment, Solver, State, StepFailure, bool, f64, isize, str, usize,
         compose::Composes,
         elements::{
-            CompensationVec, Curvature, Elements, Memory, Point, Scheme, Terms, Unknowns,
+            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
+            Slopes, Stage, Unknowns,
         },
         elements::places::{Entries, Index, Name, Nest, Places, Slot},
         embedding::{Composed, Midpoint},
@@ -75,16 +76,57 @@ const _: () = {
             [("beta", self.beta)].get(index).copied()
         }
         fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            let nan = S::from_f64(f64::NAN);
-            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()) {
-                return nan;
-            }
+            wzvi::elements::evaluate(self, term, q, p, t)
+        }
+        fn differentiate<S: Scalar>(
+            &self,
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
+        ) {
+            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
+        }
+    }
+    #[automatically_derived]
+    impl Elements for Chain {
+        const PLACES: Places = Places {
+            components: 1,
+            tables: &[],
+            nests: &[
+                Nest {
+                    loops: &[],
+                    slots: &[
+                        Slot::State {
+                            index: Index {
+                                terms: &[],
+                                constant: 0,
+                                name: Name { name: "0", suffix: "" },
+                            },
+                            is_natural: true,
+                        },
+                    ],
+                },
+            ],
+        };
+        fn entries(
+            &self,
+            table: usize,
+            outer: &[usize],
+            range: Range<usize>,
+        ) -> Entries {
+            Entries::of_length(0)
+        }
+        const INTEGRALS: usize = 3;
+        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let beta: f64 = self.beta;
-            let size = q.len() as isize;
-            let at = Point { q, p, t, h: 1.0, dw: &[] };
-            let mut total = S::from_f64(0.0);
-            match term {
+            let size = at.q.len() as isize;
+            let mut value = S::from_f64(0.0);
+            match part {
                 0 => {
+                    let mut total = S::from_f64(0.0);
                     {
                         let mut b0 = S::from_f64(0.0);
                         let (low, end): (isize, isize) = (0, size);
@@ -129,262 +171,177 @@ const _: () = {
                         let q0_squared = q0 * q0;
                         total = total + q0_squared * (q0_squared * quarter_beta + 0.5);
                     }
+                    value = value + total * S::from_f64(at.h);
                 }
-                _ => return nan,
+                _ => {}
             }
-            total
-        }
-        fn differentiate<S: Scalar>(
-            &self,
-            term: usize,
-            q: &[S],
-            p: &[S],
-            t: f64,
-            by_q: &mut [S],
-            by_p: &mut [S],
-        ) {
-            let nan = S::from_f64(f64::NAN);
-            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()
-                && by_q.len() == q.len() && by_p.len() == q.len())
-            {
-                by_q.fill(nan);
-                by_p.fill(nan);
-                return;
-            }
-            by_q.fill(S::from_f64(0.0));
-            by_p.fill(S::from_f64(0.0));
-            let beta: f64 = self.beta;
-            let size = q.len() as isize;
-            let at = Point { q, p, t, h: 1.0, dw: &[] };
-            match term {
-                0 => {
-                    {
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            let s0 = i0 as usize;
-                            let s0 = &at.p[s0..s0 + len];
-                            let b0 = i0 as usize;
-                            let b0 = &mut by_p[b0..b0 + len];
-                            for place in 0..len {
-                                let p_i = s0[place];
-                                b0[place] = b0[place] + p_i;
-                            }
-                        }
-                    }
-                    {
-                        let (low, end): (isize, isize) = (0, size - 1);
-                        if low < end {
-                            let i1 = low;
-                            let len = (end - low) as usize;
-                            let s0 = (i1 + 1) as usize;
-                            let s0 = &at.q[s0..s0 + len];
-                            let s1 = i1 as usize;
-                            let s1 = &at.q[s1..s1 + len];
-                            let at1 = (i1 + 1) as usize + (len - 1);
-                            let mut carried1 = S::from_f64(0.0);
-                            let b1 = i1 as usize;
-                            let b1 = &mut by_q[b1..b1 + len];
-                            for place in 0..len {
-                                let q_i_plus_1 = s0[place];
-                                let q_i = s1[place];
-                                let difference = q_i_plus_1 - q_i;
-                                let product = difference
-                                    * (difference * difference * beta + 1.0);
-                                let ahead = product;
-                                b1[place] = b1[place] + (-product + carried1);
-                                carried1 = ahead;
-                            }
-                            by_q[at1] = by_q[at1] + carried1;
-                        }
-                    }
-                    {
-                        let q0 = at.q[0];
-                        by_q[0] = by_q[0] + q0 * (q0 * q0 * beta + 1.0);
-                    }
-                }
-                _ => {
-                    by_q.fill(nan);
-                    by_p.fill(nan);
-                }
-            }
-        }
-    }
-    #[automatically_derived]
-    impl Elements for Chain {
-        const PLACES: Places = Places {
-            components: 1,
-            tables: &[],
-            nests: &[
-                Nest {
-                    loops: &[],
-                    slots: &[
-                        Slot::State {
-                            index: Index {
-                                terms: &[],
-                                constant: 0,
-                                name: Name { name: "0", suffix: "" },
-                            },
-                            is_natural: true,
-                        },
-                    ],
-                },
-            ],
-        };
-        fn entries(
-            &self,
-            table: usize,
-            outer: &[usize],
-            range: Range<usize>,
-        ) -> Entries {
-            Entries::of_length(0)
+            value
         }
         fn slopes<S: Scalar>(
             &self,
-            terms: Terms,
+            part: usize,
+            weight: f64,
             at: &Point<'_, S>,
+            wanted: Slopes,
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
             let beta: f64 = self.beta;
             let size = at.q.len() as isize;
-            if terms.drift {
-                if terms.by_p {
-                    {
-                        let weight = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            let s0 = i0 as usize;
-                            let s0 = &at.p[s0..s0 + len];
-                            let b0 = i0 as usize;
-                            let b0 = &mut by_p[b0..b0 + len];
-                            for place in 0..len {
-                                let p_i = s0[place];
-                                b0[place] = b0[place] + p_i * weight;
+            match part {
+                0 => {
+                    if wanted.by_p {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                let s0 = i0 as usize;
+                                let s0 = &at.p[s0..s0 + len];
+                                let b0 = i0 as usize;
+                                let b0 = &mut by_p[b0..b0 + len];
+                                for place in 0..len {
+                                    let p_i = s0[place];
+                                    b0[place] = b0[place] + p_i * factor;
+                                }
                             }
                         }
                     }
-                }
-                if terms.by_q {
-                    {
-                        let weight = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, size - 1);
-                        if low < end {
-                            let i1 = low;
-                            let len = (end - low) as usize;
-                            let s0 = (i1 + 1) as usize;
-                            let s0 = &at.q[s0..s0 + len];
-                            let s1 = i1 as usize;
-                            let s1 = &at.q[s1..s1 + len];
-                            let at1 = (i1 + 1) as usize + (len - 1);
-                            let mut carried1 = S::from_f64(0.0);
-                            let b1 = i1 as usize;
-                            let b1 = &mut by_q[b1..b1 + len];
-                            for place in 0..len {
-                                let q_i_plus_1 = s0[place];
-                                let q_i = s1[place];
-                                let difference = q_i_plus_1 - q_i;
-                                let product = (difference * difference * beta + 1.0)
-                                    * (weight * difference);
-                                let ahead = product;
-                                b1[place] = b1[place] + (-product + carried1);
-                                carried1 = ahead;
+                    if wanted.by_q {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size - 1);
+                            if low < end {
+                                let i1 = low;
+                                let len = (end - low) as usize;
+                                let s0 = (i1 + 1) as usize;
+                                let s0 = &at.q[s0..s0 + len];
+                                let s1 = i1 as usize;
+                                let s1 = &at.q[s1..s1 + len];
+                                let at1 = (i1 + 1) as usize + (len - 1);
+                                let mut carried1 = S::from_f64(0.0);
+                                let b1 = i1 as usize;
+                                let b1 = &mut by_q[b1..b1 + len];
+                                for place in 0..len {
+                                    let q_i_plus_1 = s0[place];
+                                    let q_i = s1[place];
+                                    let difference = q_i_plus_1 - q_i;
+                                    let product = (difference * difference * beta + 1.0)
+                                        * (factor * difference);
+                                    let ahead = product;
+                                    b1[place] = b1[place] + (-product + carried1);
+                                    carried1 = ahead;
+                                }
+                                by_q[at1] = by_q[at1] + carried1;
                             }
-                            by_q[at1] = by_q[at1] + carried1;
+                        }
+                    }
+                    if wanted.by_q {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let q0 = at.q[0];
+                            by_q[0] = by_q[0] + factor * (q0 * (q0 * q0 * beta + 1.0));
                         }
                     }
                 }
-                if terms.by_q {
-                    {
-                        let weight = S::from_f64(at.h);
-                        let q0 = at.q[0];
-                        by_q[0] = by_q[0] + weight * (q0 * (q0 * q0 * beta + 1.0));
-                    }
-                }
+                _ => {}
             }
         }
         fn curvature<S: Scalar, C: Curvature<S>>(
             &self,
-            terms: Terms,
+            part: usize,
+            weight: f64,
             at: &Point<'_, S>,
+            wanted: Slopes,
             into: &mut C,
         ) {
             let beta: f64 = self.beta;
             let size = at.q.len() as isize;
-            if terms.drift {
-                if terms.by_p {
-                    {
-                        let weight = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            for place in 0..len {
-                                let i0 = low + place as isize;
-                                into.add_pp(i0 as usize, i0 as usize, true, weight);
+            match part {
+                0 => {
+                    if wanted.by_p {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                for place in 0..len {
+                                    let i0 = low + place as isize;
+                                    into.add_pp(i0 as usize, i0 as usize, true, factor);
+                                }
                             }
                         }
                     }
-                }
-                if terms.by_q {
-                    {
-                        let three_beta = 3.0 * beta;
-                        let weight = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, size - 1);
-                        if low < end {
-                            let i1 = low;
-                            let len = (end - low) as usize;
-                            let s0 = (i1 + 1) as usize;
-                            let s0 = &at.q[s0..s0 + len];
-                            let s1 = i1 as usize;
-                            let s1 = &at.q[s1..s1 + len];
-                            for place in 0..len {
-                                let i1 = low + place as isize;
-                                let q_i_plus_1 = s0[place];
-                                let q_i = s1[place];
-                                let difference = q_i_plus_1 - q_i;
-                                let product = weight
-                                    * (difference * difference * three_beta + 1.0);
-                                into.add_qq(
-                                    (i1 + 1) as usize,
-                                    (i1 + 1) as usize,
-                                    true,
-                                    product,
-                                );
-                                into.add_qq(
-                                    (i1 + 1) as usize,
-                                    i1 as usize,
-                                    false,
-                                    -product,
-                                );
-                                into.add_qq(i1 as usize, i1 as usize, true, product);
+                    if wanted.by_q {
+                        {
+                            let three_beta = 3.0 * beta;
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size - 1);
+                            if low < end {
+                                let i1 = low;
+                                let len = (end - low) as usize;
+                                let s0 = (i1 + 1) as usize;
+                                let s0 = &at.q[s0..s0 + len];
+                                let s1 = i1 as usize;
+                                let s1 = &at.q[s1..s1 + len];
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let q_i_plus_1 = s0[place];
+                                    let q_i = s1[place];
+                                    let difference = q_i_plus_1 - q_i;
+                                    let product = factor
+                                        * (difference * difference * three_beta + 1.0);
+                                    into.add_qq(
+                                        (i1 + 1) as usize,
+                                        (i1 + 1) as usize,
+                                        true,
+                                        product,
+                                    );
+                                    into.add_qq(
+                                        (i1 + 1) as usize,
+                                        i1 as usize,
+                                        false,
+                                        -product,
+                                    );
+                                    into.add_qq(i1 as usize, i1 as usize, true, product);
+                                }
                             }
                         }
                     }
-                }
-                if terms.by_q {
-                    {
-                        let three_beta = 3.0 * beta;
-                        let weight = S::from_f64(at.h);
-                        let q0 = at.q[0];
-                        into.add_qq(0, 0, true, weight * (q0 * q0 * three_beta + 1.0));
+                    if wanted.by_q {
+                        {
+                            let three_beta = 3.0 * beta;
+                            let factor = S::from_f64(at.h);
+                            let q0 = at.q[0];
+                            into.add_qq(
+                                0,
+                                0,
+                                true,
+                                factor * (q0 * q0 * three_beta + 1.0),
+                            );
+                        }
                     }
                 }
+                _ => {}
             }
         }
     }
     const _: () = {
         const SCHEME: Scheme = Scheme {
-            drift_l: 0.5,
-            noise_l: 0.5,
-            counter: 0.0,
+            stages: &[
+                Stage {
+                    point: 0.5,
+                    start: 0.5,
+                    end: 0.5,
+                    parts: &[(0, 1.0)],
+                },
+            ],
+            update: MomentumUpdate::Multiple(2.0),
             unknowns: Unknowns::Momenta,
             remembers: true,
             is_linear: false,
-            has_noise: false,
         };
         #[automatically_derived]
         impl Discretized<Midpoint> for Chain {
@@ -452,7 +409,7 @@ const _: () = {
                 h: f64,
                 dw: &[f64],
             ) -> Self::Vector {
-                wzvi::elements::step_momentum(self, &SCHEME, before, h, dw)
+                wzvi::elements::step_momentum(self, &SCHEME, before, after, h, dw)
             }
         }
     };
@@ -468,15 +425,15 @@ const _: () = {
         binding as b1, binding as before, binding as beta, binding as by_p,
         binding as by_q, binding as carried1, binding as carry, binding as degrees,
         binding as difference, binding as difference_squared, binding as dw,
-        binding as end, binding as h, binding as i0, binding as i1, binding as index,
-        binding as into, binding as len, binding as low, binding as memory,
-        binding as nan, binding as outer, binding as p, binding as p_i, binding as place,
-        binding as prepared, binding as product, binding as q, binding as q0,
-        binding as q0_squared, binding as q_i, binding as q_i_plus_1,
-        binding as quarter_beta, binding as range, binding as s0, binding as s1,
-        binding as segment, binding as size, binding as t, binding as table,
-        binding as term, binding as terms, binding as three_beta, binding as total,
-        binding as weight,
+        binding as end, binding as factor, binding as h, binding as i0, binding as i1,
+        binding as index, binding as into, binding as len, binding as low,
+        binding as memory, binding as outer, binding as p, binding as p_i,
+        binding as part, binding as place, binding as prepared, binding as product,
+        binding as q, binding as q0, binding as q0_squared, binding as q_i,
+        binding as q_i_plus_1, binding as quarter_beta, binding as range, binding as s0,
+        binding as s1, binding as segment, binding as size, binding as t,
+        binding as table, binding as term, binding as three_beta, binding as total,
+        binding as value, binding as wanted, binding as weight,
     };
 };
 const _: () = {

@@ -51,7 +51,8 @@ const _: () = {
         Knowledge, LagrangianGradient, NoiseClass, Plain, Plan, Range, Result, Scalar,
         Segment, Solver, State, StepFailure, bool, f64, i128, isize, str, usize,
         elements::{
-            CompensationVec, Curvature, Elements, Memory, Point, Scheme, Terms, Unknowns,
+            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
+            Slopes, Stage, Unknowns,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -68,51 +69,7 @@ const _: () = {
             wzvi::elements::check(self, degrees)
         }
         fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            let nan = S::from_f64(f64::NAN);
-            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()) {
-                return nan;
-            }
-            let size = q.len() as isize;
-            let at = Point { q, p, t, h: 1.0, dw: &[] };
-            let mut total = S::from_f64(0.0);
-            match term {
-                0 => {
-                    {
-                        let mut b0 = S::from_f64(0.0);
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            let s0 = i0 as usize;
-                            let s0 = &at.p[s0..s0 + len];
-                            for place in 0..len {
-                                let p_i = s0[place];
-                                b0 = b0 + p_i * p_i * 0.5;
-                            }
-                        }
-                        total = total + b0;
-                    }
-                    {
-                        let mut b0 = S::from_f64(0.0);
-                        let (low, end): (isize, isize) = (0, self.bonds.len() as isize);
-                        if low < end {
-                            let i1 = low;
-                            let len = (end - low) as usize;
-                            for place in 0..len {
-                                let i1 = low + place as isize;
-                                let bonds_2_i = S::from_f64(self.bonds[i1 as usize].2);
-                                let q_bonds_0_i = at.q[self.bonds[i1 as usize].0 as usize];
-                                let q_bonds_1_i = at.q[self.bonds[i1 as usize].1 as usize];
-                                let difference = q_bonds_0_i - q_bonds_1_i;
-                                b0 = b0 + bonds_2_i * (difference * difference) * 0.5;
-                            }
-                        }
-                        total = total + b0;
-                    }
-                }
-                _ => return nan,
-            }
-            total
+            wzvi::elements::evaluate(self, term, q, p, t)
         }
         fn differentiate<S: Scalar>(
             &self,
@@ -123,59 +80,7 @@ const _: () = {
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            let nan = S::from_f64(f64::NAN);
-            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()
-                && by_q.len() == q.len() && by_p.len() == q.len())
-            {
-                by_q.fill(nan);
-                by_p.fill(nan);
-                return;
-            }
-            by_q.fill(S::from_f64(0.0));
-            by_p.fill(S::from_f64(0.0));
-            let size = q.len() as isize;
-            let at = Point { q, p, t, h: 1.0, dw: &[] };
-            match term {
-                0 => {
-                    {
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            let s0 = i0 as usize;
-                            let s0 = &at.p[s0..s0 + len];
-                            let b0 = i0 as usize;
-                            let b0 = &mut by_p[b0..b0 + len];
-                            for place in 0..len {
-                                let p_i = s0[place];
-                                b0[place] = b0[place] + p_i;
-                            }
-                        }
-                    }
-                    {
-                        let (low, end): (isize, isize) = (0, self.bonds.len() as isize);
-                        if low < end {
-                            let i1 = low;
-                            let len = (end - low) as usize;
-                            for place in 0..len {
-                                let i1 = low + place as isize;
-                                let bonds_2_i = S::from_f64(self.bonds[i1 as usize].2);
-                                let q_bonds_0_i = at.q[self.bonds[i1 as usize].0 as usize];
-                                let q_bonds_1_i = at.q[self.bonds[i1 as usize].1 as usize];
-                                let product = bonds_2_i * (q_bonds_0_i - q_bonds_1_i);
-                                let at_index = self.bonds[i1 as usize].0 as usize;
-                                by_q[at_index] = by_q[at_index] + product;
-                                let at_index = self.bonds[i1 as usize].1 as usize;
-                                by_q[at_index] = by_q[at_index] + -product;
-                            }
-                        }
-                    }
-                }
-                _ => {
-                    by_q.fill(nan);
-                    by_p.fill(nan);
-                }
-            }
+            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
         }
     }
     #[automatically_derived]
@@ -307,36 +212,30 @@ const _: () = {
                 _ => Entries::of_length(0),
             }
         }
-        fn slopes<S: Scalar>(
-            &self,
-            terms: Terms,
-            at: &Point<'_, S>,
-            by_q: &mut [S],
-            by_p: &mut [S],
-        ) {
+        const INTEGRALS: usize = 3;
+        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let size = at.q.len() as isize;
-            if terms.drift {
-                if terms.by_p {
+            let mut value = S::from_f64(0.0);
+            match part {
+                0 => {
+                    let mut total = S::from_f64(0.0);
                     {
-                        let weight = S::from_f64(at.h);
+                        let mut b0 = S::from_f64(0.0);
                         let (low, end): (isize, isize) = (0, size);
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
                             let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
-                            let b0 = i0 as usize;
-                            let b0 = &mut by_p[b0..b0 + len];
                             for place in 0..len {
                                 let p_i = s0[place];
-                                b0[place] = b0[place] + p_i * weight;
+                                b0 = b0 + p_i * p_i * 0.5;
                             }
                         }
+                        total = total + b0;
                     }
-                }
-                if terms.by_q {
                     {
-                        let weight = S::from_f64(at.h);
+                        let mut b0 = S::from_f64(0.0);
                         let (low, end): (isize, isize) = (0, self.bonds.len() as isize);
                         if low < end {
                             let i1 = low;
@@ -346,85 +245,157 @@ const _: () = {
                                 let bonds_2_i = S::from_f64(self.bonds[i1 as usize].2);
                                 let q_bonds_0_i = at.q[self.bonds[i1 as usize].0 as usize];
                                 let q_bonds_1_i = at.q[self.bonds[i1 as usize].1 as usize];
-                                let product = (q_bonds_0_i - q_bonds_1_i)
-                                    * (bonds_2_i * weight);
-                                let at_index = self.bonds[i1 as usize].0 as usize;
-                                by_q[at_index] = by_q[at_index] + product;
-                                let at_index = self.bonds[i1 as usize].1 as usize;
-                                by_q[at_index] = by_q[at_index] + -product;
+                                let difference = q_bonds_0_i - q_bonds_1_i;
+                                b0 = b0 + bonds_2_i * (difference * difference) * 0.5;
+                            }
+                        }
+                        total = total + b0;
+                    }
+                    value = value + total * S::from_f64(at.h);
+                }
+                _ => {}
+            }
+            value
+        }
+        fn slopes<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S>,
+            wanted: Slopes,
+            by_q: &mut [S],
+            by_p: &mut [S],
+        ) {
+            let size = at.q.len() as isize;
+            match part {
+                0 => {
+                    if wanted.by_p {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                let s0 = i0 as usize;
+                                let s0 = &at.p[s0..s0 + len];
+                                let b0 = i0 as usize;
+                                let b0 = &mut by_p[b0..b0 + len];
+                                for place in 0..len {
+                                    let p_i = s0[place];
+                                    b0[place] = b0[place] + p_i * factor;
+                                }
+                            }
+                        }
+                    }
+                    if wanted.by_q {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (
+                                0,
+                                self.bonds.len() as isize,
+                            );
+                            if low < end {
+                                let i1 = low;
+                                let len = (end - low) as usize;
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let bonds_2_i = S::from_f64(self.bonds[i1 as usize].2);
+                                    let q_bonds_0_i = at.q[self.bonds[i1 as usize].0 as usize];
+                                    let q_bonds_1_i = at.q[self.bonds[i1 as usize].1 as usize];
+                                    let product = (q_bonds_0_i - q_bonds_1_i)
+                                        * (bonds_2_i * factor);
+                                    let at_index = self.bonds[i1 as usize].0 as usize;
+                                    by_q[at_index] = by_q[at_index] + product;
+                                    let at_index = self.bonds[i1 as usize].1 as usize;
+                                    by_q[at_index] = by_q[at_index] + -product;
+                                }
                             }
                         }
                     }
                 }
+                _ => {}
             }
         }
         fn curvature<S: Scalar, C: Curvature<S>>(
             &self,
-            terms: Terms,
+            part: usize,
+            weight: f64,
             at: &Point<'_, S>,
+            wanted: Slopes,
             into: &mut C,
         ) {
             let size = at.q.len() as isize;
-            if terms.drift {
-                if terms.by_p {
-                    {
-                        let weight = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            for place in 0..len {
-                                let i0 = low + place as isize;
-                                into.add_pp(i0 as usize, i0 as usize, true, weight);
+            match part {
+                0 => {
+                    if wanted.by_p {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                for place in 0..len {
+                                    let i0 = low + place as isize;
+                                    into.add_pp(i0 as usize, i0 as usize, true, factor);
+                                }
+                            }
+                        }
+                    }
+                    if wanted.by_q {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (
+                                0,
+                                self.bonds.len() as isize,
+                            );
+                            if low < end {
+                                let i1 = low;
+                                let len = (end - low) as usize;
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let bonds_2_i = S::from_f64(self.bonds[i1 as usize].2);
+                                    let bonds_2_i_factor = bonds_2_i * factor;
+                                    into.add_qq(
+                                        self.bonds[i1 as usize].0 as usize,
+                                        self.bonds[i1 as usize].0 as usize,
+                                        true,
+                                        bonds_2_i_factor,
+                                    );
+                                    into.add_qq(
+                                        self.bonds[i1 as usize].0 as usize,
+                                        self.bonds[i1 as usize].1 as usize,
+                                        false,
+                                        -bonds_2_i_factor,
+                                    );
+                                    into.add_qq(
+                                        self.bonds[i1 as usize].1 as usize,
+                                        self.bonds[i1 as usize].1 as usize,
+                                        true,
+                                        bonds_2_i_factor,
+                                    );
+                                }
                             }
                         }
                     }
                 }
-                if terms.by_q {
-                    {
-                        let weight = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, self.bonds.len() as isize);
-                        if low < end {
-                            let i1 = low;
-                            let len = (end - low) as usize;
-                            for place in 0..len {
-                                let i1 = low + place as isize;
-                                let bonds_2_i = S::from_f64(self.bonds[i1 as usize].2);
-                                let bonds_2_i_weight = bonds_2_i * weight;
-                                into.add_qq(
-                                    self.bonds[i1 as usize].0 as usize,
-                                    self.bonds[i1 as usize].0 as usize,
-                                    true,
-                                    bonds_2_i_weight,
-                                );
-                                into.add_qq(
-                                    self.bonds[i1 as usize].0 as usize,
-                                    self.bonds[i1 as usize].1 as usize,
-                                    false,
-                                    -bonds_2_i_weight,
-                                );
-                                into.add_qq(
-                                    self.bonds[i1 as usize].1 as usize,
-                                    self.bonds[i1 as usize].1 as usize,
-                                    true,
-                                    bonds_2_i_weight,
-                                );
-                            }
-                        }
-                    }
-                }
+                _ => {}
             }
         }
     }
     const _: () = {
         const SCHEME: Scheme = Scheme {
-            drift_l: 0.0,
-            noise_l: 0.0,
-            counter: 0.0,
+            stages: &[
+                Stage {
+                    point: 0.0,
+                    start: 1.0,
+                    end: 0.0,
+                    parts: &[(0, 1.0)],
+                },
+            ],
+            update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::None,
             remembers: false,
             is_linear: false,
-            has_noise: false,
         };
         #[automatically_derived]
         impl Discretized<DeltaPlus> for Bonds {
@@ -489,23 +460,24 @@ const _: () = {
                 h: f64,
                 dw: &[f64],
             ) -> Self::Vector {
-                wzvi::elements::step_momentum(self, &SCHEME, before, h, dw)
+                wzvi::elements::step_momentum(self, &SCHEME, before, after, h, dw)
             }
         }
     };
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as after, binding as at, binding as at_index, binding as b0,
-        binding as before, binding as bonds_2_i, binding as bonds_2_i_weight,
+        binding as before, binding as bonds_2_i, binding as bonds_2_i_factor,
         binding as by_p, binding as by_q, binding as carry, binding as degrees,
         binding as difference, binding as dw, binding as end, binding as entry,
-        binding as h, binding as i0, binding as i1, binding as integer, binding as into,
-        binding as len, binding as list, binding as low, binding as memory,
-        binding as nan, binding as outer, binding as p, binding as p_i, binding as place,
-        binding as prepared, binding as product, binding as q, binding as q_bonds_0_i,
-        binding as q_bonds_1_i, binding as range, binding as s0, binding as segment,
-        binding as size, binding as t, binding as table, binding as term,
-        binding as terms, binding as total, binding as weight,
+        binding as factor, binding as h, binding as i0, binding as i1,
+        binding as integer, binding as into, binding as len, binding as list,
+        binding as low, binding as memory, binding as outer, binding as p,
+        binding as p_i, binding as part, binding as place, binding as prepared,
+        binding as product, binding as q, binding as q_bonds_0_i, binding as q_bonds_1_i,
+        binding as range, binding as s0, binding as segment, binding as size,
+        binding as t, binding as table, binding as term, binding as total,
+        binding as value, binding as wanted, binding as weight,
     };
 };
 const _: () = {

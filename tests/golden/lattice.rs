@@ -58,7 +58,8 @@ const _: () = {
         Result, Scalar, Segment, Solver, State, StepFailure, bool, f64, isize, str,
         usize,
         elements::{
-            CompensationVec, Curvature, Elements, Memory, Point, Scheme, Terms, Unknowns,
+            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
+            Slopes, Stage, Unknowns,
         },
         elements::places::{Entries, Name, Places},
         embedding::DeltaPlus,
@@ -76,15 +77,42 @@ const _: () = {
             [("k", self.k)].get(index).copied()
         }
         fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            let nan = S::from_f64(f64::NAN);
-            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()) {
-                return nan;
-            }
+            wzvi::elements::evaluate(self, term, q, p, t)
+        }
+        fn differentiate<S: Scalar>(
+            &self,
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
+        ) {
+            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
+        }
+    }
+    #[automatically_derived]
+    impl<const N: usize> Elements for Lattice<N> {
+        const PLACES: Places = Places {
+            components: 2,
+            tables: &[Name { name: "", suffix: "" }],
+            nests: &[],
+        };
+        fn entries(
+            &self,
+            table: usize,
+            outer: &[usize],
+            range: Range<usize>,
+        ) -> Entries {
+            Entries::of_length(0)
+        }
+        const INTEGRALS: usize = 3;
+        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let k: f64 = self.k;
-            let at = Point { q, p, t, h: 1.0, dw: &[] };
-            let mut total = S::from_f64(0.0);
-            match term {
+            let mut value = S::from_f64(0.0);
+            match part {
                 0 => {
+                    let mut total = S::from_f64(0.0);
                     {
                         let mut b0 = S::from_f64(0.0);
                         let (low, end): (isize, isize) = (0, N as isize);
@@ -131,320 +159,221 @@ const _: () = {
                         }
                         total = total + b0;
                     }
+                    value = value + total * S::from_f64(at.h);
                 }
-                _ => return nan,
+                _ => {}
             }
-            total
-        }
-        fn differentiate<S: Scalar>(
-            &self,
-            term: usize,
-            q: &[S],
-            p: &[S],
-            t: f64,
-            by_q: &mut [S],
-            by_p: &mut [S],
-        ) {
-            let nan = S::from_f64(f64::NAN);
-            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()
-                && by_q.len() == q.len() && by_p.len() == q.len())
-            {
-                by_q.fill(nan);
-                by_p.fill(nan);
-                return;
-            }
-            by_q.fill(S::from_f64(0.0));
-            by_p.fill(S::from_f64(0.0));
-            let k: f64 = self.k;
-            let at = Point { q, p, t, h: 1.0, dw: &[] };
-            match term {
-                0 => {
-                    {
-                        let (low, end): (isize, isize) = (0, N as isize);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            let points0 = (2 * i0) as usize;
-                            let points0 = &at
-                                .p[points0..points0 + 2 * len]
-                                .as_chunks::<2>()
-                                .0[..len];
-                            let points1 = (2 * i0) as usize;
-                            let points1 = &mut by_p[points1..points1 + 2 * len]
-                                .as_chunks_mut::<2>()
-                                .0[..len];
-                            for place in 0..len {
-                                let p_2i = points0[place][0];
-                                let p_2i_plus_1 = points0[place][1];
-                                points1[place][0] = points1[place][0] + p_2i;
-                                points1[place][1] = points1[place][1] + p_2i_plus_1;
-                            }
-                        }
-                    }
-                    {
-                        let mut b0 = [S::from_f64(0.0); 64];
-                        let mut b2 = [S::from_f64(0.0); 64];
-                        let mut i1: isize = 0;
-                        let end: isize = N as isize;
-                        while i1 < end {
-                            let low = i1;
-                            let len = Ord::min((end - low) as usize, 64);
-                            let points0 = (2 * i1) as usize;
-                            let points0 = &at
-                                .q[points0..points0 + 2 * len]
-                                .as_chunks::<2>()
-                                .0[..len];
-                            let points1 = (2 * i1) as usize;
-                            let points1 = &mut by_q[points1..points1 + 2 * len]
-                                .as_chunks_mut::<2>()
-                                .0[..len];
-                            let b0 = &mut b0[..len];
-                            let b2 = &mut b2[..len];
-                            for place in 0..len {
-                                let i1 = low + place as isize;
-                                let q_2_i_plus_1_mod_N = at
-                                    .q[(2 * ((i1 + 1) % (N as isize))) as usize];
-                                let q_2i = points0[place][0];
-                                let q_2_i_plus_1_mod_N_plus_1 = at
-                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as usize];
-                                let q_2i_plus_1 = points0[place][1];
-                                let product = ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
-                                let difference = q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1;
-                                points1[place][0] = points1[place][0] + -product;
-                                points1[place][1] = points1[place][1] + -difference;
-                                b0[place] = product;
-                                b2[place] = difference;
-                            }
-                            for place in 0..len {
-                                let i1 = low + place as isize;
-                                let at_index = (2 * ((i1 + 1) % (N as isize))) as usize;
-                                by_q[at_index] = by_q[at_index] + b0[place];
-                            }
-                            for place in 0..len {
-                                let i1 = low + place as isize;
-                                let at_index = (2 * ((i1 + 1) % (N as isize)) + 1) as usize;
-                                by_q[at_index] = by_q[at_index] + b2[place];
-                            }
-                            i1 += len as isize;
-                        }
-                    }
-                }
-                _ => {
-                    by_q.fill(nan);
-                    by_p.fill(nan);
-                }
-            }
-        }
-    }
-    #[automatically_derived]
-    impl<const N: usize> Elements for Lattice<N> {
-        const PLACES: Places = Places {
-            components: 2,
-            tables: &[Name { name: "", suffix: "" }],
-            nests: &[],
-        };
-        fn entries(
-            &self,
-            table: usize,
-            outer: &[usize],
-            range: Range<usize>,
-        ) -> Entries {
-            Entries::of_length(0)
+            value
         }
         fn slopes<S: Scalar>(
             &self,
-            terms: Terms,
+            part: usize,
+            weight: f64,
             at: &Point<'_, S>,
+            wanted: Slopes,
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
             let k: f64 = self.k;
-            if terms.drift {
-                if terms.by_p {
-                    {
-                        let weight = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, N as isize);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            let points0 = (2 * i0) as usize;
-                            let points0 = &at
-                                .p[points0..points0 + 2 * len]
-                                .as_chunks::<2>()
-                                .0[..len];
-                            let points1 = (2 * i0) as usize;
-                            let points1 = &mut by_p[points1..points1 + 2 * len]
-                                .as_chunks_mut::<2>()
-                                .0[..len];
-                            for place in 0..len {
-                                let p_2i = points0[place][0];
-                                let p_2i_plus_1 = points0[place][1];
-                                points1[place][0] = points1[place][0] + p_2i * weight;
-                                points1[place][1] = points1[place][1]
-                                    + p_2i_plus_1 * weight;
+            match part {
+                0 => {
+                    if wanted.by_p {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, N as isize);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                let points0 = (2 * i0) as usize;
+                                let points0 = &at
+                                    .p[points0..points0 + 2 * len]
+                                    .as_chunks::<2>()
+                                    .0[..len];
+                                let points1 = (2 * i0) as usize;
+                                let points1 = &mut by_p[points1..points1 + 2 * len]
+                                    .as_chunks_mut::<2>()
+                                    .0[..len];
+                                for place in 0..len {
+                                    let p_2i = points0[place][0];
+                                    let p_2i_plus_1 = points0[place][1];
+                                    points1[place][0] = points1[place][0] + p_2i * factor;
+                                    points1[place][1] = points1[place][1]
+                                        + p_2i_plus_1 * factor;
+                                }
+                            }
+                        }
+                    }
+                    if wanted.by_q {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let mut b0 = [S::from_f64(0.0); 64];
+                            let mut b2 = [S::from_f64(0.0); 64];
+                            let mut i1: isize = 0;
+                            let end: isize = N as isize;
+                            while i1 < end {
+                                let low = i1;
+                                let len = Ord::min((end - low) as usize, 64);
+                                let points0 = (2 * i1) as usize;
+                                let points0 = &at
+                                    .q[points0..points0 + 2 * len]
+                                    .as_chunks::<2>()
+                                    .0[..len];
+                                let points1 = (2 * i1) as usize;
+                                let points1 = &mut by_q[points1..points1 + 2 * len]
+                                    .as_chunks_mut::<2>()
+                                    .0[..len];
+                                let b0 = &mut b0[..len];
+                                let b2 = &mut b2[..len];
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let q_2_i_plus_1_mod_N = at
+                                        .q[(2 * ((i1 + 1) % (N as isize))) as usize];
+                                    let q_2i = points0[place][0];
+                                    let q_2_i_plus_1_mod_N_plus_1 = at
+                                        .q[(2 * ((i1 + 1) % (N as isize)) + 1) as usize];
+                                    let q_2i_plus_1 = points0[place][1];
+                                    let product = factor
+                                        * ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
+                                    let product2 = factor
+                                        * (q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1);
+                                    points1[place][0] = points1[place][0] + -product;
+                                    points1[place][1] = points1[place][1] + -product2;
+                                    b0[place] = product;
+                                    b2[place] = product2;
+                                }
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let at_index = (2 * ((i1 + 1) % (N as isize))) as usize;
+                                    by_q[at_index] = by_q[at_index] + b0[place];
+                                }
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let at_index = (2 * ((i1 + 1) % (N as isize)) + 1) as usize;
+                                    by_q[at_index] = by_q[at_index] + b2[place];
+                                }
+                                i1 += len as isize;
                             }
                         }
                     }
                 }
-                if terms.by_q {
-                    {
-                        let weight = S::from_f64(at.h);
-                        let mut b0 = [S::from_f64(0.0); 64];
-                        let mut b2 = [S::from_f64(0.0); 64];
-                        let mut i1: isize = 0;
-                        let end: isize = N as isize;
-                        while i1 < end {
-                            let low = i1;
-                            let len = Ord::min((end - low) as usize, 64);
-                            let points0 = (2 * i1) as usize;
-                            let points0 = &at
-                                .q[points0..points0 + 2 * len]
-                                .as_chunks::<2>()
-                                .0[..len];
-                            let points1 = (2 * i1) as usize;
-                            let points1 = &mut by_q[points1..points1 + 2 * len]
-                                .as_chunks_mut::<2>()
-                                .0[..len];
-                            let b0 = &mut b0[..len];
-                            let b2 = &mut b2[..len];
-                            for place in 0..len {
-                                let i1 = low + place as isize;
-                                let q_2_i_plus_1_mod_N = at
-                                    .q[(2 * ((i1 + 1) % (N as isize))) as usize];
-                                let q_2i = points0[place][0];
-                                let q_2_i_plus_1_mod_N_plus_1 = at
-                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as usize];
-                                let q_2i_plus_1 = points0[place][1];
-                                let product = weight
-                                    * ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
-                                let product2 = weight
-                                    * (q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1);
-                                points1[place][0] = points1[place][0] + -product;
-                                points1[place][1] = points1[place][1] + -product2;
-                                b0[place] = product;
-                                b2[place] = product2;
-                            }
-                            for place in 0..len {
-                                let i1 = low + place as isize;
-                                let at_index = (2 * ((i1 + 1) % (N as isize))) as usize;
-                                by_q[at_index] = by_q[at_index] + b0[place];
-                            }
-                            for place in 0..len {
-                                let i1 = low + place as isize;
-                                let at_index = (2 * ((i1 + 1) % (N as isize)) + 1) as usize;
-                                by_q[at_index] = by_q[at_index] + b2[place];
-                            }
-                            i1 += len as isize;
-                        }
-                    }
-                }
+                _ => {}
             }
         }
         fn curvature<S: Scalar, C: Curvature<S>>(
             &self,
-            terms: Terms,
+            part: usize,
+            weight: f64,
             at: &Point<'_, S>,
+            wanted: Slopes,
             into: &mut C,
         ) {
             let k: f64 = self.k;
-            if terms.drift {
-                if terms.by_p {
-                    {
-                        let weight = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, N as isize);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            for place in 0..len {
-                                let i0 = low + place as isize;
-                                into.add_pp(
-                                    (2 * i0) as usize,
-                                    (2 * i0) as usize,
-                                    true,
-                                    weight,
-                                );
-                                into.add_pp(
-                                    (2 * i0 + 1) as usize,
-                                    (2 * i0 + 1) as usize,
-                                    true,
-                                    weight,
-                                );
+            match part {
+                0 => {
+                    if wanted.by_p {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, N as isize);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                for place in 0..len {
+                                    let i0 = low + place as isize;
+                                    into.add_pp(
+                                        (2 * i0) as usize,
+                                        (2 * i0) as usize,
+                                        true,
+                                        factor,
+                                    );
+                                    into.add_pp(
+                                        (2 * i0 + 1) as usize,
+                                        (2 * i0 + 1) as usize,
+                                        true,
+                                        factor,
+                                    );
+                                }
+                            }
+                        }
+                    }
+                    if wanted.by_q {
+                        {
+                            let k_squared = k * k;
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, N as isize);
+                            if low < end {
+                                let i1 = low;
+                                let len = (end - low) as usize;
+                                let points0 = (2 * i1) as usize;
+                                let points0 = &at
+                                    .q[points0..points0 + 2 * len]
+                                    .as_chunks::<2>()
+                                    .0[..len];
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let q_2_i_plus_1_mod_N = at
+                                        .q[(2 * ((i1 + 1) % (N as isize))) as usize];
+                                    let q_2i = points0[place][0];
+                                    let product = factor
+                                        * ((q_2_i_plus_1_mod_N - q_2i) * k).cos() * k_squared;
+                                    into.add_qq(
+                                        (2 * ((i1 + 1) % (N as isize))) as usize,
+                                        (2 * ((i1 + 1) % (N as isize))) as usize,
+                                        true,
+                                        product,
+                                    );
+                                    into.add_qq(
+                                        (2 * ((i1 + 1) % (N as isize))) as usize,
+                                        (2 * i1) as usize,
+                                        false,
+                                        -product,
+                                    );
+                                    into.add_qq(
+                                        (2 * i1) as usize,
+                                        (2 * i1) as usize,
+                                        true,
+                                        product,
+                                    );
+                                    into.add_qq(
+                                        (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
+                                        (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
+                                        true,
+                                        factor,
+                                    );
+                                    into.add_qq(
+                                        (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
+                                        (2 * i1 + 1) as usize,
+                                        false,
+                                        -factor,
+                                    );
+                                    into.add_qq(
+                                        (2 * i1 + 1) as usize,
+                                        (2 * i1 + 1) as usize,
+                                        true,
+                                        factor,
+                                    );
+                                }
                             }
                         }
                     }
                 }
-                if terms.by_q {
-                    {
-                        let k_squared = k * k;
-                        let weight = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, N as isize);
-                        if low < end {
-                            let i1 = low;
-                            let len = (end - low) as usize;
-                            let points0 = (2 * i1) as usize;
-                            let points0 = &at
-                                .q[points0..points0 + 2 * len]
-                                .as_chunks::<2>()
-                                .0[..len];
-                            for place in 0..len {
-                                let i1 = low + place as isize;
-                                let q_2_i_plus_1_mod_N = at
-                                    .q[(2 * ((i1 + 1) % (N as isize))) as usize];
-                                let q_2i = points0[place][0];
-                                let product = weight
-                                    * ((q_2_i_plus_1_mod_N - q_2i) * k).cos() * k_squared;
-                                into.add_qq(
-                                    (2 * ((i1 + 1) % (N as isize))) as usize,
-                                    (2 * ((i1 + 1) % (N as isize))) as usize,
-                                    true,
-                                    product,
-                                );
-                                into.add_qq(
-                                    (2 * ((i1 + 1) % (N as isize))) as usize,
-                                    (2 * i1) as usize,
-                                    false,
-                                    -product,
-                                );
-                                into.add_qq(
-                                    (2 * i1) as usize,
-                                    (2 * i1) as usize,
-                                    true,
-                                    product,
-                                );
-                                into.add_qq(
-                                    (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
-                                    (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
-                                    true,
-                                    weight,
-                                );
-                                into.add_qq(
-                                    (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
-                                    (2 * i1 + 1) as usize,
-                                    false,
-                                    -weight,
-                                );
-                                into.add_qq(
-                                    (2 * i1 + 1) as usize,
-                                    (2 * i1 + 1) as usize,
-                                    true,
-                                    weight,
-                                );
-                            }
-                        }
-                    }
-                }
+                _ => {}
             }
         }
     }
     const _: () = {
         const SCHEME: Scheme = Scheme {
-            drift_l: 0.0,
-            noise_l: 0.0,
-            counter: 0.0,
+            stages: &[
+                Stage {
+                    point: 0.0,
+                    start: 1.0,
+                    end: 0.0,
+                    parts: &[(0, 1.0)],
+                },
+            ],
+            update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::None,
             remembers: false,
             is_linear: false,
-            has_noise: false,
         };
         #[automatically_derived]
         impl<const N: usize> Discretized<DeltaPlus> for Lattice<N> {
@@ -512,7 +441,7 @@ const _: () = {
                 h: f64,
                 dw: &[f64],
             ) -> Self::Vector {
-                wzvi::elements::step_momentum(self, &SCHEME, before, h, dw)
+                wzvi::elements::step_momentum(self, &SCHEME, before, after, h, dw)
             }
         }
     };
@@ -521,16 +450,16 @@ const _: () = {
         binding as after, binding as at, binding as at_index, binding as b0,
         binding as b2, binding as before, binding as by_p, binding as by_q,
         binding as carry, binding as degrees, binding as difference, binding as dw,
-        binding as end, binding as h, binding as half_k, binding as i0, binding as i1,
-        binding as index, binding as into, binding as k, binding as k_squared,
-        binding as len, binding as low, binding as memory, binding as nan,
+        binding as end, binding as factor, binding as h, binding as half_k,
+        binding as i0, binding as i1, binding as index, binding as into, binding as k,
+        binding as k_squared, binding as len, binding as low, binding as memory,
         binding as outer, binding as p, binding as p_2i, binding as p_2i_plus_1,
-        binding as place, binding as points0, binding as points1, binding as prepared,
-        binding as product, binding as product2, binding as q,
+        binding as part, binding as place, binding as points0, binding as points1,
+        binding as prepared, binding as product, binding as product2, binding as q,
         binding as q_2_i_plus_1_mod_N, binding as q_2_i_plus_1_mod_N_plus_1,
         binding as q_2i, binding as q_2i_plus_1, binding as range, binding as segment,
         binding as sin, binding as t, binding as table, binding as term,
-        binding as terms, binding as total, binding as weight,
+        binding as total, binding as value, binding as wanted, binding as weight,
     };
 };
 const _: () = {

@@ -53,10 +53,13 @@ pub struct Bath {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
-        Knowledge, LagrangianGradient, NoiseClass, None, Ok, Option, PhantomData, Plain,
-        Plan, Range, Result, Scalar, Segment, Solution, Solver, Some, State, StepFailure,
-        bool, f64, i128, isize, str, usize, compose::Composes,
-        elements::{CompensationVec, Curvature, Elements, Point, Scheme, Terms, Unknowns},
+        Knowledge, LagrangianGradient, NoiseClass, None, Ok, Option, Ord, PhantomData,
+        Plain, Plan, Range, Result, Scalar, Segment, Solution, Solver, Some, State,
+        StepFailure, bool, f64, i128, isize, str, usize, compose::Composes,
+        elements::{
+            CompensationVec, Curvature, Elements, MomentumUpdate, Point, Scheme, Slopes,
+            Stage, Unknowns,
+        },
         elements::places::{Atom, Entries, Index, Loop, Name, Nest, Places, Slot},
         elements::sites::Sites, embedding::{Composed, Midpoint},
     };
@@ -76,44 +79,7 @@ const _: () = {
             [("sigma", self.sigma)].get(index).copied()
         }
         fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            let nan = S::from_f64(f64::NAN);
-            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()) {
-                return nan;
-            }
-            let sigma: f64 = self.sigma;
-            let size = q.len() as isize;
-            let at = Point { q, p, t, h: 1.0, dw: &[] };
-            let mut total = S::from_f64(0.0);
-            match term {
-                0 => {
-                    let mut b0 = S::from_f64(0.0);
-                    let (low, end): (isize, isize) = (0, size);
-                    if low < end {
-                        let i0 = low;
-                        let len = (end - low) as usize;
-                        let s0 = i0 as usize;
-                        let s0 = &at.p[s0..s0 + len];
-                        let s1 = i0 as usize;
-                        let s1 = &at.q[s1..s1 + len];
-                        for place in 0..len {
-                            let p_i = s0[place];
-                            let q_i = s1[place];
-                            b0 = b0 + (q_i * q_i + p_i * p_i) * 0.5;
-                        }
-                    }
-                    total = total + b0;
-                }
-                member if member as isize > 0
-                    && member as isize <= (self.sites as isize) => {
-                    let i1 = member as isize - 1 - 0;
-                    {
-                        let q_i = at.q[i1 as usize];
-                        total = total + q_i * sigma;
-                    }
-                }
-                _ => return nan,
-            }
-            total
+            wzvi::elements::evaluate(self, term, q, p, t)
         }
         fn differentiate<S: Scalar>(
             &self,
@@ -124,65 +90,7 @@ const _: () = {
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            let nan = S::from_f64(f64::NAN);
-            if !(q.len() == p.len() && wzvi::elements::check(self, q.len()).is_ok()
-                && by_q.len() == q.len() && by_p.len() == q.len())
-            {
-                by_q.fill(nan);
-                by_p.fill(nan);
-                return;
-            }
-            by_q.fill(S::from_f64(0.0));
-            by_p.fill(S::from_f64(0.0));
-            let sigma: f64 = self.sigma;
-            let size = q.len() as isize;
-            let at = Point { q, p, t, h: 1.0, dw: &[] };
-            match term {
-                0 => {
-                    {
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            let s0 = i0 as usize;
-                            let s0 = &at.q[s0..s0 + len];
-                            let b0 = i0 as usize;
-                            let b0 = &mut by_q[b0..b0 + len];
-                            for place in 0..len {
-                                let q_i = s0[place];
-                                b0[place] = b0[place] + q_i;
-                            }
-                        }
-                    }
-                    {
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            let s0 = i0 as usize;
-                            let s0 = &at.p[s0..s0 + len];
-                            let b0 = i0 as usize;
-                            let b0 = &mut by_p[b0..b0 + len];
-                            for place in 0..len {
-                                let p_i = s0[place];
-                                b0[place] = b0[place] + p_i;
-                            }
-                        }
-                    }
-                }
-                member if member as isize > 0
-                    && member as isize <= (self.sites as isize) => {
-                    let i1 = member as isize - 1 - 0;
-                    {
-                        let at_index = i1 as usize;
-                        by_q[at_index] = by_q[at_index] + S::from_f64(sigma);
-                    }
-                }
-                _ => {
-                    by_q.fill(nan);
-                    by_p.fill(nan);
-                }
-            }
+            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
         }
     }
     #[automatically_derived]
@@ -230,120 +138,195 @@ const _: () = {
                 _ => Entries::of_length(0),
             }
         }
-        fn slopes<S: Scalar>(
-            &self,
-            terms: Terms,
-            at: &Point<'_, S>,
-            by_q: &mut [S],
-            by_p: &mut [S],
-        ) {
+        const INTEGRALS: usize = 3;
+        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let sigma: f64 = self.sigma;
             let size = at.q.len() as isize;
-            if terms.drift {
-                if terms.by_q {
+            let mut value = S::from_f64(0.0);
+            match part {
+                0 => {
+                    let mut total = S::from_f64(0.0);
                     {
-                        let weight = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            let s0 = i0 as usize;
-                            let s0 = &at.q[s0..s0 + len];
-                            let b0 = i0 as usize;
-                            let b0 = &mut by_q[b0..b0 + len];
-                            for place in 0..len {
-                                let q_i = s0[place];
-                                b0[place] = b0[place] + q_i * weight;
-                            }
-                        }
-                    }
-                }
-                if terms.by_p {
-                    {
-                        let weight = S::from_f64(at.h);
+                        let mut b0 = S::from_f64(0.0);
                         let (low, end): (isize, isize) = (0, size);
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
                             let s0 = i0 as usize;
                             let s0 = &at.p[s0..s0 + len];
-                            let b0 = i0 as usize;
-                            let b0 = &mut by_p[b0..b0 + len];
+                            let s1 = i0 as usize;
+                            let s1 = &at.q[s1..s1 + len];
                             for place in 0..len {
                                 let p_i = s0[place];
-                                b0[place] = b0[place] + p_i * weight;
+                                let q_i = s1[place];
+                                b0 = b0 + (q_i * q_i + p_i * p_i) * 0.5;
                             }
                         }
+                        total = total + b0;
                     }
+                    value = value + total * S::from_f64(at.h);
                 }
-            }
-            if terms.noise {
-                if terms.by_q {
+                1 => {
+                    let mut total = S::from_f64(0.0);
                     {
-                        let (low, end): (isize, isize) = (0, self.sites as isize);
+                        let mut b0 = S::from_f64(0.0);
+                        let (low, end): (isize, isize) = (
+                            Ord::max(0, at.acting.start as isize),
+                            Ord::min((self.sites as isize), at.acting.end as isize),
+                        );
                         if low < end {
                             let i1 = low;
                             let len = (end - low) as usize;
-                            let b0 = i1 as usize;
-                            let b0 = &mut by_q[b0..b0 + len];
+                            let s0 = i1 as usize;
+                            let s0 = &at.q[s0..s0 + len];
                             for place in 0..len {
                                 let i1 = low + place as isize;
-                                let weight = at.dw[i1 as usize];
-                                b0[place] = b0[place] + weight * sigma;
+                                let q_i = s0[place];
+                                let factor = at.increment(i1 as usize);
+                                b0 = b0 + q_i * factor * sigma;
+                            }
+                        }
+                        total = total + b0;
+                    }
+                    value = value + total;
+                }
+                _ => {}
+            }
+            value
+        }
+        fn slopes<S: Scalar>(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S>,
+            wanted: Slopes,
+            by_q: &mut [S],
+            by_p: &mut [S],
+        ) {
+            let sigma: f64 = self.sigma;
+            let size = at.q.len() as isize;
+            match part {
+                0 => {
+                    if wanted.by_q {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                let s0 = i0 as usize;
+                                let s0 = &at.q[s0..s0 + len];
+                                let b0 = i0 as usize;
+                                let b0 = &mut by_q[b0..b0 + len];
+                                for place in 0..len {
+                                    let q_i = s0[place];
+                                    b0[place] = b0[place] + q_i * factor;
+                                }
+                            }
+                        }
+                    }
+                    if wanted.by_p {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                let s0 = i0 as usize;
+                                let s0 = &at.p[s0..s0 + len];
+                                let b0 = i0 as usize;
+                                let b0 = &mut by_p[b0..b0 + len];
+                                for place in 0..len {
+                                    let p_i = s0[place];
+                                    b0[place] = b0[place] + p_i * factor;
+                                }
                             }
                         }
                     }
                 }
+                1 => {
+                    if wanted.by_q {
+                        {
+                            let (low, end): (isize, isize) = (
+                                Ord::max(0, at.acting.start as isize),
+                                Ord::min((self.sites as isize), at.acting.end as isize),
+                            );
+                            if low < end {
+                                let i1 = low;
+                                let len = (end - low) as usize;
+                                let b0 = i1 as usize;
+                                let b0 = &mut by_q[b0..b0 + len];
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let factor = at.increment(i1 as usize);
+                                    b0[place] = b0[place] + factor * sigma;
+                                }
+                            }
+                        }
+                    }
+                }
+                _ => {}
             }
         }
         fn curvature<S: Scalar, C: Curvature<S>>(
             &self,
-            terms: Terms,
+            part: usize,
+            weight: f64,
             at: &Point<'_, S>,
+            wanted: Slopes,
             into: &mut C,
         ) {
             let size = at.q.len() as isize;
-            if terms.drift {
-                if terms.by_q {
-                    {
-                        let weight = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            for place in 0..len {
-                                let i0 = low + place as isize;
-                                into.add_qq(i0 as usize, i0 as usize, true, weight);
+            match part {
+                0 => {
+                    if wanted.by_q {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                for place in 0..len {
+                                    let i0 = low + place as isize;
+                                    into.add_qq(i0 as usize, i0 as usize, true, factor);
+                                }
+                            }
+                        }
+                    }
+                    if wanted.by_p {
+                        {
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                for place in 0..len {
+                                    let i0 = low + place as isize;
+                                    into.add_pp(i0 as usize, i0 as usize, true, factor);
+                                }
                             }
                         }
                     }
                 }
-                if terms.by_p {
-                    {
-                        let weight = S::from_f64(at.h);
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
-                            for place in 0..len {
-                                let i0 = low + place as isize;
-                                into.add_pp(i0 as usize, i0 as usize, true, weight);
-                            }
-                        }
-                    }
-                }
+                1 => if wanted.by_q {}
+                _ => {}
             }
         }
     }
     const _: () = {
         const SCHEME: Scheme = Scheme {
-            drift_l: 0.5,
-            noise_l: 0.5,
-            counter: 0.0,
+            stages: &[
+                Stage {
+                    point: 0.5,
+                    start: 0.5,
+                    end: 0.5,
+                    parts: &[(0, 1.0), (1, 1.0)],
+                },
+            ],
+            update: MomentumUpdate::Multiple(2.0),
             unknowns: Unknowns::Both,
             remembers: false,
             is_linear: false,
-            has_noise: true,
         };
         type Prepared = ([f64; 4], [bool; 1]);
         type Memory<S> = PhantomData<S>;
@@ -380,6 +363,7 @@ const _: () = {
         #[automatically_derived]
         impl Sites<Midpoint, 1, 1> for Bath {
             const IS_UNIFORM: bool = true;
+            const IS_EXACT_IN_LANES: bool = true;
             type SitePrepared = Prepared;
             type SiteMemory<S: Scalar> = Memory<S>;
             fn prepare_site(
@@ -434,7 +418,7 @@ const _: () = {
             };
             const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nThe sites k = 0..n - 1 are not coupled: each is a system of its own\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq[k] - h (q[k]_{i+1/2}²/2 + P²/2) - sigma q[k]_{i+1/2} ΔW\n  Δq[k] = q[k]_{i+1} - q[k]_i\n  q[k]_{i+1/2} = Δq[k]/2 + q[k]_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[k] = P h\n  p[k]_i = -D1 L_d:  P = p[k]_i + δp[k],  δp[k] = (-q[k]_{i+1/2} h - sigma ΔW)/2\n  p[k]_{i+1} = D2 L_d:  p[k]_{i+1} - p[k]_i = 2 δp[k]\n\nStep\n  solve for δp[k]: linear (then Δq[k])\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
             const REMEMBERS: bool = false;
-            const IN_LANES: bool = false;
+            const IN_LANES: bool = true;
             type Prepared = wzvi::elements::sites::Prepared<Prepared>;
             type Memory<S: Scalar> = wzvi::elements::sites::Memory<
                 S,
@@ -449,6 +433,7 @@ const _: () = {
             fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
                 wzvi::elements::sites::prepare::<_, Midpoint, 1, 1>(self, h)
             }
+            #[inline(always)]
             fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
                 prepared: &Self::Prepared,
@@ -503,19 +488,19 @@ const _: () = {
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as at, binding as at_index, binding as b0,
-        binding as before, binding as by_p, binding as by_q, binding as carry,
-        binding as condition, binding as degrees, binding as dw, binding as dw_sigma,
-        binding as end, binding as h, binding as half_h, binding as half_inverse_pivot,
-        binding as i0, binding as i1, binding as i2, binding as index, binding as into,
-        binding as inverse_pivot, binding as len, binding as low, binding as member,
-        binding as memory, binding as nan, binding as next, binding as node_p_k,
-        binding as outer, binding as p, binding as p_i, binding as p_k, binding as place,
-        binding as prepared, binding as q, binding as q_i, binding as q_k,
-        binding as range, binding as s0, binding as s1, binding as segment,
-        binding as sigma, binding as site, binding as sites, binding as size,
-        binding as sum, binding as t, binding as table, binding as term,
-        binding as terms, binding as total, binding as weight,
+        binding as after, binding as at, binding as b0, binding as before,
+        binding as by_p, binding as by_q, binding as carry, binding as condition,
+        binding as degrees, binding as dw, binding as dw_sigma, binding as end,
+        binding as factor, binding as h, binding as half_h,
+        binding as half_inverse_pivot, binding as i0, binding as i1, binding as i2,
+        binding as index, binding as into, binding as inverse_pivot, binding as len,
+        binding as low, binding as memory, binding as next, binding as node_p_k,
+        binding as outer, binding as p, binding as p_i, binding as p_k, binding as part,
+        binding as place, binding as prepared, binding as q, binding as q_i,
+        binding as q_k, binding as range, binding as s0, binding as s1,
+        binding as segment, binding as sigma, binding as site, binding as sites,
+        binding as size, binding as sum, binding as t, binding as table, binding as term,
+        binding as total, binding as value, binding as wanted, binding as weight,
     };
 };
 const _: () = {

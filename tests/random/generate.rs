@@ -1,8 +1,11 @@
-//! Writes random systems: `rustc tests/random/generate.rs -o generate && ./generate > tests/random/systems.rs`.
+//! Writes random systems: `rustc --edition 2024 tests/random/generate.rs -o generate && ./generate > tests/random/systems.rs`.
 //!
 //! Every expression is defined for all real arguments and twice continuously differentiable, so that each step equation
 //! has the solution that Newton's method finds from zero for small steps. Every elementary function of the compiler
 //! occurs: arguments are folded into the domain first, kinks are raised to the third power.
+//!
+//! The systems are in macros that take more arguments of the attribute, `random_systems!(crate = wzvi,)`: a few degrees of
+//! freedom with names, and arrays with sums over their sites.
 
 #![allow(dead_code, reason = "a program, and a module of the test that compares its output with the file")]
 
@@ -10,6 +13,9 @@ use std::fmt::Write;
 
 const SEED: u64 = 20_240_917;
 const SYSTEMS: usize = 42;
+const ARRAYS: usize = 12;
+/// Sites of an array.
+const SITES: usize = 5;
 
 fn main() {
     print!("{}", systems());
@@ -18,35 +24,52 @@ fn main() {
 /// The whole file.
 pub(crate) fn systems() -> String {
     let mut text = String::from("// Written by generate.rs: do not edit.\n");
-    let mut list = String::new();
     let mut random = Random(SEED);
-    for number in 0..SYSTEMS {
-        let system = System::new(&mut random, number);
-        system.write(&mut text, number);
-        let System { degrees, schemes, parameters: [a, b], .. } = &system;
-        let schemes = schemes.join(", ");
+    let systems = (0..SYSTEMS).map(|number| System::new(&mut random, number)).collect::<Vec<_>>();
+    write_list(&mut text, "system", &systems);
+    let arrays = (0..ARRAYS).map(|number| System::array(&mut random, number)).collect::<Vec<_>>();
+    write_list(&mut text, "array", &arrays);
+    text
+}
+
+/// Two macros: the systems, and what calls a check with each of them.
+fn write_list(text: &mut String, kind: &str, systems: &[System]) {
+    let mut list = String::new();
+    let _ = write!(text, "\nmacro_rules! random_{kind}s {{\n    ($($arguments:tt)*) => {{");
+    for system in systems {
+        system.write(text);
+        let System { name, degrees, schemes, parameters: [a, b], .. } = &system;
+        let (schemes, test) = (schemes.join(", "), name.to_lowercase());
         let _ = writeln!(
             list,
-            "        $check!(random_{number:02}, Random{number:02} {{ a: {a:?}, b: {b:?} }}, {}, [{schemes}]);",
+            "        $check!({test}, {name} {{ a: {a:?}, b: {b:?} }}, {}, [{schemes}]);",
             2 * degrees
         );
     }
+    let _ = write!(text, "    }};\n}}\npub(crate) use random_{kind}s;\n");
     text.push_str(
         "\n/// `$check!(test, system, twice the degrees of freedom, [schemes])` for every system.\n",
     );
     let _ =
-        write!(text, "macro_rules! every_random_system {{\n    ($check:ident) => {{\n{list}    }};\n}}\n");
-    text.push_str("pub(crate) use every_random_system;\n");
-    text
+        write!(text, "macro_rules! every_random_{kind} {{\n    ($check:ident) => {{\n{list}    }};\n}}\n");
+    let _ = writeln!(text, "pub(crate) use every_random_{kind};");
 }
 
 struct System {
+    name: String,
     degrees: usize,
-    is_timed: bool,
+    /// The patterns of the closures.
+    head: String,
     parameters: [f64; 2],
     drift: String,
-    noise: Vec<String>,
+    noise: Noise,
     schemes: Vec<&'static str>,
+}
+
+enum Noise {
+    Each(Vec<String>),
+    /// One for each site of an array.
+    Family(String),
 }
 
 /// All but the mid-point, which every system gets.
@@ -92,31 +115,78 @@ impl System {
             .collect();
         let mut schemes = vec!["Midpoint"];
         schemes.push(SCHEMES[number % SCHEMES.len()]);
-        let parameters = [0.5 + random.unit(), 0.5 + random.unit()].map(|x| (x * 64.0).round() / 64.0);
-        Self { degrees, is_timed, parameters, drift, noise, schemes }
-    }
-
-    fn write(&self, text: &mut String, number: usize) {
         let list = |names: &[&str]| match names {
             [name] => (*name).to_owned(),
             names => format!("[{}]", names.join(", ")),
         };
-        let time = if self.is_timed { ", t" } else { "" };
-        let head = format!("|{}, {}{time}|", list(coordinates(self.degrees)), list(momenta(self.degrees)));
-        let _ = write!(text, "\n#[hamiltonian(\n    drift = {head} {},\n", self.drift);
-        if !self.noise.is_empty() {
-            text.push_str("    noise = [\n");
-            for noise in &self.noise {
-                let _ = writeln!(text, "        {head} {noise},");
-            }
-            text.push_str("    ],\n");
+        let time = if is_timed { ", t" } else { "" };
+        let head = format!("|{}, {}{time}|", list(coordinates(degrees)), list(momenta(degrees)));
+        let name = format!("Random{number:02}");
+        Self {
+            name,
+            degrees,
+            head,
+            parameters: parameters(random),
+            drift,
+            noise: Noise::Each(noise),
+            schemes,
         }
-        let _ = writeln!(text, "    embedding = [{}],\n)]", self.schemes.join(", "));
-        let _ = writeln!(
-            text,
-            "pub(crate) struct Random{number:02} {{\n    pub(crate) a: f64,\n    pub(crate) b: f64,\n}}"
-        );
     }
+
+    /// Sums over sites: every third without coupling, every other with a noise of each site, most others with one noise
+    /// of all.
+    fn array(random: &mut Random, number: usize) -> Self {
+        let mut writer = Writer { random, locals: 0 };
+        let is_timed = number % 5 == 4;
+        let own: &[&str] = if is_timed { &["q[i]", "p[i]", "t"] } else { &["q[i]", "p[i]"] };
+        let neighbours = ["q[i]", "q[i + 1]", "p[i]"];
+        let sum = |end: usize, body: &str| format!("(0..{end}).map(|i| {body}).sum::<f64>()");
+        // A third is separable: other solvers.
+        let site = match number % 3 {
+            1 => format!("{} + 0.3 * {}", writer.expression(&own[..1], 2), writer.expression(&own[1..2], 2)),
+            _ => writer.expression(own, 3),
+        };
+        let mut drift = sum(SITES, &format!("0.5 * p[i] * p[i] + 0.5 * q[i] * q[i] + 0.3 * {site}"));
+        if !number.is_multiple_of(3) {
+            let pairs = if number % 3 == 1 { &neighbours[..2] } else { &neighbours[..] };
+            let _ = write!(drift, " + {}", sum(SITES - 1, &format!("0.3 * {}", writer.expression(pairs, 2))));
+        }
+        let noise = match number % 4 {
+            0 | 2 => Noise::Family(format!("0.3 * {}", writer.expression(&["q[k]", "p[k]"], 2))),
+            1 => Noise::Each(vec![sum(SITES, &format!("0.3 * {}", writer.expression(own, 2)))]),
+            _ => Noise::Each(Vec::new()),
+        };
+        let schemes = vec!["Midpoint", SCHEMES[number % SCHEMES.len()]];
+        let time = if is_timed { ", t" } else { "" };
+        let head = format!("|q: [f64; {SITES}], p: [f64; {SITES}]{time}|");
+        let name = format!("Array{number:02}");
+        Self { name, degrees: SITES, head, parameters: parameters(random), drift, noise, schemes }
+    }
+
+    fn write(&self, text: &mut String) {
+        let Self { head, name, .. } = self;
+        let _ = write!(text, "\n#[hamiltonian(\n    drift = {head} {},\n", self.drift);
+        match &self.noise {
+            Noise::Each(list) if list.is_empty() => {}
+            Noise::Each(list) => {
+                text.push_str("    noise = [\n");
+                for noise in list {
+                    let _ = writeln!(text, "        {head} {noise},");
+                }
+                text.push_str("    ],\n");
+            }
+            Noise::Family(noise) => {
+                let _ = writeln!(text, "    noise = [|q, p, k| {noise}; {}],", self.degrees);
+            }
+        }
+        let _ = writeln!(text, "    embedding = [{}],\n    $($arguments)*\n)]", self.schemes.join(", "));
+        let _ =
+            writeln!(text, "pub(crate) struct {name} {{\n    pub(crate) a: f64,\n    pub(crate) b: f64,\n}}");
+    }
+}
+
+fn parameters(random: &mut Random) -> [f64; 2] {
+    [0.5 + random.unit(), 0.5 + random.unit()].map(|x| (x * 64.0).round() / 64.0)
 }
 
 fn coordinates(degrees: usize) -> &'static [&'static str] {

@@ -1,5 +1,6 @@
 //! From the analysed model to code: discretise, describe, emit.
 
+use std::collections::HashMap;
 use std::rc::Rc;
 
 use proc_macro2::TokenStream;
@@ -8,6 +9,7 @@ use crate::describe::{Texts, derived};
 use crate::discretise::describe::{describe, properties};
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
+use crate::discretise::gauss::{self, StepSlopes};
 use crate::discretise::sites::Site;
 use crate::discretise::{Scheme, discretise};
 use crate::elements;
@@ -20,9 +22,18 @@ pub(crate) fn back_end(mut model: Model, facts: &Facts) -> TokenStream {
     let listed = values(&model.embeddings);
     let schemes: Vec<Scheme> = derived(&listed).iter().map(|e| discretise(&mut model, facts, e)).collect();
     let of_parts = schemes.iter().map(|scheme| describe(&mut model, facts, scheme)).collect();
-    let texts = Texts::new(&listed, of_parts, |embedding, text| {
-        properties(&mut model.graph, facts, embedding, text);
-    });
+    let staged: HashMap<u32, String> = stages(&listed)
+        .map(|stages| {
+            let slopes = StepSlopes::new(&mut model);
+            (stages, gauss::describe(&mut model, &slopes, stages))
+        })
+        .collect();
+    let texts = Texts::new(
+        &listed,
+        of_parts,
+        |embedding| staged.get(&(embedding.order() / 2)).cloned().unwrap_or_default(),
+        |embedding, text| properties(&mut model.graph, facts, embedding, text),
+    );
     emit(&mut model, facts, &schemes, &texts)
 }
 
@@ -39,12 +50,23 @@ pub(crate) fn elements_back_end(mut system: Box<System>, facts: &Facts) -> Token
         .collect();
     let of_parts =
         schemes.iter().map(|(e, s)| elements::describe::describe(&mut system, facts, e, s)).collect();
-    let texts = Texts::new(&listed, of_parts, |embedding, text| {
-        properties(&mut system.graph, facts, embedding, text);
-    });
+    let texts = Texts::new(
+        &listed,
+        of_parts,
+        |_| String::new(),
+        |embedding, text| properties(&mut system.graph, facts, embedding, text),
+    );
     elements::emit::emit(&mut system, facts, &schemes, &texts)
 }
 
 fn values(embeddings: &[Located<Embedding>]) -> Vec<Embedding> {
     embeddings.iter().map(|embedding| embedding.value.clone()).collect()
+}
+
+/// The numbers of stages of the schemes that have several.
+fn stages(listed: &[Embedding]) -> impl Iterator<Item = u32> + '_ {
+    listed.iter().filter_map(|embedding| match embedding {
+        Embedding::Gauss(stages) if *stages > 1 => Some(*stages),
+        _ => None,
+    })
 }

@@ -22,10 +22,12 @@ pub(crate) fn derived(listed: &[Embedding]) -> Vec<Embedding> {
 }
 
 impl Texts {
-    /// `of_parts` are those of `derived(listed)`; `facts_of` says what is known of a scheme that is made of several.
+    /// `of_parts` are those of `derived(listed)`; `staged` derives a scheme with several stages,
+    /// `facts_of` says what is known of a scheme that is none of the parts.
     pub(crate) fn new(
         listed: &[Embedding],
         of_parts: Vec<String>,
+        mut staged: impl FnMut(&Embedding) -> String,
         mut facts_of: impl FnMut(&Embedding, &mut String),
     ) -> Self {
         let derived = derived(listed);
@@ -35,6 +37,11 @@ impl Texts {
         };
         let mut text = |embedding: &Embedding| match embedding.parts().as_slice() {
             [whole] => text_of(whole).to_owned(),
+            [] => {
+                let mut text = staged(embedding);
+                facts_of(embedding, &mut text);
+                text
+            }
             parts => {
                 let mut text = format!(
                     "{embedding}\n\nA step of size h is two of size h/2, with half of the increments each:\n"

@@ -15,7 +15,7 @@ use self::index::{Index, Loop};
 use self::symbols::Symbols;
 use crate::diagnostics::internal::Promised;
 use crate::discretise::embedding::Embedding;
-use crate::input::Shape;
+use crate::input::{Emission, Shape};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 pub(crate) mod index;
@@ -154,7 +154,7 @@ impl Element {
 /// A Hamiltonian.
 #[derive(Clone)]
 pub(crate) struct Term {
-    /// As the user wrote it, with a symbol for each sum.
+    /// As the user wrote it, with a symbol for each sum: until elements are made of it.
     pub(crate) expression: Expr,
     /// Each reads only coordinates, only momenta, or what cannot be parted: for derivatives.
     pub(crate) elements: Vec<Element>,
@@ -202,6 +202,8 @@ pub(crate) struct System {
     pub(crate) item: syn::ItemStruct,
     /// Path of the facade crate as the user's crate knows it, `::wzvi` by default.
     pub(crate) crate_path: syn::Path,
+    /// The way to emit it, where it is not the compiler's to choose.
+    pub(crate) emission: Option<Emission>,
     /// Functions that repeat the user's closures for `rustc` to type-check at the user's spans; never called.
     pub(crate) type_checks: TokenStream,
 }

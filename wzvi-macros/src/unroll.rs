@@ -5,11 +5,12 @@
 //! * in a larger one what is short: components of points, stencils, corners,
 //! * and, anywhere, what cannot be a loop: the argument of a nonlinear function.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use quote::quote;
 
 use crate::elements::emit::Indices;
+use crate::input::Emission;
 use crate::model::index::{Index, Loop};
 use crate::model::symbols::{Sum, Symbols};
 use crate::model::{Family, Local, Located, Model, Noise, Parameter, Phase, Slot, System, Table, Term};
@@ -31,8 +32,7 @@ pub(crate) struct NotWrittenOut;
 
 /// Writes out what costs less that way.
 pub(crate) fn unroll(system: &mut System) {
-    let is_small = system.size.as_integer().is_some_and(|points| points <= TURNS);
-    if is_small && unroll_all(system) {
+    if system.emission == Some(Emission::Sweep) || (is_small(system) && unroll_all(system)) {
         return;
     }
     let mut writer = Writer::new(&mut system.graph, &mut system.symbols, &system.tables);
@@ -40,6 +40,15 @@ pub(crate) fn unroll(system: &mut System) {
     for term in [&mut system.drift].into_iter().chain(noise).chain(&mut system.invariants) {
         writer.spent = 0;
         term.expression = writer.without_short_sums(term.expression);
+    }
+}
+
+/// Whether each degree of freedom is to be a variable of its own.
+fn is_small(system: &System) -> bool {
+    match system.emission {
+        Some(Emission::Inline) => system.size.as_integer().is_some(),
+        Some(Emission::Sweep) => false,
+        None => system.size.as_integer().is_some_and(|points| points <= TURNS),
     }
 }
 
@@ -192,13 +201,12 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The system with each degree of freedom a variable of its own; as it was, if it has many points, loops are left, or
+/// The system with each degree of freedom a variable of its own; as it was, if it has many points, elements in loops, or
 /// indices that only the running program knows.
 pub(crate) fn written_out(system: System) -> Result<Model, Box<System>> {
-    let is_small = system.size.as_integer().is_some_and(|points| points <= TURNS);
-    let locals = if is_small { known_locals(&system) } else { None };
+    let locals = if is_small(&system) { known_locals(&system) } else { None };
     let Some(locals) = locals else { return Err(Box::new(system)) };
-    let System { graph, symbols, tables, mut parameters, t, drift, noise, invariants, .. } = system;
+    let System { mut graph, symbols, tables, mut parameters, t, drift, noise, invariants, .. } = system;
     let indices = Indices { tables: &tables, checked: true };
     for Local { symbol, slot } in locals {
         let tokens = match &slot {
@@ -214,14 +222,17 @@ pub(crate) fn written_out(system: System) -> Result<Model, Box<System>> {
     // In the order of their first use.
     parameters.sort_by_key(|parameter| parameter.symbol.index());
     let [q, p] = symbols.phase();
-    let located = |term: Term| Located { value: term.expression, extent: term.extent };
+    let mut located = |Term { values, extent, .. }: Term| {
+        let values: Vec<Expr> = values.iter().map(|element| element.value).collect();
+        Located { value: graph.sum(&values), extent }
+    };
     Ok(Model {
-        graph,
-        phase: Phase { q, p, t },
-        parameters,
         drift: located(drift),
         noise: noise.into_iter().map(|noise| located(noise.term)).collect(),
         invariants: invariants.into_iter().map(located).collect(),
+        graph,
+        phase: Phase { q, p, t },
+        parameters,
         embeddings: system.embeddings,
         item: system.item,
         crate_path: system.crate_path,
@@ -229,19 +240,16 @@ pub(crate) fn written_out(system: System) -> Result<Model, Box<System>> {
     })
 }
 
-/// The local variables of a system that straight-line code can stand for.
+/// The local variables of a system that straight-line code can stand for: no element has loops, no index reads the state's
+/// size.
 fn known_locals(system: &System) -> Option<Vec<Local>> {
     let is_single = |noise: &Noise| noise.family.is_none();
-    if !system.noise.iter().all(is_single) {
+    let elements = || system.terms().flat_map(|term| &term.values);
+    if !system.noise.iter().all(is_single) || elements().any(|element| !element.loops.is_empty()) {
         return None;
     }
-    let roots: Vec<Expr> = system.terms().map(|term| term.expression).collect();
-    let parts = system.graph.reachable(&roots);
-    let present: Vec<Symbol> = parts.into_iter().filter_map(|part| system.graph.as_symbol(part)).collect();
-    if present.iter().any(|&symbol| system.symbols.sum_of(symbol).is_some()) {
-        return None;
-    }
-    let locals = system.symbols.locals_among(present.into_iter());
+    let read: BTreeSet<Symbol> = elements().flat_map(|e| &e.locals).map(|local| local.symbol).collect();
+    let locals = system.symbols.locals_among(read.into_iter());
     let is_known = |local: &Local| match &local.slot {
         Slot::Coordinate(index) | Slot::Momentum(index) => {
             system.symbols.has_phase() && index.as_integer().is_some()

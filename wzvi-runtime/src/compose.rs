@@ -19,6 +19,7 @@ mod tables;
 use std::marker::PhantomData;
 
 use crate::embedding::{DeltaMinus, DeltaPlus, Midpoint, Uncorrected};
+use crate::gauss::Gauss;
 use crate::plan::{Plan, Solver};
 
 #[doc(hidden)]
@@ -63,12 +64,13 @@ pub trait Partitioned {
 /// Schemes whose step backwards undoes the step forwards: what [`Weights`] compose.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not symmetric, and its compositions have no higher order",
-    note = "`Midpoint` and `Verlet` are"
+    note = "`Midpoint`, `Verlet` and `Gauss<S>` are"
 )]
 pub trait Symmetric {}
 
 impl Symmetric for Midpoint {}
 impl Symmetric for Verlet {}
+impl<const S: usize> Symmetric for Gauss<S> {}
 
 /// Which of the two schemes a part of a step is taken by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,6 +102,14 @@ impl Base for Midpoint {
     }
 }
 
+impl<const S: usize> Base for Gauss<S> {
+    type First = Self;
+    type Second = Self;
+    fn substeps(weight: f64, into: &mut Vec<Substep>) {
+        into.push((Half::First, weight));
+    }
+}
+
 impl Base for Verlet {
     type First = Uncorrected<DeltaPlus>;
     type Second = Uncorrected<DeltaMinus>;
@@ -112,7 +122,7 @@ impl Base for Verlet {
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot compose `{E}`",
     label = "not for `{E}`",
-    note = "partitioned tables (`BlanesMoan4`, ...) compose `Verlet` only; palindromes (`Yoshida4`, ..., your own `Weights`) compose `Midpoint` and `Verlet`"
+    note = "partitioned tables (`BlanesMoan4`, ...) compose `Verlet` only; palindromes (`Yoshida4`, ..., your own `Weights`) compose `Midpoint`, `Verlet` and `Gauss<S>`"
 )]
 pub trait Composes<E> {
     /// The order that they give.

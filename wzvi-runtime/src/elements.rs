@@ -1,11 +1,15 @@
 //! Systems of elements: what `#[hamiltonian]` generates for a phase space whose size it does not know, and the step
 //! that is made of it.
 //!
-//! The unknowns are the increments `u = q_{i+1} - q_i` and `v = P - p_i` of the discrete Euler-Lagrange equations
+//! The compiler gives the discrete Lagrangian as a table of [`Stage`]s, each with the weights of `q_i` and `q_{i+1}` in its
+//! coordinates and the parts of the step Hamiltonian that are evaluated there, and the derivatives of these parts. The
+//! unknowns are the increments `u = q_{i+1} - q_i` and `v = P - p_i` of the discrete Euler-Lagrange equations
 //!
 //! ```text
-//! u = Σ_m c_m ∂H_m/∂p(P, Q_m),  v = -Σ_m (1 - l_m) c_m ∂H_m/∂q(P, Q_m),  Q_m = q_i + l_m u,  P = p_i + v
-//! p_{i+1} - p_i = v - Σ_m l_m c_m ∂H_m/∂q(P, Q_m)
+//! L_d = P · u - Σ_s F_s(P, Q_s, T_s),  Q_s = q_i + c_s u,  T_s = t_i + c_s h,  P = p_i + v
+//! ∂L_d/∂P = 0:        u = Σ_s ∂F_s/∂p
+//! p_i = -D_1 L_d:     v = -Σ_s start_s ∂F_s/∂q
+//! p_{i+1} = D_2 L_d:  p_{i+1} - p_i = v - Σ_s end_s ∂F_s/∂q
 //! ```
 //!
 //! An implicit step iterates `x ← φ(x)` while that contracts by [`CONTRACTS`] or better, which for steps that are not
@@ -19,46 +23,57 @@
 //! products with the Jacobian, which is never stored ([`Method::Krylov`]: lattices, random graphs, all pairs).
 
 mod careful;
+mod hamiltonian;
 mod iterate;
 mod jacobian;
+mod lagrangian;
 mod memory;
 mod passes;
 #[doc(hidden)]
 pub mod places;
 mod rounding;
+mod scheme;
 #[doc(hidden)]
 pub mod sites;
+mod step;
 
-pub use iterate::{Scheme, Unknowns, advance};
+pub use hamiltonian::{differentiate, evaluate, invariant};
+pub use iterate::advance;
+pub use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::{CompensationVec, Memory};
+pub use scheme::{MomentumUpdate, Scheme, Stage, Unknowns};
+
+use std::ops::Range;
 
 pub use crate::memory::{Iteration, Method};
 
 use crate::error::{ConfigError, StepFailure};
 use crate::scalar::Scalar;
-use crate::state::{State, Vector};
-use crate::system::{Hamiltonian, LagrangianGradient, Segment};
+use crate::system::Hamiltonian;
 
 /// Fixed-point iterations and old factors are kept while corrections shrink to this fraction.
 pub const CONTRACTS: f64 = 0.2;
 
-/// Which Hamiltonians are summed up.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Terms {
-    /// The drift, weighted by the step size.
-    pub drift: bool,
-    /// The noises, weighted by their increments.
-    pub noise: bool,
-    /// The factor of the counter-term, weighted by products of increments; 0 for none.
-    pub counter: f64,
-    /// Whether slopes with respect to coordinates are wanted.
+/// By what slopes are wanted: what an element does not read costs nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slopes {
+    /// By coordinates.
     pub by_q: bool,
-    /// Whether slopes with respect to momenta are wanted.
+    /// By momenta.
     pub by_p: bool,
 }
 
-/// Where elements are evaluated.
-#[derive(Clone, Copy, Debug)]
+impl Slopes {
+    /// By all.
+    pub const ALL: Self = Self { by_q: true, by_p: true };
+    /// By coordinates. Elements that read both halves of the phase space add those by momenta, too.
+    pub const BY_COORDINATES: Self = Self { by_q: true, by_p: false };
+    /// By momenta. Elements that read both halves of the phase space add those by coordinates, too.
+    pub const BY_MOMENTA: Self = Self { by_q: false, by_p: true };
+}
+
+/// Where elements are evaluated, and by what they are weighted.
+#[derive(Clone, Debug)]
 pub struct Point<'a, S> {
     /// Coordinates.
     pub q: &'a [S],
@@ -66,10 +81,20 @@ pub struct Point<'a, S> {
     pub p: &'a [S],
     /// Time.
     pub t: f64,
-    /// The weight of the drift.
+    /// The increment of the drift.
     pub h: f64,
-    /// The weights of the noises.
+    /// The increments of the noises that act.
     pub dw: &'a [S],
+    /// The numbers of the noises that act: all in a step, one where it is asked for.
+    pub acting: Range<usize>,
+}
+
+impl<S: Copy> Point<'_, S> {
+    /// The increment of a noise that acts.
+    #[inline(always)]
+    pub fn increment(&self, noise: usize) -> S {
+        self.dw[noise - self.acting.start]
+    }
 }
 
 /// Second derivatives of a sum of elements, entry by entry. Pairs of different variables come once.
@@ -83,20 +108,46 @@ pub trait Curvature<S> {
 }
 
 /// A system whose Hamiltonians are sums of elements.
+///
+/// Elements with one rule for their increments are a *part*: the drift (part 0), the noises (part 1), what a scheme adds to
+/// them, and at last, for values only, the first integrals, from part [`Elements::INTEGRALS`] on. A part is weighted by
+/// `weight` and by its increments.
 pub trait Elements: Hamiltonian {
     /// What the elements read and the compiler has not shown to be there.
     #[doc(hidden)]
     const PLACES: places::Places;
 
+    /// The part that is the first of the first integrals.
+    const INTEGRALS: usize;
+
     /// A part of the list `table` of [`Elements::PLACES`], or of the list inside of it at the indices `outer`.
     #[doc(hidden)]
-    fn entries(&self, table: usize, outer: &[usize], range: std::ops::Range<usize>) -> places::Entries;
+    fn entries(&self, table: usize, outer: &[usize], range: Range<usize>) -> places::Entries;
 
-    /// Adds the weighted slopes to `by_q` and `by_p`. All slices have the degrees of freedom that were checked.
-    fn slopes<S: Scalar>(&self, terms: Terms, at: &Point<'_, S>, by_q: &mut [S], by_p: &mut [S]);
+    /// The weighted value of a part; 0 for one that does not exist. All slices have the degrees of freedom that were
+    /// checked.
+    fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S;
 
-    /// Adds the weighted second derivatives.
-    fn curvature<S: Scalar, C: Curvature<S>>(&self, terms: Terms, at: &Point<'_, S>, into: &mut C);
+    /// Adds the weighted slopes of a part to `by_q` and `by_p`.
+    fn slopes<S: Scalar>(
+        &self,
+        part: usize,
+        weight: f64,
+        at: &Point<'_, S>,
+        wanted: Slopes,
+        by_q: &mut [S],
+        by_p: &mut [S],
+    );
+
+    /// Adds the weighted second derivatives of a part. All noises act.
+    fn curvature<S: Scalar, C: Curvature<S>>(
+        &self,
+        part: usize,
+        weight: f64,
+        at: &Point<'_, S>,
+        wanted: Slopes,
+        into: &mut C,
+    );
 }
 
 /// Whether a state of `got` degrees of freedom fits the system.
@@ -122,106 +173,4 @@ pub fn prepare<H: Elements>(system: &H) -> Result<(), ConfigError> {
             places::index_error(system, degrees).map_or(Ok(()), |error| Err(ConfigError::Index(error)))
         }
     }
-}
-
-/// `P` of the step between two states: the step is taken once more. NaN if that fails.
-pub fn step_momentum<H: Elements>(
-    system: &H,
-    scheme: &Scheme,
-    before: &State<H::Vector>,
-    h: f64,
-    dw: &[f64],
-) -> H::Vector {
-    let (mut q, mut p) = (before.q.clone(), before.p.clone());
-    let mut memory = Memory::<f64>::default();
-    let solved = advance::<H, f64, crate::carry::Plain, true>(
-        system,
-        scheme,
-        before.t,
-        h,
-        q.components_mut(),
-        p.components_mut(),
-        dw,
-        &mut memory,
-        &mut crate::carry::Plain,
-    );
-    let momentum = p.components_mut();
-    match (solved, memory.momentum()) {
-        (Ok(_), Some(known)) => momentum.copy_from_slice(known),
-        _ => momentum.fill(f64::NAN),
-    }
-    p
-}
-
-/// `L_d = P · (q_{i+1} - q_i) - Σ_m c_m H_m(P, Q_m)`, NaN if sizes do not fit.
-pub fn discrete_lagrangian<H: Elements>(
-    system: &H,
-    scheme: &Scheme,
-    segment: &Segment<H::Vector>,
-    dw: &[f64],
-) -> f64 {
-    let (q0, q1, p) = (segment.q0.components(), segment.q1.components(), segment.p.components());
-    if q0.len() != q1.len() || dw.len() != system.noises() {
-        return f64::NAN;
-    }
-    let point =
-        |l: f64| -> Vec<f64> { q0.iter().zip(q1).map(|(start, end)| start + l * (end - start)).collect() };
-    let pairing: f64 = p.iter().zip(q0.iter().zip(q1)).map(|(p, (start, end))| p * (end - start)).sum();
-    let time = |l: f64| segment.t + l * segment.h;
-    let drift = system.evaluate(0, &point(scheme.drift_l), p, time(scheme.drift_l));
-    let stage = point(scheme.noise_l);
-    let noise: f64 = dw
-        .iter()
-        .enumerate()
-        .map(|(k, dw)| dw * system.evaluate(k + 1, &stage, p, time(scheme.noise_l)))
-        .sum();
-    let counter = match scheme.counter {
-        0.0 => 0.0,
-        factor if check(system, q0.len()).is_ok() && p.len() == q0.len() => {
-            let (mut force, mut velocity) = (vec![0.0; q0.len()], vec![0.0; q0.len()]);
-            let at = Point { q: &stage, p, t: time(scheme.noise_l), h: segment.h, dw };
-            let terms = Terms { drift: false, noise: true, counter: 0.0, by_q: true, by_p: true };
-            system.slopes(terms, &at, &mut force, &mut velocity);
-            factor * force.iter().zip(&velocity).map(|(force, velocity)| force * velocity).sum::<f64>()
-        }
-        _ => f64::NAN,
-    };
-    pairing - segment.h * drift - noise - counter
-}
-
-/// The gradient of [`discrete_lagrangian`], NaN if sizes do not fit.
-pub fn discrete_lagrangian_gradient<H: Elements>(
-    system: &H,
-    scheme: &Scheme,
-    segment: &Segment<H::Vector>,
-    dw: &[f64],
-) -> LagrangianGradient<H::Vector> {
-    let (q0, q1, p) = (segment.q0.components(), segment.q1.components(), segment.p.components());
-    let d = q0.len();
-    let mut gradient =
-        LagrangianGradient { q0: H::Vector::zeros(d), q1: H::Vector::zeros(d), p: H::Vector::zeros(d) };
-    let fits = q1.len() == d && p.len() == d && dw.len() == system.noises() && check(system, d).is_ok();
-    if !fits {
-        for part in [&mut gradient.q0, &mut gradient.q1, &mut gradient.p] {
-            part.components_mut().fill(f64::NAN);
-        }
-        return gradient;
-    }
-    for (_, l, terms) in iterate::stages(scheme) {
-        let stage: Vec<f64> = q0.iter().zip(q1).map(|(start, end)| start + l * (end - start)).collect();
-        let (mut by_q, mut by_p) = (vec![0.0; d], vec![0.0; d]);
-        let at = Point { q: &stage, p, t: segment.t + l * segment.h, h: segment.h, dw };
-        system.slopes(terms, &at, &mut by_q, &mut by_p);
-        for i in 0..d {
-            gradient.q0.components_mut()[i] -= (1.0 - l) * by_q[i];
-            gradient.q1.components_mut()[i] -= l * by_q[i];
-            gradient.p.components_mut()[i] -= by_p[i];
-        }
-    }
-    for i in 0..d {
-        gradient.q0.components_mut()[i] -= p[i];
-        gradient.q1.components_mut()[i] += p[i];
-        gradient.p.components_mut()[i] += q1[i] - q0[i];
-    }
-    gradient
 }

@@ -10,6 +10,8 @@
 
 use std::marker::PhantomData;
 
+pub use crate::gauss::Gauss;
+
 pub use crate::compose::{
     BlanesMoan4, BlanesMoan6, Composed, KahanLi6, KahanLi8, Partitioned, Suzuki4, SuzukiUmeno8, Verlet,
     Weights, Yoshida4, Yoshida6,

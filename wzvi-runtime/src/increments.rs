@@ -63,12 +63,6 @@ pub trait Noise {
     /// [`NoiseError`]; the run ends there and keeps what it has.
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError>;
 
-    /// Whether the increments are those of a path that can be asked for any interval: then the parts of a step add up to
-    /// the step, and a step that fails can be subdivided ([`Retry`](crate::retry::Retry)). Rows of numbers are none.
-    fn is_path(&self) -> bool {
-        false
-    }
-
     /// What this source is, asked for after [`Noise::prepare`]. To answer is to promise that the increments of a step
     /// depend on the identity and the [`Interval`] alone, to the last bit, whatever was asked for before: then a run
     /// that was interrupted can go on with another source of the same identity.
@@ -79,6 +73,20 @@ pub trait Noise {
     }
 }
 
+/// A source whose increments are those of a path that can be asked for any interval: then the parts of a step add up to the step, and a
+/// step that fails can be subdivided ([`Retry`](crate::retry::Retry)). Rows of numbers are none.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` has no increments between the nodes, which `.retry(...)` needs",
+    label = "this noise cannot drive steps that are halved",
+    note = "use `Wiener`, `WongZakai` or `StepNormals` (`.seed(number)`), or leave `.retry(...)` out"
+)]
+pub trait Divisible: Noise {}
+
+impl<N: Divisible + ?Sized> Divisible for &mut N {}
+
+/// A system without noise asks for none.
+impl Divisible for NoNoise {}
+
 impl<N: Noise + ?Sized> Noise for &mut N {
     fn prepare(&mut self, plan: &Plan, h: f64, processes: usize, start: f64) -> Result<(), NoiseError> {
         (**self).prepare(plan, h, processes, start)
@@ -86,10 +94,6 @@ impl<N: Noise + ?Sized> Noise for &mut N {
 
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         (**self).increments(interval, dw)
-    }
-
-    fn is_path(&self) -> bool {
-        (**self).is_path()
     }
 
     fn identity(&self) -> Option<Identity> {

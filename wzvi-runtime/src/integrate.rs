@@ -1,7 +1,7 @@
 //! What every system can do with its schemes.
 
 #[cfg(feature = "ensemble")]
-use crate::ensemble::Ensemble;
+use crate::ensemble::{Ensemble, Multilevel};
 use crate::error::ConfigError;
 #[cfg(feature = "report")]
 use crate::report::WorkPrecision;
@@ -39,6 +39,16 @@ pub trait Integrate: Hamiltonian {
         Self: Discretized<E> + Sized,
     {
         Ensemble::new(self, h)
+    }
+
+    /// The mean of one observable at the end, from coupled paths in steps of `h, h/2, h/4, ...` (time units of the Hamiltonian):
+    /// cheaper than an ensemble where the error is to be small. Whatever is wrong with the settings, [`Multilevel::run`] says it.
+    #[cfg(feature = "ensemble")]
+    fn multilevel<E>(&self, h: f64) -> Multilevel<'_, Self, E>
+    where
+        Self: Discretized<E> + Sized,
+    {
+        Multilevel::new(self, h)
     }
 
     /// How much error several schemes and step sizes make for how much time. Whatever is wrong with the settings,

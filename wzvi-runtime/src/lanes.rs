@@ -18,6 +18,7 @@
 #![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
 
 mod elementary;
+pub mod instructions;
 
 use std::ops::{Add, BitAnd, BitOr, Div, Index, Mul, Neg, Not, Sub};
 
@@ -227,6 +228,7 @@ impl<const L: usize> Numbers for Lanes<L> {
 }
 
 impl<const L: usize> Scalar for Lanes<L> {
+    type Stages<const N: usize> = [Self; N];
     type Mask = LaneMask<L>;
     type Solver = LaneByLane;
     const LANES: usize = L;

@@ -6,11 +6,15 @@ mod checksum;
 #[cfg(feature = "ensemble")]
 mod clock;
 pub mod compose;
+mod continuation;
 pub mod elements;
 pub mod embedding;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 pub mod error;
+#[cfg(feature = "ensemble")]
+mod execution;
+pub mod gauss;
 pub mod increments;
 pub mod integrate;
 #[cfg(all(feature = "interrupt", feature = "ensemble"))]
@@ -18,7 +22,6 @@ mod interrupt;
 #[cfg(all(feature = "ensemble", not(feature = "interrupt")))]
 #[path = "interrupt/absent.rs"]
 mod interrupt;
-#[cfg(feature = "ensemble")]
 pub mod lanes;
 pub mod memory;
 #[cfg(any(feature = "ensemble", feature = "serde"))]
@@ -26,21 +29,24 @@ mod names;
 #[cfg(feature = "noise")]
 pub mod noise;
 pub mod numbers;
+mod options;
 mod persist;
 pub mod plan;
 #[cfg(feature = "ensemble")]
 mod progress;
+mod recording;
 #[cfg(feature = "report")]
 pub mod report;
-mod rescue;
 pub mod retry;
 pub mod scalar;
 #[cfg(feature = "ensemble")]
 mod schedule;
 pub mod simulate;
 pub mod solve;
+mod span;
 pub mod state;
 pub mod step;
+mod steps;
 mod sum;
 pub mod system;
 pub mod trajectory;

@@ -5,11 +5,14 @@
 //! fastest motion ([`StepFailure::Unresolved`]) cannot be repaired where it is noticed, because the energy is in the wrong
 //! motion already: the run starts again, all its steps subdivided once more, so that they stay uniform.
 
+use std::ops::Range;
+
 use crate::carry::Carry;
 use crate::error::{ConfigError, Error, StepError, StepFailure};
-use crate::increments::{Interval, Noise};
+use crate::increments::{Divisible, Interval, Noise};
 use crate::state::State;
 use crate::step::{StepInfo, Stepper};
+use crate::steps::{Account, Single, TakeStep, Unmonitored, take_steps};
 use crate::system::Discretized;
 
 /// How often steps may be halved: never, unless asked for, because it breaks the uniform step that the long-time
@@ -36,8 +39,27 @@ impl Retry {
     }
 }
 
-/// Walks from node to node of a run, subdividing where it has to and may.
-pub(crate) struct Walker<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f64>> {
+/// The steps of a run are whole: no [`Retry`] was asked for.
+#[derive(Clone, Copy, Debug)]
+pub enum Whole {}
+
+/// The steps of a run may be halved.
+#[derive(Clone, Copy, Debug)]
+pub enum Halved {}
+
+/// A source of increments that drives runs whose steps are [`Whole`], or that may be [`Halved`] too: those take a [`Divisible`] one.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` has no increments between the nodes, which `.retry(...)` needs",
+    label = "this noise cannot drive steps that are halved",
+    note = "use `Wiener`, `WongZakai` or `StepNormals` (`.seed(number)`), or leave `.retry(...)` out"
+)]
+pub trait Serves<R> {}
+
+impl<N: Noise> Serves<Whole> for N {}
+impl<N: Divisible> Serves<Halved> for N {}
+
+/// Takes the steps of a run, subdividing those that it has to and may.
+pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f64>> {
     system: &'a H,
     h: f64,
     retry: Retry,
@@ -50,7 +72,7 @@ pub(crate) struct Walker<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Ca
     part: Vec<f64>,
 }
 
-impl<'a, H: Discretized<E>, E, C: Carry<f64>> Walker<'a, H, E, C> {
+impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
     pub(crate) fn new(system: &'a H, h: f64, retry: Retry, is_watched: bool) -> Result<Self, ConfigError> {
         let stepper = Self::stepper(system, h, is_watched)?;
         Ok(Self { system, h, retry, is_watched, base: 0, stepper, part: vec![0.0; system.noises()] })
@@ -71,30 +93,6 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Walker<'a, H, E, C> {
             self.stepper = Self::stepper(self.system, part_of(self.h, self.base), self.is_watched)?;
         }
         Ok(may)
-    }
-
-    /// One step of the run: `dw` becomes its increments.
-    #[inline]
-    pub(crate) fn step<N: Noise>(
-        &mut self,
-        state: &mut State<H::Vector>,
-        interval: &Interval,
-        noise: &mut Option<N>,
-        dw: &mut [f64],
-    ) -> Result<StepInfo, Error> {
-        if self.base > 0 {
-            return self.subdivide(state, interval, noise, dw, self.base);
-        }
-        if let Some(noise) = noise {
-            noise.increments(interval, dw)?;
-        }
-        match self.stepper.step(state, dw) {
-            Ok(info) => Ok(info),
-            Err(error) if self.retry.most == 0 || !is_curable(error.cause) => {
-                Err(StepError { step: interval.step, ..error }.into())
-            }
-            Err(_) => self.subdivide(state, interval, noise, dw, 1),
-        }
     }
 
     /// The step in `2^from` parts, or as many more as it takes.
@@ -129,7 +127,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Walker<'a, H, E, C> {
         }
     }
 
-    /// The `2^level` parts of a step by `finer`, or by the stepper of the run.
+    /// The `2^level` parts of a step by `finer`, or by the stepper of the run; their Newton iterations. `dw` becomes the sums of their increments.
     fn parts<N: Noise>(
         &mut self,
         finer: Option<&mut Stepper<'a, H, E, C>>,
@@ -140,19 +138,71 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Walker<'a, H, E, C> {
         level: u32,
     ) -> Result<u32, Error> {
         let stepper = finer.unwrap_or(&mut self.stepper);
-        let (parts, h) = (1_u64 << level, part_of(interval.h, level));
+        let steps = parts_of(interval.step, level).ok_or_else(|| {
+            let (step, parts) = (interval.step, 1_u64 << level);
+            ConfigError::Setting(format!(
+                "step {step} in {parts} parts: more than can be counted; allow fewer halvings"
+            ))
+        })?;
         dw.fill(0.0);
-        let mut iterations = 0_u32;
-        for part in 0..parts {
-            if let Some(noise) = noise {
-                let step = interval.step.saturating_mul(parts).saturating_add(part);
-                noise.increments(&Interval { h, step, ..*interval }, &mut self.part)?;
-                dw.iter_mut().zip(&self.part).for_each(|(sum, dw)| *sum += dw);
-            }
-            iterations = iterations.saturating_add(stepper.step(state, &self.part)?.iterations);
-        }
-        Ok(iterations)
+        let mut account = Parts { dw, iterations: 0 };
+        let mut path = Single {
+            stepper,
+            state,
+            noise,
+            dw: &mut self.part,
+            start: interval.start,
+            h: part_of(interval.h, level),
+            account: &mut account,
+        };
+        take_steps(&mut path, steps, &mut Unmonitored)?;
+        Ok(account.iterations)
     }
+}
+
+/// The parts of a step.
+struct Parts<'d> {
+    /// Sums of their increments.
+    dw: &'d mut [f64],
+    iterations: u32,
+}
+
+impl Account for Parts<'_> {
+    fn count(&mut self, dw: &[f64], info: &StepInfo) {
+        self.dw.iter_mut().zip(dw).for_each(|(sum, dw)| *sum += dw);
+        self.iterations = self.iterations.saturating_add(info.iterations);
+    }
+}
+
+impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Subdivision<'_, H, E, C> {
+    #[inline]
+    fn take_step<N: Noise>(
+        &mut self,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+    ) -> Result<StepInfo, Error> {
+        if self.base > 0 {
+            return self.subdivide(state, interval, noise, dw, self.base);
+        }
+        if let Some(noise) = noise {
+            noise.increments(interval, dw)?;
+        }
+        match self.stepper.step(state, dw) {
+            Ok(info) => Ok(info),
+            Err(error) if self.retry.most == 0 || !is_curable(error.cause) => {
+                Err(StepError { step: interval.step, ..error }.into())
+            }
+            Err(_) => self.subdivide(state, interval, noise, dw, 1),
+        }
+    }
+}
+
+/// The numbers of the `2^level` parts of a step among those of all steps; `None` if they cannot be counted.
+fn parts_of(step: u64, level: u32) -> Option<Range<u64>> {
+    let counted = |step: u64| step.checked_mul(1_u64.checked_shl(level)?);
+    Some(counted(step)?..counted(step.checked_add(1)?)?)
 }
 
 /// `h / 2^level`, exactly.
@@ -172,5 +222,20 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         | StepFailure::Dimension { .. }
         | StepFailure::Index(_)
         | StepFailure::NonFiniteInput => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parts_of;
+
+    #[test]
+    fn parts_are_numbered_among_those_of_all_steps() {
+        assert_eq!(parts_of(0, 0), Some(0..1));
+        assert_eq!(parts_of(5, 3), Some(40..48));
+        assert_eq!(parts_of((1 << 34) - 2, 30), Some(u64::MAX - (1 << 31) + 1..u64::MAX - (1 << 30) + 1));
+        // The end of the last would be 2^64.
+        assert_eq!(parts_of((1 << 34) - 1, 30), None);
+        assert_eq!(parts_of(1 << 40, 30), None);
     }
 }

@@ -11,6 +11,8 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 pub use dual::Dual;
 pub use rounded::Rounded;
 
+use crate::gauss::Stages;
+use crate::lanes::Lanes;
 use crate::numbers::Numbers;
 use crate::solve::{Solve, Together};
 
@@ -50,6 +52,8 @@ pub trait Scalar:
 {
     /// The truth of a comparison.
     type Mask: Mask;
+    /// One number for each of the `N` stages of a step.
+    type Stages<const N: usize>: Stages<Self, N>;
     /// How the equations of a step are solved in numbers of this type.
     type Solver: Solve<Self>;
 
@@ -158,6 +162,7 @@ macro_rules! forward {
 
 impl Scalar for f64 {
     type Mask = bool;
+    type Stages<const N: usize> = Lanes<N>;
     type Solver = Together;
 
     #[inline(always)]

@@ -7,17 +7,16 @@ mod banded;
 mod damped;
 mod dense;
 mod krylov;
-#[cfg(feature = "ensemble")]
 mod lanes;
 mod newton;
 
 pub use banded::{Banded, reverse_cuthill_mckee};
+pub(crate) use damped::{Problem, damped};
 pub use dense::{Factor, SymmetricFactor, prepared, reciprocal_above_one};
 pub use krylov::Krylov;
-#[cfg(feature = "ensemble")]
 pub use lanes::LaneByLane;
 pub use newton::{Block, Effort, Equations, Extrapolation};
-pub(crate) use newton::{Progress, Verdict, astray, larger};
+pub(crate) use newton::{astray, larger};
 
 use crate::error::StepFailure;
 use crate::scalar::Scalar;

@@ -2,19 +2,19 @@
 
 #[cfg(feature = "serde")]
 mod kept;
-mod strain;
+mod resolution;
 
 use std::marker::PhantomData;
 
 use crate::carry::{Carry, Plain};
+use crate::continuation::{Hard, solve_by_continuation};
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::memory::{Iteration, Method, StepMemory};
 use crate::plan::Solver;
-use crate::rescue::{Hard, rescue};
 use crate::solve::Effort;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
-use strain::Strain;
+use resolution::ResolutionMonitor;
 
 /// What one step took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,7 +49,7 @@ pub struct Stepper<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f6
     clock: Clock,
     /// `q` and `p` after the last step.
     reached: [H::Vector; 2],
-    strain: Strain,
+    resolution: ResolutionMonitor,
     scheme: PhantomData<E>,
 }
 
@@ -97,7 +97,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             before: 0,
             clock: Clock::started(f64::NAN),
             reached: [H::Vector::zeros(d), H::Vector::zeros(d)],
-            strain: Strain::default(),
+            resolution: ResolutionMonitor::default(),
             scheme: PhantomData,
         })
     }
@@ -124,7 +124,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             prepared: self.prepared,
             memory: self.memory,
             reached: self.reached,
-            strain: self.strain,
+            resolution: self.resolution,
             scheme: PhantomData,
         }
     }
@@ -134,7 +134,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// The same steps, but none is refused because it does not resolve the fastest motion
     /// ([`StepFailure::Unresolved`]): for whoever watches the energy.
     pub fn unwatched(mut self) -> Self {
-        self.strain = Strain::ignored();
+        self.resolution = ResolutionMonitor::ignored();
         self
     }
 
@@ -182,7 +182,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         // What the last step left is no guide from another state; it comes back if the step fails.
         let left = if state.t != self.clock.now || self.jumped(state) {
             cold();
-            let left = (self.memory.clone(), self.carry.clone(), self.clock, self.before, self.strain);
+            let left = (self.memory.clone(), self.carry.clone(), self.clock, self.before, self.resolution);
             if !self.restart(state.t) {
                 return Err(self.error(state, dw, StepFailure::NonFinite));
             }
@@ -207,7 +207,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
                 Err(cause) => {
                     if let Some(left) = left {
                         let memory;
-                        (memory, self.carry, self.clock, self.before, self.strain) = left;
+                        (memory, self.carry, self.clock, self.before, self.resolution) = left;
                         self.memory.adopt(memory);
                     }
                     Err(self.error(state, dw, cause))
@@ -250,14 +250,14 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             dw,
             carry: self.carry.clone(),
         };
-        let rescued = rescue(hard, cause)?;
+        let solved = solve_by_continuation(hard, cause)?;
         let from = State { q: state.q.clone(), p: state.p.clone(), t: state.t };
-        let to = State { q: rescued.q, p: rescued.p, t: state.t };
-        self.strain = self.strain.after::<H, E>(self.system, &from, &to, self.h, self.steps())?;
+        let to = State { q: solved.q, p: solved.p, t: state.t };
+        self.resolution = self.resolution.after::<H, E>(self.system, &from, &to, self.h, self.steps())?;
         (state.q, state.p) = (to.q, to.p);
-        self.memory.adopt(rescued.memory);
-        self.carry = rescued.carry;
-        Ok(rescued.effort)
+        self.memory.adopt(solved.memory);
+        self.carry = solved.carry;
+        Ok(solved.effort)
     }
 
     /// Starts to count from `t`; `false`, and nothing done, if time could overflow from there: no step needs to check
@@ -270,7 +270,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             self.carry = C::default();
             self.before += self.clock.ticks;
             self.clock = Clock::started(t);
-            self.strain = self.strain.restarted();
+            self.resolution = self.resolution.restarted();
         }
         is_safe
     }

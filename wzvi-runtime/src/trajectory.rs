@@ -10,6 +10,8 @@ use std::marker::PhantomData;
 
 use crate::calculus::{Function, Interior, Nodes, TimeScale};
 use crate::error::{ConfigError, PathError, UnknownName};
+use crate::options::Observable;
+use crate::recording::Recording;
 use crate::state::{State, Vector};
 use crate::step::StepInfo;
 use crate::sum::Sum;
@@ -63,43 +65,6 @@ struct Path<V> {
     /// What was observed at the recorded nodes, by name.
     #[cfg_attr(feature = "serde", serde(default = "Vec::new"))]
     observed: Vec<(String, Vec<f64>)>,
-}
-
-/// Which nodes a run records, besides the start and the end.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Recording {
-    /// Every so many steps; 0 for none.
-    pub(crate) every: u64,
-    /// After so many steps, in order.
-    pub(crate) chosen: Vec<u64>,
-}
-
-impl Recording {
-    /// Whether a run adds nodes before its end.
-    #[cfg(feature = "serde")]
-    pub(crate) fn adds(&self) -> bool {
-        self.every > 0 || !self.chosen.is_empty()
-    }
-
-    /// Chosen nodes up to this step that are not recorded anyway.
-    fn extra(&self, step: u64) -> u64 {
-        let is_regular = |chosen: u64| chosen.checked_rem(self.every) == Some(0);
-        let extra = self.chosen.iter().filter(|&&chosen| chosen > 0 && chosen <= step && !is_regular(chosen));
-        extra.count() as u64
-    }
-
-    /// Nodes after the start that are recorded when this step has been taken, the end not counted.
-    #[cfg(feature = "serde")]
-    pub(crate) fn nodes(&self, step: u64) -> u64 {
-        step.checked_div(self.every).unwrap_or(0) + self.extra(step)
-    }
-
-    /// The next step, after this one, whose node is recorded; the largest number if there is none.
-    fn next(&self, step: u64) -> u64 {
-        let regular = step.checked_div(self.every).map(|count| (count + 1).saturating_mul(self.every));
-        let chosen = self.chosen.get(self.chosen.partition_point(|&chosen| chosen <= step)).copied();
-        regular.unwrap_or(u64::MAX).min(chosen.unwrap_or(u64::MAX))
-    }
 }
 
 impl<V: Clone, E> Clone for Trajectory<V, E> {
@@ -161,14 +126,12 @@ impl<V: Vector, E> Trajectory<V, E> {
         })
     }
 
-    /// Adds what functions of the state are at the recorded nodes.
-    pub(crate) fn observing<'f, F>(mut self, functions: impl Iterator<Item = (&'f String, F)>) -> Self
-    where
-        F: Fn(&State<V>) -> f64,
-    {
+    /// Adds what functions of the state, by name, are at the recorded nodes.
+    pub(crate) fn observing(mut self, names: Vec<String>, functions: &[Observable<'_, V>]) -> Self {
         let states = &self.path.states;
-        let columns = functions.map(|(name, f)| (name.clone(), states.iter().map(&f).collect()));
-        self.path.observed = columns.collect();
+        let columns = names.into_iter().zip(functions);
+        self.path.observed =
+            columns.map(|(name, f)| (name, states.iter().map(|state| f(state)).collect())).collect();
         self
     }
 
@@ -431,15 +394,26 @@ impl<V: Vector> Recorder<V> {
         }
     }
 
-    /// Keeps the node just reached if it is to be recorded; whether an observer is to see it. The last node is
-    /// kept by [`Recorder::finish`].
+    /// The next node that is to be recorded; the largest number if there is none.
+    #[inline]
+    pub(crate) fn next(&self) -> u64 {
+        self.next
+    }
+
+    /// Whether nodes in between are seen by an observer, too.
+    #[inline]
+    pub(crate) fn shows_all(&self) -> bool {
+        self.path.every == 0
+    }
+
+    /// Keeps the node just reached if it is to be recorded; whether it is. The last node is kept by [`Recorder::finish`].
     #[inline]
     pub(crate) fn reach(&mut self, state: &State<V>) -> bool {
         let due = self.path.steps == self.next;
         if due {
             self.keep(state);
         }
-        due || self.path.every == 0
+        due
     }
 
     fn keep(&mut self, state: &State<V>) {
@@ -447,7 +421,12 @@ impl<V: Vector> Recorder<V> {
         self.path.increments.extend(self.pending.iter().map(|sum| sum.total()));
         self.pending.fill(Sum::default());
         self.kept = self.path.steps;
-        self.next = self.recording.next(self.kept);
+        // Without chosen nodes the next is as far as the last: no division.
+        self.next = if self.kept == self.next && self.recording.chosen.is_empty() {
+            self.next.saturating_add(self.path.every)
+        } else {
+            self.recording.next(self.kept)
+        };
     }
 
     /// The trajectory, which ends at `last`.

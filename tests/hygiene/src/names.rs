@@ -153,7 +153,7 @@ where
 mod words {
     #![allow(non_snake_case)]
 
-    use ::renamed::embedding::{DeltaPlus, Midpoint, Uncorrected};
+    use ::renamed::embedding::{DeltaPlus, Gauss, Midpoint, Uncorrected, Verlet};
     use ::core::iter::Iterator as _;
     use ::renamed::integrate::Integrate as _;
 
@@ -201,7 +201,7 @@ mod words {
                 + core * core + wzvi * wzvi)
             + (h - t).cos() + (dw - carry).cos() + (S - f64).cos() + State.powi(4) * CAREFUL,
         noise = [|[h, _, _, _, _, _, _], _| h, |[_, _, dw, _, _, _, _], _| dw],
-        embedding = [DeltaPlus, Midpoint],
+        embedding = [DeltaPlus, Midpoint, Gauss<2>],
         crate = ::renamed,
     )]
     struct Coordinates;
@@ -225,7 +225,7 @@ mod words {
     /// Sizes with the names of types, of bindings and of constants.
     #[::renamed::hamiltonian(
         drift = |q: [f64; S], p: [f64; S]| (0..S).map(|i| 0.5 * (p[i] * p[i] + k * q[i] * q[i])).sum::<f64>(),
-        embedding = [DeltaPlus, Midpoint],
+        embedding = [DeltaPlus, Midpoint, Verlet],
         crate = ::renamed,
     )]
     struct Sized<const S: usize, const h: usize, const Scalar: bool>

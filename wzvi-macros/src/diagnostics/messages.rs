@@ -10,7 +10,7 @@ use crate::discretise::embedding::Embedding;
 use crate::input::{Shape, closest};
 
 const KEYS: &str = "`drift`, `noise`, `embedding`, `invariant` and `crate`";
-const SCHEMES: &str = "`DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Mixed<Drift, Noise>`, `Verlet`, \
+const SCHEMES: &str = "`DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Mixed<Drift, Noise>`, `Verlet`, `Gauss<S>`, \
                        `Corrected<E>` and `Uncorrected<E>`";
 const PATTERNS: &str = "supported are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
                         time as an optional third parameter";
@@ -102,6 +102,10 @@ fn synonym(key: &str) -> Option<&'static str> {
     }
 }
 
+pub(crate) fn unknown_strategy(name: &syn::Ident) -> Error {
+    at(name, format!("unknown strategy `{name}`; there are `inline` and `sweep`"))
+}
+
 pub(crate) fn duplicate_key(key: &syn::Ident) -> Error {
     at(key, format!("`{key}` is given twice; merge the two"))
 }
@@ -162,10 +166,24 @@ pub(crate) fn not_a_scheme(found: impl ToTokens) -> Error {
 }
 
 pub(crate) fn unknown_embedding(name: &syn::Ident) -> Error {
-    let names =
-        ["DeltaPlus", "Midpoint", "DeltaMinus", "Lambda", "Mixed", "Verlet", "Corrected", "Uncorrected"];
+    let names = [
+        "DeltaPlus",
+        "Midpoint",
+        "DeltaMinus",
+        "Lambda",
+        "Mixed",
+        "Verlet",
+        "Gauss",
+        "Corrected",
+        "Uncorrected",
+    ];
     let suggestion = scheme_synonym(&name.to_string()).or_else(|| closest(&name.to_string(), names));
     at(name, suggest(format!("unknown embedding `{name}`; there are {SCHEMES}"), suggestion))
+}
+
+/// More stages than there are coefficients for.
+pub(crate) fn gauss_stages(found: impl ToTokens) -> Error {
+    at(found, "`Gauss<S>` has 1 to 16 stages; `Gauss<1>` is `Midpoint`")
 }
 
 /// A composition is not listed, but its base is.
@@ -177,7 +195,7 @@ pub(crate) fn composed(found: impl ToTokens, base: &syn::Type) -> Error {
 /// What other texts call the same scheme.
 fn scheme_synonym(name: &str) -> Option<&'static str> {
     Some(match name {
-        "ImplicitMidpoint" | "MidPoint" | "ImplicitMidpointRule" | "Gauss2" => "Midpoint",
+        "ImplicitMidpoint" | "MidPoint" | "ImplicitMidpointRule" => "Midpoint",
         "SymplecticEuler" | "SymplecticEulerA" | "SemiImplicitEuler" | "EulerA" => "DeltaPlus",
         "SymplecticEulerB" | "EulerB" => "DeltaMinus",
         _ => return None,

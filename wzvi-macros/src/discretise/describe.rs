@@ -34,7 +34,7 @@ fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
     text.push('\n');
 }
 
-fn hamiltonians(model: &Model, text: &mut String) {
+pub(crate) fn hamiltonians(model: &Model, text: &mut String) {
     line(text, format_args!("\nHamiltonians"));
     for (k, term) in [model.drift].iter().chain(&model.noise).enumerate() {
         line(text, format_args!("  H{k} = {}", model.graph.display(term.value)));
@@ -50,9 +50,9 @@ fn lagrangian(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
         let end = node.strip_suffix("_i").map_or_else(|| node.clone(), |name| format!("{name}_{{i+1}}"));
         line(text, format_args!("  {increment} = {end} - {node}"));
     }
-    for stage in symbols.stages.iter().filter(|stage| !stage.l.is_zero()) {
+    for stage in symbols.stages.iter().filter(|stage| !stage.at.l.is_zero()) {
         for (i, &point) in stage.q.iter().enumerate() {
-            let value = shifted(graph, symbols.q0[i], symbols.u[i], stage.l);
+            let value = shifted(graph, symbols.q0[i], symbols.u[i], stage.at.l);
             line(text, format_args!("  {} = {}", graph.symbol_name(point), graph.display(value)));
         }
     }
@@ -161,7 +161,11 @@ fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
     let jumps = facts.boundaries[0].iter().any(|known| matches!(known.crossing, Crossing::Jump(_)));
     let is_smooth = facts.boundaries[0].iter().all(|known| matches!(known.crossing, Crossing::Smooth));
     let has_noise = facts.noise != NoiseClass::None;
-    let order = if embedding.quadrature().0 == Rational::HALF { "O(h²)" } else { "O(h)" };
+    let order = match embedding.order() {
+        1 => "O(h)".to_owned(),
+        2 => "O(h²)".to_owned(),
+        order => format!("O(h^{order})"),
+    };
     match &facts.conserves_energy {
         Knowledge::Proven => {
             let keeps = match (has_noise, is_smooth) {

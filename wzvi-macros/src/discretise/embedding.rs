@@ -15,6 +15,8 @@ pub(crate) enum Embedding {
     Lambda(u32, u32),
     /// `Mixed<Drift, Noise>`; neither is itself mixed or wrapped, which the parser checks.
     Mixed(Box<Embedding>, Box<Embedding>),
+    /// `Gauss<S>` with `1 <= S <= 16`, which the parser checks.
+    Gauss(u32),
     /// Half a step of `DeltaPlus`, then half a step of `DeltaMinus`.
     Verlet,
     /// `Corrected<E>`; `E` is not wrapped.
@@ -39,7 +41,7 @@ impl Embedding {
     pub(crate) fn quadrature(&self) -> (Rational, Rational) {
         match self {
             Self::DeltaPlus => (Rational::ZERO, Rational::ZERO),
-            Self::Midpoint | Self::Verlet => (Rational::HALF, Rational::HALF),
+            Self::Midpoint | Self::Verlet | Self::Gauss(_) => (Rational::HALF, Rational::HALF),
             Self::DeltaMinus => (Rational::ONE, Rational::ONE),
             &Self::Lambda(n, d) => {
                 let l =
@@ -51,23 +53,30 @@ impl Embedding {
         }
     }
 
-    /// The schemes with one quadrature point that a step is made of, one after the other.
+    /// The schemes with one quadrature point that a step is made of, one after the other; none where it has several at
+    /// once.
     pub(crate) fn parts(&self) -> Vec<Self> {
         let uncorrected = |half: Self| Self::Uncorrected(Box::new(half));
         match self {
             Self::Verlet => vec![uncorrected(Self::DeltaPlus), uncorrected(Self::DeltaMinus)],
+            Self::Gauss(1) => vec![Self::Midpoint],
+            Self::Gauss(_) => Vec::new(),
             whole => vec![whole.clone()],
         }
     }
 
     /// Whether the step backwards undoes the step forwards.
     pub(crate) fn is_symmetric(&self) -> bool {
-        matches!(self, Self::Midpoint | Self::Verlet)
+        matches!(self, Self::Midpoint | Self::Verlet | Self::Gauss(_))
     }
 
     /// The order in `h` without noise.
     pub(crate) fn order(&self) -> u32 {
-        if self.quadrature().0 == Rational::HALF { 2 } else { 1 }
+        match self {
+            Self::Gauss(stages) => 2 * stages,
+            _ if self.quadrature().0 == Rational::HALF => 2,
+            _ => 1,
+        }
     }
 
     pub(crate) fn correction(&self) -> Correction {
@@ -88,6 +97,7 @@ impl fmt::Display for Embedding {
             Self::Lambda(n, d) => write!(f, "Lambda<{n}, {d}>"),
             Self::Mixed(drift, noise) => write!(f, "Mixed<{drift}, {noise}>"),
             Self::Verlet => f.write_str("Verlet"),
+            Self::Gauss(stages) => write!(f, "Gauss<{stages}>"),
             Self::Corrected(inner) => write!(f, "Corrected<{inner}>"),
             Self::Uncorrected(inner) => write!(f, "Uncorrected<{inner}>"),
         }

@@ -57,8 +57,8 @@ fn momentum_update(
         return MomentumUpdate::Multiple(Rational::ONE);
     }
     for stage in &lagrangian.symbols.stages {
-        let Some(inverse) = stage.complement().recip() else { continue };
-        let ratio = stage.l.multiply(inverse).promised("quadrature points are fractions of 32 bits");
+        let Some(inverse) = stage.at.start().recip() else { continue };
+        let ratio = stage.at.end().multiply(inverse).promised("quadrature points are fractions of 32 bits");
         let difference = graph.linear_combination(&[(rest, Rational::ONE), (phi_v, ratio.negate())]);
         if graph.is_zero(difference) {
             return MomentumUpdate::Multiple(inverse);

@@ -115,7 +115,8 @@ pub(crate) struct Facts {
 }
 
 impl Hamiltonians {
-    fn of(system: &System) -> Self {
+    /// With the elements of each term that `of` picks.
+    fn of(system: &System, of: impl Fn(&Term) -> &Vec<Element> + Copy) -> Self {
         let terms = [&system.drift].into_iter().chain(system.noise.iter().map(|noise| &noise.term));
         let elements = terms.chain(&system.invariants).flat_map(|term| &term.values);
         let tables = system.tables.iter().map(|table| (table.name.clone(), table.is_unsigned)).collect();
@@ -128,33 +129,34 @@ impl Hamiltonians {
                     .promised("numbers of noises are integers"),
                 None => offset,
             };
-            sum_of(&noise.term, &[number])
+            sum_of(of(&noise.term), &[number])
         });
         Self {
             space,
             t: system.t,
-            drift: sum_of(&system.drift, &[]),
+            drift: sum_of(of(&system.drift), &[]),
             noise: noise.collect(),
             numbers: noise_numbers(system),
-            invariants: system.invariants.iter().map(|term| (term.extent, sum_of(term, &[]))).collect(),
+            invariants: system.invariants.iter().map(|term| (term.extent, sum_of(of(term), &[]))).collect(),
         }
     }
 }
 
-/// The drift, and the noises times their increments.
-pub(crate) fn drift_and_noise(system: &System) -> [Sum; 2] {
-    let Hamiltonians { drift, noise, .. } = Hamiltonians::of(system);
+/// The drift, and the noises times their increments, with the elements of each term that `of` picks.
+pub(crate) fn drift_and_noise(system: &System, of: impl Fn(&Term) -> &Vec<Element> + Copy) -> [Sum; 2] {
+    let Hamiltonians { drift, noise, .. } = Hamiltonians::of(system, of);
     [drift, noise.concat()]
 }
 
-fn sum_of(term: &Term, increments: &[Index]) -> Sum {
+fn sum_of(elements: &[Element], increments: &[Index]) -> Sum {
     let weigh = |element: &Element| Weighted { element: element.clone(), increments: increments.to_vec() };
-    term.values.iter().map(weigh).collect()
+    elements.iter().map(weigh).collect()
 }
 
 impl Facts {
     pub(crate) fn new(system: &mut System) -> Self {
-        let Hamiltonians { mut space, t, drift, noise, numbers, invariants } = Hamiltonians::of(system);
+        let Hamiltonians { mut space, t, drift, noise, numbers, invariants } =
+            Hamiltonians::of(system, |term| &term.values);
         let System { graph, drift: Term { elements, .. }, noise: parted, .. } = system;
         let parted = parted.iter().flat_map(|noise| &noise.term.elements);
         let all_noise: Sum = noise.concat();
@@ -220,13 +222,6 @@ impl Facts {
     /// products do not show in the limit, but without them commuting noises lose half an order.
     pub(crate) fn counter_term_acts(&self, l: Rational) -> bool {
         l != Rational::HALF && !matches!(self.counter_term_is_constant, Knowledge::Proven)
-    }
-
-    /// The counter-term that a scheme adds; empty for most.
-    pub(crate) fn counter_of(&self, embedding: &Embedding) -> &[Weighted] {
-        let acts = embedding.correction() == Correction::Corrected
-            && self.counter_term_acts(embedding.quadrature().1);
-        if acts { self.counter_term.as_deref().unwrap_or_default() } else { &[] }
     }
 
     /// `D = (1/2 - l) Σ_k ∂H_k/∂q · ∂H_k/∂p`, as text.

@@ -1,22 +1,20 @@
-//! The discrete Lagrangian, the single source of every generated step (MATH section 2):
+//! The discrete Lagrangian of a small system, the source of its generated step (MATH section 2), with the stages of
+//! [`quadrature`](super::quadrature):
 //!
 //! ```text
 //! L_d = P · u - F,   F = Σ_m c_m H_m(P, Q_l, T_l),   c_0 = h,  c_k = ΔW_k,
 //! u = q_{i+1} - q_i,   Q_l = q_i + l u,   T_l = t_i + l h,   l = l_m
 //! ```
-//!
-//! `Corrected` adds to `F` the increment form of the counter-term,
-//! `Σ_jk (1/2 - l) ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p`, at the quadrature point of the noise.
 
 use std::collections::HashMap;
 
-use crate::diagnostics::internal::Promised;
+use super::quadrature::{Part, Quadrature, Stage};
 use crate::model::{Model, Phase};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
-/// One quadrature point `l` with the symbols of `Q_l` and `T_l`.
-pub(crate) struct Stage {
-    pub(crate) l: Rational,
+/// One stage with the symbols of `Q_l` and `T_l`.
+pub(crate) struct StageSymbols {
+    pub(crate) at: Stage,
     pub(crate) q: Vec<Symbol>,
     pub(crate) t: Symbol,
 }
@@ -35,8 +33,7 @@ pub(crate) struct StepSymbols {
     pub(crate) t: Symbol,
     pub(crate) h: Symbol,
     pub(crate) dw: Vec<Symbol>,
-    /// The distinct quadrature points.
-    pub(crate) stages: Vec<Stage>,
+    pub(crate) stages: Vec<StageSymbols>,
 }
 
 /// `L_d` and its partial derivatives, in the symbols `u`, `P`, `Q_l`, `T_l`, `h`, `ΔW` and the parameters.
@@ -52,10 +49,9 @@ pub(crate) struct DiscreteLagrangian {
 }
 
 impl DiscreteLagrangian {
-    /// `quadrature` holds `l` of the drift and of the noise.
-    pub(crate) fn new(model: &mut Model, quadrature: (Rational, Rational), corrected: bool) -> Self {
+    pub(crate) fn new(model: &mut Model, quadrature: &Quadrature) -> Self {
         let symbols = StepSymbols::new(&mut model.graph, &model.phase, model.noise.len(), quadrature);
-        let step_hamiltonian = step_hamiltonian(model, &symbols, quadrature, corrected);
+        let step_hamiltonian = step_hamiltonian(model, &symbols);
         let graph = &mut model.graph;
         let mut terms = vec![(step_hamiltonian, Rational::MINUS_ONE)];
         for (&momentum, &u) in symbols.momentum.iter().zip(&symbols.u) {
@@ -78,7 +74,7 @@ enum Node {
 
 impl StepSymbols {
     /// Names are those of the paper: nodes `q_i`, increments `Δq`, quadrature points `q_{i+1/2}`, the momentum `P`.
-    fn new(graph: &mut Graph, phase: &Phase, noises: usize, quadrature: (Rational, Rational)) -> Self {
+    fn new(graph: &mut Graph, phase: &Phase, noises: usize, quadrature: &Quadrature) -> Self {
         let copies = |graph: &mut Graph, of: &[Symbol], name: &dyn Fn(&str) -> String| -> Vec<Symbol> {
             let names: Vec<String> = of.iter().map(|&symbol| name(graph.symbol_name(symbol))).collect();
             names.into_iter().map(|name| graph.new_symbol(name)).collect()
@@ -90,18 +86,12 @@ impl StepSymbols {
         let v = copies(graph, &phase.p, &|name| format!("δ{name}"));
         let momentum =
             copies(graph, &phase.p, &|name| if is_single { "P".to_owned() } else { format!("P_{{{name}}}") });
-        let mut points = vec![quadrature.0];
-        if noises > 0 && quadrature.1 != quadrature.0 {
-            points.push(quadrature.1);
-        }
-        let stages = points
-            .into_iter()
-            .map(|l| Stage {
-                l,
-                q: copies(graph, &phase.q, &|name| format!("{name}_{}", node_index(l))),
-                t: graph.new_symbol(format!("t_{}", node_index(l))),
-            })
-            .collect();
+        let stages = quadrature.stages.iter().map(|stage| StageSymbols {
+            q: copies(graph, &phase.q, &|name| format!("{name}_{}", node_index(stage.l))),
+            t: graph.new_symbol(format!("t_{}", node_index(stage.l))),
+            at: stage.clone(),
+        });
+        let stages = stages.collect();
         let h = graph.new_symbol("h");
         let t = graph.new_symbol("t_i");
         let increment = |k: usize| if noises == 1 { "ΔW".to_owned() } else { format!("ΔW{k}") };
@@ -118,8 +108,8 @@ impl StepSymbols {
         };
         for stage in &self.stages {
             let weight = match node {
-                Node::Start => stage.complement(),
-                Node::End => stage.l,
+                Node::Start => stage.at.start(),
+                Node::End => stage.at.end(),
             };
             terms.push((graph.derivative(value, stage.q[i]), weight));
         }
@@ -132,12 +122,7 @@ fn node_index(l: Rational) -> String {
     if l.is_zero() { "i".to_owned() } else { format!("{{i+{l}}}") }
 }
 
-impl Stage {
-    /// `1 - l`; exact, because `l` is a fraction of small integers.
-    pub(crate) fn complement(&self) -> Rational {
-        Rational::ONE.add(self.l.negate()).promised("quadrature points are fractions of 32 bits")
-    }
-
+impl StageSymbols {
     /// Phase-space symbols to the symbols of this stage.
     fn placement(&self, graph: &mut Graph, phase: &Phase, momentum: &[Symbol]) -> HashMap<Symbol, Expr> {
         let from = phase.q.iter().chain(&phase.p).chain([&phase.t]);
@@ -146,38 +131,39 @@ impl Stage {
     }
 }
 
-/// `F = h H_0(P, Q_{l_0}, T_{l_0}) + Σ_k ΔW_k H_k(P, Q_{l_k}, T_{l_k})`, with the counter-term if `corrected`.
-fn step_hamiltonian(
-    model: &mut Model,
-    symbols: &StepSymbols,
-    quadrature: (Rational, Rational),
-    corrected: bool,
-) -> Expr {
-    let noise_l = quadrature.1;
+/// `F = Σ_s Σ_m w_m F_m(P, Q_s, T_s)`
+fn step_hamiltonian(model: &mut Model, symbols: &StepSymbols) -> Expr {
     let graph = &mut model.graph;
-    let drift_stage = &symbols.stages[0];
-    let noise_stage = symbols.stages.iter().find(|stage| stage.l == noise_l).unwrap_or(drift_stage);
-
-    let placement = drift_stage.placement(graph, &model.phase, &symbols.momentum);
-    let drift = graph.substitute(&[model.drift.value], &placement)[0];
-    let placement = noise_stage.placement(graph, &model.phase, &symbols.momentum);
     let noise: Vec<Expr> = model.noise.iter().map(|noise| noise.value).collect();
-    let noise = graph.substitute(&noise, &placement);
-
-    let h = graph.symbol(symbols.h);
-    let mut terms = vec![graph.multiply(h, drift)];
-    for (&hamiltonian, &dw) in noise.iter().zip(&symbols.dw) {
-        let dw = graph.symbol(dw);
-        terms.push(graph.multiply(dw, hamiltonian));
+    let mut terms = Vec::new();
+    for stage in &symbols.stages {
+        let placement = stage.placement(graph, &model.phase, &symbols.momentum);
+        for &(part, weight) in &stage.at.parts {
+            match part {
+                Part::Drift => {
+                    let drift = graph.substitute(&[model.drift.value], &placement)[0];
+                    let h = graph.symbol(symbols.h);
+                    terms.push((graph.multiply(h, drift), weight));
+                }
+                Part::Noise => {
+                    let noise = graph.substitute(&noise, &placement);
+                    for (hamiltonian, &dw) in noise.into_iter().zip(&symbols.dw) {
+                        let dw = graph.symbol(dw);
+                        terms.push((graph.multiply(dw, hamiltonian), weight));
+                    }
+                }
+                Part::CounterTerm => {
+                    let noise = graph.substitute(&noise, &placement);
+                    terms.push((counter_term(graph, symbols, stage, &noise), weight));
+                }
+            }
+        }
     }
-    if corrected {
-        terms.push(counter_term(graph, symbols, noise_stage, &noise));
-    }
-    graph.sum(&terms)
+    graph.linear_combination(&terms)
 }
 
-/// `(1/2 - l) (Σ_j ΔW_j ∂H_j/∂q) · (Σ_k ΔW_k ∂H_k/∂p)`, which is symmetric in the noises by itself.
-fn counter_term(graph: &mut Graph, symbols: &StepSymbols, stage: &Stage, noise: &[Expr]) -> Expr {
+/// `(Σ_j ΔW_j ∂H_j/∂q) · (Σ_k ΔW_k ∂H_k/∂p)`, which is symmetric in the noises by itself.
+fn counter_term(graph: &mut Graph, symbols: &StepSymbols, stage: &StageSymbols, noise: &[Expr]) -> Expr {
     let mut terms = Vec::new();
     for (&q, &p) in stage.q.iter().zip(&symbols.momentum) {
         let mut weighted_slope = |symbol: Symbol| {
@@ -195,8 +181,5 @@ fn counter_term(graph: &mut Graph, symbols: &StepSymbols, stage: &Stage, noise: 
         let (force, velocity) = (weighted_slope(q), weighted_slope(p));
         terms.push(graph.multiply(force, velocity));
     }
-    let half_minus_l =
-        Rational::HALF.add(stage.l.negate()).promised("quadrature points are fractions of 32 bits");
-    let sum = graph.sum(&terms);
-    graph.scale(sum, half_minus_l)
+    graph.sum(&terms)
 }

@@ -10,16 +10,19 @@ pub(crate) mod describe;
 pub(crate) mod embedding;
 pub(crate) mod equations;
 pub(crate) mod facts;
+pub(crate) mod gauss;
 pub(crate) mod lagrangian;
+pub(crate) mod quadrature;
 pub(crate) mod sites;
 pub(crate) mod structure;
 pub(crate) mod sums;
 
 use crate::model::Model;
-use embedding::{Correction, Embedding};
+use embedding::Embedding;
 use equations::Equations;
 use facts::Facts;
 use lagrangian::DiscreteLagrangian;
+use quadrature::Quadrature;
 use structure::Structure;
 
 /// One scheme of one system, ready to be emitted.
@@ -34,9 +37,7 @@ pub(crate) struct Scheme {
 
 /// Discretises `model` by `embedding`: the one road from a Hamiltonian to a step.
 pub(crate) fn discretise(model: &mut Model, facts: &Facts, embedding: &Embedding) -> Scheme {
-    let noise_l = embedding.quadrature().1;
-    let corrected = embedding.correction() == Correction::Corrected && facts.counter_term_acts(noise_l);
-    let lagrangian = DiscreteLagrangian::new(model, embedding.quadrature(), corrected);
+    let lagrangian = DiscreteLagrangian::new(model, &Quadrature::new(facts, embedding));
     let equations = Equations::new(&mut model.graph, &lagrangian);
     let structure = Structure::new(&mut model.graph, &lagrangian, &equations);
     let embedding = embedding.clone();

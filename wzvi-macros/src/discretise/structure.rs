@@ -151,8 +151,8 @@ impl StepSymbols {
             Unknown::Coordinate(i) => self
                 .stages
                 .iter()
-                .filter(|stage| !stage.l.is_zero())
-                .map(|stage| (stage.q[i], stage.l))
+                .filter(|stage| !stage.at.l.is_zero())
+                .map(|stage| (stage.q[i], stage.at.l))
                 .collect(),
             Unknown::Momentum(i) => vec![(self.momentum[i], Rational::ONE)],
         }
@@ -171,13 +171,13 @@ fn define_points(graph: &mut Graph, symbols: &StepSymbols, definitions: &mut Has
         definitions.insert(symbols.momentum[i], momentum);
         let u = increment(graph, symbols.u[i], definitions);
         for stage in &symbols.stages {
-            let point = shifted(graph, symbols.q0[i], u, stage.l);
+            let point = shifted(graph, symbols.q0[i], u, stage.at.l);
             definitions.insert(stage.q[i], point);
         }
     }
     let h = graph.symbol(symbols.h);
     for stage in &symbols.stages {
-        let time = shifted(graph, symbols.t, h, stage.l);
+        let time = shifted(graph, symbols.t, h, stage.at.l);
         definitions.insert(stage.t, time);
     }
 }

@@ -20,4 +20,5 @@
 pub(crate) mod collect;
 pub(crate) mod describe;
 pub(crate) mod emit;
+pub(crate) mod parts;
 pub(crate) mod plan;

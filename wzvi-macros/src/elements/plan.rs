@@ -11,13 +11,14 @@
 //! | every `l_m` is 0 | `v`: it is read nowhere else |
 //! | otherwise | `u` and `v` |
 
-use crate::discretise::embedding::Embedding;
 use std::rc::Rc;
 
+use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
+use crate::discretise::quadrature::{Part, Quadrature};
 use crate::discretise::sites::Site;
 use crate::discretise::{Scheme, discretise};
-use crate::model::{Element, Reads, System};
+use crate::model::{Element, Reads, System, Term};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -50,7 +51,8 @@ pub(crate) fn strategy(
             Strategy::Sites(site.clone(), Box::new(scheme))
         }
         (unknowns, None) => {
-            let is_linear = facts.counter_of(embedding).is_empty() && has_constant_curvature(system);
+            let corrects = Quadrature::new(facts, embedding).weight_of(Part::CounterTerm).is_some();
+            let is_linear = !corrects && has_constant_curvature(system);
             Strategy::Sweep { unknowns, is_linear }
         }
     }
@@ -77,19 +79,23 @@ fn has_constant_curvature(system: &mut System) -> bool {
 }
 
 fn unknowns(model: &System, facts: &Facts, embedding: &Embedding) -> Unknowns {
-    let (drift_l, noise_l) = embedding.quadrature();
-    let reads_q = |elements: &[Element]| {
-        elements.iter().any(|element| matches!(element.reads(), Reads::Coordinates | Reads::Both))
+    let Quadrature { stages } = Quadrature::new(facts, embedding);
+    let reads_q = |term: &Term| {
+        term.elements.iter().any(|element| matches!(element.reads(), Reads::Coordinates | Reads::Both))
     };
-    let at_node = |l: Rational| l.is_zero() || l.is_one();
-    let drift_at_node = at_node(drift_l) || !reads_q(&model.drift.elements);
-    let noise_at_node = at_node(noise_l) || model.noise.iter().all(|noise| !reads_q(&noise.term.elements));
-    let all_at_start = drift_l.is_zero() && (noise_l.is_zero() || model.noise.is_empty());
+    let has_forces = |(part, _): &(Part, Rational)| match part {
+        Part::Drift => reads_q(&model.drift),
+        Part::Noise => model.noise.iter().any(|noise| reads_q(&noise.term)),
+        Part::CounterTerm => true,
+    };
     // The counter-term reads coordinates and momenta.
-    let is_separable = facts.is_separable && facts.counter_of(embedding).is_empty();
-    if is_separable && drift_at_node && noise_at_node {
+    let is_simple = |(part, _): &(Part, Rational)| *part != Part::CounterTerm;
+    let is_separable = facts.is_separable && stages.iter().all(|stage| stage.parts.iter().all(is_simple));
+    if is_separable && stages.iter().all(|stage| stage.is_at_node() || !stage.parts.iter().any(has_forces)) {
         Unknowns::None
-    } else if (is_separable && facts.has_diagonal_kinetic_energy) || all_at_start {
+    } else if (is_separable && facts.has_diagonal_kinetic_energy)
+        || stages.iter().all(|stage| stage.l.is_zero())
+    {
         Unknowns::Momenta
     } else {
         Unknowns::Both

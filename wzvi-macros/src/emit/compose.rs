@@ -12,7 +12,9 @@ use crate::discretise::embedding::Embedding;
 pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
     let mut generated = TokenStream::new();
     for (embedding, text) in &texts.listed {
-        if let [first, second] = embedding.parts().as_slice() {
+        let parts = embedding.parts();
+        let is_itself = parts.as_slice() == [embedding.clone()];
+        if let (Some(first), Some(second), false) = (parts.first(), parts.last(), is_itself) {
             let scheme = embedding_type(embedding, &quote!(__wzvi));
             let composition = Composition {
                 parts: [first, second],
@@ -23,23 +25,18 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
             generated.extend(composition.emit(item, &item.generics, &scheme));
         }
         if embedding.is_symmetric() {
-            generated.extend(composed(item, embedding));
+            let base = embedding_type(embedding, &quote!(__wzvi));
+            let whole = [embedding.clone()];
+            let parts = if parts.is_empty() { &whole } else { parts.as_slice() };
+            if let (Some(first), Some(second)) = (parts.first(), parts.last()) {
+                generated.extend(composed_of(item, &base, [first, second]));
+            }
         }
     }
     generated
 }
 
 /// `impl<W> Discretized<Composed<E, W>>`
-fn composed(item: &ItemStruct, embedding: &Embedding) -> TokenStream {
-    let base = embedding_type(embedding, &quote!(__wzvi));
-    let parts = embedding.parts();
-    let [first, .., second] = parts.as_slice() else {
-        let [whole] = parts.as_slice() else { return TokenStream::new() };
-        return composed_of(item, &base, [whole, whole]);
-    };
-    composed_of(item, &base, [first, second])
-}
-
 fn composed_of(item: &ItemStruct, base: &TokenStream, parts: [&Embedding; 2]) -> TokenStream {
     let weights = quote!(__wzvi::compose::Composes<#base>);
     let mut generics = item.generics.clone();

@@ -88,7 +88,7 @@ impl Segment {
             let (first, last) = (graph.symbol(symbols.q0[i]), graph.symbol(symbol));
             definitions.insert(symbols.u[i], graph.subtract(last, first));
             for stage in &symbols.stages {
-                let point = graph.linear_combination(&[(first, stage.complement()), (last, stage.l)]);
+                let point = graph.linear_combination(&[(first, stage.at.start()), (last, stage.at.end())]);
                 definitions.insert(stage.q[i], point);
             }
         }
@@ -97,7 +97,7 @@ impl Segment {
         names.push((symbols.t, format_ident!("__t"), Level::Time));
         let (t, h) = (graph.symbol(symbols.t), graph.symbol(symbols.h));
         for stage in &symbols.stages {
-            definitions.insert(stage.t, graph.linear_combination(&[(t, Rational::ONE), (h, stage.l)]));
+            definitions.insert(stage.t, graph.linear_combination(&[(t, Rational::ONE), (h, stage.at.l)]));
         }
         let (h, t) = (symbols.h, symbols.t);
         Self { inputs: Inputs { names, definitions }, letters, start, end, dw, h, t }

@@ -2,6 +2,7 @@
 
 mod compose;
 pub(crate) mod discretized;
+mod gauss;
 mod lagrangian;
 pub(crate) mod names;
 pub(crate) mod plan;
@@ -31,6 +32,7 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, schemes: &[Scheme], texts: 
     for (scheme, text) in schemes.iter().zip(&texts.of_parts) {
         generated.extend(step::emit(model, facts, scheme, text));
     }
+    generated.extend(gauss::emit(model, facts, texts));
     let surroundings = Surroundings {
         crate_path: &model.crate_path,
         tokens: with_header(&model.item, model.parameters.iter().map(|parameter| &parameter.tokens)),
@@ -92,6 +94,10 @@ pub(crate) fn embedding_type(embedding: &Embedding, wzvi: &impl ToTokens) -> Tok
         Embedding::Midpoint => quote!(#wzvi::embedding::Midpoint),
         Embedding::DeltaMinus => quote!(#wzvi::embedding::DeltaMinus),
         Embedding::Verlet => quote!(#wzvi::embedding::Verlet),
+        Embedding::Gauss(stages) => {
+            let stages = proc_macro2::Literal::u32_unsuffixed(*stages);
+            quote!(#wzvi::embedding::Gauss<#stages>)
+        }
         Embedding::Lambda(n, d) => quote!(#wzvi::embedding::Lambda<#n, #d>),
         Embedding::Mixed(drift, noise) => {
             let (drift, noise) = (embedding_type(drift, wzvi), embedding_type(noise, wzvi));

@@ -13,7 +13,11 @@ use crate::discretise::embedding::Embedding;
 use crate::functions::Library;
 use crate::model::Located;
 
-pub(super) const KEYS: [&str; 5] = ["drift", "noise", "embedding", "invariant", "crate"];
+/// The keys that users know, and [`STRATEGY`].
+pub(super) const KEYS: [&str; 6] = ["drift", "noise", "embedding", "invariant", "crate", STRATEGY];
+
+/// How steps are emitted, whatever costs less: for tests that compare one way with the other.
+const STRATEGY: &str = "__strategy";
 
 /// What the attribute says. A part that is missing or wrong has been reported.
 pub(crate) struct Declaration {
@@ -26,6 +30,8 @@ pub(crate) struct Declaration {
     /// Whether there are no others than `embeddings`: none was misspelled.
     pub(crate) all_embeddings_known: bool,
     pub(crate) crate_path: Path,
+    /// The way to emit steps, where it is not the compiler's to choose.
+    pub(crate) emission: Option<Emission>,
     /// The shared functions that the closures call.
     pub(crate) library: Library,
 }
@@ -35,6 +41,15 @@ impl Declaration {
     pub(crate) fn closures(&self) -> impl Iterator<Item = &Hamiltonian> {
         self.drift.iter().chain(&self.noise).chain(&self.invariants)
     }
+}
+
+/// How a system is emitted.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Emission {
+    /// As straight-line code, each degree of freedom a variable of its own.
+    Inline,
+    /// In loops.
+    Sweep,
 }
 
 /// A closure over phase space.
@@ -67,6 +82,7 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
         embedding_types: Vec::new(),
         all_embeddings_known: false,
         crate_path: syn::parse_quote!(::wzvi),
+        emission: None,
         library: Library::default(),
     };
     let mut seen: Vec<String> = Vec::new();
@@ -118,6 +134,7 @@ fn read_entry(declaration: &mut Declaration, key: &str, entry: &Entry, diagnosti
                 entry.embeddings(diagnostics).into_iter().unzip();
             declaration.all_embeddings_known = diagnostics.count() == before;
         }
+        STRATEGY => declaration.emission = diagnostics.accept(entry.parse(emission)),
         _ => {
             let path = entry.parse(Path::parse_mod_style);
             let path = path.map_err(|_| messages::not_a_path(&entry.value));
@@ -232,6 +249,15 @@ fn hamiltonian_list(input: ParseStream<'_>) -> syn::Result<Vec<Hamiltonian>> {
         }
     }
     Ok(list)
+}
+
+fn emission(input: ParseStream<'_>) -> syn::Result<Emission> {
+    let name: Ident = input.parse()?;
+    match name.to_string().as_str() {
+        "inline" => Ok(Emission::Inline),
+        "sweep" => Ok(Emission::Sweep),
+        _ => Err(messages::unknown_strategy(&name)),
+    }
 }
 
 fn type_list(input: ParseStream<'_>) -> syn::Result<Vec<syn::Type>> {

@@ -28,6 +28,8 @@ pub(super) fn read_embeddings(
 fn embedding(ty: &Type) -> syn::Result<Embedding> {
     let (name, arguments) = parts(ty)?;
     match (name.to_string().as_str(), arguments.as_deref()) {
+        ("Gauss", Some([stages])) => gauss(ty, stages),
+        ("Gauss", _) => Err(messages::scheme_arguments(ty, "Gauss<4>")),
         ("Verlet", None) => Ok(Embedding::Verlet),
         ("Verlet", Some(_)) => Err(messages::scheme_arguments(ty, "Verlet")),
         ("Composed", Some([GenericArgument::Type(base), _])) => Err(messages::composed(ty, base)),
@@ -35,6 +37,14 @@ fn embedding(ty: &Type) -> syn::Result<Embedding> {
         ("Uncorrected", Some([inner])) => Ok(Embedding::Uncorrected(Box::new(unwrapped(inner)?))),
         ("Corrected" | "Uncorrected", _) => Err(messages::scheme_arguments(ty, "Corrected<Midpoint>")),
         (_, arguments) => bare(ty, name, arguments),
+    }
+}
+
+/// `Gauss<S>`
+fn gauss(ty: &Type, stages: &GenericArgument) -> syn::Result<Embedding> {
+    match lambda_argument(stages)? {
+        stages @ 1..=16 => Ok(Embedding::Gauss(stages)),
+        _ => Err(messages::gauss_stages(ty)),
     }
 }
 

@@ -81,6 +81,7 @@ pub(crate) fn lower(
         embeddings: declaration.embeddings,
         item: container.item,
         crate_path: declaration.crate_path,
+        emission: declaration.emission,
         type_checks,
     })
 }

@@ -1,8 +1,8 @@
 //! The Jacobian `I - φ'` of a step, entry by entry: into a band, into products with it, or as the pattern alone.
 
-use super::iterate::{Step, Unknowns, stages};
-use super::memory::Work;
-use super::{Curvature, Elements, Point, Scheme, Terms};
+use super::memory::{Staged, Work};
+use super::step::Step;
+use super::{Curvature, Elements, Scheme, Slopes, Stage, Unknowns};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
 use crate::solve::{Banded, Krylov};
@@ -57,13 +57,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     pub(super) fn linearise(&self, work: &mut Work<S>, linear: &mut Linear<S>) -> Result<(), StepFailure> {
         if self.scheme.unknowns == Unknowns::Momenta {
             work.diagonal.fill(S::from_f64(0.0));
-            for (_, l, terms) in stages(self.scheme) {
-                let at = self.at(self.q, &work.momentum, l);
-                self.system.curvature(
-                    Terms { by_q: false, ..terms },
-                    &at,
-                    &mut Velocities(&mut work.diagonal),
-                );
+            let free = if self.increment.is_some() { &[] } else { self.scheme.stages };
+            for stage in free {
+                let into = &mut Velocities(&mut work.diagonal);
+                self.curvature(stage, self.q, &work.momentum, Slopes::BY_MOMENTA, into);
             }
         }
         match linear {
@@ -106,27 +103,17 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 
     /// `-φ'` at the current stages.
     fn entries(&self, work: &Work<S>, into: &mut impl Entries<S>) {
-        let Work { stage, momentum, diagonal, .. } = work;
-        for (s, l, terms) in stages(self.scheme) {
-            add_entries(self.system, self.scheme, &self.at(&stage[s], momentum, l), l, terms, diagonal, into);
-        }
-    }
-}
-
-fn add_entries<H: Elements, S: Scalar>(
-    system: &H,
-    scheme: &Scheme,
-    at: &Point<'_, S>,
-    l: f64,
-    terms: Terms,
-    diagonal: &[S],
-    into: &mut impl Entries<S>,
-) {
-    match scheme.unknowns {
-        Unknowns::Both => system.curvature(terms, at, &mut Coupled { matrix: into, l }),
-        _ => {
-            let terms = Terms { by_p: false, ..terms };
-            system.curvature(terms, at, &mut Reduced { matrix: into, diagonal, l });
+        let Work { stages, momentum, diagonal, .. } = work;
+        for (stage, Staged { q, .. }) in self.scheme.stages.iter().zip(stages) {
+            match self.scheme.unknowns {
+                Unknowns::Both => {
+                    self.curvature(stage, q, momentum, Slopes::ALL, &mut Coupled { matrix: into, stage });
+                }
+                _ => {
+                    let reduced = &mut Reduced { matrix: into, diagonal, stage };
+                    self.curvature(stage, q, momentum, Slopes::BY_COORDINATES, reduced);
+                }
+            }
         }
     }
 }
@@ -148,9 +135,8 @@ pub(super) fn pattern<H: Elements>(
         }
     }
     let (zeros, dw) = (vec![0.0; degrees], vec![0.0; system.noises()]);
-    let at = Point { q: &zeros, p: &zeros, t: 0.0, h: 1.0, dw: &dw };
-    let terms = Terms { drift: true, noise: true, counter: scheme.counter, by_q: true, by_p: true };
-    add_entries(system, scheme, &at, 0.5, terms, &zeros, &mut Places(visit));
+    let step = Step { system, scheme, t: 0.0, h: 1.0, q: &zeros, p: &zeros, dw: &dw, increment: None };
+    step.entries(&Work::of_solution(scheme, degrees), &mut Places(visit));
 }
 
 /// `∂u/∂v`, which the choice of unknowns has shown to be diagonal where it is needed.
@@ -169,17 +155,17 @@ impl<S: Scalar> Curvature<S> for Velocities<'_, S> {
     }
 }
 
-/// `∂(v - φ_v)/∂v` with `∂u/∂v = D`: `I + Σ (1 - l) (l F_qq D + F_qp)`.
+/// `∂(-D_1 L_d)/∂v` with `∂u/∂v = D`: `I + Σ start (c F_qq D + F_qp)`.
 struct Reduced<'a, S, M> {
     matrix: &'a mut M,
     diagonal: &'a [S],
-    l: f64,
+    stage: &'a Stage,
 }
 
 impl<S: Scalar, M: Entries<S>> Curvature<S> for Reduced<'_, S, M> {
     #[inline(always)]
     fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
-        let weighted = value * (self.l * (1.0 - self.l));
+        let weighted = value * (self.stage.start * self.stage.point);
         self.matrix.add(i, j, weighted * self.diagonal[j]);
         if !is_diagonal {
             self.matrix.add(j, i, weighted * self.diagonal[i]);
@@ -187,22 +173,22 @@ impl<S: Scalar, M: Entries<S>> Curvature<S> for Reduced<'_, S, M> {
     }
     #[inline(always)]
     fn add_qp(&mut self, i: usize, j: usize, _: bool, value: S) {
-        self.matrix.add(i, j, value * (1.0 - self.l));
+        self.matrix.add(i, j, value * self.stage.start);
     }
     #[inline(always)]
     fn add_pp(&mut self, _: usize, _: usize, _: bool, _: S) {}
 }
 
-/// The Jacobian of `(u - φ_u, v - φ_v)`, unknowns `u_0, v_0, u_1, v_1, ...`
+/// The Jacobian of `(∂L_d/∂P, -D_1 L_d)`, unknowns `u_0, v_0, u_1, v_1, ...`
 struct Coupled<'a, M> {
     matrix: &'a mut M,
-    l: f64,
+    stage: &'a Stage,
 }
 
 impl<S: Scalar, M: Entries<S>> Curvature<S> for Coupled<'_, M> {
     #[inline(always)]
     fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
-        let weighted = value * (self.l * (1.0 - self.l));
+        let weighted = value * (self.stage.start * self.stage.point);
         self.matrix.add(2 * i + 1, 2 * j, weighted);
         if !is_diagonal {
             self.matrix.add(2 * j + 1, 2 * i, weighted);
@@ -210,8 +196,8 @@ impl<S: Scalar, M: Entries<S>> Curvature<S> for Coupled<'_, M> {
     }
     #[inline(always)]
     fn add_qp(&mut self, i: usize, j: usize, _: bool, value: S) {
-        self.matrix.add(2 * i + 1, 2 * j + 1, value * (1.0 - self.l));
-        self.matrix.add(2 * j, 2 * i, -(value * self.l));
+        self.matrix.add(2 * i + 1, 2 * j + 1, value * self.stage.start);
+        self.matrix.add(2 * j, 2 * i, -(value * self.stage.point));
     }
     #[inline(always)]
     fn add_pp(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {

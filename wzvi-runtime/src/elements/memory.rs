@@ -1,9 +1,8 @@
 //! What a stepper of a system of elements allocates, once.
 
-use super::Elements;
-use super::iterate::{Scheme, Unknowns};
 use super::jacobian::{Linear, pattern};
 use super::rounding::Rounding;
+use super::{Elements, Scheme, Unknowns};
 use crate::carry::{Carry, Compensation};
 use crate::error::StepFailure;
 use crate::memory::{Iteration, Method, StepMemory};
@@ -48,11 +47,17 @@ pub(super) struct Work<S> {
     pub(super) previous: Vec<S>,
     pub(super) u: Vec<S>,
     pub(super) momentum: Vec<S>,
-    pub(super) stage: [Vec<S>; 2],
-    pub(super) by_q: [Vec<S>; 2],
+    pub(super) stages: Vec<Staged<S>>,
     pub(super) by_p: Vec<S>,
     /// `∂u/∂v` where that is diagonal.
     pub(super) diagonal: Vec<S>,
+}
+
+/// The coordinates of a stage, and the slopes by them.
+#[derive(Clone, Debug)]
+pub(super) struct Staged<S> {
+    pub(super) q: Vec<S>,
+    pub(super) by_q: Vec<S>,
 }
 
 impl<S> Default for Work<S> {
@@ -63,8 +68,7 @@ impl<S> Default for Work<S> {
             previous: Vec::new(),
             u: Vec::new(),
             momentum: Vec::new(),
-            stage: [Vec::new(), Vec::new()],
-            by_q: [Vec::new(), Vec::new()],
+            stages: Vec::new(),
             by_p: Vec::new(),
             diagonal: Vec::new(),
         }
@@ -74,28 +78,28 @@ impl<S> Default for Work<S> {
 impl<S: Scalar> Work<S> {
     /// Scratch for the equations of a step of a system of so many degrees of freedom.
     pub(super) fn of_equations(scheme: &Scheme, degrees: usize) -> Self {
+        debug_assert!(!scheme.stages.is_empty(), "a discrete Lagrangian has a quadrature point");
         let zeros = |length: usize| vec![S::from_f64(0.0); length];
         let unknowns = match scheme.unknowns {
             Unknowns::None => 0,
             Unknowns::Momenta => degrees,
             Unknowns::Both => 2 * degrees,
         };
-        let second = if scheme.drift_l == scheme.noise_l { 0 } else { degrees };
+        let staged = Staged { q: zeros(degrees), by_q: zeros(degrees) };
         Self {
             x: zeros(unknowns),
             correction: zeros(unknowns),
             previous: Vec::new(),
             u: zeros(degrees),
             momentum: zeros(degrees),
-            stage: [zeros(degrees), zeros(second)],
-            by_q: [zeros(degrees), zeros(second)],
+            stages: vec![staged; scheme.stages.len()],
             by_p: zeros(degrees),
             diagonal: Vec::new(),
         }
     }
 
     /// Scratch for their solution.
-    fn of_solution(scheme: &Scheme, degrees: usize) -> Self {
+    pub(super) fn of_solution(scheme: &Scheme, degrees: usize) -> Self {
         let mut work = Self::of_equations(scheme, degrees);
         work.previous.clone_from(&work.correction);
         if scheme.unknowns == Unknowns::Momenta {
@@ -214,11 +218,6 @@ impl<S: Scalar> Memory<S> {
             memory.allocate(system, scheme, degrees);
         }
         memory
-    }
-
-    /// `P` of the last step.
-    pub(super) fn momentum(&self) -> Option<&[S]> {
-        (self.degrees != 0).then_some(&self.work.momentum)
     }
 
     /// Makes room for `degrees`, after checking that the indices of the system fit.

@@ -3,9 +3,9 @@
 //! Judged for each unknown by the terms of its own equation, so that no site counts for another. It takes a pass that costs
 //! several times as much as one of the iteration, and is done only where that does not get any further.
 
-use super::iterate::Step;
 use super::memory::Work;
 use super::passes::relative_to_largest;
+use super::step::Step;
 use super::{Elements, Memory};
 use crate::scalar::{Rounded, Scalar};
 use crate::solve::larger;
@@ -16,6 +16,7 @@ pub(super) struct Rounding {
     q: Vec<Rounded>,
     p: Vec<Rounded>,
     dw: Vec<Rounded>,
+    increment: Vec<Rounded>,
     work: Work<Rounded>,
 }
 
@@ -37,7 +38,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     #[inline(never)]
     pub(super) fn round<'r>(&self, x: &[S], rounding: &'r mut Option<Box<Rounding>>) -> &'r Rounding {
         let rounding = rounding.get_or_insert_default();
-        let Rounding { q, p, dw, work } = &mut **rounding;
+        let Rounding { q, p, dw, increment, work } = &mut **rounding;
         lift(self.q, q, Rounded::exact);
         lift(self.p, p, Rounded::exact);
         lift(self.dw, dw, Rounded::exact);
@@ -45,8 +46,12 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             *work = Work::of_equations(self.scheme, self.q.len());
         }
         lift(x, &mut work.x, Rounded::nearest);
+        let increment = self.increment.map(|known| {
+            lift(known, increment, Rounded::nearest);
+            &**increment
+        });
         let Self { system, scheme, t, h, .. } = *self;
-        Step { system, scheme, t, h, q: &*q, p: &*p, dw: &*dw }.residual(work);
+        Step { system, scheme, t, h, q: &*q, p: &*p, dw: &*dw, increment }.residual(work);
         rounding
     }
 

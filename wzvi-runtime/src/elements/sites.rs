@@ -3,8 +3,9 @@
 use std::fmt::Debug;
 
 use super::Elements;
-use crate::carry::Carry;
+use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepFailure};
+use crate::lanes::Lanes;
 use crate::memory::StepMemory;
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
@@ -16,6 +17,10 @@ use crate::system::Solution;
 pub trait Sites<E, const D: usize, const K: usize>: Elements {
     /// Whether what is prepared is the same for all sites.
     const IS_UNIFORM: bool;
+
+    /// Whether the step of a site is arithmetic alone, and keeps nothing for the next: numbers beside each other then go
+    /// bit for bit as each goes alone.
+    const IS_EXACT_IN_LANES: bool;
 
     /// What depends on the system, the site and the step size only.
     type SitePrepared: Clone + Debug;
@@ -61,15 +66,16 @@ pub struct Memory<S, M, P> {
     /// What the steps before left at each site, and the same before this step.
     sites: Vec<M>,
     saved: Vec<M>,
-    /// What is prepared for each site, where the making of the stepper could not, and for which step size.
+    /// What is prepared for each site, where the making of the stepper could not, and for which step size and how many
+    /// sites.
     prepared: Vec<P>,
-    h: f64,
+    prepared_for: Option<(f64, usize)>,
 }
 
 impl<S, M, P> Default for Memory<S, M, P> {
     fn default() -> Self {
         let next = std::array::from_fn(|_| Vec::new());
-        Self { next, sites: Vec::new(), saved: Vec::new(), prepared: Vec::new(), h: 0.0 }
+        Self { next, sites: Vec::new(), saved: Vec::new(), prepared: Vec::new(), prepared_for: None }
     }
 }
 
@@ -104,8 +110,10 @@ where
 ///
 /// # Errors
 /// [`StepFailure`] of the first site that has one, or where sizes do not fit.
+///
+/// Inlined, so that the step of a site is compiled for the vector instructions of whoever runs paths in lanes.
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
-#[inline]
+#[inline(always)]
 pub fn advance<H, E, S, C, const CAREFUL: bool, const D: usize, const K: usize>(
     system: &H,
     prepared: &Prepared<H::SitePrepared>,
@@ -132,16 +140,11 @@ where
     if dw.len() != system.noises() {
         return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
     }
-    let sites = memory.sites.len();
-    if prepared.0.is_empty() && (memory.h != h || memory.prepared.len() != sites) {
-        let fresh = (0..sites).map(|site| system.prepare_site(h, site, sites)).collect::<Result<_, _>>();
-        memory.prepared = fresh.map_err(|error| match error {
-            ConfigError::Singular { pivot, scale, .. } => StepFailure::Singular { pivot, scale },
-            _ => StepFailure::NonFinite,
-        })?;
-        memory.h = h;
+    if prepared.0.is_empty() && memory.prepared_for != Some((h, memory.sites.len())) {
+        prepare_by_state::<H, E, _, _, D, K>(system, h, memory)?;
     }
-    let remembers = size_of::<H::SiteMemory<S>>() != 0;
+    // Where increments decide, the steps before are a guide only to a solution that is followed along its step.
+    let remembers = size_of::<H::SiteMemory<S>>() != 0 && (K == 0 || CAREFUL);
     if remembers {
         memory.saved.clone_from(&memory.sites);
     }
@@ -150,12 +153,39 @@ where
         let [next_q, next_p, lost_q, lost_p] = &memory.next;
         q.copy_from_slice(next_q);
         p.copy_from_slice(next_p);
-        carry.keep(lost_q, lost_p);
+        if C::CARRIES {
+            carry.keep(lost_q, lost_p);
+        }
     } else if remembers {
         std::mem::swap(&mut memory.saved, &mut memory.sites);
     }
     solved
 }
+
+/// [`prepare`], where only the state knows how many sites there are.
+#[cold]
+#[inline(never)]
+fn prepare_by_state<H, E, S, M, const D: usize, const K: usize>(
+    system: &H,
+    h: f64,
+    memory: &mut Memory<S, M, H::SitePrepared>,
+) -> Result<(), StepFailure>
+where
+    H: Sites<E, D, K>,
+{
+    let sites = memory.sites.len();
+    let prepared = if H::IS_UNIFORM { sites.min(1) } else { sites };
+    let fresh = (0..prepared).map(|site| system.prepare_site(h, site, sites)).collect::<Result<_, _>>();
+    memory.prepared = fresh.map_err(|error| match error {
+        ConfigError::Singular { pivot, scale, .. } => StepFailure::Singular { pivot, scale },
+        _ => StepFailure::NonFinite,
+    })?;
+    memory.prepared_for = Some((h, sites));
+    Ok(())
+}
+
+/// Sites that are solved beside each other: two registers of the oldest vector instructions.
+const BESIDE: usize = 4;
 
 /// Every site, into `memory.next`.
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
@@ -176,35 +206,99 @@ where
     S: Scalar,
     C: Carry<S>,
 {
-    let Memory { next, sites, prepared: own, .. } = memory;
-    let count = sites.len();
+    let Memory { next, sites: memories, prepared: own, .. } = memory;
+    let count = memories.len();
     let prepared = if prepared.0.is_empty() { &own[..] } else { &prepared.0[..] };
     let [next_q, next_p, lost_q, lost_p] = next.each_mut().map(|list| list.as_chunks_mut::<D>().0);
-    let nodes = q.as_chunks::<D>().0.iter().zip(p.as_chunks::<D>().0);
-    let next = next_q.iter_mut().zip(next_p).zip(lost_q.iter_mut().zip(lost_p));
+    let (q, p) = (q.as_chunks::<D>().0, p.as_chunks::<D>().0);
+    let (q, p, next_q, next_p) = (&q[..count], &p[..count], &mut next_q[..count], &mut next_p[..count]);
     let mut effort = Effort::fast(0);
-    for (site, (((&q, &p), memory), ((next_q, next_p), (lost_q, lost_p)))) in
-        nodes.zip(sites).zip(next).enumerate()
-    {
-        let prepared = if H::IS_UNIFORM { prepared.first() } else { prepared.get(site) };
-        let Some(prepared) = prepared else { return Err(StepFailure::NonFinite) };
-        let mut own_dw = [S::from_f64(0.0); K];
-        for (own, number) in own_dw.iter_mut().zip(system.increments(site, count)) {
-            if let Some(number) = number {
-                let wrong = StepFailure::Increments { expected: number + 1, got: dw.len() };
-                *own = *dw.get(number).ok_or(wrong)?;
+    let mut site = 0;
+    if size_of::<S>() == size_of::<f64>() && H::IS_EXACT_IN_LANES && H::IS_UNIFORM && !C::CARRIES {
+        let Some(prepared) = prepared.first() else { return Err(StepFailure::NonFinite) };
+        while site + BESIDE <= count {
+            let beside = |list: &[[S; D]]| -> [Lanes<BESIDE>; D] {
+                let mut lanes = [Lanes::from_f64(0.0); D];
+                for lane in 0..BESIDE {
+                    for i in 0..D {
+                        lanes[i].set(lane, list[lane][i].lane(0));
+                    }
+                }
+                lanes
+            };
+            let mut own_dw = [Lanes::from_f64(0.0); K];
+            for lane in 0..BESIDE {
+                let increments = increments_at::<H, E, S, D, K>(system, site + lane, count, dw)?;
+                for k in 0..K {
+                    own_dw[k].set(lane, increments[k].lane(0));
+                }
             }
-        }
-        let own_carry = carry.part::<D>(site * D);
-        let solved =
-            H::solve_site::<S, C::Part<D>, CAREFUL>(prepared, t, h, q, p, own_dw, memory, &own_carry)?;
-        effort = effort + solved.effort;
-        for i in 0..D {
-            (next_q[i], lost_q[i]) = solved.q[i];
-            (next_p[i], lost_p[i]) = solved.p[i];
+            let both = [&q[site..site + BESIDE], &p[site..site + BESIDE]].map(beside);
+            let solved = H::solve_site::<Lanes<BESIDE>, Plain, CAREFUL>(
+                prepared,
+                t,
+                h,
+                both[0],
+                both[1],
+                own_dw,
+                &mut Default::default(),
+                &Plain,
+            );
+            // Which site it is, and why, is found out by each of them alone.
+            let Ok(solved) = solved else { break };
+            for lane in 0..BESIDE {
+                for i in 0..D {
+                    next_q[site + lane][i] = S::from_f64(solved.q[i].0[lane]);
+                    next_p[site + lane][i] = S::from_f64(solved.p[i].0[lane]);
+                }
+            }
+            effort = effort + solved.effort;
+            site += BESIDE;
         }
     }
+    while site < count {
+        let prepared = if H::IS_UNIFORM { prepared.first() } else { prepared.get(site) };
+        let Some(prepared) = prepared else { return Err(StepFailure::NonFinite) };
+        let own_dw = increments_at::<H, E, S, D, K>(system, site, count, dw)?;
+        let (own_carry, memory) = (carry.part::<D>(site * D), &mut memories[site]);
+        let solved = H::solve_site::<S, C::Part<D>, CAREFUL>(
+            prepared, t, h, q[site], p[site], own_dw, memory, &own_carry,
+        )?;
+        effort = effort + solved.effort;
+        for i in 0..D {
+            (next_q[site][i], next_p[site][i]) = (solved.q[i].0, solved.p[i].0);
+            if C::CARRIES {
+                (lost_q[site][i], lost_p[site][i]) = (solved.q[i].1, solved.p[i].1);
+            }
+        }
+        site += 1;
+    }
     Ok(effort)
+}
+
+/// The increments that act at a site; zero for a noise that does not act there.
+#[inline(always)]
+fn increments_at<H, E, S, const D: usize, const K: usize>(
+    system: &H,
+    site: usize,
+    sites: usize,
+    dw: &[S],
+) -> Result<[S; K], StepFailure>
+where
+    H: Sites<E, D, K>,
+    S: Scalar,
+{
+    let numbers = system.increments(site, sites);
+    let mut own = [S::from_f64(0.0); K];
+    for k in 0..K {
+        if let Some(number) = numbers[k] {
+            own[k] = match dw.get(number) {
+                Some(&dw) => dw,
+                None => return Err(StepFailure::Increments { expected: number + 1, got: dw.len() }),
+            };
+        }
+    }
+    Ok(own)
 }
 
 impl<S: Scalar, M: Clone + Default, P> Memory<S, M, P> {
@@ -239,8 +333,11 @@ impl<S: Scalar, M: Clone + Debug + Default + Numbers, P: Clone + Debug> StepMemo
     fn adopt(&mut self, left: Self) {
         if self.next[0].is_empty() {
             *self = left;
-        } else {
+        } else if self.sites.len() == left.sites.len() {
             self.sites = left.sites;
+        } else {
+            // A solution that was followed along its step leaves nothing.
+            self.forget();
         }
     }
 }

@@ -3,10 +3,11 @@
 use std::ops::{ControlFlow, Range};
 
 use super::control::{Control, Targets, unless_lost};
+use super::halt::Halt;
 use super::job::Job;
 use super::keeping::BlockKeeper;
 use super::origin::Origin;
-use super::statistics::{Node, Statistics};
+use super::statistics::{Statistics, StatisticsNode};
 use crate::checkpoint::Keeping;
 use crate::error::Error;
 use crate::progress::Progress;
@@ -31,8 +32,9 @@ impl Account {
     /// With the blocks of the checkpoint, if there is one.
     pub(super) fn open<H, E>(
         job: &Job<'_, H, E>,
-        control: &Control<'_>,
+        control: &Control,
         keeping: Keeping,
+        progress: Progress,
     ) -> Result<Self, Error>
     where
         H: Discretized<E> + Sync,
@@ -51,7 +53,6 @@ impl Account {
         if targets.look(&statistics, job.paths).0 {
             blocks.end = blocks.start;
         }
-        let progress = Progress::new("paths", control.is_quiet);
         Ok(Self {
             statistics,
             keeper,
@@ -69,11 +70,18 @@ impl Account {
         self.blocks.clone()
     }
 
-    /// The next block, or that it was stopped on the way; breaks if that was the last one.
-    pub(super) fn take(&mut self, block: Option<Statistics>) -> ControlFlow<()> {
-        let Some(block) = block else {
-            self.statistics.is_partial = true;
-            return ControlFlow::Break(());
+    /// The next block, or why it has no result; breaks if that was the last one.
+    pub(super) fn take(&mut self, block: Result<Statistics, Halt>) -> ControlFlow<()> {
+        let block = match block {
+            Ok(block) => block,
+            Err(Halt::Stopped) => {
+                self.statistics.is_partial = true;
+                return ControlFlow::Break(());
+            }
+            Err(Halt::Failed(error)) => {
+                self.error = Some(error);
+                return ControlFlow::Break(());
+            }
         };
         self.statistics.merge(&block);
         self.blocks.start += 1;
@@ -91,7 +99,7 @@ impl Account {
         self.keeper.close(self.blocks.start, &mut self.statistics)?;
         let mut statistics = self.statistics;
         statistics.targets = self.targets.statuses(&statistics);
-        match (statistics.last().map_or(0, Node::count), statistics.failures().first()) {
+        match (statistics.last().map_or(0, StatisticsNode::count), statistics.failures().first()) {
             (0, Some(failure)) => Err(failure.error.into()),
             _ => Ok(unless_lost(statistics, self.allowed_losses)?),
         }

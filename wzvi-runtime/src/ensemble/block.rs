@@ -2,9 +2,11 @@
 
 use super::dispatch::Kernel;
 use super::group::Group;
+use super::halt::Halt;
 use super::job::Job;
-use super::pace::Pace;
+use super::observation::Observation;
 use super::statistics::Statistics;
+use crate::steps::take_steps;
 use crate::system::Discretized;
 
 /// Paths in a block.
@@ -17,50 +19,28 @@ pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const WIDTH: usize> {
 }
 
 impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Block<'_, '_, H, E, WIDTH> {
-    /// `None` if the run was stopped on the way.
-    type Output = Option<Statistics>;
+    type Output = Result<Statistics, Halt>;
 
     #[inline(always)]
-    fn run<const L: usize>(self) -> Option<Statistics> {
+    fn run<const L: usize>(self) -> Self::Output {
         if WIDTH == 0 { self.of_width::<L>() } else { self.of_width::<WIDTH>() }
     }
 }
 
 impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
     #[inline(always)]
-    fn of_width<const L: usize>(self) -> Option<Statistics> {
+    fn of_width<const L: usize>(self) -> Result<Statistics, Halt> {
         let job = self.job;
-        let mut statistics = Statistics::new(&job.wanted);
-        let first = self.number * PATHS;
-        let end = job.paths.min(first + PATHS);
-        let mut group = Group::<H, E, L>::new(job);
-        let mut pace = Pace::new(job.stop);
-        let mut path = first;
+        let (mut group, mut observation) = (Group::<H, E, L>::new(job), Observation::new(job));
+        let mut path = self.number * PATHS;
+        let end = job.paths.min(path + PATHS);
         while path < end {
-            group.begin(path, end);
-            group.watch_from(&mut statistics);
-            group.record(0, &mut statistics, &mut pace)?;
-            let mut node = 1;
-            for step in 0..job.steps {
-                if pace.is_stopped() {
-                    return None;
-                }
-                group.draw(step);
-                group.advance(step);
-                if !job.events.is_empty() {
-                    group.watch(step);
-                }
-                if job.recorded.get(node) == Some(&(step + 1)) {
-                    group.record(node, &mut statistics, &mut pace)?;
-                    node += 1;
-                }
-            }
-            group.finish(&mut statistics);
+            group.begin(path, end)?;
+            observation.begin(&mut group)?;
+            take_steps(&mut group, 0..job.steps, &mut observation)?;
+            observation.finish(&mut group);
             path += L as u64;
-            if job.has_failed() {
-                return None;
-            }
         }
-        Some(statistics)
+        Ok(observation.into_statistics())
     }
 }

@@ -15,6 +15,8 @@ mod orders;
 mod ranks;
 mod serve;
 
+use std::sync::OnceLock;
+
 use mpi::environment::{Threading, threading_support};
 use mpi::traits::Communicator;
 
@@ -26,18 +28,22 @@ use serve::Hands;
 use super::Ensemble;
 use super::account::Account;
 use super::block::Block;
+use super::halt::Halt;
 use super::keeping::described;
 use super::statistics::Statistics;
 use crate::error::{ConfigError, Error};
+use crate::increments::Noise;
 use crate::interrupt::Interrupt;
+use crate::retry::Serves;
 use crate::schedule::Queue;
 use crate::system::Discretized;
 
-impl<H, E> Ensemble<'_, H, E>
+impl<H, E, N, R> Ensemble<'_, H, E, N, R>
 where
     H: Discretized<E> + Sync,
     H::Vector: Send + Sync,
     H::Prepared: Send + Sync,
+    N: Noise,
 {
     /// Runs all paths on all ranks of `world`, each of which calls this with the same settings; [`Ensemble::run`] gives
     /// the same statistics, bit for bit. Rank 0 has them, the others get `None`: whoever prints or writes files does so
@@ -61,22 +67,36 @@ where
     /// # Errors
     /// Those of [`Ensemble::run`], and [`Error::Cluster`]: all ranks fail together. A panic on one rank ends the
     /// processes of all.
-    pub fn run_on<C: Communicator + ?Sized>(mut self, world: &C) -> Result<Option<Statistics>, Error> {
+    pub fn run_on<C: Communicator + ?Sized>(mut self, world: &C) -> Result<Option<Statistics>, Error>
+    where
+        N: Serves<R>,
+    {
         // Messages of this run are no others'.
         let world = world.duplicate();
         let guard = AbortOnPanic(&world);
+        let execution = std::mem::take(&mut self.execution);
         let (control, keeping) = (std::mem::take(&mut self.control), std::mem::take(&mut self.keeping));
-        let (threads, instructions) = (self.threads.unwrap_or(1), self.instructions);
+        let (threads, instructions) = (execution.threads.unwrap_or(1), execution.instructions);
         let interrupt = Interrupt::watch();
-        let stop = || interrupt.requested() || control.is_stopped();
+        let stop = || execution.is_stopped(&interrupt);
         let job = agree(&world, check_threads(threads).and_then(|()| self.job(&stop)))?;
-        same(&world, &described(&job).lines(job.paths))?;
+        let described = agree(&world, described(&job))?;
+        same(&world, &described.lines(job.paths))?;
         let account = match world.rank() {
-            0 => Account::open(&job, &control, keeping).map(Some),
+            0 => Account::open(&job, &control, keeping, execution.progress("paths")).map(Some),
             _ => Ok(None),
         };
         let account = agree(&world, account)?;
-        let work = |number| instructions.run(Block::<H, E, 0> { job: &job, number });
+        let failed = OnceLock::new();
+        let work = |number| match instructions.run(Block::<H, E, 0> { job: &job, number }) {
+            Ok(block) => Some(block),
+            Err(Halt::Stopped) => None,
+            Err(Halt::Failed(error)) => {
+                // One of the reasons is enough.
+                let _ = failed.set(error);
+                None
+            }
+        };
         // No longer all together: who has stalled is not waited for.
         let Some(mut account) = account else {
             let failure = serve::work(&world, threads, work);
@@ -89,10 +109,15 @@ where
         let all = threads.saturating_mul(world.size().unsigned_abs() as usize);
         let queue = Queue::new(account.blocks(), all);
         let hands = Hands { threads, work, stop: &stop };
-        let served =
-            serve::serve(&world, queue, hands, || Statistics::new(&job.wanted), |block| account.take(block));
-        let statistics = served.outcome.and_then(|()| match job.failed_noise.get() {
-            Some(error) => Err(error.clone().into()),
+        let served = serve::serve(
+            &world,
+            queue,
+            hands,
+            || Statistics::new(&job.wanted),
+            |block| account.take(block.ok_or(Halt::Stopped)),
+        );
+        let statistics = served.outcome.and_then(|()| match failed.get() {
+            Some(error) => Err(error.clone()),
             None => account.close(),
         });
         Orders(&world).end(statistics.as_ref().err().map(ToString::to_string).as_deref());

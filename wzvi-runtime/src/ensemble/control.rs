@@ -1,19 +1,17 @@
 //! What ends a run before all its paths are done.
 
 use super::error::LossError;
-use super::statistics::{Node, Statistics, TargetStatus};
+use super::statistics::{Statistics, StatisticsNode as Node, TargetStatus};
 use crate::error::ConfigError;
 
 /// An error that is estimated from fewer paths is not trusted.
 const LEAST_PATHS: u64 = 1024;
 
-/// What the user wants of a run besides its result.
+/// When the user has enough of a run, or too much.
 #[derive(Default)]
-pub(super) struct Control<'a> {
-    pub(super) stop: Option<Box<dyn Fn() -> bool + Send + Sync + 'a>>,
+pub(super) struct Control {
     /// Observables and the standard errors that are small enough for them.
     pub(super) targets: Vec<(String, f64)>,
-    pub(super) is_quiet: bool,
     /// The fraction of the paths that may fail, if it is not [`MOST_LOSSES`].
     pub(super) losses: Option<f64>,
 }
@@ -21,7 +19,7 @@ pub(super) struct Control<'a> {
 /// The fraction of the paths that may fail unless the user says otherwise.
 pub(super) const MOST_LOSSES: f64 = 0.01;
 
-impl Control<'_> {
+impl Control {
     /// The fraction of the paths that may fail.
     pub(super) fn allowed_losses(&self) -> Result<f64, ConfigError> {
         match self.losses.unwrap_or(MOST_LOSSES) {
@@ -30,10 +28,6 @@ impl Control<'_> {
                 Err(ConfigError::Setting(format!("losses of {fraction}: take a fraction from 0 to 1")))
             }
         }
-    }
-
-    pub(super) fn is_stopped(&self) -> bool {
-        self.stop.as_ref().is_some_and(|stop| stop())
     }
 
     /// The targets, if they are for some of the observables `names`.
@@ -45,7 +39,7 @@ impl Control<'_> {
             }
             match names.iter().position(|known| known == name) {
                 Some(observable) => Ok((observable, *target)),
-                None => Err(super::unknown(name.clone(), names)),
+                None => Err(super::checks::unknown(name.clone(), names)),
             }
         };
         Ok(Targets(self.targets.iter().map(target).collect::<Result<_, _>>()?))

@@ -4,10 +4,13 @@ use super::Ensemble;
 use super::block::PATHS;
 use super::job::Job;
 use super::statistics::{Statistics, Wanted};
-use crate::checkpoint::{self, Checkpoint, CheckpointError, Described, Extent, Keeping};
+use crate::checkpoint::{self, Checkpoint, CheckpointError, Described, Extent, Keeping, Suits};
 use crate::error::Error;
-use crate::increments::{Identity, Interval};
+use crate::increments::{Identity, Noise};
+use crate::options::Observable;
+use crate::state::State;
 use crate::step::Stepper;
+use crate::steps::{Account, Monitor, Single, TakeStep, take_steps};
 use crate::system::Discretized;
 
 /// Steps after which observables are compared.
@@ -15,7 +18,7 @@ const COMPARED_STEPS: u64 = 3;
 /// Recorded nodes that a file lists; of more it has the checksum.
 const MOST_LISTED: usize = 32;
 
-impl<H: Discretized<E>, E> Ensemble<'_, H, E> {
+impl<H: Discretized<E>, E, N, R> Ensemble<'_, H, E, N, R> {
     /// Goes on from the checkpoint if its file is there and of this run, and writes one now and then and at the end:
     /// see [`crate::checkpoint`]. A run that is stopped at any moment and started again gives the same statistics, bit for
     /// bit. The number of paths may grow from one run to the next, all else stays the same.
@@ -25,7 +28,7 @@ impl<H: Discretized<E>, E> Ensemble<'_, H, E> {
     ///
     /// Functions cannot be compared: observables and events are told apart by their names and by their values at the start and
     /// at the next three nodes of path 0.
-    pub fn checkpoint(mut self, checkpoint: Checkpoint) -> Self {
+    pub fn checkpoint<C: Suits<checkpoint::Paths>>(mut self, checkpoint: Checkpoint<C>) -> Self {
         self.keeping = Keeping::to(checkpoint);
         self
     }
@@ -65,7 +68,7 @@ impl BlockKeeper {
 }
 
 /// What makes this run another than others.
-pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Described {
+pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Described, Error> {
     let Wanted { names, quantiles, histograms, watches, keeps_paths, has_covariances, .. } = &job.wanted;
     let listed = match job.recorded.len() {
         0..=MOST_LISTED => format!("{:?}", job.recorded),
@@ -82,7 +85,7 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Described 
     let settings = [
         ("the number of steps", job.steps.to_string()),
         ("the steps before the recorded nodes", listed),
-        ("the largest normal increment", format!("{:?}", job.clip)),
+        ("the largest normal increment", format!("{:?}", job.source.clip(job.h))),
         ("the number of paths in a block", PATHS.to_string()),
         ("the observables", names.join(", ")),
         ("the events", events.join(", ")),
@@ -94,25 +97,49 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Described 
     ];
     let mut settings: Vec<(String, String)> = settings.map(|(name, value)| (name.to_owned(), value)).into();
     settings.extend(job.source.identity().map(Identity::into_settings).unwrap_or_default());
-    Described::new(job.system, &job.prepared, job.h, &job.start, settings, &observed(job))
+    Ok(Described::new(job.system, &job.prepared, job.h, &job.start, settings, &observed(job)?))
 }
 
 /// What tells functions apart that cannot be compared: their values at the start and at the first nodes of path 0, which the run
 /// visits itself. `p` and `p²` are the same at rest, but not a step later.
-fn observed<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Vec<f64> {
-    let functions = || job.observables.iter().chain(&job.events);
-    let mut state = job.start.clone();
-    let mut values: Vec<f64> = functions().map(|function| function(&state)).collect();
-    // The same has been prepared for the job.
-    let Ok(stepper) = Stepper::<H, E>::new(job.system, job.h) else { return values };
-    let mut stepper = stepper.plain();
-    let (mut noise, mut dw) = (job.source.path(0), vec![0.0; job.system.noises()]);
-    for step in 0..job.steps.min(COMPARED_STEPS) {
-        let interval = Interval { start: job.start.t, h: job.h, step };
-        if noise.increments(&interval, &mut dw).is_err() || stepper.step(&mut state, &dw).is_err() {
-            break;
-        }
-        values.extend(functions().map(|function| function(&state)));
+fn observed<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Vec<f64>, Error> {
+    let mut values =
+        Values { functions: job.observables.iter().chain(&job.events).cloned().collect(), seen: Vec::new() };
+    let (mut state, mut dw) = (job.start.clone(), vec![0.0; job.system.noises()]);
+    values.see(&state);
+    let (start, h, steps) = (state.t, job.h, job.steps.min(COMPARED_STEPS));
+    let stepper = &mut Stepper::<H, E>::new(job.system, h)?.plain();
+    let (state, noise, dw, account) = (&mut state, &mut Some(job.source.path(0)), &mut dw[..], &mut ());
+    let noise = &mut noise.as_deref_mut();
+    let mut path = Single { stepper, state, noise, dw, start, h, account };
+    // A path that fails has fewer.
+    match take_steps(&mut path, 0..steps, &mut values) {
+        Ok(()) | Err(Error::Step(_) | Error::Noise(_)) => Ok(values.seen),
+        Err(error) => Err(error),
     }
-    values
+}
+
+/// The values of functions at all nodes.
+struct Values<'a, V> {
+    functions: Vec<Observable<'a, V>>,
+    seen: Vec<f64>,
+}
+
+impl<V> Values<'_, V> {
+    fn see(&mut self, state: &State<V>) {
+        self.seen.extend(self.functions.iter().map(|function| function(state)));
+    }
+}
+
+impl<T: TakeStep<V>, V, N: Noise, A: Account> Monitor<Single<'_, T, V, N, A>> for Values<'_, V> {
+    type Error = Error;
+
+    fn next(&self, _path: &Single<'_, T, V, N, A>, node: u64) -> u64 {
+        node + 1
+    }
+
+    fn look(&mut self, path: &mut Single<'_, T, V, N, A>, _node: u64) -> Result<(), Error> {
+        self.see(path.state);
+        Ok(())
+    }
 }

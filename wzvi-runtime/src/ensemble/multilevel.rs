@@ -24,28 +24,30 @@
 mod estimate;
 mod pairs;
 
+use std::marker::PhantomData;
 use std::ops::ControlFlow;
-use std::sync::OnceLock;
 
 pub use estimate::{Level, LevelError, LevelFailure, MultilevelEstimate};
 use estimate::{Samples, bias, variance_bounds, variance_slope};
 use pairs::{Pairs, block_size};
 
-use super::Ensemble;
-use super::control::Control;
 use super::dispatch::InstructionSet;
-use super::job::Job;
+use super::halt::Halt;
+use super::job::{Job, Stop};
 use super::source::Source;
-use crate::error::{ConfigError, Error};
+use crate::error::{ConfigError, Error, InternalError};
+use crate::execution::Execution;
 use crate::increments::Noise as _;
 use crate::interrupt::Interrupt;
-use crate::noise::StepNormals;
+use crate::noise::{StepNormals, Truncation};
+use crate::options::{Observable, Observables, options};
 use crate::plan::NoiseClass;
 use crate::progress::Progress;
 use crate::retry::Retry;
-use crate::schedule::{in_order, threads};
-use crate::simulate::End;
-use crate::system::Discretized;
+use crate::schedule::in_order;
+use crate::span::{End, MOST_STEPS, Span};
+use crate::state::State;
+use crate::system::{Discretized, Hamiltonian};
 
 /// The part `θ` of the squared error that is left to the bias.
 const BIAS_PART: f64 = 0.25;
@@ -55,30 +57,113 @@ const FIRST_PATHS: u64 = 256;
 const LEAST_LEVELS: usize = 3;
 /// Finest level unless the user says so: steps a million times shorter than the coarsest.
 const MOST_LEVELS: u32 = 20;
+/// Paths of a level, at most, unless the user says how many.
+const MOST_PATHS: u64 = 1 << 50;
 /// Paths of the coarsest level on which an observable may be the same number, unless the user says how many.
 const MOST_CONSTANT: u64 = 1 << 20;
 /// Numbers of paths this close to the best ones are good enough.
 const TOLERANCE: f64 = 0.01;
 
-/// A multilevel run: [`Ensemble::multilevel`] begins it, [`Multilevel::run`] runs it.
+/// Nothing is observed yet.
+#[derive(Clone, Copy, Debug)]
+pub enum Nothing {}
+
+/// One observable, whose mean is wanted.
+#[derive(Clone, Copy, Debug)]
+pub enum Observed {}
+
+/// A multilevel run: the mean of one observable at the end, to a root mean square error, from coupled paths in steps of
+/// `h, h/2, h/4, ...`. [`Integrate::multilevel`](crate::integrate::Integrate::multilevel) begins it, [`Multilevel::run`] runs it.
+///
+/// A start, an end, a seed, an observable and a target are needed. `O` says whether there is an observable: exactly one is observed.
+/// What an [`Ensemble`](super::Ensemble) has besides, such as quantiles or checkpoints, has no meaning here and is not offered.
 #[must_use = "nothing happens before `run`"]
-pub struct Multilevel<'a, H: Discretized<E>, E> {
-    ensemble: Ensemble<'a, H, E>,
-    target: f64,
+pub struct Multilevel<'a, H: Discretized<E>, E, O = Nothing> {
+    system: &'a H,
+    h: f64,
+    span: Span<H::Vector>,
+    seed: Option<u64>,
+    truncation: Truncation,
+    observables: Observables<'a, H::Vector>,
+    paths: Option<u64>,
+    target: Option<f64>,
     weak_order: f64,
     finest: u32,
-}
-
-impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
-    /// The mean of the one observable at the end, to a root mean square error of `target` (units of the observable), from
-    /// coupled paths in steps of `h, h/2, h/4, ...` ([`Multilevel`]). The step size of the ensemble is the coarsest one: take one
-    /// with which a path just makes sense. [`Ensemble::paths`] limits the paths of each level.
-    pub fn multilevel(self, target: f64) -> Multilevel<'a, H, E> {
-        Multilevel { ensemble: self, target, weak_order: 1.0, finest: MOST_LEVELS }
-    }
+    execution: Execution<'a>,
+    scheme: PhantomData<fn() -> (E, O)>,
 }
 
 impl<'a, H: Discretized<E>, E> Multilevel<'a, H, E> {
+    /// A run of `system` whose coarsest steps have size `h`: take one with which a path just makes sense.
+    pub fn new(system: &'a H, h: f64) -> Self {
+        Self {
+            system,
+            h,
+            span: Span::default(),
+            seed: None,
+            truncation: Truncation::Unset,
+            observables: Observables::default(),
+            paths: None,
+            target: None,
+            weak_order: 1.0,
+            finest: MOST_LEVELS,
+            execution: Execution::default(),
+            scheme: PhantomData,
+        }
+    }
+
+    /// The observable whose mean at the end of the paths is wanted, a function of the state. There is one.
+    pub fn observe(
+        mut self,
+        name: impl Into<String>,
+        observable: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,
+    ) -> Multilevel<'a, H, E, Observed> {
+        self.observables.push(name.into(), observable);
+        Multilevel {
+            system: self.system,
+            h: self.h,
+            span: self.span,
+            seed: self.seed,
+            truncation: self.truncation,
+            observables: self.observables,
+            paths: self.paths,
+            target: self.target,
+            weak_order: self.weak_order,
+            finest: self.finest,
+            execution: self.execution,
+            scheme: PhantomData,
+        }
+    }
+}
+
+impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
+    options!(start, end, execution, instructions);
+
+    /// The seed of its normals: level 0 has those of an ensemble with this seed and step size, finer levels have their own.
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.seed = Some(seed);
+        self
+    }
+
+    /// Whether increments are truncated; if this is not called, with `k = 4` where
+    /// [`Plan::truncates_increments`](crate::plan::Plan::truncates_increments).
+    pub fn truncation(mut self, truncation: Truncation) -> Self {
+        self.truncation = truncation;
+        self
+    }
+
+    /// The root mean square error that is wanted, in units of the observable.
+    pub fn target(mut self, error: f64) -> Self {
+        self.target = Some(error);
+        self
+    }
+
+    /// How many paths of each level, at most.
+    pub fn paths(mut self, paths: u64) -> Self {
+        self.paths = Some(paths);
+        self
+    }
+
     /// The weak order of the scheme, from which the bias that is left is estimated; 1 if this is not called, which is what
     /// every consistent scheme has at least.
     pub fn weak_order(mut self, order: f64) -> Self {
@@ -93,7 +178,7 @@ impl<'a, H: Discretized<E>, E> Multilevel<'a, H, E> {
     }
 }
 
-impl<'a, H, E> Multilevel<'a, H, E>
+impl<H, E> Multilevel<'_, H, E, Observed>
 where
     H: Discretized<E> + Sync,
     H::Vector: Send + Sync,
@@ -110,44 +195,41 @@ where
 
     /// [`Multilevel::run`] with `WIDTH` paths beside each other, with 0 as many as suit the instructions; the result is the same.
     #[doc(hidden)]
-    pub fn run_in<const WIDTH: usize>(mut self) -> Result<MultilevelEstimate, Error> {
-        self.check()?;
-        let control = std::mem::take(&mut self.ensemble.control);
+    pub fn run_in<const WIDTH: usize>(self) -> Result<MultilevelEstimate, Error> {
+        let target = self.checked()?;
+        let Self { system, h, span, execution, .. } = self;
         let interrupt = Interrupt::watch();
-        let stop = || interrupt.requested() || control.is_stopped();
-        let instructions = self.ensemble.instructions;
-        let threads = threads(self.ensemble.threads)?;
-        let most_constant = self.ensemble.paths.unwrap_or(MOST_CONSTANT);
-        let most_paths = *self.ensemble.paths.get_or_insert(1 << 50);
-        let end = self.ensemble.end;
-        let truncation = self.ensemble.truncation;
-        let base = self.ensemble.job(&stop)?;
-        let Source::Normals(normals) = &base.source else { return Err(wrong(NOT_OURS.into()).into()) };
-        let normals = normals.clone().with_truncation(truncation);
-        check_end(end, &base)?;
-        if base.steps == 0 {
-            return Err(
-                ConfigError::Setting("a multilevel run without a step: take a later end".into()).into()
-            );
+        let stop = || execution.is_stopped(&interrupt);
+        if !h.is_finite() || h == 0.0 {
+            return Err(ConfigError::StepSize(h).into());
         }
+        let end = span.end;
+        let (start, steps) = span.checked::<H, E>(system, h)?;
+        check_end(end, start.t, h, steps)?;
+        let seed = self.seed.ok_or(ConfigError::Missing("a seed for its noise: add `.seed(number)`"))?;
+        let (_, functions) = self.observables.checked("observables")?;
+        let observable = functions.first().ok_or(ConfigError::Missing(OBSERVABLE))?;
         Run {
-            base: &base,
+            coarsest: Coarsest { system, h, start, steps, stop: &stop },
+            observable,
             levels: Vec::new(),
-            normals,
-            instructions,
-            threads,
-            most_paths,
-            most_constant,
-            target: self.target,
+            normals: StepNormals::seed(seed).with_truncation(self.truncation),
+            instructions: execution.instructions,
+            threads: execution.threads()?,
+            most_paths: self.paths.unwrap_or(MOST_PATHS),
+            most_constant: self.paths.unwrap_or(MOST_CONSTANT),
+            target,
             weak_order: self.weak_order,
             finest: self.finest as usize,
-            progress: Progress::new("steps", control.is_quiet),
+            progress: execution.progress("steps"),
         }
         .run::<WIDTH>()
     }
 
-    fn check(&self) -> Result<(), ConfigError> {
-        let Self { ensemble, target, weak_order, finest } = self;
+    /// The target, of a run that makes sense.
+    fn checked(&self) -> Result<f64, ConfigError> {
+        let Self { target, weak_order, finest, paths, .. } = self;
+        let target = target.ok_or(ConfigError::Missing("an error to reach: add `.target(error)`"))?;
         let wrong = |what: String| Err(wrong(what));
         if !H::PLAN.consistent {
             return wrong(
@@ -159,7 +241,7 @@ where
         if matches!(H::PLAN.noise, NoiseClass::None) {
             return wrong("a multilevel run of a system without noise: one path says it all".into());
         }
-        if !(target.is_finite() && *target > 0.0) {
+        if !(target.is_finite() && target > 0.0) {
             return wrong(format!("a target of {target}: take a finite number above 0"));
         }
         if !(weak_order.is_finite() && *weak_order > 0.0) {
@@ -168,46 +250,25 @@ where
         if !(LEAST_LEVELS as u32 - 1..=40).contains(finest) {
             return wrong(format!("level {finest} as the finest: take 2 to 40"));
         }
-        let Control { targets, .. } = &ensemble.control;
-        let meaningless = [
-            ("allow_losses", ensemble.control.losses.is_some()),
-            ("antithetic", ensemble.is_antithetic),
-            ("checkpoint", ensemble.keeping.is_set()),
-            ("covariances", !ensemble.covariances),
-            ("first_passage", !ensemble.events.is_empty()),
-            ("histogram", !ensemble.histograms.is_empty()),
-            ("keep_paths", ensemble.most_bytes.is_some()),
-            ("quantiles", ensemble.quantiles),
-            ("record_at", !ensemble.chosen.is_empty()),
-            ("record_every", ensemble.every != 0),
-            ("retry", ensemble.retry.most() > 0),
-            ("until_error", !targets.is_empty()),
-        ];
-        if let Some((name, _)) = meaningless.into_iter().find(|(_, is_set)| *is_set) {
-            return wrong(format!(
-                "`{name}` in a multilevel run, which finds the mean of an observable at the end: leave it out"
-            ));
+        if *paths == Some(0) {
+            return wrong("0 paths: take at least 1".into());
         }
-        match ensemble.observables.len() {
-            1 => Ok(()),
-            n => wrong(format!(
-                "{n} observables in a multilevel run: give it one, with `.observe(name, function)`"
-            )),
-        }
+        Ok(target)
     }
 }
+
+const OBSERVABLE: &str = "an observable: add `.observe(name, function)`";
 
 fn wrong(what: String) -> ConfigError {
     ConfigError::Setting(what)
 }
 
-const NOT_OURS: &str =
-    "a multilevel run with a noise that is given: its levels draw normals of their own, with `.seed(number)`";
-
 /// Whether the coarsest steps end where the run shall: all levels end there.
-fn check_end<H: Discretized<E>, E>(end: Option<End>, base: &Job<'_, H, E>) -> Result<(), ConfigError> {
+fn check_end(end: Option<End>, start: f64, h: f64, steps: u64) -> Result<(), ConfigError> {
+    if steps == 0 {
+        return Err(wrong("a multilevel run without a step: take a later end".into()));
+    }
     let Some(End::Time(end)) = end else { return Ok(()) };
-    let (start, h, steps) = (base.start.t, base.h, base.steps);
     let (reached, span) = (start + steps as f64 * h, end - start);
     // The roundings that counting the steps allows for, and those of the product.
     let allowed = 4.0 * f64::EPSILON * (span.abs() + start.abs() + end.abs());
@@ -220,9 +281,19 @@ fn check_end<H: Discretized<E>, E>(end: Option<End>, base: &Job<'_, H, E>) -> Re
     )))
 }
 
+/// The paths of the coarsest level.
+struct Coarsest<'a, H: Hamiltonian> {
+    system: &'a H,
+    h: f64,
+    start: State<H::Vector>,
+    steps: u64,
+    stop: Stop<'a>,
+}
+
 /// A checked run.
-struct Run<'j, 'a, H: Discretized<E>, E> {
-    base: &'j Job<'a, H, E>,
+struct Run<'a, 'o, H: Discretized<E>, E> {
+    coarsest: Coarsest<'a, H>,
+    observable: &'a Observable<'o, H::Vector>,
     levels: Vec<Stage<'a, H, E>>,
     normals: StepNormals,
     instructions: InstructionSet,
@@ -287,33 +358,28 @@ where
     }
 
     fn add_level(&mut self) -> Result<(), Error> {
-        let (base, level) = (self.base, self.levels.len() as u32);
-        let h = base.h / 2f64.powi(level as i32);
-        let steps = base.steps.checked_mul(1 << level).filter(|&steps| steps <= crate::simulate::MOST_STEPS);
-        let end = base.start.t + base.steps as f64 * base.h;
-        let Some(steps) = steps else {
-            return Err(ConfigError::End { start: base.start.t, end, h }.into());
-        };
+        let (Coarsest { system, h, start, steps, stop }, level) = (&self.coarsest, self.levels.len() as u32);
+        let end = start.t + *steps as f64 * h;
+        let h = h / 2f64.powi(level as i32);
+        let steps = steps.checked_mul(1 << level).filter(|&steps| steps <= MOST_STEPS && end.is_finite());
+        let steps = steps.ok_or(ConfigError::End { start: start.t, end, h })?;
         let mut normals = self.normals.clone().on_level(level);
-        normals.prepare(&H::PLAN, h, base.system.noises(), base.start.t)?;
+        normals.prepare(&H::PLAN, h, system.noises(), start.t)?;
         let job = Job {
-            system: base.system,
-            prepared: base.system.prepare(h)?,
+            system: *system,
+            prepared: system.prepare(h)?,
             h,
-            start: base.start.clone(),
+            start: start.clone(),
             paths: u64::MAX,
             steps,
             recorded: Vec::new(),
-            clip: normals.clip(h),
             source: Source::Normals(normals),
             retry: Retry::never(),
-            failed_noise: OnceLock::new(),
             observables: Vec::new(),
             events: Vec::new(),
+            inspector: None,
             wanted: Default::default(),
-            level,
-            is_antithetic: false,
-            stop: base.stop,
+            stop: *stop,
         };
         self.levels.push(Stage { job, blocks: 0, samples: Samples::default() });
         Ok(())
@@ -321,32 +387,33 @@ where
 
     /// Runs paths of each level until there are so many, in whole blocks; breaks if the run was stopped.
     fn sample<const WIDTH: usize>(&mut self, wanted: &[u64]) -> Result<ControlFlow<()>, Error> {
-        let Self { base, levels, progress, .. } = self;
-        let Some(observable) = base.observables.first() else { return Ok(ControlFlow::Continue(())) };
-        let cost = |count: u64, level: usize| count.saturating_mul(levels_steps(base.steps, level));
+        let Self { coarsest: Coarsest { steps, .. }, observable, levels, progress, .. } = self;
+        let (instructions, threads, most_paths) = (self.instructions, self.threads, self.most_paths);
+        let cost = |count: u64, level: usize| count.saturating_mul(levels_steps(*steps, level));
         let all = wanted.iter().zip(0..).fold(0u64, |all, (n, level)| all.saturating_add(cost(*n, level)));
         let mut before = 0u64;
         for (level, &wanted) in wanted.iter().enumerate() {
             let (coarser, finer) = levels.split_at_mut(level);
-            let Some(stage) = finer.first_mut() else { break };
+            let missing = || InternalError::new("a level that has paths is there", level);
+            let stage = finer.first_mut().ok_or_else(missing)?;
             let coarse = coarser.last().map(|stage| &stage.job);
             let Stage { job: fine, blocks, samples } = stage;
-            let range = *blocks..wanted.min(self.most_paths).div_ceil(block_size(fine.level)).max(*blocks);
+            let place = level as u32;
+            let range = *blocks..wanted.min(most_paths).div_ceil(block_size(place)).max(*blocks);
             let work = |number| {
-                let pairs = Pairs::<H, E, WIDTH> { fine, coarse, observable, number };
-                self.instructions.run(pairs)
+                instructions.run(Pairs::<H, E, WIDTH> { fine, coarse, level: place, observable, number })
             };
             let mut end = Ok(ControlFlow::Continue(()));
-            in_order(range, self.threads, work, |_, outcome| {
+            in_order(range, threads, work, |_, outcome| {
                 match outcome {
-                    Ok(Some(block)) => {
+                    Ok(block) => {
                         samples.merge(&block);
                         *blocks += 1;
                         progress.show(before.saturating_add(cost(samples.count(), level)), all);
                         return ControlFlow::Continue(());
                     }
-                    Ok(None) => end = Ok(ControlFlow::Break(())),
-                    Err(error) => end = Err(Error::Level(error)),
+                    Err(Halt::Stopped) => end = Ok(ControlFlow::Break(())),
+                    Err(Halt::Failed(error)) => end = Err(error),
                 }
                 ControlFlow::Break(())
             });
@@ -372,7 +439,7 @@ where
             variances.push(variance);
         }
         let costs: Vec<f64> =
-            (0..variances.len()).map(|level| levels_steps(self.base.steps, level) as f64).collect();
+            (0..variances.len()).map(|level| levels_steps(self.coarsest.steps, level) as f64).collect();
         let sum: f64 = variances.iter().zip(&costs).map(|(variance, cost)| (variance * cost).sqrt()).sum();
         let scale = sum / ((1.0 - BIAS_PART) * self.target * self.target);
         let number = |(variance, cost): (&f64, &f64)| {
@@ -392,7 +459,7 @@ where
     }
 
     fn estimate(self, is_partial: bool) -> MultilevelEstimate {
-        let steps = |level| levels_steps(self.base.steps, level);
+        let steps = |level| levels_steps(self.coarsest.steps, level);
         let is_constant = self.levels.first().is_none_or(|level| level.samples.is_constant());
         let levels = self.levels.iter().enumerate();
         let levels = levels

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use super::halt::Halt;
 use super::job::Stop;
 use crate::clock::{self, Moment};
 
@@ -23,11 +24,25 @@ impl<'s> Pace<'s> {
         Self { stop, left: 1, between: 1, asked: None }
     }
 
-    /// Before each piece of work: whether to stop.
+    /// Pieces of work before the next question, at least 1.
     #[inline(always)]
-    pub(super) fn is_stopped(&mut self) -> bool {
-        self.left -= 1;
-        self.left == 0 && self.ask()
+    pub(super) fn left(&self) -> u64 {
+        u64::from(self.left)
+    }
+
+    /// So many pieces of work are done, [`Pace::left`] at most.
+    ///
+    /// # Errors
+    /// [`Halt::Stopped`] if it is time to ask, and the answer is to stop.
+    #[inline(always)]
+    pub(super) fn done(&mut self, pieces: u64) -> Result<(), Halt> {
+        debug_assert!(
+            pieces <= self.left(),
+            "{pieces} pieces where the question was due after {}",
+            self.left
+        );
+        self.left = self.left.saturating_sub(pieces as u32);
+        if self.left == 0 && self.ask() { Err(Halt::Stopped) } else { Ok(()) }
     }
 
     #[cold]
@@ -61,14 +76,14 @@ mod tests {
         };
         let mut pace = Pace::new(&stop);
         for _ in 0..1_000_000 {
-            assert!(!pace.is_stopped());
+            pace.done(1).unwrap();
         }
         let fast = asked.swap(0, Ordering::Relaxed);
         assert!(fast < 50_000, "{fast}");
         let mut pace = Pace::new(&stop);
         for _ in 0..10 {
             sleep(Duration::from_millis(12));
-            pace.is_stopped();
+            pace.done(1).unwrap();
         }
         // The second question may come after two pieces of work, the others after each.
         assert!(asked.into_inner() >= 9);

@@ -3,16 +3,20 @@
 use super::Ensemble;
 use super::group::Group;
 use crate::error::{ConfigError, Error};
-use crate::simulate::{Partial, chosen_steps};
+use crate::increments::Noise;
+use crate::retry::Serves;
+use crate::simulate::Partial;
 use crate::step::StepInfo;
-use crate::system::Discretized;
-use crate::trajectory::{Recorder, Recording};
+use crate::steps::{Monitor, take_steps};
+use crate::system::{Discretized, Hamiltonian};
+use crate::trajectory::Recorder;
 
-impl<H, E> Ensemble<'_, H, E>
+impl<H, E, N, R> Ensemble<'_, H, E, N, R>
 where
     H: Discretized<E> + Sync,
     H::Vector: Send + Sync,
     H::Prepared: Send + Sync,
+    N: Noise,
 {
     /// The path with this number as the ensemble has it, bit for bit: as far as it goes, and what ended it early, if anything did. Nodes
     /// are recorded as for a single path, by [`Ensemble::record_every`] and [`Ensemble::record_at`]; observables are not asked.
@@ -28,35 +32,53 @@ where
     ///
     /// # Errors
     /// Those of [`Ensemble::run`] that show before the first step, and [`ConfigError::Setting`] for a path that the ensemble does not have.
-    pub fn replay(self, path: u64) -> Result<Partial<H::Vector, E>, Error> {
-        let (every, chosen) = (self.every, self.chosen.clone());
+    pub fn replay(self, path: u64) -> Result<Partial<H::Vector, E>, Error>
+    where
+        N: Serves<R>,
+    {
+        let recorded = self.recorded.clone();
         let job = self.job(&|| false)?;
         if path >= job.paths {
             let wrong = format!("path {path} of {}: they are numbered from 0", job.paths);
             return Err(ConfigError::Setting(wrong).into());
         }
-        let chosen = chosen_steps(&chosen, job.start.t, job.h, job.steps)?;
-        let recording = Recording { every, chosen };
-        let mut recorder = Recorder::new(&job.start, job.h, job.system.noises(), &recording, job.steps)?;
+        let recording = recorded.checked(0, (job.start.t, job.h, job.steps))?;
+        let recorder = Recorder::new(&job.start, job.h, job.system.noises(), &recording, job.steps)?;
         // Antithetic paths come in pairs.
         let (first, lane) = (path - path % 2, (path % 2) as usize);
         let mut group = Group::<H, E, 2>::new(&job);
-        group.begin(first, job.paths);
-        let mut state = job.start.clone();
-        for step in 0..job.steps {
-            group.draw(step);
-            let dw = group.increments_of(lane, step).to_vec();
-            group.advance(step);
-            if let Some(error) = job.failed_noise.get() {
-                return Ok((recorder.finish(state), Some(error.clone().into())));
-            }
-            if let Some(failure) = group.failure_of(path) {
-                return Ok((recorder.finish(state), Some(failure.error.into())));
-            }
-            state.clone_from(group.state_after(lane, step + 1));
-            recorder.step(&dw, &StepInfo::default());
-            recorder.reach(&state);
+        group.begin(first, job.paths)?;
+        let mut lane = Lane { path, lane, recorder, reached: job.start.clone() };
+        let error = take_steps(&mut group, 0..job.steps, &mut lane).err();
+        Ok((lane.recorder.finish(lane.reached), error))
+    }
+}
+
+/// One path of a group.
+struct Lane<V> {
+    path: u64,
+    lane: usize,
+    recorder: Recorder<V>,
+    /// Its state at the last node.
+    reached: crate::state::State<V>,
+}
+
+impl<'g, 'a, H: Discretized<E>, E, const L: usize> Monitor<Group<'g, 'a, H, E, L>>
+    for Lane<<H as Hamiltonian>::Vector>
+{
+    type Error = Error;
+
+    fn next(&self, _group: &Group<'g, 'a, H, E, L>, node: u64) -> u64 {
+        node + 1
+    }
+
+    fn look(&mut self, group: &mut Group<'g, 'a, H, E, L>, node: u64) -> Result<(), Error> {
+        if let Some(failure) = group.failure_of(self.path) {
+            return Err(failure.error.into());
         }
-        Ok((recorder.finish(state), None))
+        self.recorder.step(group.increments_of(self.lane, node - 1), &StepInfo::default());
+        self.reached.clone_from(group.state_at(self.lane, node));
+        self.recorder.reach(&self.reached);
+        Ok(())
     }
 }

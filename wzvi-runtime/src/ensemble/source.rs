@@ -1,6 +1,6 @@
 //! What drives the paths of an ensemble: the normals of its lanes, or any noise that has a path for each member.
 
-use crate::error::{ConfigError, Error};
+use crate::error::Error;
 use crate::increments::{Identity, Interval, Noise};
 use crate::noise::{Paths, StepNormals, Truncation};
 use crate::plan::Plan;
@@ -42,7 +42,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// With what the builder says of it, and ready for a run of so many steps from `start`.
+    /// With what the builder says of it, and ready for a run of so many steps from `first` on.
     pub(super) fn prepared(
         self,
         settings: Settings,
@@ -51,7 +51,6 @@ impl<'a> Source<'a> {
         (processes, steps): (usize, u64),
     ) -> Result<Self, Error> {
         let Settings { truncation, is_antithetic } = settings;
-        let wrong = |what: &str| Err(ConfigError::Setting(what.to_owned()).into());
         match self {
             Self::Normals(mut normals) => {
                 normals = normals.with_truncation(truncation);
@@ -61,12 +60,6 @@ impl<'a> Source<'a> {
                 normals.prepare(plan, first.h, processes, first.start)?;
                 Ok(Self::Normals(normals))
             }
-            Self::Paths(_) if is_antithetic => wrong(
-                "antithetic paths of a noise that is given: use `.seed(number)`, or leave `.antithetic()` out",
-            ),
-            Self::Paths(_) if truncation != Truncation::Unset => wrong(
-                "`.truncation(...)` of a noise that is given: truncate the noise itself, as in `Wiener::seed(7).truncated(4)`",
-            ),
             Self::Paths(mut driver) => {
                 let noise = driver.noise();
                 noise.prepare(plan, first.h, processes, first.start)?;
@@ -101,9 +94,9 @@ impl<'a> Source<'a> {
         self.normals().is_some_and(StepNormals::is_antithetic)
     }
 
-    /// Whether a step can be halved.
-    pub(super) fn is_path(&self) -> bool {
-        self.path(0).is_path()
+    /// The largest normal for steps of size `h`, in absolute value; infinite for other noises, which truncate by themselves.
+    pub(super) fn clip(&self, h: f64) -> f64 {
+        self.normals().map_or(f64::INFINITY, |normals| normals.clip(h))
     }
 
     /// The seed of the normals; 0 of other noises, which [`Source::in_words`] has.
@@ -126,8 +119,8 @@ impl<'a> Source<'a> {
     }
 }
 
-/// What a builder says of the noise.
-#[derive(Clone, Copy, Debug)]
+/// What a builder says of normals.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Settings {
     pub(super) truncation: Truncation,
     pub(super) is_antithetic: bool,

@@ -1,6 +1,10 @@
 //! What is known of an ensemble, in memory that does not grow with the number of paths.
 
+mod node;
+
 use std::fmt;
+
+pub use node::StatisticsNode;
 
 use super::error::StatisticsError;
 use super::histogram::Histogram;
@@ -8,7 +12,6 @@ use super::moments::Moments;
 use super::origin::Origin;
 use super::passage::{Passages, Watch};
 use super::paths::Paths;
-use super::quantiles::Quantiles;
 #[cfg(feature = "serde")]
 use crate::error::StepFailure;
 use crate::error::{StepError, UnknownName};
@@ -45,154 +48,6 @@ impl Wanted {
     }
 }
 
-/// All paths at one time.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Node {
-    time: f64,
-    /// Paths that failed before.
-    lost: u64,
-    moments: Moments,
-    /// Of the means of antithetic pairs.
-    pairs: Option<Moments>,
-    quantiles: Vec<Quantiles>,
-    histograms: Vec<Histogram>,
-}
-
-impl Node {
-    fn new(time: f64, wanted: &Wanted) -> Self {
-        let observables = wanted.names.len();
-        Self {
-            time,
-            lost: 0,
-            moments: Moments::new(observables, wanted.has_covariances),
-            pairs: wanted.has_pairs.then(|| Moments::new(observables, wanted.has_covariances)),
-            quantiles: vec![Quantiles::default(); if wanted.quantiles { observables } else { 0 }],
-            histograms: wanted.histograms.iter().map(|(_, empty)| empty.clone()).collect(),
-        }
-    }
-
-    /// One more path that failed before.
-    pub(super) fn lose(&mut self) {
-        self.lost += 1;
-    }
-
-    /// The observables of one more path; `scratch` has as many elements.
-    pub(super) fn push(&mut self, values: &[f64], scratch: &mut [f64], wanted: &Wanted) {
-        self.moments.push(values, scratch);
-        for (quantiles, value) in self.quantiles.iter_mut().zip(values) {
-            quantiles.push(*value);
-        }
-        for (histogram, (observable, _)) in self.histograms.iter_mut().zip(&wanted.histograms) {
-            histogram.push(values[*observable]);
-        }
-    }
-
-    /// The observables of both paths of an antithetic pair, which have been pushed, too; `first` becomes their mean.
-    pub(super) fn push_pair(&mut self, first: &mut [f64], second: &[f64], scratch: &mut [f64]) {
-        let Some(pairs) = &mut self.pairs else { return };
-        for (first, second) in first.iter_mut().zip(second) {
-            *first = 0.5 * *first + 0.5 * second;
-        }
-        pairs.push(first, scratch);
-    }
-
-    fn merge(&mut self, other: &Self) {
-        self.lost += other.lost;
-        self.moments.merge(&other.moments);
-        if let (Some(ours), Some(theirs)) = (&mut self.pairs, &other.pairs) {
-            ours.merge(theirs);
-        }
-        for (ours, theirs) in self.quantiles.iter_mut().zip(&other.quantiles) {
-            ours.merge(theirs);
-        }
-        for (ours, theirs) in self.histograms.iter_mut().zip(&other.histograms) {
-            ours.merge(theirs);
-        }
-    }
-
-    #[cfg(feature = "serde")]
-    fn pass(&mut self, tape: &mut Tape) {
-        tape.word(&mut self.lost);
-        self.moments.pass(tape);
-        self.pairs.iter_mut().for_each(|pairs| pairs.pass(tape));
-        self.quantiles.iter_mut().for_each(|quantiles| quantiles.pass(tape));
-        self.histograms.iter_mut().for_each(|histogram| histogram.pass(tape));
-    }
-
-    /// The time, in the units of the Hamiltonian.
-    pub fn time(&self) -> f64 {
-        self.time
-    }
-
-    /// Number of paths that got here.
-    pub fn count(&self) -> u64 {
-        self.moments.count()
-    }
-
-    /// Number of paths that failed before, and are missing here.
-    pub fn lost(&self) -> u64 {
-        self.lost
-    }
-
-    /// Number of paths whose value of an observable is NaN or infinite.
-    pub fn not_finite(&self, observable: usize) -> u64 {
-        self.moments.not_finite(observable)
-    }
-
-    /// The mean of an observable; NaN for an index that does not exist, and without paths; infinite if a value is.
-    pub fn mean(&self, observable: usize) -> f64 {
-        self.moments.mean(observable)
-    }
-
-    /// The unbiased covariance of two observables; NaN where [`Node::mean`] is or is infinite, for a single path, and of two different
-    /// ones if the run was told to leave covariances out.
-    pub fn covariance(&self, a: usize, b: usize) -> f64 {
-        self.moments.covariance(a, b)
-    }
-
-    /// The unbiased variance of an observable, as [`Node::covariance`].
-    pub fn variance(&self, observable: usize) -> f64 {
-        self.covariance(observable, observable)
-    }
-
-    /// The standard error of the mean: `√(variance / count)`, and for antithetic paths, which depend on each other, that of
-    /// the means of their pairs, `√(variance of pairs / number of pairs)`.
-    pub fn standard_error(&self, observable: usize) -> f64 {
-        self.independent().standard_error(observable)
-    }
-
-    /// An upper estimate of the standard error of the mean, `√((variance + 10 D² / count) / count)` with the largest deviation `D` from the
-    /// mean that was seen: as if that had come ten times more. The standard error itself is zero until a rare event is seen, and with
-    /// heavy tails too small just where the mean is, too; this one is what [`Ensemble::until_error`](super::Ensemble::until_error) compares.
-    pub fn error_bound(&self, observable: usize) -> f64 {
-        self.independent().error_bound(observable)
-    }
-
-    /// Whether an observable is the same number on all paths: then nothing is known of how often, and how far, it is another.
-    pub fn is_constant(&self, observable: usize) -> bool {
-        self.moments.is_constant(observable)
-    }
-
-    pub(super) fn has_covariances(&self) -> bool {
-        self.moments.has_covariances()
-    }
-
-    /// Samples that do not depend on each other.
-    fn independent(&self) -> &Moments {
-        self.pairs.as_ref().unwrap_or(&self.moments)
-    }
-
-    /// The quantiles of an observable, if the run was asked for them.
-    pub fn quantiles(&self, observable: usize) -> Option<&Quantiles> {
-        self.quantiles.get(observable)
-    }
-
-    /// The histograms, in the order in which the run was asked for them.
-    pub fn histograms(&self) -> &[Histogram] {
-        &self.histograms
-    }
-}
-
 /// A path that ended early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathFailure {
@@ -218,7 +73,7 @@ impl PathFailure {
 /// What an ensemble found out.
 ///
 /// A path that fails counts until the last node that it reached, and is missing after that: [`Statistics::failed`] says of
-/// how many that is true, [`Node::lost`] at each time, and printing the statistics shows both beside each mean.
+/// how many that is true, [`StatisticsNode::lost`] at each time, and printing the statistics shows both beside each mean.
 ///
 /// Questions by name are about the end of the paths; a name that does not exist is an error that lists those that do.
 #[derive(Clone, Debug, PartialEq)]
@@ -226,7 +81,7 @@ pub struct Statistics {
     names: Vec<String>,
     /// The observable of each histogram.
     histogrammed: Vec<usize>,
-    pub(super) nodes: Vec<Node>,
+    pub(super) nodes: Vec<StatisticsNode>,
     pub(super) passages: Vec<Passages>,
     pub(super) paths: Option<Paths>,
     failed: u64,
@@ -255,7 +110,7 @@ impl Statistics {
         Self {
             names: wanted.names.clone(),
             histogrammed: wanted.histograms.iter().map(|&(observable, _)| observable).collect(),
-            nodes: wanted.times.iter().map(|&time| Node::new(time, wanted)).collect(),
+            nodes: wanted.times.iter().map(|&time| StatisticsNode::new(time, wanted)).collect(),
             passages: wanted.watches.iter().map(Passages::new).collect(),
             paths: wanted.keeps_paths.then(|| Paths::new(wanted.times.len(), wanted.names.len())),
             failed: 0,
@@ -291,7 +146,7 @@ impl Statistics {
 
     /// Number of paths, failed ones included.
     pub(super) fn begun(&self) -> u64 {
-        self.nodes.first().map_or(0, Node::count)
+        self.nodes.first().map_or(0, StatisticsNode::count)
     }
 
     /// Everything that the paths change.
@@ -321,12 +176,12 @@ impl Statistics {
     }
 
     /// Each recorded time, the start first.
-    pub fn nodes(&self) -> &[Node] {
+    pub fn nodes(&self) -> &[StatisticsNode] {
         &self.nodes
     }
 
     /// The end; `None` never, since the start is always there.
-    pub fn last(&self) -> Option<&Node> {
+    pub fn last(&self) -> Option<&StatisticsNode> {
         self.nodes.last()
     }
 
@@ -337,53 +192,57 @@ impl Statistics {
         self.index(name).ok_or_else(|| StatisticsError::Unknown(unknown()))
     }
 
-    fn at_end<T>(&self, name: &str, what: impl Fn(&Node, usize) -> T) -> Result<T, StatisticsError> {
+    fn at_end<T>(
+        &self,
+        name: &str,
+        what: impl Fn(&StatisticsNode, usize) -> T,
+    ) -> Result<T, StatisticsError> {
         let index = self.known(name)?;
         let end =
             self.nodes.last().ok_or(StatisticsError::NotComputed { what: "end", remedy: ".until(time)" })?;
         Ok(what(end, index))
     }
 
-    /// The mean of an observable at the end, as [`Node::mean`].
+    /// The mean of an observable at the end, as [`StatisticsNode::mean`].
     ///
     /// # Errors
     /// [`StatisticsError::Unknown`] for a name that does not exist.
     pub fn mean(&self, name: &str) -> Result<f64, StatisticsError> {
-        self.at_end(name, Node::mean)
+        self.at_end(name, StatisticsNode::mean)
     }
 
-    /// Its variance, as [`Node::variance`].
+    /// Its variance, as [`StatisticsNode::variance`].
     ///
     /// # Errors
     /// Those of [`Statistics::mean`].
     pub fn variance(&self, name: &str) -> Result<f64, StatisticsError> {
-        self.at_end(name, Node::variance)
+        self.at_end(name, StatisticsNode::variance)
     }
 
-    /// The standard error of its mean, as [`Node::standard_error`].
+    /// The standard error of its mean, as [`StatisticsNode::standard_error`].
     ///
     /// # Errors
     /// Those of [`Statistics::mean`].
     pub fn standard_error(&self, name: &str) -> Result<f64, StatisticsError> {
-        self.at_end(name, Node::standard_error)
+        self.at_end(name, StatisticsNode::standard_error)
     }
 
-    /// An upper estimate of it, as [`Node::error_bound`].
+    /// An upper estimate of it, as [`StatisticsNode::error_bound`].
     ///
     /// # Errors
     /// Those of [`Statistics::mean`].
     pub fn error_bound(&self, name: &str) -> Result<f64, StatisticsError> {
-        self.at_end(name, Node::error_bound)
+        self.at_end(name, StatisticsNode::error_bound)
     }
 
-    /// The covariance of two observables at the end, as [`Node::covariance`].
+    /// The covariance of two observables at the end, as [`StatisticsNode::covariance`].
     ///
     /// # Errors
     /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was told to leave covariances out.
     pub fn covariance(&self, a: &str, b: &str) -> Result<f64, StatisticsError> {
         let (a, b) = (self.known(a)?, self.known(b)?);
         match self.nodes.last() {
-            Some(end) if a == b || end.moments.has_covariances() => Ok(end.covariance(a, b)),
+            Some(end) if a == b || end.has_covariances() => Ok(end.covariance(a, b)),
             _ => Err(StatisticsError::NotComputed { what: "covariances", remedy: ".covariances(true)" }),
         }
     }
@@ -393,12 +252,12 @@ impl Statistics {
     /// # Errors
     /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was not asked for quantiles.
     pub fn quantile(&self, name: &str, fraction: f64) -> Result<f64, StatisticsError> {
-        let quantile = |node: &Node, index| node.quantiles(index).map(|all| all.at(fraction));
+        let quantile = |node: &StatisticsNode, index| node.quantiles(index).map(|all| all.at(fraction));
         let missing = StatisticsError::NotComputed { what: "quantiles", remedy: ".quantiles()" };
         self.at_end(name, quantile)?.ok_or(missing)
     }
 
-    /// The observable of each of [`Node::histograms`], by its index.
+    /// The observable of each of [`StatisticsNode::histograms`], by its index.
     pub fn histogrammed(&self) -> &[usize] {
         &self.histogrammed
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::histogram::Histogram;
 use super::origin::Origin;
-use super::statistics::{Node, PathFailure, Statistics};
+use super::statistics::{PathFailure, Statistics, StatisticsNode};
 use crate::persist::FileError;
 use crate::persist::file::{self, Staged};
 use crate::persist::table::Cell::{Count, Number, Text};
@@ -137,7 +137,7 @@ impl Statistics {
     }
 
     /// Every node with every observable.
-    fn each(&self) -> impl Iterator<Item = (&Node, usize, &String)> {
+    fn each(&self) -> impl Iterator<Item = (&StatisticsNode, usize, &String)> {
         self.nodes().iter().flat_map(|node| {
             self.observables().iter().enumerate().map(move |(index, name)| (node, index, name))
         })

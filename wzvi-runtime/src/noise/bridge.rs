@@ -16,14 +16,14 @@
 
 /// Increment and area over an interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Node {
+pub(super) struct BridgeInterval {
     /// `W(b) - W(a)`.
     pub(super) w: f64,
     /// Area between the path and its chord.
     pub(super) area: f64,
 }
 
-impl Node {
+impl BridgeInterval {
     /// A fresh interval of the given length.
     pub(super) fn draw(length: f64, [n1, n2]: [f64; 2]) -> Self {
         Self { w: length.sqrt() * n1, area: length * (length / 12.0).sqrt() * n2 }
@@ -75,13 +75,18 @@ impl Cut {
 
     /// The two parts of `whole`; `page` has the scales of the page.
     #[inline]
-    pub(super) fn apply(&self, whole: Node, page: &Scale, [n1, n2]: [f64; 2]) -> [Node; 2] {
+    pub(super) fn apply(
+        &self,
+        whole: BridgeInterval,
+        page: &Scale,
+        [n1, n2]: [f64; 2],
+    ) -> [BridgeInterval; 2] {
         let x = self.lean * page.inverse * whole.area + self.height * page.root * n1;
         let sum = whole.area - self.half * page.length * x;
         let first = self.share * sum + self.spread * page.length * page.root * n2;
         [
-            Node { w: self.alpha * whole.w + x, area: first },
-            Node { w: self.beta * whole.w - x, area: sum - first },
+            BridgeInterval { w: self.alpha * whole.w + x, area: first },
+            BridgeInterval { w: self.beta * whole.w - x, area: sum - first },
         ]
     }
 }
@@ -91,7 +96,7 @@ pub(super) trait Measure: Copy {
     /// Of an empty interval.
     const EMPTY: Self;
     /// Of one interval of the tree.
-    fn of(node: Node, length: f64) -> Self;
+    fn of(node: BridgeInterval, length: f64) -> Self;
     /// Of the union with the interval that follows.
     fn then(self, next: Self) -> Self;
     /// Of the same interval with time running backwards.
@@ -103,7 +108,7 @@ impl Measure for f64 {
     const EMPTY: Self = 0.0;
 
     #[inline]
-    fn of(node: Node, _: f64) -> Self {
+    fn of(node: BridgeInterval, _: f64) -> Self {
         node.w
     }
 
@@ -130,7 +135,7 @@ impl Measure for Span {
     const EMPTY: Self = Self { w: 0.0, integral: 0.0, length: 0.0 };
 
     #[inline]
-    fn of(node: Node, length: f64) -> Self {
+    fn of(node: BridgeInterval, length: f64) -> Self {
         Self { w: node.w, integral: node.area + 0.5 * length * node.w, length }
     }
 

@@ -5,8 +5,8 @@
 //! between them. Nothing cancels, so that small increments at large times keep their digits, and the sum is a function of the two
 //! times alone: the order of the queries changes nothing.
 
-use super::bridge::{Measure, Node, Scale};
-use super::grid::{self, DEPTH, NODES, Parting, Point};
+use super::bridge::{BridgeInterval, Measure, Scale};
+use super::grid::{self, DEPTH, GridTime, NODES, Parting};
 use super::stream::{Address, PAIRS, Source, Words};
 
 /// One cell of a grid and the cuts inside it that were asked for.
@@ -15,13 +15,13 @@ struct Page {
     address: Address,
     scale: Scale,
     words: Words,
-    nodes: [Node; NODES],
+    nodes: [BridgeInterval; NODES],
     /// Bit `i` is set once node `i` has been cut.
     cut: u64,
 }
 
 impl Page {
-    fn load(&mut self, source: &Source, address: Address, length: f64, root: Node) {
+    fn load(&mut self, source: &Source, address: Address, length: f64, root: BridgeInterval) {
         self.words.fill(source, &address);
         self.address = address;
         self.scale = Scale::new(length);
@@ -46,7 +46,7 @@ impl Page {
 struct Turn {
     /// Whether the way went right, so that the interval lies before the time.
     right: bool,
-    node: Node,
+    node: BridgeInterval,
     length: f64,
 }
 
@@ -56,8 +56,8 @@ pub(super) struct Cursor {
     source: Source,
     pages: Vec<Page>,
     /// Whole octaves, on both sides of zero.
-    octaves: [Vec<Option<Node>>; 2],
-    point: Point,
+    octaves: [Vec<Option<BridgeInterval>>; 2],
+    point: GridTime,
     turns: Vec<Turn>,
     /// Number of turns before each page.
     starts: [u8; DEPTH + 1],
@@ -74,12 +74,12 @@ impl Cursor {
             source,
             pages: Vec::with_capacity(4),
             octaves: [vec![], vec![]],
-            point: Point::ZERO,
+            point: GridTime::ZERO,
             turns: Vec::with_capacity(TURNS),
             starts: [0; DEPTH + 1],
-            last: Turn { right: false, node: Node::default(), length: 1.0 },
+            last: Turn { right: false, node: BridgeInterval::default(), length: 1.0 },
         };
-        cursor.descend(&Point::ZERO, 0);
+        cursor.descend(&GridTime::ZERO, 0);
         cursor
     }
 
@@ -90,12 +90,12 @@ impl Cursor {
             page.address.depth = u8::MAX;
         }
         self.octaves.iter_mut().for_each(Vec::clear);
-        self.descend(&Point::ZERO, 0);
+        self.descend(&GridTime::ZERO, 0);
     }
 
     /// Goes to a point and measures the interval in between, as time goes forward.
     #[inline]
-    pub(super) fn advance<M: Measure>(&mut self, to: &Point) -> M {
+    pub(super) fn advance<M: Measure>(&mut self, to: &GridTime) -> M {
         let from = self.point;
         if from == *to {
             return M::EMPTY;
@@ -115,7 +115,7 @@ impl Cursor {
 
     /// Goes to a point.
     #[inline]
-    pub(super) fn seek(&mut self, to: &Point) {
+    pub(super) fn seek(&mut self, to: &GridTime) {
         if self.point != *to {
             let page = match Parting::new(&self.point, to) {
                 Parting::Page { page, .. } if self.point.negative == to.negative => page,
@@ -169,7 +169,7 @@ impl Cursor {
 
     /// Puts the two sides together; `from` is where `behind` was measured, this cursor is at the other end.
     #[inline]
-    fn join<M: Measure>(&mut self, from: &Point, behind: M, ahead: M, outward: bool) -> M {
+    fn join<M: Measure>(&mut self, from: &GridTime, behind: M, ahead: M, outward: bool) -> M {
         let (near, far) = if outward { (behind, ahead) } else { (ahead, behind) };
         let (o, to) = (from.octave.min(self.point.octave), from.octave.max(self.point.octave));
         let mut sum = near;
@@ -184,7 +184,7 @@ impl Cursor {
         M::of(self.octave_node(negative, octave), grid::octave_length(octave))
     }
 
-    fn octave_node(&mut self, negative: bool, octave: u8) -> Node {
+    fn octave_node(&mut self, negative: bool, octave: u8) -> BridgeInterval {
         let index = usize::from(octave);
         let known = &mut self.octaves[usize::from(negative)];
         if known.len() <= index {
@@ -194,12 +194,12 @@ impl Cursor {
             // The last pair of the octave's first page: its cuts use the others.
             let mut words = Words::EMPTY;
             words.fill(&self.source, &Address { negative, octave, depth: 0, cell: 0 });
-            Node::draw(grid::octave_length(octave), words.normals(PAIRS - 1))
+            BridgeInterval::draw(grid::octave_length(octave), words.normals(PAIRS - 1))
         })
     }
 
     /// Follows the way to `to` from page `from` on, before which it is the way to the present point.
-    fn descend(&mut self, to: &Point, from: usize) {
+    fn descend(&mut self, to: &GridTime, from: usize) {
         let mut length = grid::octave_length(to.octave);
         let mut root =
             if from == 0 { self.octave_node(to.negative, to.octave) } else { self.pages[from].nodes[0] };
@@ -256,7 +256,7 @@ fn page_at(pages: &mut Vec<Page>, depth: usize) -> &mut Page {
             address: none,
             scale: Scale::default(),
             words: Words::EMPTY,
-            nodes: [Node::default(); NODES],
+            nodes: [BridgeInterval::default(); NODES],
             cut: 0,
         };
         pages.resize(depth + 1, empty);

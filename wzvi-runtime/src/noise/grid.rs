@@ -28,7 +28,7 @@ pub(super) const NODES: usize = 2 * (PAIRS - 1) + 1;
 
 /// A time on the grids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Point {
+pub(super) struct GridTime {
     /// Whether it is a negative time.
     pub(super) negative: bool,
     /// 0 for [0, 1), k for [2^(k-1), 2^k).
@@ -39,7 +39,7 @@ pub(super) struct Point {
     digits: u128,
 }
 
-impl Point {
+impl GridTime {
     pub(super) const ZERO: Self = Self { negative: false, octave: 0, pages: 0, digits: 0 };
 
     /// The point of a time in units of the tree; `None` if it is NaN or too far.
@@ -222,7 +222,7 @@ pub(super) enum Parting {
 
 impl Parting {
     /// Of two different points.
-    pub(super) fn new(p: &Point, q: &Point) -> Self {
+    pub(super) fn new(p: &GridTime, q: &GridTime) -> Self {
         if p.octave != q.octave {
             return Self::Octaves;
         }
@@ -254,7 +254,7 @@ impl Parting {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::{FARTHEST, PAIRS, Point, SHAPES};
+    use super::{FARTHEST, GridTime, PAIRS, SHAPES};
 
     #[test]
     fn pages_have_pairs_enough() {
@@ -272,13 +272,13 @@ mod tests {
             [(0.5, 1), (0.1, 1), (0.05, 1), (0.02, 2), (0.01, 2), (0.0125, 2), (0.001, 3), (1e-4, 4)]
         {
             for n in 1..10_000 {
-                let point = Point::new(n as f64 * h).unwrap();
+                let point = GridTime::new(n as f64 * h).unwrap();
                 let coarse = point.octave.saturating_sub(1).div_ceil(4);
                 assert!(point.pages <= coarse + pages, "{n} {h}: {point:?}");
             }
         }
         for (n, pages) in [(16.0, 2), (64.0, 3), (256.0, 4), (1024.0, 5), (3.0, 5), (30.0, 5), (48.0, 5)] {
-            assert!(Point::new(1.0 / n).unwrap().pages <= pages, "1 / {n}");
+            assert!(GridTime::new(1.0 / n).unwrap().pages <= pages, "1 / {n}");
         }
     }
 
@@ -287,23 +287,23 @@ mod tests {
         for n in 1..100_000i32 {
             for (h, reciprocal) in [(0.02, 50.0), (0.1, 10.0), (1e-3, 1000.0), (1.0 / 3.0, 3.0)] {
                 let t = f64::from(n) / reciprocal;
-                let point = Point::new(t);
-                assert_eq!(point, Point::new(f64::from(n) * h));
-                assert_eq!(point, Point::new(t.next_up().next_up()));
-                assert_eq!(point, Point::new(t.next_down().next_down()));
-                assert_ne!(point, Point::new(-t));
+                let point = GridTime::new(t);
+                assert_eq!(point, GridTime::new(f64::from(n) * h));
+                assert_eq!(point, GridTime::new(t.next_up().next_up()));
+                assert_eq!(point, GridTime::new(t.next_down().next_down()));
+                assert_ne!(point, GridTime::new(-t));
             }
         }
     }
 
     #[test]
     fn zero_has_one_sign_and_bad_times_none() {
-        assert_eq!(Point::new(-0.0), Some(Point::ZERO));
-        assert_eq!(Point::new(-1e-30), Some(Point::ZERO));
+        assert_eq!(GridTime::new(-0.0), Some(GridTime::ZERO));
+        assert_eq!(GridTime::new(-1e-30), Some(GridTime::ZERO));
         for t in [f64::NAN, f64::INFINITY, -f64::INFINITY, FARTHEST, -FARTHEST] {
-            assert_eq!(Point::new(t), None);
+            assert_eq!(GridTime::new(t), None);
         }
-        assert!(Point::new(FARTHEST.next_down()).is_some());
+        assert!(GridTime::new(FARTHEST.next_down()).is_some());
     }
 
     #[test]
@@ -312,7 +312,7 @@ mod tests {
         times.extend((-300..300).map(f64::from));
         times.sort_by(f64::total_cmp);
         for pair in times.windows(2) {
-            let [p, q] = [Point::new(pair[0]).unwrap(), Point::new(pair[1]).unwrap()];
+            let [p, q] = [GridTime::new(pair[0]).unwrap(), GridTime::new(pair[1]).unwrap()];
             assert!(p == q || q.after(&p) && !p.after(&q), "{pair:?}");
         }
     }

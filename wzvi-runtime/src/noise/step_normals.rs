@@ -19,9 +19,9 @@
 
 use super::chacha;
 use super::normal::pair;
-use super::truncation::{Truncation, clip_bound};
+use super::truncation::{Truncation, clip_bound, truncation_setters};
 use super::wiener::check_step;
-use super::{Interval, Noise, NoiseError, Paths};
+use super::{Divisible, Interval, Noise, NoiseError, Paths};
 use crate::increments::Identity;
 use crate::plan::Plan;
 
@@ -124,17 +124,7 @@ impl StepNormals {
         self
     }
 
-    /// Truncates the increments to `±√|h| A_h` ([`clip_bound`]), `k >= 1`.
-    pub fn truncated(mut self, k: impl Into<f64>) -> Self {
-        self.truncation = Truncation::On(k.into());
-        self
-    }
-
-    /// Leaves the increments as they are, also where a run would truncate them by default.
-    pub fn untruncated(mut self) -> Self {
-        self.truncation = Truncation::Off;
-        self
-    }
+    truncation_setters!(|noise, truncation| Self { truncation, ..noise });
 
     /// The truncation that is set.
     pub fn truncation(&self) -> Truncation {
@@ -226,11 +216,6 @@ fn halvings(h: f64, part: f64) -> Option<u32> {
 }
 
 impl Noise for StepNormals {
-    /// The halves of a step add up to the step.
-    fn is_path(&self) -> bool {
-        true
-    }
-
     #[inline]
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         check_step(interval.h)?;
@@ -267,6 +252,9 @@ impl Noise for StepNormals {
         Some(identity.with("truncation", self.truncation))
     }
 }
+
+/// The halves of a step add up to the step.
+impl Divisible for StepNormals {}
 
 impl Paths for StepNormals {
     fn set_path(&mut self, path: u64) {

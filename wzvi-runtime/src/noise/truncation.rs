@@ -54,6 +54,23 @@ impl Truncation {
     }
 }
 
+/// The methods that set the truncation of a noise, which `$with` puts in: `|noise, truncation| noise`.
+macro_rules! truncation_setters {
+    ($with:expr) => {
+        /// Truncates the increments of steps to `±A_h` of their standard deviations, `A_h = max(6, √(2 k |ln h|))`, `k >= 1`
+        /// ([`clip_bound`](crate::noise::clip_bound)). The path itself is not changed.
+        pub fn truncated(self, k: impl Into<f64>) -> Self {
+            ($with)(self, crate::noise::Truncation::On(k.into()))
+        }
+
+        /// Leaves the increments as they are, also where a run would truncate them by default.
+        pub fn untruncated(self) -> Self {
+            ($with)(self, crate::noise::Truncation::Off)
+        }
+    };
+}
+pub(super) use truncation_setters;
+
 /// The least bound, in standard deviations.
 const FLOOR: f64 = 6.0;
 

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use super::bridge::Span;
 use super::cursor::Cursor;
-use super::grid::{FARTHEST, Point};
+use super::grid::{FARTHEST, GridTime};
 use super::stream::Source;
-use super::{Interval, Noise, NoiseError, Paths, Truncation};
+use super::truncation::truncation_setters;
+use super::{Divisible, Interval, Noise, NoiseError, Paths, Truncation};
 use crate::increments::Identity;
 use crate::plan::Plan;
 
@@ -35,14 +36,14 @@ pub struct Wiener {
     /// Those of single processes far from all others.
     distant: BTreeMap<usize, Cursor>,
     /// The end of the last step: the next one starts there.
-    reached: (f64, Point),
+    reached: (f64, GridTime),
 }
 
 /// Processes up to so many beyond those that are known are made along with the one that is asked for.
 const FEW: usize = 1024;
 
 /// No time equals NaN.
-pub(super) const NOWHERE: (f64, Point) = (f64::NAN, Point::ZERO);
+pub(super) const NOWHERE: (f64, GridTime) = (f64::NAN, GridTime::ZERO);
 
 impl Wiener {
     /// The paths of a seed.
@@ -64,6 +65,10 @@ impl Wiener {
         self
     }
 
+    pub(super) fn with_truncation(self, truncation: Truncation) -> Self {
+        Self { truncation, ..self }
+    }
+
     pub(super) fn with_seed(self, seed: u64) -> Self {
         Self { seed, cursors: vec![], distant: BTreeMap::new(), ..self }
     }
@@ -80,19 +85,7 @@ impl Wiener {
         self
     }
 
-    /// Truncates the increments of steps to `+-sqrt(h) A_h`, `A_h = max(6, sqrt(2 k |ln h|))`, `k >= 1` ([`clip_bound`](super::clip_bound)).
-    ///
-    /// The path itself is not changed: [`Wiener::value`], [`Wiener::increment`] and [`Wiener::integral`] are not truncated.
-    pub fn truncated(mut self, k: impl Into<f64>) -> Self {
-        self.truncation = Truncation::On(k.into());
-        self
-    }
-
-    /// Leaves the increments as they are, also where a run would truncate them by default.
-    pub fn untruncated(mut self) -> Self {
-        self.truncation = Truncation::Off;
-        self
-    }
+    truncation_setters!(|noise, truncation| Self { truncation, ..noise });
 
     /// The truncation that is set.
     pub fn truncation(&self) -> Truncation {
@@ -151,16 +144,16 @@ impl Wiener {
 
     /// The point of the tree at a time.
     #[inline]
-    pub(super) fn point(&self, t: f64) -> Result<Point, NoiseError> {
+    pub(super) fn point(&self, t: f64) -> Result<GridTime, NoiseError> {
         if !(self.unit.is_finite() && self.unit > 0.0) {
             return Err(NoiseError::Unit(self.unit));
         }
-        Point::new(t / self.unit).ok_or(NoiseError::Time { t, limit: FARTHEST * self.unit })
+        GridTime::new(t / self.unit).ok_or(NoiseError::Time { t, limit: FARTHEST * self.unit })
     }
 
     /// `W(b) - W(a)`.
     #[inline]
-    pub(super) fn difference(&mut self, process: usize, a: &Point, b: &Point) -> f64 {
+    pub(super) fn difference(&mut self, process: usize, a: &GridTime, b: &GridTime) -> f64 {
         let scale = self.unit.sqrt();
         let cursor = self.cursor(process);
         cursor.seek(a);
@@ -211,10 +204,6 @@ impl Wiener {
 }
 
 impl Noise for Wiener {
-    fn is_path(&self) -> bool {
-        true
-    }
-
     #[inline]
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         check_step(interval.h)?;
@@ -243,6 +232,9 @@ impl Noise for Wiener {
         Some(identity.with("unit", self.unit).with("truncation", self.truncation))
     }
 }
+
+/// Increments add up.
+impl Divisible for Wiener {}
 
 impl Paths for Wiener {
     fn set_path(&mut self, path: u64) {

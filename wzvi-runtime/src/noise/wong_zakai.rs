@@ -11,9 +11,10 @@
 //! the project's mathematics.
 
 use super::bridge::Span;
-use super::grid::Point;
+use super::grid::GridTime;
+use super::truncation::truncation_setters;
 use super::wiener::{NOWHERE, Wiener, check_step};
-use super::{Interval, Noise, NoiseError, Paths, Truncation};
+use super::{Divisible, Interval, Noise, NoiseError, Paths, Truncation};
 use crate::increments::Identity;
 use crate::plan::Plan;
 
@@ -48,7 +49,7 @@ pub struct WongZakai {
     /// The same path, at the late end.
     late: Wiener,
     /// Times of the last step, for the next.
-    reached: [(f64, Point); 2],
+    reached: [(f64, GridTime); 2],
 }
 
 impl WongZakai {
@@ -81,15 +82,7 @@ impl WongZakai {
         self.on(|wiener| wiener.unit(unit))
     }
 
-    /// Truncates the increments of steps to `A_h` of their standard deviations ([`Wiener::truncated`]).
-    pub fn truncated(self, k: impl Into<f64>) -> Self {
-        self.on(|wiener| wiener.truncated(k))
-    }
-
-    /// Leaves the increments as they are ([`Wiener::untruncated`]).
-    pub fn untruncated(self) -> Self {
-        self.on(Wiener::untruncated)
-    }
+    truncation_setters!(|noise: Self, truncation| noise.on(|wiener| wiener.with_truncation(truncation)));
 
     /// [`Sampling::Left`], the default.
     pub fn left(self) -> Self {
@@ -207,7 +200,7 @@ impl WongZakai {
     }
 
     /// The increment of one process between the points of [`WongZakai::times`], forwards in time.
-    fn forward(&mut self, process: usize, points: &[Point; 4], exact: bool, h: f64) -> f64 {
+    fn forward(&mut self, process: usize, points: &[GridTime; 4], exact: bool, h: f64) -> f64 {
         let [scale, cube] = self.early.scales();
         let (early, late) = (self.early.cursor(process), self.late.cursor(process));
         early.seek(&points[0]);
@@ -224,10 +217,6 @@ impl WongZakai {
 }
 
 impl Noise for WongZakai {
-    fn is_path(&self) -> bool {
-        true
-    }
-
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         self.check_window()?;
         self.early.check(interval.start)?;
@@ -237,7 +226,7 @@ impl Noise for WongZakai {
         let bound = self.truncation().bound(h, self.deviation(h));
         let exact = matches!(self.sampling, Sampling::Exact | Sampling::ExactCentred);
         let times = self.times(interval);
-        let mut points = [Point::ZERO; 4];
+        let mut points = [GridTime::ZERO; 4];
         for (point, t) in points.iter_mut().zip(times).take(if exact { 4 } else { 2 }) {
             *point = match self.reached.iter().find(|reached| reached.0 == t) {
                 Some(reached) => reached.1,
@@ -273,6 +262,9 @@ impl Noise for WongZakai {
         Some(identity.with("eps", self.eps).with("sampling", self.sampling))
     }
 }
+
+/// Increments add up.
+impl Divisible for WongZakai {}
 
 impl Paths for WongZakai {
     fn set_path(&mut self, path: u64) {

@@ -80,6 +80,7 @@ mod keeper;
 mod nodes;
 mod own;
 
+use std::marker::PhantomData;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -89,16 +90,42 @@ use crate::system::Discretized;
 #[cfg(feature = "ensemble")]
 pub(crate) use blocks::{BlockKeeper, Described, Extent};
 pub use error::{CheckpointError, Damage, Difference};
+pub(crate) use keeper::Keeper;
 
-/// Where a run writes itself down, and how often.
+/// Where a run writes itself down, and how often: after some time, or after so many of what it counts, `C`. A [`Simulation`] counts
+/// [`Steps`], an [`Ensemble`](crate::ensemble::Ensemble) [`Paths`]; both take one that says neither.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[must_use = "give it to the `checkpoint` of a `Simulation` or an `Ensemble`"]
-pub struct Checkpoint {
+pub struct Checkpoint<C = Anything> {
     path: PathBuf,
-    steps: Option<u64>,
-    paths: Option<u64>,
+    /// Steps or paths.
+    count: Option<u64>,
     interval: Option<Duration>,
+    counts: PhantomData<C>,
 }
+
+/// A checkpoint says nothing about what its run counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anything {}
+
+/// A checkpoint counts the steps of a single path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Steps {}
+
+/// A checkpoint counts the paths of an ensemble.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Paths {}
+
+/// A checkpoint for runs that count `C`, or anything.
+#[diagnostic::on_unimplemented(
+    message = "this checkpoint counts what this run does not have",
+    note = "a single path counts steps (`.every_steps(number)`), an ensemble paths (`.every_paths(number)`); both take `.every(interval)`"
+)]
+pub trait Suits<C> {}
+
+impl<C> Suits<C> for Anything {}
+impl Suits<Steps> for Steps {}
+impl Suits<Paths> for Paths {}
 
 /// How often, unless the user says otherwise.
 const MINUTE: Duration = Duration::from_secs(60);
@@ -106,19 +133,24 @@ const MINUTE: Duration = Duration::from_secs(60);
 impl Checkpoint {
     /// To this file, once a minute unless told otherwise.
     pub fn to(path: impl Into<PathBuf>) -> Self {
-        Self { path: path.into(), steps: None, paths: None, interval: None }
+        Self { path: path.into(), count: None, interval: None, counts: PhantomData }
     }
 
     /// At each node whose number is a multiple of `steps`, at least 1. For a [`Simulation`].
-    pub fn every_steps(mut self, steps: u64) -> Self {
-        self.steps = Some(steps);
-        self
+    pub fn every_steps(self, steps: u64) -> Checkpoint<Steps> {
+        self.counting(steps)
     }
 
     /// Whenever so many paths more are done, at least 1; in whole blocks of paths. For an ensemble.
-    pub fn every_paths(mut self, paths: u64) -> Self {
-        self.paths = Some(paths);
-        self
+    pub fn every_paths(self, paths: u64) -> Checkpoint<Paths> {
+        self.counting(paths)
+    }
+}
+
+impl<C> Checkpoint<C> {
+    fn counting<D>(self, count: u64) -> Checkpoint<D> {
+        let Self { path, interval, .. } = self;
+        Checkpoint { path, count: Some(count), interval, counts: PhantomData }
     }
 
     /// As soon as this time has gone by since the last checkpoint, more than zero. Together with
@@ -128,39 +160,31 @@ impl Checkpoint {
         self
     }
 
-    fn check(&self, counts: Counts) -> Result<(), ConfigError> {
-        let mistake = match (self.steps, self.paths, self.interval) {
-            (Some(0), _, _) => "a checkpoint every 0 steps; give at least 1",
-            (_, Some(0), _) => "a checkpoint every 0 paths; give at least 1",
-            (_, _, Some(Duration::ZERO)) => "a checkpoint after no time at all; give more than zero",
-            (Some(_), _, _) if counts != Counts::Steps => {
-                "a checkpoint of an ensemble every so many steps; use `every_paths` or `every`"
-            }
-            (_, Some(_), _) if counts == Counts::Steps => {
-                "a checkpoint of a single path every so many paths; use `every_steps` or `every`"
-            }
+    /// The same, for a run that it suits.
+    fn settled(self) -> Checkpoint {
+        let Self { path, count, interval, .. } = self;
+        Checkpoint { path, count, interval, counts: PhantomData }
+    }
+}
+
+impl Checkpoint {
+    fn check(&self) -> Result<(), ConfigError> {
+        let mistake = match (self.count, self.interval) {
+            (Some(0), _) => "a checkpoint every 0 steps or paths; give at least 1",
+            (_, Some(Duration::ZERO)) => "a checkpoint after no time at all; give more than zero",
             _ => return Ok(()),
         };
         Err(ConfigError::Setting(mistake.to_owned()))
     }
 }
 
-/// What a run goes on in.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Counts {
-    Steps,
-    #[cfg(feature = "ensemble")]
-    Paths,
-}
-
 /// What a run was told to keep.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Keeping(Option<Checkpoint>);
 
-#[cfg(feature = "ensemble")]
 impl Keeping {
-    pub(crate) fn to(checkpoint: Checkpoint) -> Self {
-        Self(Some(checkpoint))
+    pub(crate) fn to<C>(checkpoint: Checkpoint<C>) -> Self {
+        Self(Some(checkpoint.settled()))
     }
 
     pub(crate) fn is_set(&self) -> bool {
@@ -174,11 +198,11 @@ pub(crate) fn checksum(words: &[u64]) -> String {
     identity::checksum(words.iter().copied())
 }
 
-impl<H: Discretized<E>, E, N, O> Simulation<'_, H, E, N, O> {
+impl<H: Discretized<E>, E, N, O, R> Simulation<'_, H, E, N, O, R> {
     /// Goes on from the checkpoint if its file is there and of this run, and writes one now and then and at the end:
     /// see [`crate::checkpoint`].
-    pub fn checkpoint(mut self, checkpoint: Checkpoint) -> Self {
-        self.keeping = Keeping(Some(checkpoint));
+    pub fn checkpoint<C: Suits<Steps>>(mut self, checkpoint: Checkpoint<C>) -> Self {
+        self.keeping = Keeping::to(checkpoint);
         self
     }
 }

@@ -1,29 +1,30 @@
 //! Errors over paths, on all threads: blocks of paths, whose results are taken in the order of their numbers.
 
 use std::ops::{ControlFlow, Range};
+use std::sync::{Mutex, PoisonError};
 
 use super::data::{Cell, Weak};
 use super::measure::{Reference, WorkPrecision};
-use super::run::{Run, Settings, TIMED_STEPS, Work, draw};
-use super::scheme::{Given, Outcome, Scheme};
+use super::method::{Method, Paths};
+use super::noise::{Driver as _, Shifted};
+use super::run::{Run, Settings, TIMED_STEPS, Work};
 use super::statistics::{Estimate, Trend};
 use crate::error::{Error, InternalError};
-use crate::increments::Noise as _;
-use crate::noise::Paths;
+use crate::noise::Paths as _;
 use crate::schedule::in_order;
 use crate::state::{State, Vector};
 use crate::system::Hamiltonian;
 
 /// Nodes of a path at which the energy is looked at, about.
-const LOOKS: usize = 256;
+const LOOKS: u64 = 256;
+
+/// Paths in a block at least, if there are as many for each thread.
+const LANES: u64 = 8;
 
 /// What became of the paths of one scheme and step size.
 #[derive(Default)]
 struct Found {
     good: Vec<u64>,
-    steps: u64,
-    iterations: u64,
-    largest: u32,
     errors: Vec<f64>,
     trends: Vec<f64>,
     oscillations: Vec<f64>,
@@ -38,17 +39,9 @@ impl Found {
         Self { weak: vec![vec![]; observables], ..Self::default() }
     }
 
-    fn fail(&mut self, error: String) {
-        self.failures += 1;
-        self.failure.get_or_insert(error);
-    }
-
     /// The paths of both, which follow each other in number.
     fn append(&mut self, other: Self) {
         self.good.extend(other.good);
-        self.steps += other.steps;
-        self.iterations += other.iterations;
-        self.largest = self.largest.max(other.largest);
         self.errors.extend(other.errors);
         self.trends.extend(other.trends);
         self.oscillations.extend(other.oscillations);
@@ -60,23 +53,45 @@ impl Found {
     }
 }
 
-/// The states of a path at which the energy is looked at.
-struct Energies {
-    stride: usize,
-    steps: usize,
-    node: usize,
-    start: f64,
-    first: f64,
+/// What is seen of one path.
+struct Seen<V> {
     /// Times since the start and energies against it.
-    points: Vec<(f64, f64)>,
+    energies: Vec<(f64, f64)>,
+    /// The last node.
+    last: Option<State<V>>,
 }
 
-impl Energies {
-    fn see<H: Hamiltonian>(&mut self, system: &H, state: &State<H::Vector>) {
-        if self.node.is_multiple_of(self.stride) || self.node == self.steps {
-            self.points.push((state.t - self.start, system.energy(state) - self.first));
+impl<V> Default for Seen<V> {
+    fn default() -> Self {
+        Self { energies: Vec::new(), last: None }
+    }
+}
+
+/// What is seen of paths from threads that each have some of them.
+struct AllSeen<V>(Vec<Mutex<Seen<V>>>);
+
+impl<V: Vector> AllSeen<V> {
+    fn new(paths: u64) -> Self {
+        Self((0..paths).map(|_| Mutex::default()).collect())
+    }
+
+    /// A path at a node, with its energy.
+    fn see(&self, path: u64, state: &State<V>, point: Option<(f64, f64)>) {
+        let seen = usize::try_from(path).ok().and_then(|path| self.0.get(path));
+        debug_assert!(seen.is_some(), "path {path} of {}", self.0.len());
+        if let Some(seen) = seen {
+            let mut seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
+            seen.energies.extend(point);
+            match &mut seen.last {
+                Some(last) => last.clone_from(state),
+                none => *none = Some(state.clone()),
+            }
         }
-        self.node += 1;
+    }
+
+    /// The paths, in order.
+    fn paths(self) -> impl Iterator<Item = Seen<V>> {
+        self.0.into_iter().map(|seen| seen.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
@@ -109,17 +124,20 @@ where
         plan: &Settings<H::Vector>,
         steps: usize,
         stopped: &(dyn Fn() -> bool + Sync),
-        block: impl Fn(Range<u64>) -> Result<T, Error> + Sync,
+        block: impl Fn(Range<u64>) -> Result<Option<T>, Error> + Sync,
         mut take: impl FnMut(T) + Send,
     ) -> Result<(), Error> {
-        let (paths, size) = (plan.paths as u64, TIMED_STEPS.div_ceil(steps.max(1)) as u64);
+        let paths = plan.paths as u64;
+        // As many as fill lanes, if that leaves some for each thread.
+        let beside = LANES.min(paths.div_ceil(plan.threads as u64));
+        let size = (TIMED_STEPS.div_ceil(steps.max(1)) as u64).max(beside);
         let mut failed = Ok(());
         in_order(
             0..paths.div_ceil(size),
             plan.threads,
             |number| (!stopped()).then(|| block(number * size..paths.min((number + 1) * size))),
             |_, result| match result {
-                Some(Ok(result)) => {
+                Some(Ok(Some(result))) => {
                     take(result);
                     ControlFlow::Continue(())
                 }
@@ -127,45 +145,52 @@ where
                     failed = Err(error);
                     ControlFlow::Break(())
                 }
-                None => ControlFlow::Break(()),
+                None | Some(Ok(None)) => ControlFlow::Break(()),
             },
         );
         failed
     }
 
+    /// Where paths end, as the reference has it; `None` if it was stopped.
     fn ends(
         &self,
         plan: &Settings<H::Vector>,
         reference: &Reference<'a, H>,
         paths: Range<u64>,
-    ) -> Result<Vec<State<H::Vector>>, Error> {
+    ) -> Result<Option<Vec<State<H::Vector>>>, Error> {
         let (start, processes) = (&plan.start, self.system.noises());
-        let mut increments = vec![0.0; plan.reference_steps * processes];
         let mut wiener = self.wiener(0);
-        let end = |path: u64| -> Result<State<H::Vector>, Error> {
-            wiener.set_path(path);
-            Ok(match reference {
-                Reference::Exact(exact) => {
-                    let ends: Result<Vec<f64>, _> =
-                        (0..processes).map(|k| wiener.increment(k, start.t, plan.end)).collect();
-                    exact(plan.end, &ends?)
+        let ends: Result<Vec<_>, Error> = match reference {
+            Reference::Exact(exact) => paths
+                .map(|path| {
+                    wiener.set_path(path);
+                    let ends = (0..processes).map(|k| wiener.increment(k, start.t, plan.end));
+                    Ok(exact(plan.end, &ends.collect::<Result<Vec<f64>, _>>()?))
+                })
+                .collect(),
+            Reference::OnPath(exact) => paths
+                .map(|path| {
+                    wiener.set_path(path);
+                    exact(plan.end, &mut wiener)
+                })
+                .collect(),
+            Reference::Finer(method, h) => {
+                let (seen, number) = (AllSeen::new(paths.end - paths.start), paths.end - paths.start);
+                let noise = Shifted { noise: wiener.copy(), first: paths.start };
+                let run =
+                    Paths { start, h: *h, steps: plan.reference_steps as u64, stride: 0, number, noise };
+                let see = |path, state: &State<H::Vector>| seen.see(path, state, None);
+                match method.run(self.system, run, &see)? {
+                    None => return Ok(None),
+                    Some(Some(failure)) => return Err(failure),
+                    Some(None) => {}
                 }
-                Reference::OnPath(exact) => exact(plan.end, &mut wiener)?,
-                Reference::Finer(scheme, h) => {
-                    let mut noise = self.wiener(path);
-                    noise.prepare(&scheme.plan(), *h, processes, start.t)?;
-                    draw(&mut noise, processes, start.t, *h, &mut increments)?;
-                    let given = Given { start, h: *h, steps: plan.reference_steps, increments: &increments };
-                    let outcome = scheme.run(self.system, &given, &mut |_| {})?;
-                    match outcome.failure {
-                        Some(error) => return Err(error),
-                        None => outcome.last,
-                    }
-                }
-                Reference::Value(state) => state.clone(),
-            })
+                let missing = || InternalError::new("a path that did not fail has an end", &self.title);
+                seen.paths().map(|seen| Ok(seen.last.ok_or_else(missing)?)).collect()
+            }
+            Reference::Value(state) => Ok(paths.map(|_| state.clone()).collect()),
         };
-        paths.map(end).collect()
+        ends.map(Some)
     }
 
     /// Errors of one scheme and step size over the paths; `None` if there was time for no path at all.
@@ -177,9 +202,9 @@ where
         work: &mut Work,
         stopped: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Cell>, Error> {
-        let scheme = self.scheme_of(run)?;
+        let method = self.method_of(run)?;
         let mut found = Found::new(self.observables.len());
-        let block = |paths| self.block(plan, run, scheme, references, paths);
+        let block = |paths| self.block(plan, run, method, references, paths);
         self.in_blocks(plan, run.steps, stopped, block, |block: Found| {
             work.advance(run.steps * (block.good.len() + block.failures));
             found.append(block);
@@ -192,7 +217,7 @@ where
             bias: Estimate::mean(values),
         });
         Ok(Some(Cell {
-            scheme: scheme.name(),
+            scheme: method.name(),
             h: run.h,
             steps: run.steps,
             paths: found.good.len(),
@@ -201,8 +226,8 @@ where
             weak: weak.collect(),
             energy_trend: Estimate::root_mean_square(&found.trends),
             energy_oscillation: Estimate::root_mean_square(&found.oscillations),
-            iterations: found.iterations as f64 / found.steps.max(1) as f64,
-            largest_iterations: found.largest,
+            iterations: 0.0,
+            largest_iterations: 0,
             failure: found.failure,
             time: None,
             noise_time: None,
@@ -213,53 +238,56 @@ where
         }))
     }
 
-    /// Paths, one after the other, that have a reference.
+    /// Paths that have a reference, beside each other; `None` if they were stopped.
     fn block(
         &self,
         plan: &Settings<H::Vector>,
         run: &Run,
-        scheme: &dyn Scheme<H>,
+        method: &dyn Method<H>,
         references: &[State<H::Vector>],
         paths: Range<u64>,
-    ) -> Result<Found, Error> {
-        let (system, processes, h, start) = (self.system, self.system.noises(), run.h, &plan.start);
-        let mut noise = self.driver(scheme, h, start.t)?;
-        let mut increments = vec![0.0; run.steps * processes];
+    ) -> Result<Option<Found>, Error> {
+        let (system, start) = (self.system, &plan.start);
         let mut found = Found::new(self.observables.len());
-        let exact = |path: u64| Some((path, references.get(usize::try_from(path).ok()?)?));
         // A run that was stopped has fewer references than paths.
-        for (path, exact) in paths.map_while(exact) {
-            noise.set_path(path);
-            draw(noise.as_mut(), processes, start.t, h, &mut increments)?;
-            let mut energies = Energies {
-                stride: run.steps.div_ceil(LOOKS),
-                steps: run.steps,
-                node: 0,
-                start: start.t,
-                first: system.energy(start),
-                points: Vec::new(),
+        let place = |path: u64| usize::try_from(path).unwrap_or(usize::MAX).min(references.len());
+        let exact = references.get(place(paths.start)..place(paths.end)).unwrap_or_default();
+        let (number, steps) = (exact.len() as u64, run.steps as u64);
+        if number == 0 {
+            return Ok(Some(found));
+        }
+        let seen = AllSeen::new(number);
+        let first = system.energy(start);
+        let see = |path, state: &State<H::Vector>| {
+            seen.see(path, state, Some((state.t - start.t, system.energy(state) - first)));
+        };
+        let noise = Shifted { noise: (self.driver)(self.wiener(0)), first: paths.start };
+        let stride = steps.div_ceil(LOOKS);
+        let end = start.t + steps as f64 * run.h;
+        let outcome = method.run(system, Paths { start, h: run.h, steps, stride, number, noise }, &see);
+        found.failure = match outcome {
+            Ok(None) => return Ok(None),
+            Ok(Some(failure)) => failure.map(|error| error.to_string()),
+            // A step size that cannot be prepared.
+            Err(error @ Error::Config(_)) => Some(error.to_string()),
+            Err(error) => return Err(error),
+        };
+        for ((path, seen), exact) in (paths.start..).zip(seen.paths()).zip(exact) {
+            let Some(last) = seen.last.filter(|last| last.t == end) else {
+                found.failures += 1;
+                continue;
             };
-            let given = Given { start, h, steps: run.steps, increments: &increments };
-            match scheme.run(system, &given, &mut |state| energies.see(system, state)) {
-                Err(error) => found.fail(error.to_string()),
-                Ok(Outcome { failure: Some(error), .. }) => found.fail(error.to_string()),
-                Ok(Outcome { last, iterations, largest, failure: None }) => {
-                    found.good.push(path);
-                    found.steps += run.steps as u64;
-                    found.iterations += iterations;
-                    found.largest = found.largest.max(largest);
-                    found.errors.push(distance(&last, exact));
-                    let trend = Trend::of(&energies.points);
-                    found.trends.push(trend.slope * (plan.end - start.t));
-                    found.oscillations.push(trend.oscillation);
-                    for (observable, values) in self.observables.iter().zip(&mut found.weak) {
-                        let f = &observable.value;
-                        values.push(f(&last) - observable.expectation.unwrap_or_else(|| f(exact)));
-                    }
-                }
+            found.good.push(path);
+            found.errors.push(distance(&last, exact));
+            let trend = Trend::of(&seen.energies);
+            found.trends.push(trend.slope * (plan.end - start.t));
+            found.oscillations.push(trend.oscillation);
+            for (observable, values) in self.observables.iter().zip(&mut found.weak) {
+                let f = &observable.value;
+                values.push(f(&last) - observable.expectation.unwrap_or_else(|| f(exact)));
             }
         }
-        Ok(found)
+        Ok(Some(found))
     }
 }
 

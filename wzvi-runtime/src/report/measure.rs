@@ -1,22 +1,26 @@
 //! Error against run time: the builder.
 
 use super::Overlay;
-use super::scheme::{Embedding, Scheme};
+use super::method::{Embedded, Method};
+use super::noise::Driver;
 use crate::error::Error;
+use crate::execution::Execution;
 use crate::names::short_name;
 use crate::noise::{Paths, Wiener};
+use crate::options::options;
+use crate::span::{End, Span};
 use crate::state::State;
 use crate::system::{Discretized, Hamiltonian};
 
 type Exact<'a, V> = Box<dyn Fn(f64, &[f64]) -> State<V> + Send + Sync + 'a>;
 type ExactOnPath<'a, V> = Box<dyn Fn(f64, &mut Wiener) -> Result<State<V>, Error> + Send + Sync + 'a>;
 type Value<'a, V> = Box<dyn Fn(&State<V>) -> f64 + Send + Sync + 'a>;
-type Driver<'a> = Box<dyn Fn(Wiener) -> Box<dyn Paths + 'a> + Send + Sync + 'a>;
+type DriverOf<'a> = Box<dyn Fn(Wiener) -> Box<dyn Driver<'a> + 'a> + Send + Sync + 'a>;
 
 pub(super) enum Reference<'a, H: Hamiltonian> {
     Exact(Exact<'a, H::Vector>),
     OnPath(ExactOnPath<'a, H::Vector>),
-    Finer(Box<dyn Scheme<H> + Send + Sync + 'a>, f64),
+    Finer(Box<dyn Method<H> + 'a>, f64),
     Value(State<H::Vector>),
 }
 
@@ -35,20 +39,18 @@ pub(super) struct Observable<'a, V> {
 pub struct WorkPrecision<'a, H: Hamiltonian> {
     pub(super) system: &'a H,
     pub(super) title: String,
-    pub(super) start: Option<State<H::Vector>>,
-    pub(super) end: Option<f64>,
+    pub(super) span: Span<H::Vector>,
     pub(super) steps: Vec<f64>,
     pub(super) paths: usize,
     pub(super) seed: u64,
     pub(super) repetitions: usize,
-    pub(super) driver: Driver<'a>,
+    pub(super) driver: DriverOf<'a>,
     pub(super) reference: Option<Reference<'a, H>>,
     pub(super) observables: Vec<Observable<'a, H::Vector>>,
-    pub(super) schemes: Vec<Box<dyn Scheme<H> + Send + Sync + 'a>>,
+    pub(super) methods: Vec<Box<dyn Method<H> + 'a>>,
     pub(super) overlay: Vec<Overlay>,
     pub(super) failed: Option<Error>,
-    pub(super) threads: Option<usize>,
-    pub(super) stop: Box<dyn Fn() -> bool + Send + Sync + 'a>,
+    pub(super) execution: Execution<'a>,
 }
 
 impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
@@ -57,8 +59,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         Self {
             system,
             title: short_name::<H>(),
-            start: None,
-            end: None,
+            span: Span::default(),
             steps: vec![],
             paths: 100,
             seed: 0,
@@ -66,11 +67,10 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
             driver: Box::new(|wiener| Box::new(wiener)),
             reference: None,
             observables: vec![],
-            schemes: vec![],
+            methods: vec![],
             overlay: vec![],
             failed: None,
-            threads: None,
-            stop: Box::new(|| false),
+            execution: Execution::default(),
         }
     }
 
@@ -80,15 +80,11 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         self
     }
 
-    /// The first state of every path, at its own time.
-    pub fn start(mut self, start: State<H::Vector>) -> Self {
-        self.start = Some(start);
-        self
-    }
+    options!(start, execution);
 
     /// The end of every path, in the time units of the Hamiltonian: a whole number of steps of each size away.
     pub fn until(mut self, end: f64) -> Self {
-        self.end = Some(end);
+        self.span.end = Some(End::Time(end));
         self
     }
 
@@ -101,12 +97,6 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     /// How many paths errors are averaged over. A system without noise takes one.
     pub fn paths(mut self, paths: usize) -> Self {
         self.paths = paths;
-        self
-    }
-
-    /// Measures errors on so many threads; on all cores if this is not called. The numbers are the same. Times are measured on one.
-    pub fn threads(mut self, threads: usize) -> Self {
-        self.threads = Some(threads);
         self
     }
 
@@ -124,7 +114,10 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
 
     /// What drives the steps instead of the Wiener path itself, made from that path:
     /// `.noise(|wiener| WongZakai::of(wiener, 0.02).exact())`.
-    pub fn noise<N: Paths + 'a>(mut self, driver: impl Fn(Wiener) -> N + Send + Sync + 'a) -> Self {
+    pub fn noise<N: Paths + Clone + Send + Sync + 'a>(
+        mut self,
+        driver: impl Fn(Wiener) -> N + Send + Sync + 'a,
+    ) -> Self {
         self.driver = Box::new(move |wiener| Box::new(driver(wiener)));
         self
     }
@@ -147,9 +140,11 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     /// Compares with a run of the scheme `E` in steps of size `h` on the same Wiener paths.
     pub fn reference<E: 'static>(mut self, h: f64) -> Self
     where
-        H: Discretized<E>,
+        H: Discretized<E> + Sync,
+        H::Vector: Send + Sync,
+        H::Prepared: Send + Sync,
     {
-        self.reference = Some(Reference::Finer(Box::new(Embedding::<E>::new()), h));
+        self.reference = Some(Reference::Finer(Box::new(Embedded::<E>::new()), h));
         self
     }
 
@@ -184,9 +179,11 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     /// Adds a scheme.
     pub fn scheme<E: 'static>(mut self) -> Self
     where
-        H: Discretized<E>,
+        H: Discretized<E> + Sync,
+        H::Vector: Send + Sync,
+        H::Prepared: Send + Sync,
     {
-        self.schemes.push(Box::new(Embedding::<E>::new()));
+        self.methods.push(Box::new(Embedded::<E>::new()));
         self
     }
 
@@ -197,12 +194,6 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
             Ok(points) => self.overlay.extend(points),
             Err(error) => self.failed = self.failed.or(Some(error.into())),
         }
-        self
-    }
-
-    /// Ends the measurement early, as Ctrl-C does, when `stop` says so: a deadline, for one.
-    pub fn stop_when(mut self, stop: impl Fn() -> bool + Send + Sync + 'a) -> Self {
-        self.stop = Box::new(stop);
         self
     }
 }

@@ -5,16 +5,15 @@ use std::time::{Duration, Instant};
 use super::data::{Cell, Report};
 use super::machine::Machine;
 use super::measure::{Reference, WorkPrecision};
+use super::method::{Given, Iterations, Method};
 use super::number;
-use super::scheme::{Given, Scheme};
 use super::statistics::Spread;
 use crate::error::{ConfigError, Error, InternalError, StepFailure};
 use crate::increments::Interval;
 use crate::interrupt::Interrupt;
-use crate::noise::{Paths, Wiener};
+use crate::noise::Wiener;
 use crate::progress::Progress;
-use crate::schedule::threads;
-use crate::simulate::steps_between;
+use crate::span::{End, steps_between};
 use crate::state::{State, Vector};
 use crate::system::Hamiltonian;
 
@@ -42,11 +41,12 @@ where
         }
         let plan = self.checked()?;
         let interrupt = Interrupt::watch();
-        let stopped = &|| interrupt.requested() || (self.stop)();
+        let execution = std::mem::take(&mut self.execution);
+        let stopped = &|| execution.is_stopped(&interrupt);
         let work: usize = plan.runs.iter().map(|run| run.steps * plan.paths).sum();
         let timing: usize = plan.runs.iter().map(|run| run.batch_steps() * (self.repetitions + 1)).sum();
         let reference = plan.reference_steps * plan.paths;
-        let mut work = Work::new(work + timing + reference);
+        let mut work = Work::new(execution.progress("steps"), work + timing + reference);
 
         let references = self.references(&plan, &mut work, stopped)?;
         let mut cells = vec![];
@@ -59,7 +59,7 @@ where
         self.times(&plan, &mut cells, &mut work, stopped)?;
         drop(work);
 
-        let order = |cell: &Cell| self.schemes.iter().position(|scheme| scheme.name() == cell.scheme);
+        let order = |cell: &Cell| self.methods.iter().position(|method| method.name() == cell.scheme);
         let interrupted = stopped() && !plan.complete(&cells, self.repetitions);
         cells.sort_by(|a, b| order(a).cmp(&order(b)).then(b.h.total_cmp(&a.h)));
         Ok(Report {
@@ -70,9 +70,9 @@ where
             seed: self.seed,
             reference: self.reference_in_words(),
             conserves_energy: self
-                .schemes
+                .methods
                 .first()
-                .map_or_else(String::new, |scheme| format!("{:?}", scheme.plan().conserves_energy)),
+                .map_or_else(String::new, |method| format!("{:?}", method.plan().conserves_energy)),
             interrupted,
             cells,
             overlay: std::mem::take(&mut self.overlay),
@@ -84,8 +84,8 @@ where
             Some(Reference::Exact(_) | Reference::OnPath(_)) => {
                 "exact solution on the same Wiener path".into()
             }
-            Some(Reference::Finer(scheme, h)) => {
-                format!("{} with h = {} on the same Wiener path", scheme.name(), number(*h))
+            Some(Reference::Finer(method, h)) => {
+                format!("{} with h = {} on the same Wiener path", method.name(), number(*h))
             }
             Some(Reference::Value(_)) => "given state".into(),
             None => "none".into(),
@@ -94,8 +94,8 @@ where
 
     fn checked(&self) -> Result<Settings<H::Vector>, ConfigError> {
         let missing = ConfigError::Missing;
-        let start = self.start.clone().ok_or(missing("a start: add `.start(State::new(q, p))`"))?;
-        let end = self.end.ok_or(missing("an end: add `.until(time)`"))?;
+        let start = self.span.start.clone().ok_or(missing("a start: add `.start(State::new(q, p))`"))?;
+        let Some(End::Time(end)) = self.span.end else { return Err(missing("an end: add `.until(time)`")) };
         let reference = self.reference.as_ref().ok_or(missing(
             "something to compare with: add `.exact(...)`, `.reference::<Scheme>(h)` or `.value(state)`",
         ))?;
@@ -105,7 +105,7 @@ where
                 return Err(ConfigError::Start(StepFailure::Dimension { expected, got }));
             }
         }
-        if self.schemes.is_empty() {
+        if self.methods.is_empty() {
             return Err(missing("a scheme: add `.scheme::<Midpoint>()`"));
         }
         if self.steps.is_empty() {
@@ -133,31 +133,18 @@ where
         for h in sizes {
             let steps = whole(h)?;
             let batch = TIMED_STEPS.div_ceil(steps).clamp(1, paths);
-            runs.extend((0..self.schemes.len()).map(|scheme| Run { scheme, h, steps, batch }));
+            runs.extend((0..self.methods.len()).map(|method| Run { method, h, steps, batch }));
         }
         let reference_steps = match reference {
             Reference::Finer(_, h) => whole(*h)?,
             _ => 0,
         };
-        Ok(Settings { start, end, paths, threads: threads(self.threads)?, runs, reference_steps })
+        Ok(Settings { start, end, paths, threads: self.execution.threads()?, runs, reference_steps })
     }
 
-    /// The path with a number, and its driver for a scheme.
+    /// The Wiener path with a number.
     pub(super) fn wiener(&self, path: u64) -> Wiener {
         Wiener::seed(self.seed).path(path)
-    }
-
-    pub(super) fn driver(
-        &self,
-        scheme: &dyn Scheme<H>,
-        h: f64,
-        start: f64,
-    ) -> Result<Box<dyn Paths + 'a>, Error> {
-        let mut noise = (self.driver)(self.wiener(0));
-        if self.system.noises() > 0 {
-            noise.prepare(&scheme.plan(), h, self.system.noises(), start)?;
-        }
-        Ok(noise)
     }
 
     /// Times of all cells: one warm-up, then the repetitions, each through all cells, to and fro.
@@ -170,9 +157,6 @@ where
     ) -> Result<(), Error> {
         let mut passes = vec![1; cells.len()];
         for round in 0..=self.repetitions {
-            if self.repetitions == 0 {
-                break;
-            }
             for index in 0..cells.len() {
                 let index = if round % 2 == 0 { index } else { cells.len() - 1 - index };
                 let (Some(cell), Some(passes)) = (cells.get_mut(index), passes.get_mut(index)) else {
@@ -188,9 +172,11 @@ where
                 }
                 let numbers = cell.path_numbers.get(..run.batch).unwrap_or(&cell.path_numbers);
                 let paths = numbers.len() as f64;
-                let (steps, drawing) = self.time(plan, run, numbers, *passes)?;
+                let (steps, iterations, drawing) = self.time(plan, run, numbers, *passes)?;
                 work.advance(run.batch_steps());
                 if round == 0 {
+                    cell.iterations = iterations.total as f64 / iterations.steps.max(1) as f64;
+                    cell.largest_iterations = iterations.largest;
                     let once = steps.as_secs_f64().max(1e-7);
                     *passes = (TIMED.as_secs_f64() / once).ceil().clamp(1.0, 10_000.0) as u32;
                     continue;
@@ -206,14 +192,14 @@ where
         Ok(())
     }
 
-    pub(super) fn scheme_of(&self, run: &Run) -> Result<&(dyn Scheme<H> + Send + Sync + 'a), InternalError> {
+    pub(super) fn method_of(&self, run: &Run) -> Result<&(dyn Method<H> + 'a), InternalError> {
         let none =
-            || InternalError::new("a run has a scheme", format!("{} of {}", run.scheme, self.schemes.len()));
-        Ok(self.schemes.get(run.scheme).ok_or_else(none)?.as_ref())
+            || InternalError::new("a run has a scheme", format!("{} of {}", run.method, self.methods.len()));
+        Ok(self.methods.get(run.method).ok_or_else(none)?.as_ref())
     }
 
     fn is(&self, run: &Run, cell: &Cell) -> bool {
-        let name = self.schemes.get(run.scheme).map(|scheme| scheme.name());
+        let name = self.methods.get(run.method).map(|method| method.name());
         run.h == cell.h && name.as_ref() == Some(&cell.scheme)
     }
 
@@ -224,16 +210,22 @@ where
         run: &Run,
         numbers: &[u64],
         passes: u32,
-    ) -> Result<(Duration, Duration), Error> {
-        let scheme = self.scheme_of(run)?;
+    ) -> Result<(Duration, Iterations, Duration), Error> {
+        let method = self.method_of(run)?;
         let row = run.steps * self.system.noises();
         let mut increments = vec![0.0; row * numbers.len()];
-        let mut noise = self.driver(scheme, run.h, plan.start.t)?;
+        let (processes, start) = (self.system.noises(), plan.start.t);
+        let mut noise = (self.driver)(self.wiener(0));
+        if processes > 0 {
+            noise.prepare(&method.plan(), run.h, processes, start)?;
+        }
         let begin = Instant::now();
         if row > 0 {
             for (path, increments) in numbers.iter().zip(increments.chunks_mut(row)) {
                 noise.set_path(*path);
-                draw(noise.as_mut(), self.system.noises(), plan.start.t, run.h, increments)?;
+                for (step, row) in (0u64..).zip(increments.chunks_mut(processes)) {
+                    noise.increments(&Interval { start, h: run.h, step }, row)?;
+                }
             }
         }
         let drawing = begin.elapsed();
@@ -244,7 +236,8 @@ where
             increments: increments.get(path * row..(path + 1) * row).unwrap_or(&[]),
         };
         let paths: Vec<_> = (0..numbers.len()).map(given).collect();
-        Ok((scheme.time(self.system, &paths, passes)?, drawing))
+        let (steps, iterations) = method.time(self.system, &paths, passes)?;
+        Ok((steps, iterations, drawing))
     }
 }
 
@@ -256,8 +249,8 @@ pub(super) struct Work {
 }
 
 impl Work {
-    fn new(steps: usize) -> Self {
-        Self { progress: Progress::new("steps", false), done: 0, all: steps as u64 }
+    fn new(progress: Progress, steps: usize) -> Self {
+        Self { progress, done: 0, all: steps as u64 }
     }
 
     pub(super) fn advance(&mut self, steps: usize) {
@@ -288,7 +281,7 @@ impl<V> Settings<V> {
 
 /// One scheme at one step size.
 pub(super) struct Run {
-    pub(super) scheme: usize,
+    pub(super) method: usize,
     pub(super) h: f64,
     pub(super) steps: usize,
     /// Paths in one timing.
@@ -299,20 +292,4 @@ impl Run {
     fn batch_steps(&self) -> usize {
         self.steps * self.batch
     }
-}
-
-/// The increments of one path, rows of one per process.
-pub(super) fn draw(
-    noise: &mut dyn Paths,
-    processes: usize,
-    start: f64,
-    h: f64,
-    rows: &mut [f64],
-) -> Result<(), Error> {
-    if processes > 0 {
-        for (step, row) in (0u64..).zip(rows.chunks_mut(processes)) {
-            noise.increments(&Interval { start, h, step }, row)?;
-        }
-    }
-    Ok(())
 }

@@ -150,6 +150,7 @@ impl<const N: usize> Numbers for Dual<N> {
 }
 
 impl<const N: usize> Scalar for Dual<N> {
+    type Stages<const M: usize> = [Self; M];
     type Mask = bool;
     type Solver = crate::solve::Together;
 

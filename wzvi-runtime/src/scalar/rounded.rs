@@ -127,6 +127,7 @@ macro_rules! with_a_constant {
 with_a_constant!(Add add Sub sub Mul mul Div div);
 
 impl Scalar for Rounded {
+    type Stages<const N: usize> = [Self; N];
     type Mask = bool;
     type Solver = Together;
 

@@ -1,5 +1,5 @@
 //! Newton's method for the steps where the short way fails: with patience, then with a line search, and with a doubt about
-//! its own result.
+//! its own result. One driver for straight-line blocks and for sweeps: what they have to say is a [`Problem`].
 //!
 //! Near a solution the next correction is less than half of the last: with `c = J⁻¹r` at `x`, and the same matrix, `|J⁻¹r(x -
 //! c)| < |c| / 2`. Where it is not, the solution found need not be the one nearest to the start, and is reported as
@@ -9,16 +9,14 @@
 //! Nonlinear Problems*, Springer 2011, section 3.3).
 
 use super::dense::Factor;
-use super::newton::{
-    Effort, Equations, Progress, Verdict, astray, beyond_in_any_lane, larger, relative, roundings,
-};
+use super::newton::{Effort, Equations, Progress, Verdict, astray, larger};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
 
 /// Whole corrections that are tried, whatever they do.
 const PATIENCE: u32 = 12;
 /// More shortened corrections than any step needs that converges at all.
-const MOST_ITERATIONS: u32 = 20;
+const MOST_SHORTENED: u32 = 20;
 /// More whole corrections than it takes to halve the first one to rounding level.
 const MOST_HALVINGS: u32 = 64;
 /// Corrections are shortened to this fraction at most.
@@ -26,131 +24,234 @@ const SHORTEST: f64 = 1.0 / 64.0;
 /// Next corrections below this fraction of the one before leave no doubt.
 const SAFE_CONTRACTION: f64 = 0.5;
 
-/// Solves `r(x) = 0`; of a `SYMMETRIC` Jacobian only the lower triangle is read.
+/// The equations `r(x) = 0` of one step.
+pub(crate) trait Problem {
+    type Number: Scalar;
+    type Vector: AsRef<[Self::Number]> + AsMut<[Self::Number]> + Clone;
+
+    /// `r(x)`
+    fn residual(&mut self, x: &Self::Vector, into: &mut Self::Vector);
+
+    /// Makes the factors of the Jacobian where the residual was evaluated last.
+    ///
+    /// # Errors
+    /// [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; there are no factors then.
+    fn factor(&mut self) -> Result<(), StepFailure>;
+
+    /// `r` becomes `J⁻¹r`.
+    ///
+    /// # Errors
+    /// [`StepFailure`] where the linear equations are not solved.
+    fn correct(&mut self, r: &mut Self::Vector) -> Result<(), StepFailure>;
+
+    /// Whether what is left of each equation at `x` is at most so many roundings of its own terms.
+    fn are_settled(&mut self, x: &Self::Vector, roundings: f64) -> impl Fn(usize) -> bool;
+
+    /// Whether the determinant of the factored Jacobian is negative.
+    fn is_reversed(&self) -> bool;
+}
+
+/// Solves `r(x) = 0` from `start`, which is a guess if past steps have made it.
 ///
 /// # Errors
 /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`].
-pub(super) fn damped<S: Scalar, const N: usize, const SYMMETRIC: bool>(
-    start: [S; N],
-    equations: impl Equations<S, N>,
-) -> Result<([S; N], Effort), StepFailure> {
-    match search::<S, N, SYMMETRIC>(start, equations, false) {
+pub(crate) fn damped<P: Problem>(
+    problem: &mut P,
+    start: &P::Vector,
+    is_guess: bool,
+) -> Result<(P::Vector, Effort), StepFailure> {
+    match Search::new(problem, start).run(is_guess, false) {
         Ok(found) => Ok(found),
-        Err(_) => search::<S, N, SYMMETRIC>(start, equations, true),
+        Err(_) => Search::new(problem, start).run(is_guess, true),
     }
 }
 
-/// With whole corrections, or shortened ones.
-fn search<S: Scalar, const N: usize, const SYMMETRIC: bool>(
-    start: [S; N],
-    equations: impl Equations<S, N>,
-    shortens: bool,
-) -> Result<([S; N], Effort), StepFailure> {
-    let evaluate = |x: &[S; N]| {
-        let (residual, jacobian) = equations.evaluate(x);
-        let entry = |i: usize, j: usize| match SYMMETRIC {
-            true => jacobian[i.max(j)][i.min(j)],
-            false => jacobian[i][j],
-        };
-        let full: [[S; N]; N] = std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)));
-        (residual, full)
-    };
-    let most = if shortens { MOST_ITERATIONS } else { PATIENCE };
-    let is_guess = start.iter().any(|x| x.magnitude() != 0.0);
-    let mut progress = Progress::new(is_guess);
-    let mut doubtful = shortens;
-    let mut shortened = 0;
-    let mut x = start;
-    let (mut residual, jacobian) = evaluate(&x);
-    let mut factor = Factor::new(jacobian)?;
-    loop {
-        let correction = factor.solve(residual);
-        let end = shifted(&x, &correction, 1.0);
-        let size = largest(&correction, &end);
-        let beyond = |roundings| beyond_in_any_lane(equations, &x, &correction, &end, roundings);
-        match progress.judge(size, beyond) {
-            Verdict::Converged => {
-                return Ok((end, found(&progress, doubtful, &factor)));
-            }
-            Verdict::Straying if size.is_nan() || progress.iterations >= most => {
-                return Err(astray(progress.iterations, size));
+/// Where an iteration is.
+struct Search<'a, P: Problem> {
+    problem: &'a mut P,
+    x: P::Vector,
+    /// `c = J⁻¹r` at `x`.
+    correction: P::Vector,
+    /// `x - λc`
+    trial: P::Vector,
+    /// `r` at the trial.
+    residual: P::Vector,
+    /// `J⁻¹r` at the trial, with the matrix at `x`; then with its own.
+    next: P::Vector,
+}
+
+impl<'a, P: Problem> Search<'a, P> {
+    fn new(problem: &'a mut P, start: &P::Vector) -> Self {
+        let [x, correction, trial, residual, next] = std::array::from_fn(|_| start.clone());
+        Self { problem, x, correction, trial, residual, next }
+    }
+
+    /// With whole corrections, or shortened ones.
+    fn run(mut self, is_guess: bool, shortens: bool) -> Result<(P::Vector, Effort), StepFailure> {
+        let most = if shortens { MOST_SHORTENED } else { PATIENCE };
+        let mut progress = Progress::new(is_guess);
+        let (mut doubtful, mut shortened) = (shortens, 0);
+        self.problem.residual(&self.x, &mut self.correction);
+        self.problem.factor()?;
+        self.problem.correct(&mut self.correction)?;
+        loop {
+            self.go(1.0);
+            let size = largest(self.correction.as_ref(), self.trial.as_ref(), &|_| true);
+            let verdict = progress.judge(size, |roundings| {
+                let is_settled = self.problem.are_settled(&self.x, roundings);
+                largest(self.correction.as_ref(), self.trial.as_ref(), &|k| !is_settled(k))
+            });
+            let is_lost = match verdict {
+                Verdict::Converged => {
+                    let (iterations, is_reversed) = (progress.iterations, self.problem.is_reversed());
+                    return Ok((self.trial, Effort { iterations, doubtful, is_reversed }));
+                }
+                Verdict::Straying => size.is_nan() || progress.iterations >= most,
+                Verdict::Contracting => progress.iterations >= MOST_HALVINGS,
+            };
+            let lost = astray(progress.iterations, size);
+            if is_lost {
+                return Err(lost);
             }
             // A guess that is off by more than the solution itself.
-            Verdict::Straying => doubtful |= is_guess && progress.iterations == 1,
-            Verdict::Contracting if progress.iterations >= MOST_HALVINGS => {
-                return Err(astray(progress.iterations, size));
+            doubtful |= matches!(verdict, Verdict::Straying) && is_guess && progress.iterations == 1;
+            let descent = self.descend(shortens, lost)?;
+            doubtful |= !descent.contracts;
+            if descent.length < 1.0 {
+                shortened += 1;
+                if shortened >= MOST_SHORTENED {
+                    return Err(astray(progress.iterations, size));
+                }
+                progress.forget();
             }
-            Verdict::Contracting => {}
         }
-        let scale: [f64; N] =
-            std::array::from_fn(|i| x[i].magnitude() + correction[i].magnitude() + f64::MIN_POSITIVE);
+    }
+
+    /// Moves `x` along its correction to where there are factors and, if corrections are shortened, the residual is
+    /// smaller; an error if that is nowhere.
+    fn descend(&mut self, shortens: bool, lost: StepFailure) -> Result<Descent, StepFailure> {
         let mut length = 1.0;
+        let mut contracts = true;
         loop {
-            let trial = shifted(&x, &correction, length);
-            let (trial_residual, trial_jacobian) = evaluate(&trial);
-            let next = factor.solve(trial_residual);
-            let shrinks = |to: f64| shrinks(equations, &trial, &scale, &next, &correction, to);
-            let contracts = length < 1.0 || shrinks(SAFE_CONTRACTION);
-            doubtful |= !contracts;
-            let is_lower = !shortens || shrinks(1.0 - 0.5 * length);
-            if is_lower && let Ok(next) = Factor::new(trial_jacobian) {
-                (x, residual, factor) = (trial, trial_residual, next);
-                break;
+            self.go(length);
+            self.problem.residual(&self.trial, &mut self.residual);
+            self.next.clone_from(&self.residual);
+            let mut solved = self.problem.correct(&mut self.next);
+            contracts &= length < 1.0 || solved.is_ok() && self.shrinks(SAFE_CONTRACTION);
+            if !shortens || solved.is_ok() && self.shrinks(1.0 - 0.5 * length) {
+                self.next.clone_from(&self.residual);
+                solved = self.problem.factor().and_then(|()| self.problem.correct(&mut self.next));
+                if solved.is_ok() {
+                    std::mem::swap(&mut self.x, &mut self.trial);
+                    std::mem::swap(&mut self.correction, &mut self.next);
+                    return Ok(Descent { length, contracts });
+                }
+                // The factors at `x` again.
+                self.problem.residual(&self.x, &mut self.residual);
+                self.problem.factor()?;
             }
             length *= 0.5;
             if !shortens || length < SHORTEST {
                 // A singular matrix at the end of every way down is the cause.
-                Factor::new(trial_jacobian)?;
-                return Err(astray(progress.iterations, size));
+                return Err(solved.err().unwrap_or(lost));
             }
         }
-        if length < 1.0 {
-            shortened += 1;
-            if shortened >= MOST_ITERATIONS {
-                return Err(astray(progress.iterations, size));
+    }
+
+    /// `trial = x - length · correction`
+    fn go(&mut self, length: f64) {
+        let from = self.x.as_ref().iter().zip(self.correction.as_ref());
+        for (trial, (&x, &correction)) in self.trial.as_mut().iter_mut().zip(from) {
+            *trial = x - correction * length;
+        }
+    }
+
+    /// Whether the next correction is at most the fraction `to` of this one, each in units of its unknown. Unknowns whose
+    /// equations at the trial are at rounding, which no step makes smaller, do not count. False for NaN.
+    fn shrinks(&mut self, to: f64) -> bool {
+        let (x, correction) = (self.x.as_ref(), self.correction.as_ref());
+        let level = |c: &P::Vector, counts: &dyn Fn(usize) -> bool| {
+            let unknowns = c.as_ref().iter().zip(x.iter().zip(correction)).enumerate();
+            unknowns.filter(|&(k, _)| counts(k)).fold(0.0, |most, (_, (c, (x, correction)))| {
+                larger(most, c.magnitude().relative_to(x.magnitude() + correction.magnitude()))
+            })
+        };
+        let (next, own) = (&self.next, &self.correction);
+        if level(next, &|_| true) <= to * level(own, &|_| true) {
+            return true;
+        }
+        let is_settled = self.problem.are_settled(&self.trial, 1.0);
+        level(next, &|k| !is_settled(k)) <= to * level(own, &|k| !is_settled(k))
+    }
+}
+
+/// A correction that was taken.
+struct Descent {
+    /// Which fraction of it.
+    length: f64,
+    /// Whether all of it would have left less than half of it, where all of it was tried.
+    contracts: bool,
+}
+
+/// The largest correction, of those that count, relative to its unknown; NaN if any is.
+fn largest<S: Scalar>(correction: &[S], x: &[S], counts: &dyn Fn(usize) -> bool) -> f64 {
+    let unknowns = correction.iter().zip(x).enumerate().filter(|&(k, _)| counts(k));
+    unknowns.fold(0.0, |most, (_, (c, &x))| larger(most, c.relative_to(x)))
+}
+
+/// The equations of a straight-line block; of a `SYMMETRIC` Jacobian only the lower triangle is read.
+pub(super) struct Dense<E, S, const N: usize, const SYMMETRIC: bool> {
+    equations: E,
+    jacobian: [[S; N]; N],
+    factor: Option<Factor<S, N>>,
+}
+
+impl<E, S: Scalar, const N: usize, const SYMMETRIC: bool> Dense<E, S, N, SYMMETRIC> {
+    pub(super) fn new(equations: E) -> Self {
+        Self { equations, jacobian: [[S::from_f64(0.0); N]; N], factor: None }
+    }
+}
+
+impl<E: Equations<S, N>, S: Scalar, const N: usize, const SYMMETRIC: bool> Problem
+    for Dense<E, S, N, SYMMETRIC>
+{
+    type Number = S;
+    type Vector = [S; N];
+
+    fn residual(&mut self, x: &[S; N], into: &mut [S; N]) {
+        (*into, self.jacobian) = self.equations.evaluate(x);
+    }
+
+    fn factor(&mut self) -> Result<(), StepFailure> {
+        let entry = |i: usize, j: usize| match SYMMETRIC {
+            true => self.jacobian[i.max(j)][i.min(j)],
+            false => self.jacobian[i][j],
+        };
+        self.factor = None;
+        self.factor = Some(Factor::new(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))?);
+        Ok(())
+    }
+
+    fn correct(&mut self, r: &mut [S; N]) -> Result<(), StepFailure> {
+        let factor = self.factor.as_ref().ok_or(StepFailure::NonFinite)?;
+        *r = factor.solve(*r);
+        Ok(())
+    }
+
+    fn are_settled(&mut self, x: &[S; N], roundings: f64) -> impl Fn(usize) -> bool {
+        let mut are_settled = [true; N];
+        for lane in 0..S::LANES {
+            let residual = self.equations.rounded(x, lane);
+            for (is_settled, residual) in are_settled.iter_mut().zip(residual) {
+                *is_settled &= residual.is_below(roundings);
             }
-            progress.forget();
         }
+        move |k| are_settled[k]
     }
-}
 
-fn found<S: Scalar, const N: usize>(progress: &Progress, doubtful: bool, factor: &Factor<S, N>) -> Effort {
-    Effort { iterations: progress.iterations, doubtful, is_reversed: factor.is_reversed() }
-}
-
-/// Whether the next correction, in units of `scale`, is at most the fraction `to` of this one. Unknowns whose residual at
-/// `trial` is nothing but rounding, which no step makes smaller, do not count. False for NaN.
-fn shrinks<S: Scalar, const N: usize>(
-    equations: impl Equations<S, N>,
-    trial: &[S; N],
-    scale: &[f64; N],
-    next: &[S; N],
-    correction: &[S; N],
-    to: f64,
-) -> bool {
-    let level = |c: &[S; N], counts: &dyn Fn(usize) -> bool| {
-        (0..N).filter(|&i| counts(i)).map(|i| c[i].magnitude() / scale[i]).fold(0.0, larger)
-    };
-    if level(next, &|_| true) <= to * level(correction, &|_| true) {
-        return true;
+    fn is_reversed(&self) -> bool {
+        self.factor.as_ref().is_some_and(Factor::is_reversed)
     }
-    let mut is_settled = [true; N];
-    for lane in 0..S::LANES {
-        let residual = equations.rounded(trial, lane);
-        for (is_settled, residual) in is_settled.iter_mut().zip(residual) {
-            *is_settled &= residual.is_below(roundings(false));
-        }
-    }
-    level(next, &|i| !is_settled[i]) <= to * level(correction, &|i| !is_settled[i])
-}
-
-fn shifted<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N], length: f64) -> [S; N] {
-    std::array::from_fn(|i| x[i] - correction[i] * length)
-}
-
-/// The largest correction relative to its unknown; NaN if any is.
-fn largest<S: Scalar, const N: usize>(correction: &[S; N], unknown: &[S; N]) -> f64 {
-    correction.iter().zip(unknown).map(|(&c, &x)| relative(c, x)).fold(0.0, larger)
 }
 
 #[cfg(test)]
@@ -159,6 +260,13 @@ mod tests {
     use super::*;
     use crate::scalar::Rounded;
 
+    fn solve<E: Equations<f64, N>, const N: usize>(
+        start: [f64; N],
+        equations: E,
+    ) -> Result<([f64; N], Effort), StepFailure> {
+        damped(&mut Dense::<E, f64, N, false>::new(equations), &start, start.iter().any(|x| *x != 0.0))
+    }
+
     /// An equation and its slope, with the rounding of a value of the size of 1.
     fn scalar(start: f64, equation: impl Fn(f64) -> (f64, f64) + Copy) -> Result<(f64, Effort), StepFailure> {
         let evaluate = |&[x]: &[f64; 1]| {
@@ -166,7 +274,7 @@ mod tests {
             ([residual], [[slope]])
         };
         let rounded = |&[x]: &[f64; 1], _| [Rounded { value: equation(x).0, error: f64::EPSILON }];
-        damped::<_, 1, false>([start], Block { evaluate, rounded }).map(|([x], effort)| (x, effort))
+        solve::<_, 1>([start], Block { evaluate, rounded }).map(|([x], effort)| (x, effort))
     }
 
     #[test]
@@ -203,7 +311,7 @@ mod tests {
             let (residual, errors) = (equations(z).0, [1e100, 1e-100]);
             std::array::from_fn(|i| Rounded { value: residual[i], error: f64::EPSILON * errors[i] })
         };
-        let ([x, y], _) = damped::<_, 2, false>([0.0; 2], Block { evaluate: equations, rounded }).unwrap();
+        let ([x, y], _) = solve::<_, 2>([0.0; 2], Block { evaluate: equations, rounded }).unwrap();
         assert!((x * 1e200 - 2.8).abs() < 1e-14 && y * 1e-200 == 2.0, "{x} {y}");
     }
 

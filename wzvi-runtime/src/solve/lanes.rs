@@ -32,7 +32,7 @@ fn exceeds<const L: usize>(a: Lanes<L>, b: Lanes<L>) -> LaneMask<L> {
 }
 
 /// The verdicts of `newton::Progress`, by lane.
-struct Progress<const L: usize> {
+struct LaneConvergence<const L: usize> {
     last: Lanes<L>,
     enough: Lanes<L>,
     iterations: u32,
@@ -41,7 +41,7 @@ struct Progress<const L: usize> {
     is_beyond_rounding: LaneMask<L>,
 }
 
-impl<const L: usize> Progress<L> {
+impl<const L: usize> LaneConvergence<L> {
     #[inline(always)]
     fn new(is_guess: bool) -> Self {
         Self {
@@ -113,11 +113,11 @@ pub(super) fn iterate<const L: usize, const N: usize>(
     equations: impl Equations<Lanes<L>, N>,
 ) -> ([Lanes<L>; N], Effort) {
     let mut x = start;
-    let mut progress = Progress::new(is_guess);
+    let mut convergence = LaneConvergence::new(is_guess);
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
         let correction = correction(&jacobian, &residual, is_symmetric);
-        let done = progress.done;
+        let done = convergence.done;
         let mut largest = Lanes::from_f64(0.0);
         let mut moved = x;
         for i in 0..N {
@@ -126,7 +126,7 @@ pub(super) fn iterate<const L: usize, const N: usize>(
             let keeps = size.less_equal(largest) | is_nan(largest);
             largest = if i == 0 { size } else { Lanes::select(keeps, largest, size) };
         }
-        let astray = progress.judge(largest, |lane, roundings| {
+        let astray = convergence.judge(largest, |lane, roundings| {
             let sizes = std::array::from_fn(|i| correction[i][lane].relative_to(moved[i][lane]));
             beyond(equations.rounded(&x, lane), sizes, roundings)
         });
@@ -138,12 +138,12 @@ pub(super) fn iterate<const L: usize, const N: usize>(
                 *x = Lanes::select(astray, poison(), *x);
             }
         }
-        if progress.done.all() {
+        if convergence.done.all() {
             // An infinite slope corrects nothing.
             if N == 1 && !jacobian[0][0].is_finite().all() {
                 x[0] = Lanes::select(jacobian[0][0].is_finite(), x[0], poison());
             }
-            return (x, Effort::fast(progress.iterations));
+            return (x, Effort::fast(convergence.iterations));
         }
     }
 }

@@ -16,7 +16,7 @@
 
 use std::ops::Add;
 
-use super::damped::damped;
+use super::damped::{Dense, damped};
 use super::dense::{Factor, SymmetricFactor};
 use crate::error::StepFailure;
 use crate::memory::StepMemory;
@@ -313,7 +313,8 @@ pub(super) fn newton<
     equations: impl Equations<S, N>,
 ) -> Result<([S; N], Effort), StepFailure> {
     if CAREFUL {
-        return damped::<S, N, SYMMETRIC>(start, equations);
+        let is_guess = start.iter().any(|x| x.magnitude() != 0.0);
+        return damped(&mut Dense::<_, S, N, SYMMETRIC>::new(equations), &start, is_guess);
     }
     let mut x = start;
     let mut progress = Progress::new(GUESS);

@@ -9,8 +9,18 @@ use crate::system::Discretized;
 impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
     /// Everything that steps change. What depends on system and step size only is computed anew.
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
-        let Self { system: _, h: _, prepared: _, memory, carry, before, clock, reached, strain, scheme: _ } =
-            self;
+        let Self {
+            system: _,
+            h: _,
+            prepared: _,
+            memory,
+            carry,
+            before,
+            clock,
+            reached,
+            resolution,
+            scheme: _,
+        } = self;
         let Clock { start, ticks, now } = clock;
         tape.word(before);
         tape.word(ticks);
@@ -26,7 +36,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
         }
         memory.pass(tape);
         carry.pass(tape);
-        strain.pass(tape);
+        resolution.pass(tape);
     }
 
     /// What is computed once for all steps, for people and checksums.

@@ -1,7 +1,8 @@
 //! What of a trajectory in the making a checkpoint keeps.
 
-use super::{Iterations, Path, Recorder, Recording};
+use super::{Iterations, Path, Recorder};
 use crate::numbers::Tape;
+use crate::recording::Recording;
 use crate::state::{State, Vector};
 
 /// Nodes after the start and the increments between them, by rows.

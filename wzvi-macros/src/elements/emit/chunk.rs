@@ -12,7 +12,7 @@ use super::kernel::Target;
 use crate::diagnostics::internal::Promised;
 use crate::emit::count;
 use crate::emit::step::mentions;
-use crate::model::index::{Atom, Index, Loop};
+use crate::model::index::{Atom, Index};
 use crate::model::{Element, Local, Slot};
 use crate::symbolic::Expr;
 
@@ -23,7 +23,8 @@ const CHUNK: usize = 64;
 pub(super) struct Chunk<'a> {
     pub(super) indices: &'a Indices<'a>,
     pub(super) element: &'a Element,
-    pub(super) inner: Option<&'a Loop>,
+    /// The variable of the innermost loop, its start and its end.
+    pub(super) inner: Option<(u32, [TokenStream; 2])>,
     pub(super) outputs: &'a [(Expr, Target)],
     /// What the local variables are called.
     pub(super) locals: &'a [Ident],
@@ -69,15 +70,14 @@ struct Code {
 
 impl Chunk<'_> {
     pub(super) fn emit(&self, inside: &TokenStream, values: &[TokenStream]) -> TokenStream {
-        let Some(inner) = self.inner else { return self.single(inside, values) };
-        let name = variable(inner.variable);
-        let (start, end) = (self.indices.sum(&inner.start), self.indices.sum(&inner.end));
+        let Some((inner, [start, end])) = &self.inner else { return self.single(inside, values) };
+        let (inner, name) = (*inner, variable(*inner));
         let (isize, usize) = (quote!(__wzvi::isize), quote!(__wzvi::usize));
         let mut code = Code::default();
         for (k, local) in self.read_locals(inside, values) {
-            self.open(&mut code, inner.variable, k, local);
+            self.open(&mut code, inner, k, local);
         }
-        self.store(&mut code, inner.variable, values);
+        self.store(&mut code, inner, values);
         let has_all = code.limits.is_empty() && !code.has_buffers;
         let most = count(CHUNK);
         let most = match code.has_buffers {

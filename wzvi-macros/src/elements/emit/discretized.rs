@@ -5,6 +5,7 @@ use quote::quote;
 
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
+use crate::discretise::quadrature::{Quadrature, Stage};
 use crate::elements::plan::Unknowns;
 use crate::emit::discretized::Discretized;
 use crate::emit::plan::Plan;
@@ -19,12 +20,15 @@ pub(super) struct Road {
     pub(super) plan: TokenStream,
     pub(super) unknowns: Unknowns,
     pub(super) is_linear: bool,
+    /// Whether the paths of an ensemble run beside each other.
+    pub(super) in_lanes: bool,
     /// The types, the last for numbers `__S`.
     pub(super) prepared: TokenStream,
     pub(super) memory: TokenStream,
     /// The bodies, by method.
     pub(super) new_memory: TokenStream,
     pub(super) prepare: TokenStream,
+    pub(super) inline: TokenStream,
     pub(super) advance: TokenStream,
     pub(super) momentum: TokenStream,
 }
@@ -38,7 +42,7 @@ pub(super) fn emit(
     text: &str,
 ) -> TokenStream {
     let (scheme, items) = (scheme(model, facts, embedding, &road), road.items);
-    let elements = quote!(__wzvi::elements);
+    let (elements, in_lanes) = (quote!(__wzvi::elements), road.in_lanes);
     Discretized {
         item: &model.item,
         embedding,
@@ -47,7 +51,7 @@ pub(super) fn emit(
         // A start that is no guide costs iterations, not digits.
         constants: quote! {
             const REMEMBERS: __wzvi::bool = false;
-            const IN_LANES: __wzvi::bool = false;
+            const IN_LANES: __wzvi::bool = #in_lanes;
         },
         plan: road.plan,
         prepared: road.prepared,
@@ -56,7 +60,7 @@ pub(super) fn emit(
         carry: quote!(__wzvi::Plain),
         new_memory: Some(road.new_memory),
         prepare: road.prepare,
-        inline: TokenStream::new(),
+        inline: road.inline,
         advance: road.advance,
         lagrangian: quote!(#elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)),
         gradient: quote!(#elements::discrete_lagrangian_gradient(self, &__SCHEME, __segment, __dw)),
@@ -68,27 +72,42 @@ pub(super) fn emit(
 /// What the run time needs to know of the scheme.
 fn scheme(model: &System, facts: &Facts, embedding: &Embedding, road: &Road) -> TokenStream {
     let Road { unknowns, is_linear, .. } = road;
-    let (drift_l, noise_l) = embedding.quadrature();
-    let (drift_l, noise_l) = (drift_l.to_f64(), noise_l.to_f64());
-    let has_noise = !model.noise.is_empty();
-    let remembers = !has_noise && *unknowns != Unknowns::None;
+    let quadrature = Quadrature::new(facts, embedding);
+    let stages = quadrature.stages.iter().map(stage);
+    let update = match quadrature.momentum_update() {
+        Some(factor) => {
+            let factor = Literal::f64_unsuffixed(factor.to_f64());
+            quote!(Multiple(#factor))
+        }
+        None => quote!(Slopes),
+    };
+    let remembers = model.noise.is_empty() && *unknowns != Unknowns::None;
     let unknowns = match unknowns {
         Unknowns::None => quote!(None),
         Unknowns::Momenta => quote!(Momenta),
         Unknowns::Both => quote!(Both),
     };
-    let counter = if facts.counter_of(embedding).is_empty() { 0.0 } else { 0.5 - noise_l };
-    let [drift_l, noise_l, counter] = [drift_l, noise_l, counter].map(Literal::f64_unsuffixed);
     quote! {
         const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
-            drift_l: #drift_l,
-            noise_l: #noise_l,
-            counter: #counter,
+            stages: &[#(#stages),*],
+            update: __wzvi::elements::MomentumUpdate::#update,
             unknowns: __wzvi::elements::Unknowns::#unknowns,
             remembers: #remembers,
             is_linear: #is_linear,
-            has_noise: #has_noise,
         };
+    }
+}
+
+/// A quadrature point, as the run time reads it.
+fn stage(stage: &Stage) -> TokenStream {
+    let [point, start, end] =
+        [stage.l, stage.start(), stage.end()].map(|weight| Literal::f64_unsuffixed(weight.to_f64()));
+    let parts = stage.parts.iter().map(|&(part, weight)| {
+        let (number, weight) = (count(part as usize), Literal::f64_unsuffixed(weight.to_f64()));
+        quote!((#number, #weight))
+    });
+    quote! {
+        __wzvi::elements::Stage { point: #point, start: #start, end: #end, parts: &[#(#parts),*] }
     }
 }
 
@@ -116,6 +135,7 @@ pub(super) fn sweep(
         plan: plan(model, facts, embedding, unknowns, is_linear),
         unknowns,
         is_linear,
+        in_lanes: !model.noise.is_empty() && unknowns == Unknowns::None,
         prepared: quote!(()),
         memory: quote!(#elements::Memory<__S>),
         new_memory: quote!(#elements::Memory::new(self, &__SCHEME)),
@@ -123,12 +143,13 @@ pub(super) fn sweep(
             #nan_check
             #elements::prepare(self)
         },
+        inline: TokenStream::new(),
         advance: quote! {
             #elements::advance::<_, __S, __C, __CAREFUL>(
                 self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry,
             )
         },
-        momentum: quote!(#elements::step_momentum(self, &__SCHEME, __before, __h, __dw)),
+        momentum: quote!(#elements::step_momentum(self, &__SCHEME, __before, __after, __h, __dw)),
     }
 }
 

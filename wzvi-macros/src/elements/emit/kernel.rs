@@ -7,11 +7,13 @@ use quote::{format_ident, quote};
 
 use super::chunk::Chunk;
 use super::indices::{Indices, variable};
-use crate::emit::step::mentions;
+use crate::diagnostics::internal::Promised;
+use crate::discretise::sums::Weighted;
+use crate::elements::parts::family_of;
 use crate::emit::{Level, Lowering, Names, Op, Printer, parameter_names};
 use crate::model::Parameter;
-use crate::model::index::{Index, Loop};
-use crate::model::{Element, Table};
+use crate::model::Table;
+use crate::model::index::{Atom, Index, Loop};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// Where a computed value goes.
@@ -33,6 +35,8 @@ pub(super) struct Context<'a> {
     pub(super) t: Symbol,
     /// The symbol of the weight `c`, and what it is: a value of the scalar type, in scope of the loops.
     pub(super) weight: Option<(Symbol, &'a TokenStream)>,
+    /// Whether only the noises that act count.
+    pub(super) is_selective: bool,
     /// Components of a point.
     pub(super) components: i128,
     /// What other symbols of the outputs stand for.
@@ -40,9 +44,9 @@ pub(super) struct Context<'a> {
 }
 
 /// What the code around an element names.
-const LIVE: [&str; 20] = [
-    "ahead", "at", "base", "by_p", "by_q", "end", "into", "len", "place", "weight", "low", "nan", "p", "q",
-    "size", "t", "term", "terms", "total", "value",
+const LIVE: [&str; 21] = [
+    "ahead", "at", "base", "by_p", "by_q", "end", "factor", "into", "len", "low", "nan", "p", "part",
+    "place", "q", "size", "t", "total", "value", "wanted", "weight",
 ];
 
 /// Loop variables, slices, buffers, and what is carried from one place to another.
@@ -57,8 +61,13 @@ fn names() -> Names {
     Names::beside(&LIVE).and_numbered(&NUMBERED)
 }
 
-/// The loops of `element` around what computes `outputs`.
-pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Expr, Target)]) -> TokenStream {
+/// The loops of an element around what computes `outputs`.
+pub(super) fn emit(
+    context: &mut Context<'_>,
+    weighted: &Weighted,
+    outputs: &[(Expr, Target)],
+) -> TokenStream {
+    let Weighted { element, increments } = weighted;
     if outputs.is_empty() {
         return TokenStream::new();
     }
@@ -68,6 +77,7 @@ pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Exp
         None => (&[][..], None),
     };
     let roots: Vec<Expr> = outputs.iter().map(|(root, _)| *root).collect();
+
     let parameters = parameters(context.graph, context.parameters);
     let mut taken = names();
     parameters.iter().for_each(|name| taken.avoid(name));
@@ -82,7 +92,7 @@ pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Exp
     }
     if let Some((symbol, _)) = context.weight {
         lowering.program.declare(symbol, Level::State);
-        inputs.push((lowering.program.input(symbol), format_ident!("__weight")));
+        inputs.push((lowering.program.input(symbol), format_ident!("__factor")));
     }
     lowering.program.declare(context.t, Level::Time);
     inputs.push((lowering.program.input(context.t), format_ident!("__t")));
@@ -117,24 +127,58 @@ pub(super) fn emit(context: &mut Context<'_>, element: &Element, outputs: &[(Exp
     // The increments of a family whose members are the innermost loop change with it.
     let (fixed_weight, own_weight) = match (context.weight, inner) {
         (None, _) => (quote!(), quote!()),
-        (Some((_, weight)), Some(inner)) if mentions(weight, &variable(inner.variable).to_string()) => {
-            (quote!(), quote!(let __weight = #weight;))
+        (Some((_, weight)), Some(inner))
+            if increments.iter().any(|number| number.loops().contains(&inner.variable)) =>
+        {
+            (quote!(), quote!(let __factor = #weight;))
         }
-        (Some((_, weight)), _) => (quote!(let __weight = #weight;), quote!()),
+        (Some((_, weight)), _) => (quote!(let __factor = #weight;), quote!()),
     };
+    let acting = if context.is_selective { family_of(weighted) } else { None };
+    let range_of = |known: &Loop| match acting {
+        Some(family) if family == known.variable => {
+            let range = [indices.value(&known.start), indices.value(&known.end)];
+            acting_members(&indices, weighted, family, range)
+        }
+        _ => [indices.sum(&known.start), indices.sum(&known.end)],
+    };
+    let inner = inner.map(|known| (known.variable, range_of(known)));
     let chunk =
         Chunk { indices: &indices, element, inner, outputs, locals: &locals, components: context.components };
     let body = chunk.emit(&quote!(#own_weight #inside), &values);
     let mut nest = quote! { #fixed_weight #body };
-    for Loop { variable: id, start, end } in outer.iter().rev() {
-        let (name, typed, end) = (variable(*id), indices.value(start), indices.value(end));
+    for known in outer.iter().rev() {
+        let (name, [start, end]) = (variable(known.variable), range_of(known));
         // Literals alone have no type.
-        let typed = if start.terms.is_empty() { quote!(#typed as __wzvi::isize) } else { typed };
+        let is_typed = !known.start.terms.is_empty() || acting == Some(known.variable);
+        let start = if is_typed { start } else { quote!(#start as __wzvi::isize) };
         nest = quote! {
-            for #name in #typed..#end {
+            for #name in #start..#end {
                 #nest
             }
         };
     }
     quote! {{ #before #nest }}
+}
+
+/// The members of a family that act.
+fn acting_members(
+    indices: &Indices<'_>,
+    weighted: &Weighted,
+    family: u32,
+    [start, end]: [TokenStream; 2],
+) -> [TokenStream; 2] {
+    let number = weighted.increments.first().cloned().unwrap_or_default();
+    let before = number.subtract(&Index::atom(Atom::Loop(family)));
+    let before = before.promised("the number of a member is an offset and its own number");
+    let own = |number: TokenStream| {
+        let number = quote!(#number as __wzvi::isize);
+        if before == Index::default() {
+            return number;
+        }
+        let before = indices.value(&before);
+        quote!(#number - #before)
+    };
+    let (first, last) = (own(quote!(__at.acting.start)), own(quote!(__at.acting.end)));
+    [quote!(__wzvi::Ord::max(#start, #first)), quote!(__wzvi::Ord::min(#end, #last))]
 }

@@ -19,13 +19,15 @@ use crate::describe::Texts;
 use crate::diagnostics::internal::Promised;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
-use crate::discretise::sums::Weighted;
+use crate::discretise::quadrature::Part;
+use crate::discretise::sums::{Sum, Weighted};
+use crate::elements::parts::{PartElements, family_of, parts, unweighted};
 use crate::elements::plan::Strategy;
 use crate::emit::step::mentions;
 use crate::emit::{Surroundings, count, f64_type, with_header, wrapped};
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
-use crate::model::{Element, Noise, Parameter, Reads, System};
+use crate::model::{Parameter, Reads, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 pub(crate) use self::sites::site_entry;
@@ -156,10 +158,11 @@ enum Wanted {
 /// The code of one element: `c H_e` with the weight `c`, one if there is none, or its first or second derivatives.
 fn element_code(
     model: &mut System,
-    element: &Element,
+    weighted: &Weighted,
     wanted: Wanted,
     weight: Option<&TokenStream>,
 ) -> TokenStream {
+    let element = &weighted.element;
     let graph = &mut model.graph;
     let weight = weight.map(|weight| (graph.new_symbol("c"), weight));
     let value = match weight {
@@ -220,10 +223,11 @@ fn element_code(
         tables: &model.tables,
         t: model.t,
         weight,
+        is_selective: wanted != Wanted::Curvature,
         components: model.components,
         definitions: combined.map(|combined| combined.definitions).unwrap_or_default(),
     };
-    kernel::emit(&mut context, element, &outputs)
+    kernel::emit(&mut context, weighted, &outputs)
 }
 
 /// The second derivatives by each pair of `symbols` with the first not after the second, row by row.
@@ -236,84 +240,75 @@ fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
     all
 }
 
-/// The elements of every noise with the increment that weighs it.
-fn noise_elements(model: &System) -> Vec<(Element, TokenStream)> {
-    let indices = Indices { tables: &model.tables, checked: false };
-    let weigh = |(noise, offset): (&Noise, Index)| {
-        // Where the family is the innermost loop, its increments are an input like any other.
-        let number = match &noise.family {
-            Some(family) => offset
-                .add(&Index::atom(Atom::Loop(family.variable)))
-                .promised("numbers of noises are integers"),
-            None => offset,
-        };
-        let position = match number.as_integer().and_then(|number| usize::try_from(number).ok()) {
-            Some(number) => {
-                let number = count(number);
-                quote!(#number)
-            }
-            None => indices.position(&number),
-        };
-        let weight = quote!(__at.dw[#position]);
-        noise.term.elements.iter().map(|e| (e.clone(), weight.clone())).collect::<Vec<_>>()
-    };
-    model.noise.iter().zip(model.noise_offsets()).flat_map(weigh).collect()
-}
-
-/// The elements of the counter-term, if a scheme adds it, with their weights.
-fn counter_elements(model: &System, facts: &Facts) -> Vec<(Element, TokenStream)> {
-    let indices = Indices { tables: &model.tables, checked: false };
-    let increment = |number: &Index| {
-        let position = match number.as_integer().and_then(|number| usize::try_from(number).ok()) {
-            Some(number) => {
-                let number = count(number);
-                quote!(#number)
-            }
-            None => indices.position(number),
-        };
-        quote!(__at.dw[#position])
-    };
-    let schemes = model.embeddings.iter();
-    let used = schemes.map(|known| facts.counter_of(&known.value)).find(|counter| !counter.is_empty());
-    let weigh = |Weighted { element, increments }: &Weighted| {
-        let increments = increments.iter().map(increment);
-        (element.clone(), quote!(#(#increments *)* __terms.counter))
-    };
-    used.unwrap_or_default().iter().map(weigh).collect()
-}
-
 /// `impl Elements`
 fn elements(model: &mut System, facts: &Facts) -> TokenStream {
-    let slopes = sweep(model, facts, Wanted::Slopes);
-    let curvature = sweep(model, facts, Wanted::Curvature);
+    let parts = parts(model, facts);
+    let [value, slopes, curvature] = [Wanted::Value, Wanted::Slopes, Wanted::Curvature].map(|wanted| {
+        let arms = parts.iter().map(|part| {
+            let (number, code) = (count(part.part as usize), part_code(model, part, wanted));
+            quote!(#number => { #code })
+        });
+        arms.collect::<TokenStream>()
+    });
+    let integrals = integrals(model);
     let places = places::emit(model);
-    let [opened_for_slopes, opened_for_curvature] = [&slopes, &curvature].map(|code| opened(model, code));
+    let first_integral = count(INTEGRALS);
+    let value = quote!(#value #integrals);
+    let [of_value, of_slopes, of_curvature] = [&value, &slopes, &curvature].map(|code| opened(model, code));
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
+    let (f64, usize) = (f64_type(), quote!(__wzvi::usize));
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::elements::Elements for #name #arguments #filter {
             #places
 
+            const INTEGRALS: #usize = #first_integral;
+
+            fn value<__S: __wzvi::Scalar>(
+                &self,
+                __part: #usize,
+                __weight: #f64,
+                __at: &__wzvi::elements::Point<'_, __S>,
+            ) -> __S {
+                #of_value
+                let mut __value = __S::from_f64(0.0);
+                match __part {
+                    #value
+                    _ => {}
+                }
+                __value
+            }
+
             fn slopes<__S: __wzvi::Scalar>(
                 &self,
-                __terms: __wzvi::elements::Terms,
+                __part: #usize,
+                __weight: #f64,
                 __at: &__wzvi::elements::Point<'_, __S>,
+                __wanted: __wzvi::elements::Slopes,
                 __by_q: &mut [__S],
                 __by_p: &mut [__S],
             ) {
-                #opened_for_slopes
-                #slopes
+                #of_slopes
+                match __part {
+                    #slopes
+                    _ => {}
+                }
             }
 
             fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
                 &self,
-                __terms: __wzvi::elements::Terms,
+                __part: #usize,
+                __weight: #f64,
                 __at: &__wzvi::elements::Point<'_, __S>,
+                __wanted: __wzvi::elements::Slopes,
                 __into: &mut __C,
             ) {
-                #opened_for_curvature
-                #curvature
+                #of_curvature
+                match __part {
+                    #curvature
+                    _ => {}
+                }
             }
         }
     }
@@ -327,35 +322,87 @@ fn opened(model: &System, code: &TokenStream) -> TokenStream {
     quote!(#read #size #t)
 }
 
-/// Every element of the drift and the noises, under the conditions of `__terms`.
-fn sweep(model: &mut System, facts: &Facts, wanted: Wanted) -> TokenStream {
-    let drift: Vec<(Element, TokenStream)> =
-        model.drift.elements.iter().map(|element| (element.clone(), quote!(__S::from_f64(__at.h)))).collect();
-    let noise = noise_elements(model);
-    let counter = counter_elements(model, facts);
+/// The number of the first part that is a first integral.
+const INTEGRALS: usize = Part::CounterTerm as usize + 1;
+
+/// The values of first integrals, a part each.
+fn integrals(model: &mut System) -> TokenStream {
+    let integrals: Vec<Sum> = model.invariants.iter().map(|term| unweighted(&term.values)).collect();
+    let arms = integrals.iter().enumerate().map(|(k, sum)| {
+        let (number, values) = (count(INTEGRALS + k), values(model, sum, None));
+        quote!(#number => { #values })
+    });
+    arms.collect()
+}
+
+/// All elements of a part.
+fn part_code(model: &mut System, part: &PartElements, wanted: Wanted) -> TokenStream {
+    let sum = if wanted == Wanted::Value { &part.values } else { &part.elements };
     let mut code = TokenStream::new();
-    let groups = [
-        (quote!(__terms.drift), drift),
-        (quote!(__terms.noise), noise),
-        (quote!(__terms.counter != 0.0), counter),
-    ];
-    for (group, list) in groups {
-        let mut parts = TokenStream::new();
-        for (element, weight) in &list {
-            let condition = match element.reads() {
-                Reads::Nothing => continue,
-                Reads::Coordinates => quote!(__terms.by_q),
-                Reads::Momenta => quote!(__terms.by_p),
-                Reads::Both => quote!((__terms.by_q || __terms.by_p)),
-            };
-            let body = element_code(model, element, wanted, Some(weight));
-            if !body.is_empty() {
-                parts.extend(quote!(if #condition { #body }));
+    // Elements with the same increments stand together.
+    for group in sum.chunk_by(|a, b| a.increments == b.increments) {
+        let Some(first) = group.first() else { continue };
+        let (weight, condition) = (weight(model, part, first), condition(model, first, wanted));
+        let body: TokenStream = match wanted {
+            Wanted::Value => values(model, group, Some(&weight)),
+            Wanted::Slopes | Wanted::Curvature => {
+                group.iter().map(|weighted| derivatives(model, weighted, wanted, &weight)).collect()
             }
-        }
-        if !parts.is_empty() {
-            code.extend(quote!(if #group { #parts }));
-        }
+        };
+        code.extend(match condition {
+            Some(condition) if !body.is_empty() => quote!(if #condition { #body }),
+            _ => body,
+        });
     }
     code
+}
+
+/// The sum of elements with one weight, which is taken out of it unless it changes in their loops.
+fn values(model: &mut System, group: &[Weighted], weight: Option<&TokenStream>) -> TokenStream {
+    let is_fixed = group.iter().flat_map(|weighted| &weighted.increments).all(|k| k.loops().is_empty());
+    let inside = weight.filter(|_| !is_fixed);
+    let code: TokenStream =
+        group.iter().map(|weighted| element_code(model, weighted, Wanted::Value, inside)).collect();
+    let factor = weight.filter(|_| is_fixed).map(|weight| quote!(* #weight));
+    quote! {
+        let mut __total = __S::from_f64(0.0);
+        #code
+        __value = __value + __total #factor;
+    }
+}
+
+/// The derivatives of one element, if those by what it reads are wanted.
+fn derivatives(model: &mut System, weighted: &Weighted, wanted: Wanted, weight: &TokenStream) -> TokenStream {
+    let condition = match weighted.element.reads() {
+        Reads::Nothing => return TokenStream::new(),
+        Reads::Coordinates => quote!(__wanted.by_q),
+        Reads::Momenta => quote!(__wanted.by_p),
+        Reads::Both => quote!((__wanted.by_q || __wanted.by_p)),
+    };
+    let body = element_code(model, weighted, wanted, Some(weight));
+    quote!(if #condition { #body })
+}
+
+/// The product of the increments of an element of a part, and the weight of the part.
+fn weight(model: &System, part: &PartElements, Weighted { increments, .. }: &Weighted) -> TokenStream {
+    let indices = Indices { tables: &model.tables, checked: false };
+    let factor = part.is_weighted.then(|| quote!(*__weight));
+    let increments = increments.iter().map(|number| {
+        let position = indices.position(number);
+        quote!(__at.increment(#position))
+    });
+    match increments.reduce(|product, increment| quote!(#product * #increment)) {
+        Some(product) => quote!(#product #factor),
+        None => quote!(__S::from_f64(__at.h #factor)),
+    }
+}
+
+/// Whether a noise acts that is no member of a family, whose loop knows.
+fn condition(model: &System, weighted: &Weighted, wanted: Wanted) -> Option<TokenStream> {
+    let [number] = weighted.increments.as_slice() else { return None };
+    if wanted == Wanted::Curvature || family_of(weighted).is_some() {
+        return None;
+    }
+    let position = Indices { tables: &model.tables, checked: false }.position(number);
+    Some(quote!(__at.acting.contains(&#position)))
 }

@@ -7,12 +7,15 @@ use super::discretized::Road;
 use super::indices::{Indices, variable};
 use super::sizes;
 use crate::discretise::Scheme;
+use crate::discretise::equations::{Equations, MomentumUpdate};
 use crate::discretise::facts::Facts;
 use crate::discretise::sites::{Entry, Increment, Site};
+use crate::discretise::structure::{Block, Solution};
 use crate::elements::plan::Unknowns;
 use crate::emit::step::{self, Kernel, mentions};
 use crate::emit::{count, embedding_type, f64_type};
 use crate::model::{Slot, System};
+use crate::symbolic::{Expr, Graph, Node};
 
 /// How an entry of a field is read at a site: that of the nearest site where it is not there.
 pub(crate) fn site_entry(system: &System, site: &Site, entry: &Entry) -> TokenStream {
@@ -38,6 +41,23 @@ pub(crate) fn site_entry(system: &System, site: &Site, entry: &Entry) -> TokenSt
     }
 }
 
+/// Whether the step is arithmetic alone, without iterations: then it has the same bits in lanes, and no memory.
+fn is_exact_in_lanes(graph: &Graph, scheme: &Scheme) -> bool {
+    let is_iterated = |block: &Block| matches!(block.solution, Solution::Newton { .. });
+    let Equations { phi_u, phi_v, update } = &scheme.equations;
+    let updates = update.iter().filter_map(|update| match update {
+        MomentumUpdate::Multiple(_) => None,
+        MomentumUpdate::Sum(rest) => Some(*rest),
+    });
+    let roots: Vec<Expr> = phi_u.iter().chain(phi_v).copied().chain(updates).collect();
+    let is_arithmetic = |&expr: &Expr| match graph.node(expr) {
+        Node::Apply(..) => false,
+        Node::Product(factors) => factors.iter().all(|(_, exponent)| exponent.is_integer()),
+        _ => true,
+    };
+    !scheme.structure.blocks.iter().any(is_iterated) && graph.reachable(&roots).iter().all(is_arithmetic)
+}
+
 pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Scheme) -> Road {
     let kernel = site.with_model(system, site_entry, |model| Kernel::new(model, facts, scheme));
     let indices = Indices { tables: &system.tables, checked: false };
@@ -56,6 +76,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
     let increments: Vec<TokenStream> = increments.collect();
     let (degrees, noises) = (count(scheme.lagrangian.symbols.u.len()), count(increments.len()));
     let is_uniform = site.entries.is_empty();
+    let is_exact = is_exact_in_lanes(&system.graph, scheme);
     let all = match scheme.lagrangian.symbols.u.len() {
         1 => quote!(__sites),
         _ => quote!((__sites * #degrees)),
@@ -85,6 +106,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
         #[automatically_derived]
         impl #generics #sites::Sites<#embedding, #degrees, #noises> for #name #arguments #filter {
             const IS_UNIFORM: __wzvi::bool = #is_uniform;
+            const IS_EXACT_IN_LANES: __wzvi::bool = #is_exact;
             type SitePrepared = __Prepared;
             type SiteMemory<__S: __wzvi::Scalar> = __Memory<__S>;
 
@@ -124,17 +146,19 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
             let factors = factors.into_iter().map(Literal::f64_unsuffixed);
             quote!(#sites::step_momentum(&__before.p, &__after.p, [#(#factors),*]))
         }
-        None => quote!(__wzvi::elements::step_momentum(self, &__SCHEME, __before, __h, __dw)),
+        None => quote!(__wzvi::elements::step_momentum(self, &__SCHEME, __before, __after, __h, __dw)),
     };
     Road {
         items,
         plan: step::plan(facts, scheme),
         unknowns: Unknowns::Both,
         is_linear: false,
+        in_lanes: !system.noise.is_empty(),
         prepared: quote!(#sites::Prepared<__Prepared>),
         memory: quote!(#sites::Memory<__S, __Memory<__S>, __Prepared>),
         new_memory: quote!(#sites::Memory::new(self, #degrees)),
         prepare: quote!(#sites::prepare::<_, #embedding, #degrees, #noises>(self, __h)),
+        inline: quote!(#[inline(always)]),
         advance: quote! {
             #sites::advance::<_, #embedding, __S, __C, __CAREFUL, #degrees, #noises>(
                 self, __prepared, __t, __h, __q, __p, __dw, __memory, __carry,

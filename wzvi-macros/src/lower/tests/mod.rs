@@ -11,6 +11,7 @@ use std::collections::HashMap;
 use proc_macro2::TokenStream;
 
 use crate::diagnostics::Diagnostics;
+use crate::elements::collect::collect;
 use crate::input;
 use crate::model::Model;
 use crate::symbolic::{Expr, Graph, Node, Relation, Symbol};
@@ -29,6 +30,7 @@ fn model_of(attribute: &str, item: &str) -> Result<Model, String> {
         let phase_space = input::read_phase_space(&mut declaration, &mut diagnostics)?;
         let mut system = super::lower(system?, declaration, &phase_space, &mut diagnostics)?;
         unroll(&mut system);
+        collect(&mut system, &mut diagnostics);
         Some(written_out(system).unwrap_or_else(|_| panic!("loops are left")))
     });
     match diagnostics.finish() {

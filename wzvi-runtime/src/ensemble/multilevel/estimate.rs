@@ -173,7 +173,7 @@ impl MultilevelEstimate {
     }
 
     /// An upper estimate of it, which allows for what may be too rare to have been seen on enough paths: as
-    /// [`Node::error_bound`](super::super::Node::error_bound), and where all differences of a level are equal, for one as large as the range of the
+    /// [`StatisticsNode::error_bound`](super::super::StatisticsNode::error_bound), and where all differences of a level are equal, for one as large as the range of the
     /// observable. This one is what the target is compared with.
     pub fn error_bound(&self) -> f64 {
         if self.levels.is_empty() { f64::NAN } else { self.error_bound }

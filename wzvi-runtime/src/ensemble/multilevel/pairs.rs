@@ -4,11 +4,15 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use super::super::dispatch::Kernel;
 use super::super::group::Group;
-use super::super::job::{Job, Observable};
+use super::super::halt::Halt;
+use super::super::job::Job;
 use super::super::pace::Pace;
 use super::estimate::{LevelError, LevelFailure, Samples};
+use crate::error::Error;
 use crate::lanes::Lanes;
+use crate::options::Observable;
 use crate::scalar::Scalar;
+use crate::steps::{Advance, Monitor, take_steps};
 use crate::system::Discretized;
 
 /// Brownian paths in a block of a level: few on the finest, which need few; on the coarsest as many as make the steps of a block
@@ -22,13 +26,13 @@ pub(super) fn block_size(level: u32) -> u64 {
 pub(super) struct Pairs<'j, 'a, H: Discretized<E>, E, const WIDTH: usize> {
     pub(super) fine: &'j Job<'a, H, E>,
     pub(super) coarse: Option<&'j Job<'a, H, E>>,
+    pub(super) level: u32,
     pub(super) observable: &'j Observable<'a, H::Vector>,
     pub(super) number: u64,
 }
 
 impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Pairs<'_, '_, H, E, WIDTH> {
-    /// `None` if the run was stopped on the way.
-    type Output = Result<Option<Samples>, LevelError>;
+    type Output = Result<Samples, Halt>;
 
     #[inline(always)]
     fn run<const L: usize>(self) -> Self::Output {
@@ -36,46 +40,85 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Pairs<'_, '_, H, E, WI
     }
 }
 
+/// A path of a level, and the coarse one beside it: the two of `L` Brownian paths.
+struct Coupled<'j, 'a, H: Discretized<E>, E, const L: usize> {
+    fine: Group<'j, 'a, H, E, L>,
+    /// With the normals of the first of two fine steps, by process.
+    coarse: Option<(Group<'j, 'a, H, E, L>, Vec<Lanes<L>>)>,
+}
+
+impl<H: Discretized<E>, E, const L: usize> Advance for Coupled<'_, '_, H, E, L> {
+    type Error = Error;
+
+    #[inline(always)]
+    fn advance(&mut self, step: u64) -> Result<(), Error> {
+        let Self { fine, coarse } = self;
+        fine.draw(step)?;
+        if let Some((coarse, first)) = coarse {
+            for (process, first) in first.iter_mut().enumerate() {
+                let drawn = fine.increments.normals(process, step);
+                if step % 2 == 1 {
+                    coarse.increments.drive(process, step / 2, (*first + drawn) * FRAC_1_SQRT_2);
+                } else {
+                    *first = drawn;
+                }
+            }
+            if step % 2 == 1 {
+                coarse.step(step / 2)?;
+            }
+        }
+        fine.step(step)
+    }
+}
+
+/// Asks now and then whether to stop.
+struct Patrol<'j> {
+    pace: Pace<'j>,
+    seen: u64,
+}
+
+impl<P: Advance<Error = Error>> Monitor<P> for Patrol<'_> {
+    type Error = Halt;
+
+    #[inline(always)]
+    fn next(&self, _path: &P, node: u64) -> u64 {
+        node.saturating_add(self.pace.left())
+    }
+
+    #[inline(always)]
+    fn look(&mut self, _path: &mut P, node: u64) -> Result<(), Halt> {
+        self.pace.done(node - self.seen)?;
+        self.seen = node;
+        Ok(())
+    }
+}
+
 impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
     #[inline(always)]
-    fn of_width<const L: usize>(self) -> Result<Option<Samples>, LevelError> {
+    fn of_width<const L: usize>(self) -> Result<Samples, Halt> {
         let mut samples = Samples::default();
-        let mut fine = Group::<H, E, L>::new(self.fine);
-        let mut coarse = self.coarse.map(Group::<H, E, L>::new);
-        let mut sums = vec![Lanes::from_f64(0.0); self.fine.system.noises()];
-        let mut pace = Pace::new(self.fine.stop);
-        let size = block_size(self.fine.level);
+        let still = || vec![Lanes::from_f64(0.0); self.fine.system.noises()];
+        let mut pair = Coupled {
+            fine: Group::<H, E, L>::new(self.fine),
+            coarse: self.coarse.map(|job| (Group::new(job), still())),
+        };
+        if pair.coarse.is_some() {
+            pair.fine = pair.fine.keeping_normals();
+        }
+        let mut patrol = Patrol { pace: Pace::new(self.fine.stop), seen: 0 };
+        let size = block_size(self.level);
         let (mut path, end) = (self.number * size, (self.number + 1) * size);
         while path < end {
-            fine.begin(path, end);
-            if let Some(coarse) = &mut coarse {
-                coarse.begin(path, end);
+            pair.fine.begin(path, end)?;
+            if let Some((coarse, _)) = &mut pair.coarse {
+                coarse.begin(path, end)?;
             }
-            for step in 0..self.fine.steps {
-                if pace.is_stopped() {
-                    return Ok(None);
-                }
-                for (process, sum) in sums.iter_mut().enumerate() {
-                    let drawn = fine.drawn(process, step);
-                    fine.drive(process, step, drawn);
-                    match &mut coarse {
-                        Some(coarse) if step % 2 == 1 => {
-                            coarse.drive(process, step / 2, (*sum + drawn) * FRAC_1_SQRT_2);
-                        }
-                        _ => *sum = drawn,
-                    }
-                }
-                if let Some(coarse) = &mut coarse
-                    && step % 2 == 1
-                {
-                    coarse.advance(step / 2);
-                }
-                fine.advance(step);
-            }
-            self.collect(path, &mut fine, coarse.as_mut(), &mut samples)?;
+            patrol.seen = 0;
+            take_steps(&mut pair, 0..self.fine.steps, &mut patrol)?;
+            self.collect(path, &mut pair, &mut samples).map_err(Error::Level)?;
             path += L as u64;
         }
-        Ok(Some(samples))
+        Ok(samples)
     }
 
     /// The values at the end, or the first path that has none.
@@ -83,15 +126,15 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
     fn collect<const L: usize>(
         &self,
         first: u64,
-        fine: &mut Group<'_, '_, H, E, L>,
-        mut coarse: Option<&mut Group<'_, '_, H, E, L>>,
+        pair: &mut Coupled<'_, '_, H, E, L>,
         samples: &mut Samples,
     ) -> Result<(), LevelError> {
-        let level = self.fine.level;
-        let failures =
-            [fine.take_first_failure(), coarse.as_mut().and_then(|group| group.take_first_failure())];
+        let (level, Coupled { fine, coarse }) = (self.level, pair);
+        let mut coarse = coarse.as_mut().map(|(group, _)| group);
+        let mut failures = fine.take_failures();
+        failures.extend(coarse.iter_mut().flat_map(|group| group.take_failures()));
         // Of a pair the coarse path, which is the reason in most cases: the last of those that are equal.
-        if let Some(failure) = failures.into_iter().flatten().rev().min_by_key(|failure| failure.path) {
+        if let Some(failure) = failures.into_iter().rev().min_by_key(|failure| failure.path) {
             let cause = LevelFailure::Step(failure.error);
             return Err(LevelError { level, path: failure.path, h: failure.error.h, cause });
         }
@@ -100,10 +143,9 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
                 continue;
             }
             let value = |group: &mut Group<'_, '_, H, E, L>, Job { h, steps, .. }: &Job<'_, H, E>| {
-                let value = (self.observable)(group.state_after(lane, *steps));
-                let h = *h;
+                let value = (self.observable)(group.state_at(lane, *steps));
+                let (h, path) = (*h, first + lane as u64);
                 let cause = LevelFailure::NonFinite(value);
-                let path = first + lane as u64;
                 if value.is_finite() { Ok(value) } else { Err(LevelError { level, path, h, cause }) }
             };
             let end = value(fine, self.fine)?;

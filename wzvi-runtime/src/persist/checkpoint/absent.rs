@@ -18,7 +18,6 @@ pub(crate) struct Keeping(());
 pub(crate) struct Keeper;
 
 impl Keeping {
-    #[cfg(feature = "ensemble")]
     pub(crate) fn is_set(&self) -> bool {
         false
     }
@@ -47,6 +46,12 @@ impl Keeper {
     #[inline(always)]
     pub(crate) fn keeps(&self) -> bool {
         false
+    }
+
+    /// No node is looked at.
+    #[inline(always)]
+    pub(crate) fn next(&self) -> u64 {
+        u64::MAX
     }
 
     #[inline(always)]

@@ -5,12 +5,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Keeping;
 use super::due::Due;
 use super::error::{CheckpointError, Damage};
 use super::format::{self, Content, Words};
 use super::identity::{self, Fields};
 use super::own::Own;
-use super::{Counts, Keeping};
 use crate::error::Error;
 use crate::numbers::Tape;
 use crate::state::{State, Vector};
@@ -106,18 +106,18 @@ impl Keeping {
     /// before and of the first blocks afterwards.
     pub(crate) fn open_blocks(
         self,
-        described: impl FnOnce() -> Described,
+        described: impl FnOnce() -> Result<Described, Error>,
         extent: Extent,
         mut pass: impl FnMut(&mut Tape),
     ) -> Result<BlockKeeper, Error> {
         let Self(Some(checkpoint)) = self else { return Ok(BlockKeeper(None)) };
-        checkpoint.check(Counts::Paths)?;
+        checkpoint.check()?;
         let (every, interval) =
-            (checkpoint.paths.map(|paths| paths.div_ceil(extent.block)), checkpoint.interval);
+            (checkpoint.count.map(|paths| paths.div_ceil(extent.block)), checkpoint.interval);
         let blocks = extent.paths / extent.block;
         let mut keep = Keep {
             own: Own::new(&checkpoint.path)?,
-            described: described(),
+            described: described()?,
             first: 0,
             saved: 0,
             blocks,

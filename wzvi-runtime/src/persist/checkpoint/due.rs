@@ -41,6 +41,12 @@ impl Due {
         due
     }
 
+    /// The next node to ask about.
+    #[inline(always)]
+    pub(super) fn next(&self) -> u64 {
+        self.next
+    }
+
     /// Whether to save at `node`.
     #[inline(always)]
     pub(super) fn is_due(&mut self, node: u64) -> bool {

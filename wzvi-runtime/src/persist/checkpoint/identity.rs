@@ -8,11 +8,11 @@ use crate::carry::Carry;
 use crate::checksum::Checksum;
 use crate::names::short_name;
 use crate::numbers::Tape;
+use crate::recording::Recording;
 use crate::retry::Retry;
 use crate::state::{State, Vector};
 use crate::step::Stepper;
 use crate::system::{Discretized, Hamiltonian};
-use crate::trajectory::Recording;
 
 /// Names and values.
 pub(super) type Fields = Vec<(String, String)>;

@@ -1,12 +1,12 @@
 //! Opens the checkpoint of a run, and saves the run to it.
 
+use super::Keeping;
 use super::due::Due;
 use super::error::{CheckpointError, Damage, Difference};
 use super::format::{self, Saved, Word, Words};
 use super::identity::{self, Fields};
 use super::nodes::Nodes;
 use super::own::Own;
-use super::{Counts, Keeping};
 use crate::carry::Carry;
 use crate::error::Error;
 use crate::increments::{Identity, Noise};
@@ -50,14 +50,14 @@ impl Keeping {
         (steps, retry): (u64, Retry),
     ) -> Result<Keeper, Error> {
         let Self(Some(checkpoint)) = self else { return Ok(Keeper { first: 0, file: None }) };
-        checkpoint.check(Counts::Steps)?;
+        checkpoint.check()?;
         let noise = noise.map_or_else(|| Some(Identity::of("none")), N::identity);
         let noise = noise.ok_or(CheckpointError::Noise)?.into_settings();
         // That of the system, which may not know it before its first step.
         let degrees = state.q.components().len();
         let own = Own::new(&checkpoint.path)?;
         let mut keep = Keep {
-            due: Due::new(checkpoint.steps, checkpoint.interval, 0, steps),
+            due: Due::new(checkpoint.count, checkpoint.interval, 0, steps),
             settings: identity::settings(stepper, degrees, recorder.recording(), retry, noise),
             derived: identity::derived(stepper.system(), stepper.prepared(), state),
             start: format::words(Tape::write(|tape| identity::pass_state(state, tape))),
@@ -73,7 +73,7 @@ impl Keeping {
             }
         };
         keep.own.remove_parts::<Saved>();
-        keep.due = Due::new(checkpoint.steps, checkpoint.interval, first, steps);
+        keep.due = Due::new(checkpoint.count, checkpoint.interval, first, steps);
         Ok(Keeper { first, file: Some(Box::new(keep)) })
     }
 }
@@ -88,6 +88,12 @@ impl Keeper {
     #[inline(always)]
     pub(crate) fn keeps(&self) -> bool {
         self.file.is_some()
+    }
+
+    /// The next node at which it may be time to save.
+    #[inline(always)]
+    pub(crate) fn next(&self) -> u64 {
+        self.file.as_ref().map_or(u64::MAX, |file| file.due.next())
     }
 
     /// Whether to save at `node`, the number of steps taken.

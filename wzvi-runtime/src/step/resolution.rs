@@ -25,7 +25,7 @@ const HARMFUL: f64 = 0.25;
 
 /// What was seen of the hard steps of a run.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Strain {
+pub(super) struct ResolutionMonitor {
     is_ignored: bool,
     /// Hard steps in a row, and the number of the last.
     pattern: u64,
@@ -44,13 +44,13 @@ fn rounding_of_energy<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> f
     system.evaluate(0, &lift(&state.q), &lift(&state.p), state.t).error
 }
 
-impl Default for Strain {
+impl Default for ResolutionMonitor {
     fn default() -> Self {
         Self { is_ignored: false, pattern: 0, last: 0, energy: f64::NAN, scale: 0.0 }
     }
 }
 
-impl Strain {
+impl ResolutionMonitor {
     pub(super) fn ignored() -> Self {
         Self { is_ignored: true, ..Self::default() }
     }

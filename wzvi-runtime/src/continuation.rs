@@ -41,7 +41,7 @@ pub(crate) struct Hard<'a, H: Discretized<E>, E, C> {
 }
 
 /// A step that was taken after all.
-pub(crate) struct Rescued<V, M, C> {
+pub(crate) struct Continued<V, M, C> {
     pub(crate) q: V,
     pub(crate) p: V,
     pub(crate) memory: M,
@@ -49,7 +49,7 @@ pub(crate) struct Rescued<V, M, C> {
     pub(crate) effort: Effort,
 }
 
-type Taken<H, E, C> = Rescued<<H as Hamiltonian>::Vector, <H as Discretized<E>>::Memory<f64>, C>;
+type Taken<H, E, C> = Continued<<H as Hamiltonian>::Vector, <H as Discretized<E>>::Memory<f64>, C>;
 type Outcome<H, E, C> = Result<Taken<H, E, C>, StepFailure>;
 
 /// Takes a step that failed for `cause`.
@@ -59,7 +59,7 @@ type Outcome<H, E, C> = Result<Taken<H, E, C>, StepFailure>;
 /// its way.
 #[cold]
 #[inline(never)]
-pub(crate) fn rescue<H: Discretized<E>, E, C: Carry<f64>>(
+pub(crate) fn solve_by_continuation<H: Discretized<E>, E, C: Carry<f64>>(
     hard: Hard<'_, H, E, C>,
     cause: StepFailure,
 ) -> Outcome<H, E, C> {
@@ -110,7 +110,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             &mut memory,
             &mut carry,
         )?;
-        Ok(Rescued { q, p, memory, carry, effort })
+        Ok(Continued { q, p, memory, carry, effort })
     }
 
     fn follow(&self) -> Result<Taken<H, E, C>, End> {
@@ -184,7 +184,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                 // Whoever takes it has no doubt.
                 let effort = Effort { iterations, doubtful: false, ..step.effort };
                 // The memory is of parts of a step: no guide for the next.
-                let end = Rescued { effort, memory: H::Memory::default(), ..step };
+                let end = Continued { effort, memory: H::Memory::default(), ..step };
                 return Ok(Curve { end, longest, is_doubtful });
             }
             memory = step.memory;

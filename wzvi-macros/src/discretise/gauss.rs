@@ -1,0 +1,119 @@
+//! The discrete Lagrangian with several stages:
+//!
+//! ```text
+//! L_d = ext Σ_j b_j [P_j · V_j - F(P_j, Q_j, T_j)],   F = h H_0 + Σ_k ΔW_k H_k,   Q_j = q_i + Σ_k a_jk V_k
+//! V_j = ∂F/∂P_j,   P_j = p_i - Σ_k a_jk ∂F/∂Q_k
+//! ```
+//!
+//! The slopes of `F` are all that a step needs of the system (Hairer, Lubich, Wanner, *Geometric Numerical Integration*, theorem VI.6.4).
+
+use std::collections::HashMap;
+use std::fmt::Write;
+
+use super::describe::hamiltonians;
+use crate::model::Model;
+use crate::symbolic::{Expr, Graph, Rational, Symbol};
+
+/// The slopes of the step Hamiltonian in the symbols of the phase space, `h` and `ΔW`.
+pub(crate) struct StepSlopes {
+    pub(crate) h: Symbol,
+    pub(crate) dw: Vec<Symbol>,
+    pub(crate) by_q: Vec<Expr>,
+    pub(crate) by_p: Vec<Expr>,
+    /// Whether `F` is a constant quadratic form of the momenta plus a function of coordinates and time.
+    pub(crate) is_nystrom: bool,
+}
+
+impl StepSlopes {
+    pub(crate) fn new(model: &mut Model) -> Self {
+        let noises = model.noise.len();
+        let graph = &mut model.graph;
+        let h = graph.new_symbol("h");
+        let name = |k: usize| if noises == 1 { "ΔW".to_owned() } else { format!("ΔW{k}") };
+        let dw: Vec<Symbol> = (1..=noises).map(|k| graph.new_symbol(name(k))).collect();
+        let weights: Vec<Expr> = [h].iter().chain(&dw).map(|&symbol| graph.symbol(symbol)).collect();
+        let terms: Vec<Expr> = [model.drift].iter().chain(&model.noise).map(|term| term.value).collect();
+        let mut slope = |symbol: Symbol| {
+            let slopes: Vec<Expr> = terms
+                .iter()
+                .zip(&weights)
+                .map(|(&term, &weight)| {
+                    let slope = graph.derivative(term, symbol);
+                    graph.multiply(weight, slope)
+                })
+                .collect();
+            graph.sum(&slopes)
+        };
+        let by_q = model.phase.q.iter().map(|&q| slope(q)).collect();
+        let by_p: Vec<Expr> = model.phase.p.iter().map(|&p| slope(p)).collect();
+        let is_nystrom = is_nystrom(model, &by_p, &dw);
+        Self { h, dw, by_q, by_p, is_nystrom }
+    }
+}
+
+/// Whether `∂F/∂p` is a constant matrix times `p`.
+fn is_nystrom(model: &mut Model, by_p: &[Expr], dw: &[Symbol]) -> bool {
+    let Model { graph, phase, .. } = model;
+    let moving: Vec<Symbol> = phase.q.iter().chain(&phase.p).chain([&phase.t]).chain(dw).copied().collect();
+    by_p.iter().all(|&velocity| {
+        let mut rest = vec![(velocity, Rational::ONE)];
+        for &p in &phase.p {
+            let mass = graph.derivative(velocity, p);
+            if graph.depends_on(mass, &moving) {
+                return false;
+            }
+            let p = graph.symbol(p);
+            rest.push((graph.multiply(mass, p), Rational::MINUS_ONE));
+        }
+        let rest = graph.linear_combination(&rest);
+        graph.is_zero(rest)
+    })
+}
+
+/// The text of `Gauss<stages>`, without its facts.
+pub(crate) fn describe(model: &mut Model, slopes: &StepSlopes, stages: u32) -> String {
+    let mut text = format!("Gauss<{stages}>\n");
+    hamiltonians(model, &mut text);
+    let Model { graph, phase, .. } = model;
+    let mut placement = HashMap::new();
+    for &symbol in phase.q.iter().chain(&phase.p).chain([&phase.t]) {
+        let at_stage = graph.new_symbol(format!("{}_j", graph.symbol_name(symbol)));
+        placement.insert(symbol, graph.symbol(at_stage));
+    }
+    let terms = (1..=slopes.dw.len()).map(|k| format!(" + {} H{k}", graph.symbol_name(slopes.dw[k - 1])));
+    let _ = writeln!(text, "\nDiscrete Lagrangian of the step from t_i to t_i + h, with {stages} stages");
+    let _ = writeln!(text, "  L_d = ext Σ_j b_j [p_j · V_j - F(q_j, p_j, t_j)]");
+    let _ = writeln!(text, "  F = h H0{}", terms.collect::<String>());
+    let _ = writeln!(text, "  q_j = q_i + Σ_k a_jk V_k,  q_{{i+1}} = q_i + Σ_j b_j V_j,  t_j = t_i + c_j h");
+    let _ = writeln!(text, "  c_j: the roots of the shifted Legendre polynomial P_{stages}(2c - 1)");
+    let _ = writeln!(text, "\nDiscrete Euler-Lagrange equations");
+    let equation = |graph: &mut Graph, symbol: Symbol, slope: Expr| {
+        let slope = graph.substitute(&[slope], &placement)[0];
+        (graph.symbol_name(symbol).to_owned(), graph.display(slope).to_string())
+    };
+    for (&q, &by_p) in phase.q.iter().zip(&slopes.by_p) {
+        let (name, slope) = equation(graph, q, by_p);
+        let _ = writeln!(
+            text,
+            "  ∂L_d/∂p_j = 0:  V_{name} = {slope},  {name}_j = {name}_i + Σ_k a_jk V_{name},k"
+        );
+    }
+    for (&p, &by_q) in phase.p.iter().zip(&slopes.by_q) {
+        let (name, slope) = equation(graph, p, by_q);
+        let _ = writeln!(
+            text,
+            "  ∂L_d/∂V_j = 0:  {name}_j = {name}_i - Σ_k a_jk K_{name},k,  K_{name} = {slope}"
+        );
+    }
+    for &p in &phase.p {
+        let name = graph.symbol_name(p);
+        let _ = writeln!(text, "  {name}_{{i+1}} = D2 L_d:  {name}_{{i+1}} = {name}_i - Σ_j b_j K_{name},j");
+    }
+    let _ = writeln!(text, "\nStep");
+    let sweeps = if slopes.is_nystrom { "the coordinates of all stages" } else { "all stages" };
+    let _ = writeln!(
+        text,
+        "  solve for {sweeps}: by sweeps while they contract, else Newton's method on all of them at once"
+    );
+    text
+}

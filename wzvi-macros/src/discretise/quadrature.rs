@@ -1,0 +1,93 @@
+//! Where the discrete Lagrangian of a scheme evaluates what: the one table that the straight-line step, the sweep over
+//! elements and the text are derived from.
+//!
+//! ```text
+//! L_d = P · u - Σ_s Σ_m w_m F_m(P, Q_s, T_s),   u = q_{i+1} - q_i
+//! Q_s = q_i + l u,   ∂Q_s/∂q_i = 1 - l,   ∂Q_s/∂q_{i+1} = l,   T_s = t_i + l h
+//! ```
+//!
+//! The parts `F_m` of the step Hamiltonian have one rule for their increments each. `Corrected` adds the increment form of
+//! the counter-term, at the quadrature point of the noise.
+
+use super::embedding::{Correction, Embedding};
+use super::facts::{Facts, NoiseClass};
+use crate::diagnostics::internal::Promised;
+use crate::symbolic::Rational;
+
+/// A part of the step Hamiltonian.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Part {
+    /// `h H_0`
+    Drift,
+    /// `Σ_k ΔW_k H_k`
+    Noise,
+    /// `Σ_jk ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p`
+    CounterTerm,
+}
+
+/// A quadrature point `l`, and the parts that are evaluated there with their weights.
+#[derive(Clone, Debug)]
+pub(crate) struct Stage {
+    pub(crate) l: Rational,
+    pub(crate) parts: Vec<(Part, Rational)>,
+}
+
+impl Stage {
+    /// The weight of slopes in `D_1 L_d`: `1 - l`, exact, because `l` is a fraction of small integers.
+    pub(crate) fn start(&self) -> Rational {
+        Rational::ONE.add(self.l.negate()).promised("quadrature points are fractions of 32 bits")
+    }
+
+    /// The weight of slopes in `D_2 L_d`.
+    pub(crate) fn end(&self) -> Rational {
+        self.l
+    }
+
+    pub(crate) fn is_at_node(&self) -> bool {
+        self.l.is_zero() || self.l.is_one()
+    }
+}
+
+/// The distinct quadrature points of a scheme, that of the drift first.
+#[derive(Clone, Debug)]
+pub(crate) struct Quadrature {
+    pub(crate) stages: Vec<Stage>,
+}
+
+impl Quadrature {
+    pub(crate) fn new(facts: &Facts, embedding: &Embedding) -> Self {
+        let (drift_l, noise_l) = embedding.quadrature();
+        let corrects = embedding.correction() == Correction::Corrected && facts.counter_term_acts(noise_l);
+        let mut of_noise = Vec::new();
+        if facts.noise != NoiseClass::None {
+            of_noise.push((Part::Noise, Rational::ONE));
+        }
+        if corrects {
+            let weight =
+                Rational::HALF.add(noise_l.negate()).promised("quadrature points are fractions of 32 bits");
+            of_noise.push((Part::CounterTerm, weight));
+        }
+        let mut stages = vec![Stage { l: drift_l, parts: vec![(Part::Drift, Rational::ONE)] }];
+        match stages.iter_mut().find(|stage| stage.l == noise_l) {
+            Some(stage) => stage.parts.extend(of_noise),
+            None if of_noise.is_empty() => {}
+            None => stages.push(Stage { l: noise_l, parts: of_noise }),
+        }
+        Self { stages }
+    }
+
+    /// What a part is weighted by, if it is in.
+    pub(crate) fn weight_of(&self, part: Part) -> Option<Rational> {
+        let mut parts = self.stages.iter().flat_map(|stage| &stage.parts);
+        parts.find(|(known, _)| *known == part).map(|&(_, weight)| weight)
+    }
+
+    /// `p_{i+1} - p_i` as a multiple of `v = P - p_i`: with one quadrature point, `v = -(1 - l) F_q` and
+    /// `p_{i+1} - P = -l F_q`.
+    pub(crate) fn momentum_update(&self) -> Option<Rational> {
+        match self.stages.as_slice() {
+            [only] => only.start().recip(),
+            _ => None,
+        }
+    }
+}

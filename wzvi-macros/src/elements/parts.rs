@@ -1,0 +1,52 @@
+//! The parts of the step Hamiltonian as sums of elements, each with the increments that weigh it: `ℓ_e = -w c_e H_e(P, Q_l)`
+//! is an element of the discrete Lagrangian, and its slopes and curvatures are those of `D_1 L_d`, `D_2 L_d` and `∂L_d/∂P`.
+
+use crate::discretise::facts::{Facts, drift_and_noise};
+use crate::discretise::quadrature::{Part, Quadrature};
+use crate::discretise::sums::{Sum, Weighted};
+use crate::model::{Element, System};
+
+/// One part.
+pub(crate) struct PartElements {
+    pub(crate) part: Part,
+    /// As the user wrote it: for values, which keep its digits.
+    pub(crate) values: Sum,
+    /// Each reads only coordinates, only momenta, or what cannot be parted: for derivatives.
+    pub(crate) elements: Sum,
+    /// Whether some scheme weighs it by another number than 1.
+    pub(crate) is_weighted: bool,
+}
+
+/// The parts that the schemes of `system` add up.
+pub(crate) fn parts(system: &System, facts: &Facts) -> Vec<PartElements> {
+    let [drift, noise] = drift_and_noise(system, |term| &term.values);
+    let [parted_drift, parted_noise] = drift_and_noise(system, |term| &term.elements);
+    let counter_term = facts.counter_term.clone().unwrap_or_default();
+    let schemes = system.embeddings.iter().map(|known| Quadrature::new(facts, &known.value));
+    let schemes: Vec<Quadrature> = schemes.collect();
+    let sums = [
+        (Part::Drift, drift, parted_drift),
+        (Part::Noise, noise, parted_noise),
+        (Part::CounterTerm, counter_term.clone(), counter_term),
+    ];
+    let used = sums.into_iter().filter_map(|(part, values, elements)| {
+        let weights: Vec<_> = schemes.iter().filter_map(|scheme| scheme.weight_of(part)).collect();
+        let is_weighted = weights.iter().any(|weight| !weight.is_one());
+        (!weights.is_empty()).then_some(PartElements { part, values, elements, is_weighted })
+    });
+    used.collect()
+}
+
+/// The loop variable that counts the members of the family of noises that an element belongs to: its increment is that of
+/// the member.
+pub(crate) fn family_of(Weighted { element, increments }: &Weighted) -> Option<u32> {
+    let [number] = increments.as_slice() else { return None };
+    let outermost = element.loops.first()?.variable;
+    number.loops().contains(&outermost).then_some(outermost)
+}
+
+/// The elements of a first integral, which nothing weighs.
+pub(crate) fn unweighted(elements: &[Element]) -> Sum {
+    let weighted = |element: &Element| Weighted { element: element.clone(), increments: Vec::new() };
+    elements.iter().map(weighted).collect()
+}

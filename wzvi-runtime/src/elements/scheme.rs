@@ -1,0 +1,50 @@
+//! What the compiler derived of one scheme.
+
+/// Which unknowns are iterated on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unknowns {
+    /// None: `v` and then `u` are assigned. No element reads both halves of the phase space, and those that read
+    /// coordinates stand at the nodes.
+    None,
+    /// `v`, from which `u` follows.
+    Momenta,
+    /// `u` and `v`.
+    Both,
+}
+
+/// A quadrature point of the discrete Lagrangian, and the part of the step Hamiltonian that is evaluated there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stage {
+    /// `c` in `Q = q_i + c u`, `T = t_i + c h`.
+    pub point: f64,
+    /// `∂Q/∂q_i`, the weight of the slopes in `D_1 L_d`.
+    pub start: f64,
+    /// `∂Q/∂q_{i+1}`, the weight of the slopes in `D_2 L_d`.
+    pub end: f64,
+    /// The parts that add up here, by number, with their weights.
+    pub parts: &'static [(usize, f64)],
+}
+
+/// How `p_{i+1} - p_i` follows from the solved unknowns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MomentumUpdate {
+    /// So many times `v`: where `D_2 L_d - P` is a multiple of `D_1 L_d + P`, no slopes are evaluated again.
+    Multiple(f64),
+    /// `v` and the slopes of `D_2 L_d`.
+    Slopes,
+}
+
+/// What the compiler derived of one scheme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scheme {
+    /// The quadrature points of the discrete Lagrangian, at least one.
+    pub stages: &'static [Stage],
+    /// How the new momentum follows.
+    pub update: MomentumUpdate,
+    /// What is iterated on.
+    pub unknowns: Unknowns,
+    /// Whether past steps start the iteration: not where increments decide.
+    pub remembers: bool,
+    /// Whether the Jacobian reads the step size and parameters only.
+    pub is_linear: bool,
+}

@@ -1,0 +1,172 @@
+//! From what the user said of an ensemble to a run that makes sense.
+
+use super::histogram::Histogram;
+use super::job::{Job, Stop};
+use super::passage::Watch;
+use super::paths::Paths;
+use super::source::Source;
+use super::statistics::Wanted;
+use super::{Ensemble, Extras};
+use crate::error::{ConfigError, Error, UnknownName};
+use crate::increments::Interval;
+use crate::noise::StepNormals;
+use crate::options::Observables;
+use crate::state::Vector;
+use crate::system::Discretized;
+
+/// More recorded nodes than anyone looks at.
+const MOST_NODES: u64 = 1 << 20;
+/// Statistics of a block of paths that take more bytes are refused: some blocks wait for others, on each thread.
+const MOST_BYTES: u128 = 1 << 30;
+/// Bins of passage times.
+const PASSAGE_BINS: usize = 100;
+
+const PATHS: &str = "a number of paths: add `.paths(number)`";
+const SEED: &str = "a seed for its noise: add `.seed(number)` or `.noise(...)`";
+
+fn wrong<T>(what: impl Into<String>) -> Result<T, ConfigError> {
+    Err(ConfigError::Setting(what.into()))
+}
+
+impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
+    /// The run, checked.
+    ///
+    /// # Errors
+    /// [`Error::Config`] or [`Error::Noise`].
+    pub(super) fn job<'s>(self, stop: Stop<'s>) -> Result<Job<'s, H, E>, Error>
+    where
+        'a: 's,
+    {
+        let Self { system, h, .. } = self;
+        if !h.is_finite() || h == 0.0 {
+            return Err(ConfigError::StepSize(h).into());
+        }
+        let (start, steps) = self.span.checked::<H, E>(system, h)?;
+        let paths = self.paths.ok_or(ConfigError::Missing(PATHS))?;
+        if paths == 0 {
+            return Err(ConfigError::Setting("0 paths: take at least 1".into()).into());
+        }
+        let end = start.t + steps as f64 * h;
+        if !end.is_finite() {
+            return Err(ConfigError::End { start: start.t, end, h }.into());
+        }
+        let processes = system.noises();
+        let source = match self.source {
+            None if processes > 0 => return Err(ConfigError::Missing(SEED).into()),
+            Some(source) if processes > 0 => source,
+            _ => Source::new(StepNormals::seed(0)),
+        };
+        let first = Interval { start: start.t, h, step: 0 };
+        let source = source.prepared(self.settings, &H::PLAN, first, (processes, steps))?;
+        let has_pairs = source.is_antithetic();
+        if has_pairs && paths % 2 == 1 {
+            return Err(ConfigError::Setting(format!("{paths} antithetic paths: they come in pairs")).into());
+        }
+        let span = (start.t, h, steps);
+        let recorded = self.recorded.checked(0, span)?.all(steps, MOST_NODES)?;
+        let observables = if self.observables.is_empty() {
+            standard(system, start.q.components().len())
+        } else {
+            self.observables
+        };
+        let (names, observables) = observables.checked("observables")?;
+        let (event_names, events) = self.events.checked("events")?;
+        if has_pairs && !events.is_empty() {
+            return Err(ConfigError::Setting(
+                "first passages of antithetic paths: their errors would be those of independent ones; leave out one of the two"
+                    .into(),
+            )
+            .into());
+        }
+        let times: Vec<f64> = recorded.iter().map(|&steps| start.t + steps as f64 * h).collect();
+        let watches = watches(event_names, span, end)?;
+        let wanted = self.wanted.checked(names, times, watches, has_pairs, paths)?;
+        Ok(Job {
+            system,
+            prepared: system.prepare(h)?,
+            h,
+            start,
+            paths,
+            steps,
+            recorded,
+            source,
+            retry: self.retry,
+            observables,
+            events,
+            inspector: self.inspector,
+            wanted,
+            stop,
+        })
+    }
+}
+
+impl Extras {
+    fn checked(
+        self,
+        names: Vec<String>,
+        times: Vec<f64>,
+        watches: Vec<Watch>,
+        has_pairs: bool,
+        paths: u64,
+    ) -> Result<Wanted, ConfigError> {
+        let histogram = |(name, [lower, upper], bins): (String, [f64; 2], usize)| {
+            let observable = names.iter().position(|known| *known == name);
+            let observable = observable.ok_or_else(|| unknown(name, &names))?;
+            Ok((observable, Histogram::new(lower, upper, bins)?))
+        };
+        let histograms = self.histograms.into_iter().map(histogram).collect::<Result<_, ConfigError>>()?;
+        let bytes = Paths::bytes(paths, times.len(), names.len());
+        if let Some(most) = self.most_bytes
+            && bytes > u128::from(most)
+        {
+            return wrong(format!(
+                "the paths take {bytes} bytes to keep, more than the {most} that are allowed: record fewer times, or fewer paths"
+            ));
+        }
+        let (quantiles, has_covariances) = (self.quantiles, self.covariances);
+        let keeps_paths = self.most_bytes.is_some();
+        let wanted =
+            Wanted { names, times, quantiles, histograms, watches, keeps_paths, has_pairs, has_covariances };
+        match wanted.bytes() {
+            bytes if bytes > MOST_BYTES => wrong(format!(
+                "the statistics take {bytes} bytes for each block of paths, and {MOST_BYTES} are the most: leave covariances out with \
+                 `.covariances(false)`, or record fewer times, observables or bins"
+            )),
+            _ => Ok(wanted),
+        }
+    }
+}
+
+/// The events, each with a histogram over the whole time.
+fn watches(
+    names: Vec<String>,
+    (start, h, steps): (f64, f64, u64),
+    end: f64,
+) -> Result<Vec<Watch>, ConfigError> {
+    // Without a step there is no time to count.
+    let [lower, upper] = if steps == 0 { [start, start + h.abs()] } else { [start.min(end), start.max(end)] };
+    let watch = |name| Ok(Watch { name, start, end, histogram: Histogram::new(lower, upper, PASSAGE_BINS)? });
+    names.into_iter().map(watch).collect()
+}
+
+/// There is no observable of this name.
+pub(super) fn unknown(name: String, names: &[String]) -> ConfigError {
+    ConfigError::Setting(UnknownName { kind: "observable", name, known: names.to_vec() }.to_string())
+}
+
+/// What is observed if nothing is asked for.
+fn standard<H: Discretized<E> + Sync, E>(system: &H, degrees: usize) -> Observables<'_, H::Vector> {
+    let component =
+        |i: usize| move |vector: &H::Vector| vector.components().get(i).copied().unwrap_or(f64::NAN);
+    let mut all = Observables::default();
+    for i in 0..degrees {
+        let q = component(i);
+        all.push(format!("q{i}"), move |state| q(&state.q));
+    }
+    for i in 0..degrees {
+        let p = component(i);
+        all.push(format!("p{i}"), move |state| p(&state.p));
+    }
+    all.push("energy".into(), |state| system.energy(state));
+    all
+}

@@ -1,0 +1,202 @@
+//! The increments of paths beside each other.
+
+use super::draws::{STEPS, normals, normals_at};
+use super::source::Source;
+use crate::increments::{Interval, NoiseError};
+use crate::lanes::Lanes;
+use crate::noise::Paths;
+use crate::scalar::Scalar;
+
+/// The place of a step among those that are drawn together.
+#[inline(always)]
+fn slot(step: u64) -> usize {
+    (step % STEPS as u64) as usize
+}
+
+/// Where the increments of `L` paths come from.
+enum Origin<'j, const L: usize> {
+    /// Normals with these keys, by process.
+    Normals(Vec<[u32; 8]>),
+    /// Normals that more is made of than increments, by process and step.
+    Kept(Vec<[u32; 8]>, Vec<[[f64; L]; STEPS]>),
+    /// For paths `2k` and `2k + 1` the normals of path `k`, as they are and negated.
+    Pairs(Vec<[u32; 8]>, Vec<[[f64; L]; STEPS]>),
+    /// A noise for each path, and the increments of one of them.
+    Each(Vec<Box<dyn Paths + 'j>>, Vec<f64>),
+}
+
+/// The increments of `L` paths.
+pub(super) struct LaneIncrements<'j, const L: usize> {
+    origin: Origin<'j, L>,
+    /// Number of the first path.
+    path: u64,
+    processes: usize,
+    /// `√|h|`
+    deviation: f64,
+    /// The largest normal, in absolute value.
+    clip: f64,
+    /// Of `STEPS` steps: those of the first, then those of the second, ...
+    values: Vec<Lanes<L>>,
+}
+
+impl<'j, const L: usize> LaneIncrements<'j, L> {
+    /// Of so many processes in steps of size `h`.
+    pub(super) fn new(source: &'j Source<'_>, processes: usize, h: f64) -> Self {
+        let keys = source
+            .normals()
+            .map(|normals| (0..processes).map(|k| normals.key(k as u64, h)).collect::<Vec<_>>());
+        let origin = match keys {
+            Some(keys) if source.is_antithetic() => Origin::Pairs(keys, vec![[[0.0; L]; STEPS]; processes]),
+            Some(keys) => Origin::Normals(keys),
+            None => Origin::Each((0..L).map(|_| source.path(0)).collect(), vec![0.0; processes]),
+        };
+        let values = vec![Lanes::from_f64(0.0); STEPS * processes];
+        Self { origin, path: 0, processes, deviation: h.abs().sqrt(), clip: source.clip(h), values }
+    }
+
+    /// Keeps normals for whoever makes more of them than increments.
+    pub(super) fn keeping_normals(mut self) -> Self {
+        if let Origin::Normals(keys) = self.origin {
+            let kept = vec![[[0.0; L]; STEPS]; keys.len()];
+            self.origin = Origin::Kept(keys, kept);
+        }
+        self
+    }
+
+    /// Goes to paths `path ..`.
+    pub(super) fn begin(&mut self, path: u64) {
+        self.path = path;
+        if let Origin::Each(noises, _) = &mut self.origin {
+            noises.iter_mut().zip(path..).for_each(|(noise, path)| noise.set_path(path));
+        }
+    }
+
+    /// Draws the increments of a step, of those lanes that want any; steps are drawn in order.
+    ///
+    /// # Errors
+    /// That of a noise that has none.
+    #[inline(always)]
+    pub(super) fn draw(
+        &mut self,
+        interval: &Interval,
+        wants: impl Fn(usize) -> bool,
+    ) -> Result<(), NoiseError> {
+        let (step, processes) = (interval.step, self.processes);
+        match &mut self.origin {
+            Origin::Normals(keys) => {
+                if slot(step) > 0 {
+                    return Ok(());
+                }
+                let mut drawn = [[0.0; L]; STEPS];
+                for (process, key) in keys.iter().enumerate() {
+                    normals(key, self.path, step / STEPS as u64, &mut drawn);
+                    for (step, drawn) in drawn.iter().enumerate() {
+                        if let Some(to) = self.values.get_mut(step * processes + process) {
+                            *to = increment(Lanes::new(*drawn), self.clip, self.deviation);
+                        }
+                    }
+                }
+            }
+            Origin::Kept(keys, kept) => {
+                if slot(step) == 0 {
+                    for (key, kept) in keys.iter().zip(kept.iter_mut()) {
+                        normals(key, self.path, step / STEPS as u64, kept);
+                    }
+                }
+                for process in 0..processes {
+                    let normals = self.normals(process, step);
+                    self.drive(process, step, normals);
+                }
+            }
+            Origin::Pairs(..) => self.draw_pairs(step),
+            Origin::Each(..) => self.ask(interval, wants)?,
+        }
+        Ok(())
+    }
+
+    /// Of the lanes that are drawn at once, half are for the steps after the next [`STEPS`].
+    #[inline(always)]
+    fn draw_pairs(&mut self, step: u64) {
+        let Origin::Pairs(keys, drawn) = &mut self.origin else { return };
+        let within = step % (2 * STEPS as u64);
+        if within == 0 {
+            let (first, block, half) = (self.path / 2, step / STEPS as u64, L as u64 / 2);
+            for (key, to) in keys.iter().zip(drawn.iter_mut()) {
+                normals_at(key, |lane| (first.wrapping_add(lane % half), block + lane / half), to);
+            }
+        }
+        let (half, within) = (within as usize / STEPS, within as usize % STEPS);
+        for process in 0..self.processes {
+            let Origin::Pairs(_, drawn) = &self.origin else { return };
+            let drawn = &drawn[process][within];
+            let signed = |lane: usize| {
+                let normal = drawn[half * (L / 2) + lane / 2];
+                if lane.is_multiple_of(2) { normal } else { -normal }
+            };
+            self.drive(process, step, Lanes::new(std::array::from_fn(signed)));
+        }
+    }
+
+    /// Asks the noise of each path.
+    #[inline(never)]
+    fn ask(&mut self, interval: &Interval, wants: impl Fn(usize) -> bool) -> Result<(), NoiseError> {
+        let Origin::Each(noises, alone) = &mut self.origin else { return Ok(()) };
+        let (_, to) = self.values.split_at_mut(slot(interval.step) * self.processes);
+        for (lane, noise) in noises.iter_mut().enumerate().filter(|(lane, _)| wants(*lane)) {
+            noise.increments(interval, alone)?;
+            for (to, from) in to.iter_mut().zip(&*alone) {
+                to.set(lane, *from);
+            }
+        }
+        Ok(())
+    }
+
+    /// The normals of a step that has been drawn, before truncation; of lanes that keep them.
+    #[inline(always)]
+    pub(super) fn normals(&self, process: usize, step: u64) -> Lanes<L> {
+        match &self.origin {
+            Origin::Kept(_, kept) => Lanes::new(kept[process][slot(step)]),
+            _ => {
+                debug_assert!(false, "normals are kept where they are asked for");
+                Lanes::from_f64(f64::NAN)
+            }
+        }
+    }
+
+    /// Sets the increments of a step from normals.
+    #[inline(always)]
+    pub(super) fn drive(&mut self, process: usize, step: u64, normals: Lanes<L>) {
+        let place = slot(step) * self.processes + process;
+        self.values[place] = increment(normals, self.clip, self.deviation);
+    }
+
+    /// The increments of a step that has been drawn, by process.
+    #[inline(always)]
+    pub(super) fn of(&self, step: u64) -> &[Lanes<L>] {
+        let first = slot(step) * self.processes;
+        let row = self.values.get(first..first + self.processes);
+        debug_assert!(row.is_some(), "the row of a step is there");
+        // Too few increments are an error of the step.
+        row.unwrap_or_default()
+    }
+
+    /// The same, to change them.
+    #[inline(always)]
+    pub(super) fn of_mut(&mut self, step: u64) -> &mut [Lanes<L>] {
+        let first = slot(step) * self.processes;
+        self.values.get_mut(first..first + self.processes).unwrap_or_default()
+    }
+}
+
+/// Increments from standard normals: truncated, times `√|h|`.
+#[inline(always)]
+fn increment<const L: usize>(normals: Lanes<L>, clip: f64, deviation: f64) -> Lanes<L> {
+    let mut dw = normals.to_array();
+    for dw in &mut dw {
+        // As `clamp`, which takes more instructions because of NaN.
+        let z = if *dw < clip { *dw } else { clip };
+        let z = if z > -clip { z } else { -clip };
+        *dw = z * deviation;
+    }
+    Lanes::new(dw)
+}

@@ -1,0 +1,80 @@
+//! The Gauss methods: the discrete embedding with `S` quadrature points, of order `2S`.
+//!
+//! With `F = h H_0 + Σ_k ΔW_k H_k`, frozen over the step, the discrete Lagrangian with internal stages
+//!
+//! ```text
+//! L_d = ext Σ_i b_i [P_i · V_i - F(P_i, Q_i, t + c_i h)],  Q_i = q + Σ_j a_ij V_j,  q' = q + Σ_j b_j V_j
+//! ```
+//!
+//! has the stages `V_i = ∂F/∂p (i)`, `P_i = p - Σ_j a_ij ∂F/∂q (j)` (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical
+//! Integration*, theorem VI.6.4). They are found by sweeps `Y ← φ(Y)` over all of them at once, side by side in a vector register, and
+//! by Newton's method where sweeps do not contract. Where `F = h T(p) + V(q, t)` with a quadratic `T` the momenta are
+//! eliminated (Nyström form), which doubles the number of digits that a sweep gains.
+//!
+//! Coefficients, their symmetries, and the prediction of the stages from those of the step before: M. Antoñana, J. Makazaga, A. Murua,
+//! "Reducing and monitoring round-off error propagation for symplectic implicit Runge-Kutta schemes", Numer. Algorithms 76, 2017.
+
+mod action;
+mod advance;
+mod implement;
+mod kept;
+mod newton;
+mod shape;
+mod stages;
+mod sweep;
+mod table;
+mod wide;
+
+use crate::plan::{Plan, Solver};
+use crate::scalar::Scalar;
+use crate::system::Hamiltonian;
+
+pub use action::value;
+pub use advance::{Prepared, advance, prepare};
+pub use kept::Memory;
+pub use shape::{Dynamic, Fixed, Shape};
+pub use stages::{At, Scratch, Stages};
+
+/// The discrete embedding with `S` quadrature points, from 1 to 16: symplectic, symmetric, of order `2S`, and consistent
+/// with every Stratonovich system. `Gauss<1>` is [`Midpoint`](crate::embedding::Midpoint).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Gauss<const S: usize>;
+
+/// The slopes of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`; generated.
+pub trait Field: Hamiltonian {
+    /// Whether `F` is a constant quadratic form of `p` plus a function of `q` and `t`.
+    const IS_NYSTROM: bool;
+    /// Whether all stages can be evaluated at once although their times differ.
+    const IN_LANES: bool;
+    /// Lists of one number per degree of freedom.
+    type Shape: Shape;
+
+    /// `∂F/∂q` and `∂F/∂p`, as far as they are wanted. Slices have the degrees of freedom and the noises of the system.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "generated code implements it, and each is one thing that slopes depend on"
+    )]
+    fn slopes<S: Scalar, const BY_Q: bool, const BY_P: bool>(
+        &self,
+        t: S,
+        h: f64,
+        q: &[S],
+        p: &[S],
+        dw: &[S],
+        by_q: &mut [S],
+        by_p: &mut [S],
+    );
+}
+
+/// What the slopes are for lists that do not fit the system.
+#[cold]
+pub fn unfit<S: Scalar>(by_q: &mut [S], by_p: &mut [S]) {
+    by_q.fill(S::from_f64(f64::NAN));
+    by_p.fill(S::from_f64(f64::NAN));
+}
+
+/// The plan of a step with so many stages, from that of the mid-point step.
+pub const fn plan(midpoint: Plan, stages: usize, is_nystrom: bool, degrees: usize) -> Plan {
+    let unknowns = stages * degrees * if is_nystrom { 1 } else { 2 };
+    Plan { solver: Solver::Newton, unknowns, order: 2 * stages as u32, consistent: true, ..midpoint }
+}

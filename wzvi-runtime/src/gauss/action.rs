@@ -1,0 +1,57 @@
+//! The discrete Lagrangian of a step with internal stages.
+
+use super::Field;
+use super::advance::{Prepared, Step};
+use super::kept::Memory;
+use super::stages::{At, Stages};
+use crate::carry::Plain;
+use crate::state::Vector;
+use crate::system::Segment;
+
+/// `L_d(q_i, q_{i+1}, P) = A(q_i, P) + R · (q_{i+1} - Q)`, where the step from `(q_i, P)` leads to `(Q, R)` and `A` is the sum of
+/// `b_i [P_i · V_i - F(P_i, Q_i)]` over its stages: the same extension as that of compositions. NaN where the step has no
+/// solution.
+pub fn value<F: Field, const N: usize>(
+    system: &F,
+    prepared: &Prepared<N>,
+    segment: &Segment<F::Vector>,
+    dw: &[f64],
+) -> f64 {
+    let (q, p) = (segment.q0.components(), segment.p.components());
+    let degrees = q.len();
+    let fits = p.len() == degrees && segment.q1.components().len() == degrees && dw.len() == system.noises();
+    if !fits || system.check(degrees).is_err() {
+        return f64::NAN;
+    }
+    let mut memory = Memory::<f64, F::Shape, N>::default();
+    memory.fit(degrees);
+    let table = prepared.table();
+    let at = At { t: segment.t, h: segment.h, dw, c: &table.c };
+    let step = Step { system, table, at, q, p };
+    let mut lists = memory.lists.take();
+    if step.solve::<Plain, true>(&mut lists, &mut memory, &Plain).is_err()
+        || step.finish(&mut lists, &Plain).is_err()
+    {
+        return f64::NAN;
+    }
+    // The momenta of the stages, which the Nyström form does without: `P_i = p - Σ_j a_ij ∂F/∂q (j)`.
+    let slopes = lists.slopes[1].as_ref();
+    let momenta: Vec<_> = (0..degrees)
+        .map(|d| <f64 as crate::scalar::Scalar>::Stages::<N>::splat(p[d]).plus_product(&table.mu, slopes[d]))
+        .collect();
+    let mut action = 0.0;
+    for i in 0..N {
+        let own_q: Vec<f64> = lists.at[0].as_ref().iter().map(|stage| stage.get(i)).collect();
+        let own_p: Vec<f64> = momenta.iter().map(|stage| stage.get(i)).collect();
+        let (mut by_q, mut by_p) = (vec![0.0; degrees], vec![0.0; degrees]);
+        let t = segment.t + table.c[i] * segment.h;
+        system.slopes::<f64, false, true>(t, segment.h, &own_q, &own_p, dw, &mut by_q, &mut by_p);
+        let pairing: f64 = own_p.iter().zip(&by_p).map(|(p, v)| p * v).sum();
+        let drift = segment.h * system.evaluate(0, &own_q, &own_p, t);
+        let noise = dw.iter().enumerate().map(|(k, dw)| dw * system.evaluate(k + 1, &own_q, &own_p, t));
+        action += table.b[i] * (pairing - drift - noise.sum::<f64>());
+    }
+    let [next_q, next_p] = &lists.next;
+    let ends = segment.q1.components().iter().zip(next_q.as_ref()).zip(next_p.as_ref());
+    action + ends.map(|((end, reached), momentum)| momentum * (end - reached)).sum::<f64>()
+}

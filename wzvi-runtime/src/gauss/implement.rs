@@ -1,0 +1,83 @@
+//! The implementation of a Gauss method, which is the same for all systems.
+
+/// What follows the header `impl Discretized<Gauss<$stages>> for ...` of a system with `$degrees` degrees of freedom.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __gauss {
+    ([$($header:tt)*] $stages:literal, $midpoint:expr, $degrees:expr, $text:expr) => {
+        #[automatically_derived]
+        $($header)* {
+            const PLAN: $crate::plan::Plan = $crate::gauss::plan(
+                $midpoint,
+                $stages,
+                <Self as $crate::gauss::Field>::IS_NYSTROM,
+                $degrees,
+            );
+            const EQUATIONS: &'static $crate::core::primitive::str = $text;
+            const IN_LANES: $crate::core::primitive::bool = false;
+            type Prepared = $crate::gauss::Prepared<$stages>;
+            type Memory<__S: $crate::scalar::Scalar> =
+                $crate::gauss::Memory<__S, <Self as $crate::gauss::Field>::Shape, $stages>;
+            type Compensated<__S: $crate::scalar::Scalar> =
+                <<Self as $crate::gauss::Field>::Shape as $crate::gauss::Shape>::Compensation<__S>;
+            type Carry<__S: $crate::scalar::Scalar> = Self::Compensated<__S>;
+
+            fn prepare(
+                &self,
+                _: $crate::core::primitive::f64,
+            ) -> $crate::core::result::Result<Self::Prepared, $crate::error::ConfigError> {
+                $crate::gauss::prepare(self)
+            }
+
+            #[inline(always)]
+            fn advance_carrying<
+                __S: $crate::scalar::Scalar,
+                __C: $crate::carry::Carry<__S>,
+                const __CAREFUL: $crate::core::primitive::bool,
+            >(
+                &self,
+                __prepared: &Self::Prepared,
+                __t: $crate::core::primitive::f64,
+                __h: $crate::core::primitive::f64,
+                __q: &mut [__S],
+                __p: &mut [__S],
+                __dw: &[__S],
+                __memory: &mut Self::Memory<__S>,
+                __carry: &mut __C,
+            ) -> $crate::core::result::Result<$crate::solve::Effort, $crate::error::StepFailure> {
+                $crate::gauss::advance::<Self, __S, __C, $stages, __CAREFUL>(
+                    self, __prepared, __t, __h, __q, __p, __dw, __memory, __carry,
+                )
+            }
+
+            fn discrete_lagrangian(
+                &self,
+                __segment: &$crate::system::Segment<Self::Vector>,
+                __dw: &[$crate::core::primitive::f64],
+            ) -> $crate::core::primitive::f64 {
+                $crate::gauss::prepare::<Self, $stages>(self).map_or(
+                    $crate::core::primitive::f64::NAN,
+                    |__prepared| $crate::gauss::value(self, &__prepared, __segment, __dw),
+                )
+            }
+
+            fn discrete_lagrangian_gradient(
+                &self,
+                __segment: &$crate::system::Segment<Self::Vector>,
+                __dw: &[$crate::core::primitive::f64],
+            ) -> $crate::system::LagrangianGradient<Self::Vector> {
+                $crate::compose::gradient::<Self, $crate::gauss::Gauss<$stages>>(self, __segment, __dw)
+            }
+
+            fn step_momentum(
+                &self,
+                __before: &$crate::state::State<Self::Vector>,
+                _: &$crate::state::State<Self::Vector>,
+                _: $crate::core::primitive::f64,
+                _: &[$crate::core::primitive::f64],
+            ) -> Self::Vector {
+                $crate::core::clone::Clone::clone(&__before.p)
+            }
+        }
+    };
+}

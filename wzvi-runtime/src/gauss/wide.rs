@@ -1,0 +1,94 @@
+//! Numbers of twice the digits: `high + low` (T. J. Dekker, "A floating-point technique for extending the available precision",
+//! Numer. Math. 18, 1971). For coefficients, which are computed once.
+
+use std::ops::{Add, Div, Mul, Sub};
+
+/// `high + low`, `|low| <= ε |high|`
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wide {
+    high: f64,
+    low: f64,
+}
+
+impl Wide {
+    /// The nearest `f64`.
+    pub(super) fn rounded(self) -> f64 {
+        self.high + self.low
+    }
+
+    /// The sum without loss.
+    fn sum(a: f64, b: f64) -> Self {
+        let high = a + b;
+        let taken = high - a;
+        Self { high, low: (a - (high - taken)) + (b - taken) }
+    }
+
+    /// The product without loss.
+    fn product(a: f64, b: f64) -> Self {
+        let high = a * b;
+        Self { high, low: a.mul_add(b, -high) }
+    }
+}
+
+impl From<f64> for Wide {
+    fn from(number: f64) -> Self {
+        Self { high: number, low: 0.0 }
+    }
+}
+
+impl Add for Wide {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        let sum = Self::sum(self.high, other.high);
+        let rest = Self::sum(self.low, other.low);
+        let sum = Self::sum(sum.high, sum.low + rest.high);
+        Self::sum(sum.high, sum.low + rest.low)
+    }
+}
+
+impl Sub for Wide {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self + Self { high: -other.high, low: -other.low }
+    }
+}
+
+impl Mul for Wide {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let product = Self::product(self.high, other.high);
+        Self::sum(product.high, product.low + (self.high * other.low + self.low * other.high))
+    }
+}
+
+impl Div for Wide {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        let first = self.high / other.high;
+        let rest = self - other * Self::from(first);
+        let second = rest.high / other.high;
+        let rest = rest - other * Self::from(second);
+        Self::sum(first, second) + Self::from(rest.high / other.high)
+    }
+}
+
+impl Add<f64> for Wide {
+    type Output = Self;
+    fn add(self, other: f64) -> Self {
+        self + Self::from(other)
+    }
+}
+
+impl Mul<f64> for Wide {
+    type Output = Self;
+    fn mul(self, other: f64) -> Self {
+        self * Self::from(other)
+    }
+}
+
+impl Div<f64> for Wide {
+    type Output = Self;
+    fn div(self, other: f64) -> Self {
+        self / Self::from(other)
+    }
+}

@@ -1,0 +1,141 @@
+//! What several builders let the user set: each is one text with one meaning, and its value is checked in one place.
+//!
+//! `options!(start, end, ...)` inside an `impl` of a builder gives it the methods; the builder has the fields that they set.
+
+use std::fmt;
+use std::sync::Arc;
+
+use crate::error::ConfigError;
+use crate::state::State;
+
+/// A function of the state.
+pub(crate) type Observable<'a, V> = Arc<dyn Fn(&State<V>) -> f64 + Send + Sync + 'a>;
+
+/// Functions of the state, by name.
+pub(crate) struct Observables<'a, V>(Vec<(String, Observable<'a, V>)>);
+
+impl<V> Clone for Observables<'_, V> {
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+}
+
+impl<V> Default for Observables<'_, V> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<V> fmt::Debug for Observables<'_, V> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.0.iter().map(|(name, _)| name)).finish()
+    }
+}
+
+impl<'a, V> Observables<'a, V> {
+    pub(crate) fn push(&mut self, name: String, f: impl Fn(&State<V>) -> f64 + Send + Sync + 'a) {
+        self.0.push((name, Arc::new(f)));
+    }
+
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Names and functions. `what` they are, in the plural, is for errors.
+    ///
+    /// # Errors
+    /// [`ConfigError::Setting`] if two have the same name.
+    pub(crate) fn checked(self, what: &str) -> Result<(Vec<String>, Vec<Observable<'a, V>>), ConfigError> {
+        let (names, functions): (Vec<String>, _) = self.0.into_iter().unzip();
+        match names.iter().enumerate().find(|(i, name)| names.iter().take(*i).any(|known| known == *name)) {
+            Some((_, twice)) => Err(ConfigError::Setting(format!("two {what} have the name `{twice}`"))),
+            None => Ok((names, functions)),
+        }
+    }
+}
+
+/// Methods that builders have in common.
+macro_rules! options {
+    ($($option:ident),*) => { $(crate::options::options!(@ $option);)* };
+    (@ start) => {
+        /// The first state, at its own time.
+        pub fn start(mut self, start: crate::state::State<H::Vector>) -> Self {
+            self.span.start = Some(start);
+            self
+        }
+    };
+    (@ end) => {
+        /// Runs to time `end` (time units of the Hamiltonian): the first node at or beyond it.
+        ///
+        /// That is `⌈(end - t_0)/h⌉` steps, with an allowance for rounding: `until(20.0)` with `h = 0.02` takes 1000.
+        pub fn until(mut self, end: f64) -> Self {
+            self.span.end = Some(crate::span::End::Time(end));
+            self
+        }
+
+        /// Runs `steps` steps.
+        pub fn steps(mut self, steps: u64) -> Self {
+            self.span.end = Some(crate::span::End::Steps(steps));
+            self
+        }
+    };
+    (@ record) => {
+        /// Records every `stride`-th node, besides the start and the last one; with 0 only these two. If neither this nor `record_at` is
+        /// called, a single path records all nodes, and an ensemble the start and the last one.
+        pub fn record_every(mut self, stride: u64) -> Self {
+            self.recorded.every = Some(stride);
+            self
+        }
+
+        /// Records the nodes at these times, too: each the first node at or beyond it. Without `record_every`, only these, the start
+        /// and the last one.
+        pub fn record_at(mut self, times: impl IntoIterator<Item = f64>) -> Self {
+            self.recorded.times.extend(times);
+            self
+        }
+    };
+    (@ observe) => {
+        /// One more observable, a function of the state, under a name by which the result has its values at the recorded nodes.
+        pub fn observe(
+            mut self,
+            name: impl Into<String>,
+            observable: impl Fn(&crate::state::State<H::Vector>) -> f64 + Send + Sync + 'a,
+        ) -> Self {
+            self.observables.push(name.into(), observable);
+            self
+        }
+    };
+    (@ execution) => {
+        /// On so many threads; all cores if this is not called. The result is the same.
+        pub fn threads(mut self, threads: usize) -> Self {
+            self.execution.threads = Some(threads);
+            self
+        }
+
+        /// Ends the run early when `stop` says so: a deadline, for one. The result is then that of what is done, and says that it is
+        /// partial.
+        ///
+        /// It is asked from all threads, about every 10 ms, and after each step or observed path that takes longer. With the feature
+        /// `interrupt`, Ctrl-C stops a run, too.
+        pub fn stop_when(mut self, stop: impl Fn() -> bool + Send + Sync + 'a) -> Self {
+            self.execution.stop = Some(Box::new(stop));
+            self
+        }
+
+        /// No progress on the terminal. It shows after a second if standard error is one, and never if it is not.
+        pub fn quiet(mut self) -> Self {
+            self.execution.is_quiet = true;
+            self
+        }
+    };
+    (@ instructions) => {
+        /// With these vector instructions, or the baseline's where the machine does not have them; the best that it has if
+        /// this is not called. The result is the same.
+        pub fn instructions(mut self, set: crate::ensemble::InstructionSet) -> Self {
+            self.execution.instructions = set;
+            self
+        }
+    };
+}
+pub(crate) use options;

@@ -1,0 +1,206 @@
+//! An embedding as a value: types go in, one list of them comes out.
+
+use std::hint::black_box;
+use std::marker::PhantomData;
+use std::time::{Duration, Instant};
+
+use super::noise::Shifted;
+use crate::error::{ConfigError, Error, NoiseError};
+use crate::increments::{Interval, Noise};
+use crate::integrate::Integrate;
+use crate::names::short_name;
+use crate::plan::Plan;
+use crate::simulate::Node;
+use crate::state::{State, Vector};
+use crate::step::{StepInfo, Stepper};
+use crate::steps::{Account, Single, TakeStep, Unmonitored, take_steps};
+use crate::system::{Discretized, Hamiltonian};
+
+/// Sees a path, by its number in the run, at a recorded node.
+type See<'a, V> = &'a (dyn Fn(u64, &State<V>) + Sync);
+
+/// Paths to run, one after the other or beside each other.
+pub(super) struct Paths<'a, 'n, V> {
+    pub(super) start: &'a State<V>,
+    pub(super) h: f64,
+    pub(super) steps: u64,
+    /// Nodes that are seen, besides the start and the end: every so many; 0 for none.
+    pub(super) stride: u64,
+    /// How many.
+    pub(super) number: u64,
+    pub(super) noise: Shifted<'n>,
+}
+
+/// One embedding of a system.
+pub(super) trait Method<H: Hamiltonian>: Send + Sync {
+    /// The embedding as it is written, `Corrected<DeltaPlus>`.
+    fn name(&self) -> String;
+
+    /// What the compiler found out.
+    fn plan(&self) -> Plan;
+
+    /// Runs paths, which `see` sees at the recorded nodes that they reach, and says what the first one that failed said; `None` if Ctrl-C stopped it.
+    ///
+    /// # Errors
+    /// Those that are no matter of a step.
+    fn run(
+        &self,
+        system: &H,
+        paths: Paths<'_, '_, H::Vector>,
+        see: See<'_, H::Vector>,
+    ) -> Result<Option<Option<Error>>, Error>;
+
+    /// How long several paths take, one after the other, `passes` times over, and the Newton iterations of one pass; nothing but steps is
+    /// inside.
+    fn time(
+        &self,
+        system: &H,
+        paths: &[Given<'_, H::Vector>],
+        passes: u32,
+    ) -> Result<(Duration, Iterations), Error>;
+}
+
+/// A path to take: where from, in which steps.
+pub(super) struct Given<'a, V> {
+    pub(super) start: &'a State<V>,
+    pub(super) h: f64,
+    pub(super) steps: usize,
+    /// Rows of one increment per noise; empty without noise.
+    pub(super) increments: &'a [f64],
+}
+
+/// Increments that were drawn before, by rows.
+struct Rows<'a>(&'a [f64]);
+
+impl Noise for Rows<'_> {
+    #[inline]
+    fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
+        let first = interval.step as usize * dw.len();
+        match self.0.get(first..first + dw.len()) {
+            Some(row) => {
+                dw.copy_from_slice(row);
+                Ok(())
+            }
+            None => Err(NoiseError::Exhausted {
+                step: interval.step,
+                available: self.0.len().checked_div(dw.len()).unwrap_or(0),
+            }),
+        }
+    }
+}
+
+/// Newton iterations of some steps.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Iterations {
+    pub(super) steps: u64,
+    pub(super) total: u64,
+    pub(super) largest: u32,
+}
+
+impl Account for Iterations {
+    #[inline]
+    fn count(&mut self, _dw: &[f64], info: &StepInfo) {
+        self.steps += 1;
+        self.total += u64::from(info.iterations);
+        self.largest = self.largest.max(info.iterations);
+    }
+}
+
+/// The embedding `E`.
+pub(super) struct Embedded<E>(PhantomData<fn() -> E>);
+
+impl<E> Embedded<E> {
+    pub(super) fn new() -> Self {
+        Self(PhantomData)
+    }
+}
+
+impl<H, E> Method<H> for Embedded<E>
+where
+    H: Discretized<E> + Sync,
+    H::Vector: Send + Sync,
+    H::Prepared: Send + Sync,
+{
+    fn name(&self) -> String {
+        short_name::<E>()
+    }
+
+    fn plan(&self) -> Plan {
+        H::PLAN
+    }
+
+    /// One path without noise as a single run, which adds with care; paths with noise as an ensemble.
+    fn run(
+        &self,
+        system: &H,
+        paths: Paths<'_, '_, H::Vector>,
+        see: See<'_, H::Vector>,
+    ) -> Result<Option<Option<Error>>, Error> {
+        let Paths { start, h, steps, stride, number, noise } = paths;
+        if system.noises() == 0 {
+            let run = system.simulate::<E>(h).start(start.clone()).steps(steps);
+            let run = run.record_every(if stride == 0 { steps.max(1) } else { stride });
+            let run = run.inspect(|state: &State<H::Vector>, _: &Node<'_>| see(0, state));
+            let (_, failure) = run.run_partial()?;
+            return Ok(Some(failure));
+        }
+        let run = system.ensemble::<E>(h).start(start.clone()).paths(number).noise(noise).steps(steps);
+        let run = run.record_every(stride).allow_losses(1.0).covariances(false).threads(1).quiet();
+        match run.observe("t", |state| state.t).inspect(see).run() {
+            Ok(statistics) if statistics.is_partial() => Ok(None),
+            Ok(statistics) => {
+                let first = statistics.failures().first();
+                Ok(Some(first.map(|failure| failure.error.into())))
+            }
+            Err(error @ Error::Step(_)) => Ok(Some(Some(error))),
+            Err(error) => Err(error),
+        }
+    }
+
+    fn time(
+        &self,
+        system: &H,
+        paths: &[Given<'_, H::Vector>],
+        passes: u32,
+    ) -> Result<(Duration, Iterations), Error> {
+        // As they are run for their errors.
+        if system.noises() == 0 {
+            timed(paths, (0, passes), |h| Stepper::<H, E>::new(system, h))
+        } else {
+            timed(paths, (system.noises(), passes), |h| Ok(Stepper::<H, E>::new(system, h)?.plain()))
+        }
+    }
+}
+
+/// How long paths of so many processes take, so many times over.
+fn timed<V: Vector, T: TakeStep<V>>(
+    paths: &[Given<'_, V>],
+    (processes, passes): (usize, u32),
+    stepper: impl Fn(f64) -> Result<T, ConfigError>,
+) -> Result<(Duration, Iterations), Error> {
+    let mut steppers = paths.iter().map(|path| stepper(path.h)).collect::<Result<Vec<_>, _>>()?;
+    let mut counts = Iterations::default();
+    let Some(first) = paths.first() else { return Ok((Duration::ZERO, counts)) };
+    let (mut state, mut dw) = (first.start.clone(), vec![0.0; processes]);
+    let begin = Instant::now();
+    for _ in 0..passes {
+        counts = Iterations::default();
+        for (path, stepper) in paths.iter().zip(&mut steppers) {
+            state.clone_from(path.start);
+            let mut rows = (processes > 0).then_some(Rows(path.increments));
+            let mut single = Single {
+                stepper,
+                state: &mut state,
+                noise: &mut rows,
+                dw: &mut dw,
+                start: path.start.t,
+                h: path.h,
+                account: &mut counts,
+            };
+            // Only paths that were seen to reach the end are timed.
+            take_steps(&mut single, 0..path.steps as u64, &mut Unmonitored)?;
+            black_box(&state);
+        }
+    }
+    Ok((begin.elapsed(), counts))
+}
