@@ -5,6 +5,7 @@
 use serde_json::Value;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
+use wzvi::scalar::{Dual, Scalar};
 
 type Point = SVector<f64, 1>;
 
@@ -114,4 +115,198 @@ fn a_hundred_time_units_are_right_to_thirteen_digits() {
         Gauss<16>, 40, 2e-10;
         Gauss<16>, 60, 1.5e-13;
     }
+}
+
+/// A Fermi-Pasta-Ulam chain: the same in straight-line code and in loops.
+macro_rules! chain {
+    ($name:ident, $($size:tt)*) => {
+        #[hamiltonian(
+            drift = |q: $($size)*, p: $($size)*| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+                + (0..q.len() - 1).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2) + 0.25 * (q[i + 1] - q[i]).powi(4)).sum::<f64>()
+                + 0.5 * q[0] * q[0],
+            embedding = [Midpoint, Gauss<1>, Gauss<2>, Gauss<4>, Gauss<8>],
+        )]
+        struct $name;
+    };
+}
+chain!(Chain, &[f64]);
+chain!(Four, [f64; 4]);
+
+/// The same with a coordinate in the kinetic energy, the time, and a noise at each site.
+macro_rules! noisy {
+    ($name:ident, $($size:tt)*) => {
+        #[hamiltonian(
+            drift = |q: $($size)*, p: $($size)*, t| (0..q.len()).map(|i| 0.5 * (1.0 + 0.1 * q[i] * q[i]) * p[i] * p[i]
+                + 0.25 * q[i].powi(4) + 0.1 * (1.0 + t).ln() * q[i]).sum::<f64>()
+                + (0..q.len() - 1).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2)).sum::<f64>(),
+            noise = [|q, p, k| 0.2 * q[k] * p[k]; 4],
+            embedding = [Gauss<3>],
+        )]
+        struct $name;
+    };
+}
+noisy!(NoisyLoop, &[f64]);
+noisy!(NoisyFour, [f64; 4]);
+
+#[test]
+fn loops_and_straight_lines_take_the_same_steps() {
+    let (q, p) = (vec![0.3, -0.2, 0.5, 0.1], vec![0.0, 0.4, -0.1, 0.2]);
+    macro_rules! same {
+        ($scheme:ty, $a:expr, $b:expr, $dw:expr) => {
+            let mut many = State::new(q.clone(), p.clone());
+            let mut four = State::new([0.3, -0.2, 0.5, 0.1], [0.0, 0.4, -0.1, 0.2]);
+            let (mut a, mut b) = ($a.stepper::<$scheme>(0.1).unwrap(), $b.stepper::<$scheme>(0.1).unwrap());
+            for _ in 0..20 {
+                a.step(&mut many, $dw).unwrap();
+                b.step(&mut four, $dw).unwrap();
+            }
+            for i in 0..4 {
+                // Roundings of twenty steps.
+                assert!((many.q[i] - four.q[i]).abs() < 2e-15, "{} {}", many.q[i], four.q[i]);
+                assert!((many.p[i] - four.p[i]).abs() < 2e-15, "{} {}", many.p[i], four.p[i]);
+            }
+        };
+    }
+    same!(Gauss<1>, Chain, Four, &[]);
+    same!(Gauss<2>, Chain, Four, &[]);
+    same!(Gauss<4>, Chain, Four, &[]);
+    same!(Gauss<8>, Chain, Four, &[]);
+    same!(Gauss<3>, NoisyLoop, NoisyFour, &[0.1, -0.2, 0.05, 0.3]);
+}
+
+fn advance<E, S: Scalar, H: Discretized<E>>(
+    system: &H,
+    [q, p]: [S; 2],
+    [t, h]: [f64; 2],
+    dw: &[f64],
+) -> [S; 2] {
+    let prepared = system.prepare(h).unwrap();
+    let (mut q, mut p) = ([q], [p]);
+    let dw: Vec<S> = dw.iter().map(|&dw| S::from_f64(dw)).collect();
+    system.advance(&prepared, t, h, &mut q, &mut p, &dw, &mut Default::default()).unwrap();
+    [q[0], p[0]]
+}
+
+/// Dual numbers give the tangent map of a step: its determinant is one, and the step of `-h` undoes it.
+fn check_symplectic<E, H: Discretized<E>>(system: &H, dw: &[f64], name: &str) {
+    for (q, p, t, h) in [(0.6, 0.4, 0.0, 0.3), (-0.2, 0.9, 1.0, 0.5), (0.01, -0.3, 2.0, -0.2)] {
+        let dual =
+            |value: f64, k: usize| Dual::<2> { value, derivative: [f64::from(k == 0), f64::from(k == 1)] };
+        let [end_q, end_p] = advance::<E, _, H>(system, [dual(q, 0), dual(p, 1)], [t, h], dw);
+        let [[a, b], [c, d]] = [end_q.derivative, end_p.derivative];
+        // A hundred roundings of products of a few units.
+        assert!((a * d - b * c - 1.0).abs() < 2e-14, "{name}: {:e}", a * d - b * c - 1.0);
+        let back: Vec<f64> = dw.iter().map(|dw| -dw).collect();
+        let [back_q, back_p] = advance::<E, _, H>(system, [end_q.value, end_p.value], [t + h, -h], &back);
+        assert!(
+            (back_q - q).abs() < 4e-15 && (back_p - p).abs() < 4e-15,
+            "{name}: {back_q} {q}, {back_p} {p}"
+        );
+    }
+}
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.25 * q.powi(4) + 0.3 * q * p * p,
+    noise = [|q, p| 0.3 * q * p + 0.1 * q * q, |q, _| 0.2 * q.sin()],
+    embedding = [Verlet, Midpoint, Gauss<2>, Gauss<5>],
+)]
+struct Noisy;
+
+#[test]
+fn steps_are_symplectic_and_symmetric() {
+    check_symplectic::<Gauss<2>, _>(&Driven, &[], "Gauss<2>");
+    check_symplectic::<Gauss<8>, _>(&Driven, &[], "Gauss<8>");
+    check_symplectic::<Gauss<3>, _>(&Pendulum, &[], "Gauss<3>, Nyström form");
+    check_symplectic::<Gauss<16>, _>(&Pendulum, &[], "Gauss<16>, Nyström form");
+    check_symplectic::<Composed<Gauss<2>, KahanLi8>, _>(&Pendulum, &[], "composed");
+    let dw = [0.2, -0.3];
+    check_symplectic::<Verlet, _>(&Noisy, &dw, "Verlet");
+    check_symplectic::<Composed<Midpoint, Suzuki4>, _>(&Noisy, &dw, "Suzuki4");
+    check_symplectic::<Composed<Verlet, BlanesMoan6>, _>(&Noisy, &dw, "BlanesMoan6");
+    check_symplectic::<Gauss<5>, _>(&Noisy, &dw, "Gauss<5>");
+}
+
+/// With frozen increments every scheme approximates the same flow, that of the step Hamiltonian: half of `h` and `ΔW` leave
+/// `2^-(order + 1)` of the error.
+#[test]
+fn all_schemes_approach_the_flow_of_the_step_hamiltonian() {
+    fn check<E>()
+    where
+        Noisy: Discretized<E>,
+    {
+        let [coarse, fine] = [1.0, 0.5].map(|scale| {
+            let (h, dw) = ([0.0, 0.1 * scale], [0.11 * scale, -0.07 * scale]);
+            let ours = advance::<E, f64, _>(&Noisy, [0.4, 0.3], h, &dw);
+            let best = advance::<Gauss<5>, f64, _>(&Noisy, [0.4, 0.3], h, &dw);
+            (ours[0] - best[0]).hypot(ours[1] - best[1])
+        });
+        let order = (coarse / fine).log2() - 1.0;
+        assert!((order - f64::from(<Noisy as Discretized<E>>::PLAN.order)).abs() < 0.2, "{order}");
+    }
+    check::<Midpoint>();
+    check::<Verlet>();
+    check::<Gauss<2>>();
+    check::<Composed<Midpoint, Yoshida4>>();
+    check::<Composed<Verlet, Suzuki4>>();
+    check::<Composed<Verlet, BlanesMoan4>>();
+}
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.5 * omega * omega * q * q + 1.0 - q.cos(),
+    embedding = [Midpoint, Gauss<2>, Gauss<8>],
+)]
+struct Stiff {
+    omega: f64,
+}
+
+/// Sweeps do not contract where `h ω` is large: the energy, which a symplectic step keeps within its order, stays where the start
+/// is of the size of the thermal motion of the stiff direction.
+#[test]
+fn stiff_directions_are_solved_by_newtons_method() {
+    for omega in [10.0, 50.0, 100.0] {
+        let stiff = Stiff { omega };
+        let start = State::new([1e-2], [0.5]);
+        let (h, steps) = (0.5, 2000);
+        let path = stiff.simulate::<Gauss<8>>(h).start(start).steps(steps).run().unwrap();
+        let energies = path.states().iter().map(|state| stiff.energy(state));
+        let (least, most) = energies.fold((f64::INFINITY, 0.0_f64), |(a, b), e| (a.min(e), b.max(e)));
+        // The force of the pendulum is smaller than the spring's by `1/ω²`, and so is what the step makes of it.
+        assert!((most - least) / least < 10.0 / (omega * omega), "{omega}: {least} {most}");
+    }
+}
+
+#[test]
+fn a_step_that_fails_changes_nothing() {
+    let stiff = Stiff { omega: f64::MAX.sqrt() };
+    let start = State::new([1e200], [1.0]);
+    let mut state = start;
+    let mut stepper = stiff.stepper::<Gauss<8>>(0.1).unwrap();
+    let error = stepper.step(&mut state, &[]).unwrap_err();
+    assert_eq!((error.step, error.h), (0, 0.1));
+    assert_eq!((state.q, state.p, state.t), (start.q, start.p, start.t));
+    let nan = Stiff { omega: f64::NAN };
+    assert!(nan.stepper::<Gauss<2>>(0.1).is_err());
+}
+
+/// Paths of an ensemble are those that its noise drives alone, bit for bit.
+#[test]
+fn ensembles_run_gauss_methods_and_compositions() {
+    macro_rules! check {
+        ($scheme:ty) => {
+            let start = State::new([0.4], [0.3]);
+            let ensemble = Noisy.ensemble::<$scheme>(0.05).start(start).paths(40).seed(7).until(1.0);
+            let statistics = ensemble.observe("height", |state| state.q[0]).run().unwrap();
+            let mut sum = 0.0;
+            for path in 0..40 {
+                let alone =
+                    Noisy.simulate::<$scheme>(0.05).start(start).noise(StepNormals::seed(7).path(path));
+                sum += alone.until(1.0).run().unwrap().last().q[0];
+            }
+            let mean = statistics.mean("height").unwrap();
+            assert!((mean - sum / 40.0).abs() < 1e-14, "{mean} {}", sum / 40.0);
+        };
+    }
+    check!(Gauss<2>);
+    check!(Verlet);
+    check!(Composed<Midpoint, Yoshida4>);
 }

@@ -31,7 +31,7 @@ pub(crate) fn back_end(mut model: Model, facts: &Facts) -> TokenStream {
     let texts = Texts::new(
         &listed,
         of_parts,
-        |embedding| staged.get(&(embedding.order() / 2)).cloned().unwrap_or_default(),
+        |embedding| staged.get(&embedding.stages().unwrap_or(1)).cloned().unwrap_or_default(),
         |embedding, text| properties(&mut model.graph, facts, embedding, text),
     );
     emit(&mut model, facts, &schemes, &texts)
@@ -50,10 +50,12 @@ pub(crate) fn elements_back_end(mut system: Box<System>, facts: &Facts) -> Token
         .collect();
     let of_parts =
         schemes.iter().map(|(e, s)| elements::describe::describe(&mut system, facts, e, s)).collect();
+    let staged: HashMap<u32, String> =
+        stages(&listed).map(|stages| (stages, elements::staged::describe(&system, stages))).collect();
     let texts = Texts::new(
         &listed,
         of_parts,
-        |_| String::new(),
+        |embedding| staged.get(&embedding.stages().unwrap_or(1)).cloned().unwrap_or_default(),
         |embedding, text| properties(&mut system.graph, facts, embedding, text),
     );
     elements::emit::emit(&mut system, facts, &schemes, &texts)
@@ -65,8 +67,5 @@ fn values(embeddings: &[Located<Embedding>]) -> Vec<Embedding> {
 
 /// The numbers of stages of the schemes that have several.
 fn stages(listed: &[Embedding]) -> impl Iterator<Item = u32> + '_ {
-    listed.iter().filter_map(|embedding| match embedding {
-        Embedding::Gauss(stages) if *stages > 1 => Some(*stages),
-        _ => None,
-    })
+    listed.iter().filter_map(Embedding::stages)
 }

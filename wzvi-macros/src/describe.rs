@@ -22,6 +22,11 @@ pub(crate) fn derived(listed: &[Embedding]) -> Vec<Embedding> {
 }
 
 impl Texts {
+    /// The schemes with several stages that were listed, and how many they have.
+    pub(crate) fn staged(&self) -> impl Iterator<Item = (u32, &String)> {
+        self.listed.iter().filter_map(|(embedding, text)| Some((embedding.stages()?, text)))
+    }
+
     /// `of_parts` are those of `derived(listed)`; `staged` derives a scheme with several stages,
     /// `facts_of` says what is known of a scheme that is none of the parts.
     pub(crate) fn new(

@@ -150,6 +150,30 @@ pub trait Elements: Hamiltonian {
     );
 }
 
+/// The slopes of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`, as far as they are wanted; `t` is the same in all lanes, or is
+/// not read.
+#[expect(clippy::too_many_arguments, reason = "as `gauss::Field::slopes`")]
+#[inline(always)]
+pub fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
+    system: &H,
+    t: S,
+    h: f64,
+    q: &[S],
+    p: &[S],
+    dw: &[S],
+    by_q: &mut [S],
+    by_p: &mut [S],
+) {
+    by_q.fill(S::from_f64(0.0));
+    by_p.fill(S::from_f64(0.0));
+    let at = Point { q, p, t: t.lane(0), h, dw, acting: 0..dw.len() };
+    let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
+    system.slopes(0, 1.0, &at, wanted, by_q, by_p);
+    if !dw.is_empty() {
+        system.slopes(1, 1.0, &at, wanted, by_q, by_p);
+    }
+}
+
 /// Whether a state of `got` degrees of freedom fits the system.
 ///
 /// # Errors

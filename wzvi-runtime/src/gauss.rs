@@ -30,7 +30,7 @@ use crate::scalar::Scalar;
 use crate::system::Hamiltonian;
 
 pub use action::value;
-pub use advance::{Prepared, advance, prepare};
+pub use advance::{Prepared, advance, memory, prepare};
 pub use kept::Memory;
 pub use shape::{Dynamic, Fixed, Shape};
 pub use stages::{At, Scratch, Stages};
@@ -75,6 +75,6 @@ pub fn unfit<S: Scalar>(by_q: &mut [S], by_p: &mut [S]) {
 
 /// The plan of a step with so many stages, from that of the mid-point step.
 pub const fn plan(midpoint: Plan, stages: usize, is_nystrom: bool, degrees: usize) -> Plan {
-    let unknowns = stages * degrees * if is_nystrom { 1 } else { 2 };
+    let unknowns = degrees.saturating_mul(stages * if is_nystrom { 1 } else { 2 });
     Plan { solver: Solver::Newton, unknowns, order: 2 * stages as u32, consistent: true, ..midpoint }
 }

@@ -65,6 +65,15 @@ impl Embedding {
         }
     }
 
+    /// The number of stages that are solved at once, if there are several.
+    pub(crate) fn stages(&self) -> Option<u32> {
+        match self {
+            Self::Gauss(1) => None,
+            Self::Gauss(stages) => Some(*stages),
+            _ => None,
+        }
+    }
+
     /// Whether the step backwards undoes the step forwards.
     pub(crate) fn is_symmetric(&self) -> bool {
         matches!(self, Self::Midpoint | Self::Verlet | Self::Gauss(_))

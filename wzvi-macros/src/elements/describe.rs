@@ -109,6 +109,16 @@ pub(crate) fn noise_numbers(model: &System) -> Vec<String> {
     numbers.collect()
 }
 
+/// Every Hamiltonian.
+pub(super) fn hamiltonians(model: &System) -> String {
+    let mut text = "Hamiltonians, as sums of elements\n".to_owned();
+    let _ = writeln!(text, "  H0 = {}", term(model, &model.drift.elements));
+    for (number, noise) in noise_numbers(model).iter().zip(&model.noise) {
+        let _ = writeln!(text, "  H{number} = {}", term(model, &noise.term.elements));
+    }
+    text
+}
+
 /// The text of one scheme.
 pub(crate) fn describe(
     model: &mut System,
@@ -116,11 +126,7 @@ pub(crate) fn describe(
     embedding: &Embedding,
     strategy: &Strategy,
 ) -> String {
-    let mut text = format!("{embedding}\n\nHamiltonians, as sums of elements\n");
-    let _ = writeln!(text, "  H0 = {}", term(model, &model.drift.elements));
-    for (number, noise) in noise_numbers(model).iter().zip(&model.noise) {
-        let _ = writeln!(text, "  H{number} = {}", term(model, &noise.term.elements));
-    }
+    let mut text = format!("{embedding}\n\n{}", hamiltonians(model));
     match strategy {
         Strategy::Sweep { unknowns, is_linear } => {
             sweep::sweep(model, facts, embedding, (*unknowns, *is_linear), &mut text);

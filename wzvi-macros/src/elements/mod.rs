@@ -22,3 +22,4 @@ pub(crate) mod describe;
 pub(crate) mod emit;
 pub(crate) mod parts;
 pub(crate) mod plan;
+pub(crate) mod staged;

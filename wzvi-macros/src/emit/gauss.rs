@@ -12,18 +12,13 @@ use super::program::Level;
 use super::step::increment_names;
 use super::system::{Body, Inputs, Letters, body, count};
 use crate::describe::Texts;
-use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::gauss::StepSlopes;
 use crate::model::Model;
 
 /// Every `Gauss<S>` that was listed.
 pub(super) fn emit(model: &mut Model, facts: &Facts, texts: &Texts) -> TokenStream {
-    let staged = texts.listed.iter().filter_map(|(embedding, text)| match embedding {
-        Embedding::Gauss(stages) if *stages > 1 => Some((*stages, text)),
-        _ => None,
-    });
-    let staged: Vec<(u32, &String)> = staged.collect();
+    let staged: Vec<(u32, &String)> = texts.staged().collect();
     if staged.is_empty() {
         return TokenStream::new();
     }

@@ -31,6 +31,16 @@ pub fn prepare<F: Field, const N: usize>(system: &F) -> Result<Prepared<N>, Conf
     Ok(Prepared { table: Table::get(), instructions: InstructionSet::best() })
 }
 
+/// The memory of a new stepper: all that its steps will need, where the system knows its size.
+pub fn memory<F: Field, const N: usize>(system: &F) -> Memory<f64, F::Shape, N> {
+    let mut memory = Memory::default();
+    let degrees = system.degrees();
+    if degrees != 0 && system.check(degrees).is_ok() {
+        memory.fit(degrees);
+    }
+    memory
+}
+
 /// One step from `(q, p)` at `t` in place. On `Err`, `q`, `p`, `memory` and `carry` are as they were.
 ///
 /// # Errors

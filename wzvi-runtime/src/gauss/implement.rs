@@ -22,6 +22,10 @@ macro_rules! __gauss {
                 <<Self as $crate::gauss::Field>::Shape as $crate::gauss::Shape>::Compensation<__S>;
             type Carry<__S: $crate::scalar::Scalar> = Self::Compensated<__S>;
 
+            fn memory(&self) -> Self::Memory<$crate::core::primitive::f64> {
+                $crate::gauss::memory(self)
+            }
+
             fn prepare(
                 &self,
                 _: $crate::core::primitive::f64,

@@ -153,7 +153,7 @@ pub(super) fn sweep(
     }
 }
 
-fn plan(
+pub(super) fn plan(
     model: &System,
     facts: &Facts,
     embedding: &Embedding,

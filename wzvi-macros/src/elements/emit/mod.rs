@@ -3,6 +3,7 @@
 mod chunk;
 mod combine;
 mod discretized;
+mod gauss;
 mod hamiltonian;
 mod indices;
 mod kernel;
@@ -50,6 +51,7 @@ pub(crate) fn emit(
         };
         generated.extend(discretized::emit(model, facts, embedding, road, text));
     }
+    generated.extend(gauss::emit(model, facts, texts));
     let surroundings = Surroundings {
         crate_path: &model.crate_path,
         tokens: with_header(&model.item, user_tokens(model).iter()),

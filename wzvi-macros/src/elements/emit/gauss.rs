@@ -1,0 +1,62 @@
+//! `impl Discretized<Gauss<S>>` of a system of elements.
+
+use proc_macro2::{Literal, TokenStream};
+use quote::quote;
+
+use super::discretized::plan;
+use crate::describe::Texts;
+use crate::discretise::embedding::Embedding;
+use crate::discretise::facts::Facts;
+use crate::elements::plan::Unknowns;
+use crate::elements::staged::is_nystrom;
+use crate::model::System;
+
+/// Every `Gauss<S>` that was listed.
+pub(super) fn emit(model: &mut System, facts: &Facts, texts: &Texts) -> TokenStream {
+    let staged: Vec<(u32, &String)> = texts.staged().collect();
+    if staged.is_empty() {
+        return TokenStream::new();
+    }
+    let is_nystrom = is_nystrom(model, facts);
+    let noise = model.noise.iter().flat_map(|noise| &noise.term.elements);
+    let reads_time =
+        model.drift.elements.iter().chain(noise).any(|e| model.graph.depends_on(e.value, &[model.t]));
+    let in_lanes = !reads_time;
+    // Its unknowns are those of one stage with one unknown for each degree of freedom.
+    let midpoint = plan(model, facts, &Embedding::Midpoint, Unknowns::Momenta, false);
+    let name = &model.item.ident;
+    let (generics, arguments, filter) = model.item.generics.split_for_impl();
+    let (f64, bool) = (quote!(__wzvi::f64), quote!(__wzvi::bool));
+    let mut generated = quote! {
+        #[automatically_derived]
+        impl #generics __wzvi::gauss::Field for #name #arguments #filter {
+            const IS_NYSTROM: #bool = #is_nystrom;
+            const IN_LANES: #bool = #in_lanes;
+            type Shape = __wzvi::gauss::Dynamic;
+
+            #[inline(always)]
+            fn slopes<__S: __wzvi::Scalar, const __BY_Q: #bool, const __BY_P: #bool>(
+                &self,
+                __t: __S,
+                __h: #f64,
+                __q: &[__S],
+                __p: &[__S],
+                __dw: &[__S],
+                __by_q: &mut [__S],
+                __by_p: &mut [__S],
+            ) {
+                __wzvi::elements::field::<_, __S, __BY_Q, __BY_P>(self, __t, __h, __q, __p, __dw, __by_q, __by_p)
+            }
+        }
+    };
+    for (stages, text) in staged {
+        let stages = Literal::u32_unsuffixed(stages);
+        generated.extend(quote! {
+            __wzvi::gauss! {
+                [impl #generics __wzvi::Discretized<__wzvi::embedding::Gauss<#stages>> for #name #arguments #filter]
+                #stages, #midpoint, { #midpoint }.unknowns, #text
+            }
+        });
+    }
+    generated
+}

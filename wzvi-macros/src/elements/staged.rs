@@ -1,0 +1,61 @@
+//! Schemes with several stages, of systems of elements.
+
+use std::fmt::Write;
+
+use crate::discretise::facts::Facts;
+use crate::elements::describe::{hamiltonians, noise_numbers};
+use crate::model::{Element, Reads, System};
+use crate::symbolic::{Rational, Symbol};
+
+/// Whether the step Hamiltonian is a constant quadratic form of the momenta plus a function of coordinates and time.
+pub(crate) fn is_nystrom(model: &mut System, facts: &Facts) -> bool {
+    let System { graph, drift, noise, t, .. } = model;
+    let moves = |element: &Element| matches!(element.reads(), Reads::Momenta | Reads::Both);
+    let is_noisy = noise.iter().flat_map(|noise| &noise.term.elements).any(moves);
+    let is_quadratic = drift.elements.iter().filter(|element| moves(element)).all(|element| {
+        let momenta: Vec<Symbol> = element.momenta().map(|(symbol, _)| symbol).collect();
+        let moving = [momenta.as_slice(), &[*t]].concat();
+        momenta.iter().all(|&p| {
+            let velocity = graph.derivative(element.value, p);
+            let mut rest = vec![(velocity, Rational::ONE)];
+            for &other in &momenta {
+                let mass = graph.derivative(velocity, other);
+                if graph.depends_on(mass, &moving) {
+                    return false;
+                }
+                let other = graph.symbol(other);
+                rest.push((graph.multiply(mass, other), Rational::MINUS_ONE));
+            }
+            let rest = graph.linear_combination(&rest);
+            graph.is_zero(rest)
+        })
+    });
+    facts.is_separable && !is_noisy && is_quadratic
+}
+
+/// The text of `Gauss<stages>`, without its facts.
+pub(crate) fn describe(model: &System, stages: u32) -> String {
+    let mut text = format!("Gauss<{stages}>\n\n{}", hamiltonians(model));
+    let numbers = noise_numbers(model);
+    let terms = numbers.iter().map(|number| format!(" + ΔW{number} H{number}"));
+    let _ = write!(
+        text,
+        "
+Discrete Lagrangian of the step from t to t + h, from q, p to q', p', with {stages} stages
+  L_d = ext Σ_j b_j [P_j · V_j - F(P_j, Q_j, t + c_j h)]
+  F = h H0{}
+  Q_j = q + Σ_k a_jk V_k,  q' = q + Σ_j b_j V_j
+  c_j: the roots of the shifted Legendre polynomial P_{stages}(2c - 1)
+
+Discrete Euler-Lagrange equations
+  ∂L_d/∂P_j = 0:  V_j = ∂F/∂P (P_j, Q_j)
+  ∂L_d/∂V_j = 0:  P_j = p - Σ_k a_jk ∂F/∂Q (P_k, Q_k)
+  p' = D2 L_d:    p' = p - Σ_j b_j ∂F/∂Q (P_j, Q_j)
+
+Step
+  solve for all stages: by sweeps while they contract, else Newton's method on all of them at once
+",
+        terms.collect::<String>()
+    );
+    text
+}
