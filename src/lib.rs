@@ -118,6 +118,14 @@ pub mod prelude {
 #[doc(hidden)]
 pub mod __private {
     pub use core;
+    pub use core::cmp::Ord;
+    pub use core::convert::{Into, TryInto};
+    pub use core::default::Default;
+    pub use core::marker::PhantomData;
+    pub use core::ops::Range;
+    pub use core::option::Option::{self, None, Some};
+    pub use core::primitive::{bool, f64, i128, isize, str, usize};
+    pub use core::result::Result::{self, Err, Ok};
 
     pub use wzvi_macros::__continue;
 
@@ -132,7 +140,11 @@ pub mod __private {
     pub use wzvi_runtime::solve::*;
     pub use wzvi_runtime::state::{State, Vector};
     pub use wzvi_runtime::system::{
-        Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, array_mut, increments,
+        Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, array_mut, gradient, increments,
     };
     pub use wzvi_runtime::{__composition as composition, __gauss as gauss, gauss};
+
+    /// What bindings of generated code are called until they are bound: a pattern may shadow a function, and not a
+    /// constant.
+    pub fn binding() {}
 }

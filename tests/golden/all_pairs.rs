@@ -53,437 +53,314 @@ pub struct Bodies {
     clippy::cargo
 )]
 const _: () = {
-    use ::wzvi::__private as __wzvi;
+    use ::wzvi::__private::{
+        self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
+        Knowledge, LagrangianGradient, NoiseClass, Option, Plain, Plan, Range, Result,
+        Scalar, Segment, Solver, State, StepFailure, bool, f64, isize, str, usize,
+        elements::{
+            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
+            Slopes, Stage, Unknowns,
+        },
+        elements::places::{
+            Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
+        },
+        embedding::DeltaPlus,
+    };
     #[automatically_derived]
-    impl __wzvi::Hamiltonian for Bodies {
-        type Vector = __wzvi::DVector<__wzvi::core::primitive::f64>;
-        fn degrees(&self) -> __wzvi::core::primitive::usize {
+    impl Hamiltonian for Bodies {
+        type Vector = DVector<f64>;
+        fn degrees(&self) -> usize {
             0
         }
-        fn check(
+        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+            wzvi::elements::check(self, degrees)
+        }
+        fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+            [("g", self.g)].get(index).copied()
+        }
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
+            wzvi::elements::evaluate(self, term, q, p, t)
+        }
+        fn differentiate<S: Scalar>(
             &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
-            __wzvi::elements::check(self, __degrees)
-        }
-        fn noises(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn invariants(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn parameter(
-            &self,
-            __index: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<
-            (&'static __wzvi::core::primitive::str, __wzvi::core::primitive::f64),
-        > {
-            match __index {
-                0usize => __wzvi::core::option::Option::Some(("g", self.g)),
-                _ => __wzvi::core::option::Option::None,
-            }
-        }
-        fn evaluate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-        ) -> __S {
-            __wzvi::elements::evaluate(self, __term, __q, __p, __t)
-        }
-        fn differentiate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            __wzvi::elements::differentiate(self, __term, __q, __p, __t, __by_q, __by_p);
-        }
-        fn invariant(
-            &self,
-            __number: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::invariant(self, __number, __state)
-        }
-        fn energy_rate(
-            &self,
-            __k: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::energy_rate(self, __k, __state)
+            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
         }
     }
     #[automatically_derived]
-    impl __wzvi::elements::Elements for Bodies {
-        const PLACES: __wzvi::elements::places::Places = {
-            use __wzvi::elements::places as __places;
-            __places::Places {
-                components: 2usize,
-                tables: &[
-                    __places::Name {
-                        name: "",
-                        suffix: "",
-                    },
-                    __places::Name {
-                        name: "mass",
-                        suffix: "",
-                    },
-                ],
-                nests: &[
-                    __places::Nest {
-                        loops: &[
-                            __places::Loop {
-                                start: __places::Index {
-                                    terms: &[],
-                                    constant: 0,
-                                    name: __places::Name {
-                                        name: "0",
-                                        suffix: "",
-                                    },
-                                },
-                                end: __places::Index {
-                                    terms: &[(__places::Atom::Size, 1)],
-                                    constant: 0,
-                                    name: __places::Name {
-                                        name: "n",
-                                        suffix: "",
-                                    },
-                                },
+    impl Elements for Bodies {
+        const PLACES: Places = Places {
+            components: 2,
+            tables: &[Name { name: "", suffix: "" }, Name { name: "mass", suffix: "" }],
+            nests: &[
+                Nest {
+                    loops: &[
+                        Loop {
+                            start: Index {
+                                terms: &[],
+                                constant: 0,
+                                name: Name { name: "0", suffix: "" },
                             },
-                        ],
-                        slots: &[
-                            __places::Slot::Entry(
-                                1usize,
-                                &[
-                                    __places::Position {
-                                        index: __places::Index {
-                                            terms: &[(__places::Atom::Loop(0usize), 1)],
-                                            constant: 0,
-                                            name: __places::Name {
-                                                name: "i",
-                                                suffix: "",
-                                            },
-                                        },
-                                        is_inside: false,
-                                    },
-                                ],
-                            ),
-                        ],
-                    },
-                    __places::Nest {
-                        loops: &[
-                            __places::Loop {
-                                start: __places::Index {
-                                    terms: &[],
-                                    constant: 0,
-                                    name: __places::Name {
-                                        name: "0",
-                                        suffix: "",
-                                    },
-                                },
-                                end: __places::Index {
-                                    terms: &[(__places::Atom::Size, 1)],
-                                    constant: 0,
-                                    name: __places::Name {
-                                        name: "n",
-                                        suffix: "",
-                                    },
-                                },
+                            end: Index {
+                                terms: &[(Atom::Size, 1)],
+                                constant: 0,
+                                name: Name { name: "n", suffix: "" },
                             },
-                            __places::Loop {
-                                start: __places::Index {
-                                    terms: &[],
-                                    constant: 0,
-                                    name: __places::Name {
-                                        name: "0",
-                                        suffix: "",
+                        },
+                    ],
+                    slots: &[
+                        Slot::Entry(
+                            1,
+                            &[
+                                Position {
+                                    index: Index {
+                                        terms: &[(Atom::Loop(0), 1)],
+                                        constant: 0,
+                                        name: Name { name: "i", suffix: "" },
                                     },
+                                    is_inside: false,
                                 },
-                                end: __places::Index {
-                                    terms: &[(__places::Atom::Loop(0usize), 1)],
-                                    constant: 0,
-                                    name: __places::Name {
-                                        name: "i",
-                                        suffix: "",
-                                    },
-                                },
+                            ],
+                        ),
+                    ],
+                },
+                Nest {
+                    loops: &[
+                        Loop {
+                            start: Index {
+                                terms: &[],
+                                constant: 0,
+                                name: Name { name: "0", suffix: "" },
                             },
-                        ],
-                        slots: &[
-                            __places::Slot::Entry(
-                                1usize,
-                                &[
-                                    __places::Position {
-                                        index: __places::Index {
-                                            terms: &[(__places::Atom::Loop(0usize), 1)],
-                                            constant: 0,
-                                            name: __places::Name {
-                                                name: "i",
-                                                suffix: "",
-                                            },
-                                        },
-                                        is_inside: false,
+                            end: Index {
+                                terms: &[(Atom::Size, 1)],
+                                constant: 0,
+                                name: Name { name: "n", suffix: "" },
+                            },
+                        },
+                        Loop {
+                            start: Index {
+                                terms: &[],
+                                constant: 0,
+                                name: Name { name: "0", suffix: "" },
+                            },
+                            end: Index {
+                                terms: &[(Atom::Loop(0), 1)],
+                                constant: 0,
+                                name: Name { name: "i", suffix: "" },
+                            },
+                        },
+                    ],
+                    slots: &[
+                        Slot::Entry(
+                            1,
+                            &[
+                                Position {
+                                    index: Index {
+                                        terms: &[(Atom::Loop(0), 1)],
+                                        constant: 0,
+                                        name: Name { name: "i", suffix: "" },
                                     },
-                                ],
-                            ),
-                            __places::Slot::Entry(
-                                1usize,
-                                &[
-                                    __places::Position {
-                                        index: __places::Index {
-                                            terms: &[(__places::Atom::Loop(1usize), 1)],
-                                            constant: 0,
-                                            name: __places::Name {
-                                                name: "j",
-                                                suffix: "",
-                                            },
-                                        },
-                                        is_inside: false,
+                                    is_inside: false,
+                                },
+                            ],
+                        ),
+                        Slot::Entry(
+                            1,
+                            &[
+                                Position {
+                                    index: Index {
+                                        terms: &[(Atom::Loop(1), 1)],
+                                        constant: 0,
+                                        name: Name { name: "j", suffix: "" },
                                     },
-                                ],
-                            ),
-                        ],
-                    },
-                ],
-            }
+                                    is_inside: false,
+                                },
+                            ],
+                        ),
+                    ],
+                },
+            ],
         };
         fn entries(
             &self,
-            __table: __wzvi::core::primitive::usize,
-            __outer: &[__wzvi::core::primitive::usize],
-            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
-        ) -> __wzvi::elements::places::Entries {
-            use __wzvi::elements::places as __places;
-            match (__table, __outer) {
+            table: usize,
+            outer: &[usize],
+            range: Range<usize>,
+        ) -> Entries {
+            match (table, outer) {
                 (1usize, &[]) => {
-                    let __list = &self.mass[..];
-                    __places::Entries::of_length(__list.len())
+                    let list = &self.mass[..];
+                    Entries::of_length(list.len())
                 }
-                _ => __places::Entries::of_length(0),
+                _ => Entries::of_length(0),
             }
         }
-        const INTEGRALS: __wzvi::core::primitive::usize = 3usize;
-        fn value<__S: __wzvi::Scalar>(
-            &self,
-            __part: __wzvi::core::primitive::usize,
-            __weight: __wzvi::core::primitive::f64,
-            __at: &__wzvi::elements::Point<'_, __S>,
-        ) -> __S {
-            let __a0: __wzvi::core::primitive::f64 = self.g;
-            let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            let mut __value = <__S as __wzvi::Scalar>::from_f64(0.0);
-            match __part {
-                0usize => {
-                    let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
+        const INTEGRALS: usize = 3;
+        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+            let g: f64 = self.g;
+            let size = (at.q.len() / 2) as isize;
+            let mut value = S::from_f64(0.0);
+            match part {
+                0 => {
+                    let mut total = S::from_f64(0.0);
                     {
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
+                        let mut b0 = S::from_f64(0.0);
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
+                            let len = (end - low) as usize;
+                            let points0 = (2 * i0) as usize;
+                            let points0 = &at
+                                .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
-                                .0[..__len];
-                            let __s2 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s2 = &self.mass[__s2..__s2 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
-                                __b0 = __b0 + (__l1 * __l1 + __l0 * __l0) / __l2 * 0.5f64;
+                                .0[..len];
+                            let s2 = i0 as usize;
+                            let s2 = &self.mass[s2..s2 + len];
+                            for place in 0..len {
+                                let p_2i = points0[place][0];
+                                let p_2i_plus_1 = points0[place][1];
+                                let mass_i = S::from_f64(s2[place]);
+                                b0 = b0
+                                    + (p_2i_plus_1 * p_2i_plus_1 + p_2i * p_2i) / mass_i * 0.5;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
                         }
-                        __total = __total + __b0;
+                        total = total + b0;
                     }
                     {
-                        for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
-                            let __l0 = __at
-                                .q[((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l2 = __at
-                                .q[((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize)];
-                            let __l4 = <__S as __wzvi::Scalar>::from_f64(
-                                self
-                                    .mass[((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)],
-                            );
-                            let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                            let mut __i2: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__i1);
-                            while __i2 < __end {
-                                let __low = __i2;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __points0 = ((2 * __i2)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points0 = &__at
-                                    .q[__points0..__points0 + 2 * __len]
+                        for i1 in 0 as isize..size {
+                            let q_2i = at.q[(2 * i1) as usize];
+                            let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
+                            let mass_i = S::from_f64(self.mass[i1 as usize]);
+                            let mut b0 = S::from_f64(0.0);
+                            let (low, end): (isize, isize) = (0, i1);
+                            if low < end {
+                                let i2 = low;
+                                let len = (end - low) as usize;
+                                let points0 = (2 * i2) as usize;
+                                let points0 = &at
+                                    .q[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
-                                    .0[..__len];
-                                let __s5 = ((__i2) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s5 = &self.mass[__s5..__s5 + __len];
-                                for __k in 0..__len {
-                                    let __i2 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l1 = __points0[__k][0usize];
-                                    let __l3 = __points0[__k][1usize];
-                                    let __l5 = <__S as __wzvi::Scalar>::from_f64(__s5[__k]);
-                                    let __x0 = __l0 - __l1;
-                                    let __x1 = __l2 - __l3;
-                                    let __x2 = __x1 * __x1 + __x0 * __x0;
-                                    __b0 = __b0
-                                        + -(__l4 * __l5 * (__x2.recip() * __x2.sqrt()) * __a0);
+                                    .0[..len];
+                                let s5 = i2 as usize;
+                                let s5 = &self.mass[s5..s5 + len];
+                                for place in 0..len {
+                                    let q_2j = points0[place][0];
+                                    let q_2j_plus_1 = points0[place][1];
+                                    let mass_j = S::from_f64(s5[place]);
+                                    let difference = q_2i - q_2j;
+                                    let difference2 = q_2i_plus_1 - q_2j_plus_1;
+                                    let sum = difference2 * difference2
+                                        + difference * difference;
+                                    b0 = b0
+                                        + -(mass_i * mass_j * (sum.recip() * sum.sqrt()) * g);
                                 }
-                                __i2 += __len as __wzvi::core::primitive::isize;
                             }
-                            __total = __total + __b0;
+                            total = total + b0;
                         }
                     }
-                    __value = __value
-                        + __total * <__S as __wzvi::Scalar>::from_f64(__at.h);
+                    value = value + total * S::from_f64(at.h);
                 }
                 _ => {}
             }
-            __value
+            value
         }
-        fn slopes<__S: __wzvi::Scalar>(
+        fn slopes<S: Scalar>(
             &self,
-            __part: __wzvi::core::primitive::usize,
-            __weight: __wzvi::core::primitive::f64,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __wanted: __wzvi::elements::Slopes,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S>,
+            wanted: Slopes,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.g;
-            let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            match __part {
-                0usize => {
-                    if __wanted.by_p {
+            let g: f64 = self.g;
+            let size = (at.q.len() / 2) as isize;
+            match part {
+                0 => {
+                    if wanted.by_p {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i0: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__size);
-                            while __i0 < __end {
-                                let __low = __i0;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __points0 = ((2 * __i0)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points0 = &__at
-                                    .p[__points0..__points0 + 2 * __len]
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                let points0 = (2 * i0) as usize;
+                                let points0 = &at
+                                    .p[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
-                                    .0[..__len];
-                                let __s2 = ((__i0) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s2 = &self.mass[__s2..__s2 + __len];
-                                let __points1 = ((2 * __i0)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points1 = &mut __by_p[__points1..__points1
-                                        + 2 * __len]
+                                    .0[..len];
+                                let s2 = i0 as usize;
+                                let s2 = &self.mass[s2..s2 + len];
+                                let points1 = (2 * i0) as usize;
+                                let points1 = &mut by_p[points1..points1 + 2 * len]
                                     .as_chunks_mut::<2>()
-                                    .0[..__len];
-                                for __k in 0..__len {
-                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __points0[__k][0usize];
-                                    let __l1 = __points0[__k][1usize];
-                                    let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
-                                    __points1[__k][0usize] = __points1[__k][0usize]
-                                        + __l0 * __c / __l2;
-                                    __points1[__k][1usize] = __points1[__k][1usize]
-                                        + __l1 * __c / __l2;
+                                    .0[..len];
+                                for place in 0..len {
+                                    let p_2i = points0[place][0];
+                                    let p_2i_plus_1 = points0[place][1];
+                                    let mass_i = S::from_f64(s2[place]);
+                                    points1[place][0] = points1[place][0]
+                                        + p_2i * factor / mass_i;
+                                    points1[place][1] = points1[place][1]
+                                        + p_2i_plus_1 * factor / mass_i;
                                 }
-                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
-                    if __wanted.by_q {
+                    if wanted.by_q {
                         {
-                            for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
-                                let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                                let __l0 = __at
-                                    .q[((2 * __i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l2 = __at
-                                    .q[((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l4 = <__S as __wzvi::Scalar>::from_f64(
-                                    self
-                                        .mass[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)],
-                                );
-                                let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                                let mut __b2 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                                let mut __i2: __wzvi::core::primitive::isize = 0;
-                                let __end: __wzvi::core::primitive::isize = (__i1);
-                                while __i2 < __end {
-                                    let __low = __i2;
-                                    let __len = (__end - __low)
-                                        as __wzvi::core::primitive::usize;
-                                    let __points0 = ((2 * __i2)
-                                        as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize);
-                                    let __points0 = &__at
-                                        .q[__points0..__points0 + 2 * __len]
+                            for i1 in 0 as isize..size {
+                                let factor = S::from_f64(at.h);
+                                let q_2i = at.q[(2 * i1) as usize];
+                                let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
+                                let mass_i = S::from_f64(self.mass[i1 as usize]);
+                                let mut b0 = S::from_f64(0.0);
+                                let mut b2 = S::from_f64(0.0);
+                                let (low, end): (isize, isize) = (0, i1);
+                                if low < end {
+                                    let i2 = low;
+                                    let len = (end - low) as usize;
+                                    let points0 = (2 * i2) as usize;
+                                    let points0 = &at
+                                        .q[points0..points0 + 2 * len]
                                         .as_chunks::<2>()
-                                        .0[..__len];
-                                    let __s5 = ((__i2) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize);
-                                    let __s5 = &self.mass[__s5..__s5 + __len];
-                                    let __points1 = ((2 * __i2)
-                                        as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize);
-                                    let __points1 = &mut __by_q[__points1..__points1
-                                            + 2 * __len]
+                                        .0[..len];
+                                    let s5 = i2 as usize;
+                                    let s5 = &self.mass[s5..s5 + len];
+                                    let points1 = (2 * i2) as usize;
+                                    let points1 = &mut by_q[points1..points1 + 2 * len]
                                         .as_chunks_mut::<2>()
-                                        .0[..__len];
-                                    for __k in 0..__len {
-                                        let __i2 = __low + __k as __wzvi::core::primitive::isize;
-                                        let __l1 = __points0[__k][0usize];
-                                        let __l3 = __points0[__k][1usize];
-                                        let __l5 = <__S as __wzvi::Scalar>::from_f64(__s5[__k]);
-                                        let __x0 = __l2 - __l3;
-                                        let __x1 = __l0 - __l1;
-                                        let __x2 = __x1 * __x1 + __x0 * __x0;
-                                        let __x3 = __c * (__l4 * __l5);
-                                        let __x4 = __x2.recip();
-                                        let __x5 = __x4 * (__x4 * __x2.sqrt());
-                                        let __x6 = __x1 * __x3 * __x5 * __a0;
-                                        let __x7 = __x5 * (__x0 * __x3) * __a0;
-                                        __points1[__k][0usize] = __points1[__k][0usize] + -__x6;
-                                        __points1[__k][1usize] = __points1[__k][1usize] + -__x7;
-                                        __b0 = __b0 + __x6;
-                                        __b2 = __b2 + __x7;
+                                        .0[..len];
+                                    for place in 0..len {
+                                        let q_2j = points0[place][0];
+                                        let q_2j_plus_1 = points0[place][1];
+                                        let mass_j = S::from_f64(s5[place]);
+                                        let difference = q_2i_plus_1 - q_2j_plus_1;
+                                        let difference2 = q_2i - q_2j;
+                                        let sum = difference2 * difference2
+                                            + difference * difference;
+                                        let product = factor * (mass_i * mass_j);
+                                        let inverse = sum.recip();
+                                        let product2 = inverse * (inverse * sum.sqrt());
+                                        let product3 = difference2 * product * product2 * g;
+                                        let product4 = product2 * (difference * product) * g;
+                                        points1[place][0] = points1[place][0] + -product3;
+                                        points1[place][1] = points1[place][1] + -product4;
+                                        b0 = b0 + product3;
+                                        b2 = b2 + product4;
                                     }
-                                    __i2 += __len as __wzvi::core::primitive::isize;
                                 }
-                                let __at_index = ((2 * __i1)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                __by_q[__at_index] = __by_q[__at_index] + __b0;
-                                let __at_index = ((2 * __i1 + 1)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                __by_q[__at_index] = __by_q[__at_index] + __b2;
+                                let at_index = (2 * i1) as usize;
+                                by_q[at_index] = by_q[at_index] + b0;
+                                let at_index = (2 * i1 + 1) as usize;
+                                by_q[at_index] = by_q[at_index] + b2;
                             }
                         }
                     }
@@ -491,217 +368,151 @@ const _: () = {
                 _ => {}
             }
         }
-        fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
+        fn curvature<S: Scalar, C: Curvature<S>>(
             &self,
-            __part: __wzvi::core::primitive::usize,
-            __weight: __wzvi::core::primitive::f64,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __wanted: __wzvi::elements::Slopes,
-            __into: &mut __C,
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S>,
+            wanted: Slopes,
+            into: &mut C,
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.g;
-            let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            match __part {
-                0usize => {
-                    if __wanted.by_p {
+            let g: f64 = self.g;
+            let size = (at.q.len() / 2) as isize;
+            match part {
+                0 => {
+                    if wanted.by_p {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i0: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__size);
-                            while __i0 < __end {
-                                let __low = __i0;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __points0 = ((2 * __i0)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points0 = &__at
-                                    .p[__points0..__points0 + 2 * __len]
-                                    .as_chunks::<2>()
-                                    .0[..__len];
-                                let __s2 = ((__i0) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s2 = &self.mass[__s2..__s2 + __len];
-                                for __k in 0..__len {
-                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __points0[__k][0usize];
-                                    let __l1 = __points0[__k][1usize];
-                                    let __l2 = <__S as __wzvi::Scalar>::from_f64(__s2[__k]);
-                                    let __x0 = __c / __l2;
-                                    __into
-                                        .add_pp(
-                                            ((2 * __i0) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i0) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __x0,
-                                        );
-                                    __into
-                                        .add_pp(
-                                            ((2 * __i0 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i0 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __x0,
-                                        );
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                let s2 = i0 as usize;
+                                let s2 = &self.mass[s2..s2 + len];
+                                for place in 0..len {
+                                    let i0 = low + place as isize;
+                                    let mass_i = S::from_f64(s2[place]);
+                                    let quotient = factor / mass_i;
+                                    into.add_pp(
+                                        (2 * i0) as usize,
+                                        (2 * i0) as usize,
+                                        true,
+                                        quotient,
+                                    );
+                                    into.add_pp(
+                                        (2 * i0 + 1) as usize,
+                                        (2 * i0 + 1) as usize,
+                                        true,
+                                        quotient,
+                                    );
                                 }
-                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
-                    if __wanted.by_q {
+                    if wanted.by_q {
                         {
-                            let __x0 = 3f64 * __a0;
-                            for __i1 in (0 as __wzvi::core::primitive::isize)..(__size) {
-                                let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                                let __l0 = __at
-                                    .q[((2 * __i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l2 = __at
-                                    .q[((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l4 = <__S as __wzvi::Scalar>::from_f64(
-                                    self
-                                        .mass[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)],
-                                );
-                                let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                                let mut __b2 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                                let mut __b7 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                                let mut __i2: __wzvi::core::primitive::isize = 0;
-                                let __end: __wzvi::core::primitive::isize = (__i1);
-                                while __i2 < __end {
-                                    let __low = __i2;
-                                    let __len = (__end - __low)
-                                        as __wzvi::core::primitive::usize;
-                                    let __points0 = ((2 * __i2)
-                                        as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize);
-                                    let __points0 = &__at
-                                        .q[__points0..__points0 + 2 * __len]
+                            let three_g = 3.0 * g;
+                            for i1 in 0 as isize..size {
+                                let factor = S::from_f64(at.h);
+                                let q_2i = at.q[(2 * i1) as usize];
+                                let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
+                                let mass_i = S::from_f64(self.mass[i1 as usize]);
+                                let mut b0 = S::from_f64(0.0);
+                                let mut b2 = S::from_f64(0.0);
+                                let mut b7 = S::from_f64(0.0);
+                                let (low, end): (isize, isize) = (0, i1);
+                                if low < end {
+                                    let i2 = low;
+                                    let len = (end - low) as usize;
+                                    let points0 = (2 * i2) as usize;
+                                    let points0 = &at
+                                        .q[points0..points0 + 2 * len]
                                         .as_chunks::<2>()
-                                        .0[..__len];
-                                    let __s5 = ((__i2) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize);
-                                    let __s5 = &self.mass[__s5..__s5 + __len];
-                                    for __k in 0..__len {
-                                        let __i2 = __low + __k as __wzvi::core::primitive::isize;
-                                        let __l1 = __points0[__k][0usize];
-                                        let __l3 = __points0[__k][1usize];
-                                        let __l5 = <__S as __wzvi::Scalar>::from_f64(__s5[__k]);
-                                        let __x1 = __l2 - __l3;
-                                        let __x2 = __l0 - __l1;
-                                        let __x3 = __x2 * __x2;
-                                        let __x4 = __x1 * __x1;
-                                        let __x5 = __x3 + __x4;
-                                        let __x6 = __x5.recip();
-                                        let __x7 = __x6 * (__x6 * __x5.sqrt());
-                                        let __x8 = __x6 * __x7;
-                                        let __x9 = __l4 * (__l5 * __c);
-                                        let __x10 = (__x7 - __x3 * __x8 * 3f64) * __x9 * __a0;
-                                        let __x11 = __x8 * (__x1 * (__x2 * (__c * (__l4 * __l5))))
-                                            * __x0;
-                                        let __x12 = -__x11;
-                                        let __x13 = __x9 * (__x7 - __x4 * __x8 * 3f64) * __a0;
-                                        __b0 = __b0 + __x10;
-                                        __into
-                                            .add_qq(
-                                                ((2 * __i1) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize),
-                                                ((2 * __i2) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize),
-                                                false,
-                                                -__x10,
-                                            );
-                                        __b2 = __b2 + __x12;
-                                        __into
-                                            .add_qq(
-                                                ((2 * __i1) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize),
-                                                ((2 * __i2 + 1) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize),
-                                                false,
-                                                __x11,
-                                            );
-                                        __into
-                                            .add_qq(
-                                                ((2 * __i2) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize),
-                                                ((2 * __i2) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize),
-                                                true,
-                                                __x10,
-                                            );
-                                        __into
-                                            .add_qq(
-                                                ((2 * __i2) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize),
-                                                ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize),
-                                                false,
-                                                __x11,
-                                            );
-                                        __into
-                                            .add_qq(
-                                                ((2 * __i2) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize),
-                                                ((2 * __i2 + 1) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize),
-                                                false,
-                                                __x12,
-                                            );
-                                        __b7 = __b7 + __x13;
-                                        __into
-                                            .add_qq(
-                                                ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize),
-                                                ((2 * __i2 + 1) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize),
-                                                false,
-                                                -__x13,
-                                            );
-                                        __into
-                                            .add_qq(
-                                                ((2 * __i2 + 1) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize),
-                                                ((2 * __i2 + 1) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize),
-                                                true,
-                                                __x13,
-                                            );
+                                        .0[..len];
+                                    let s5 = i2 as usize;
+                                    let s5 = &self.mass[s5..s5 + len];
+                                    for place in 0..len {
+                                        let i2 = low + place as isize;
+                                        let q_2j = points0[place][0];
+                                        let q_2j_plus_1 = points0[place][1];
+                                        let mass_j = S::from_f64(s5[place]);
+                                        let difference = q_2i_plus_1 - q_2j_plus_1;
+                                        let difference2 = q_2i - q_2j;
+                                        let difference2_squared = difference2 * difference2;
+                                        let difference_squared = difference * difference;
+                                        let sum = difference2_squared + difference_squared;
+                                        let inverse = sum.recip();
+                                        let product = inverse * (inverse * sum.sqrt());
+                                        let product2 = inverse * product;
+                                        let product3 = mass_i * (mass_j * factor);
+                                        let product4 = (product
+                                            - difference2_squared * product2 * 3.0) * product3 * g;
+                                        let product5 = product2
+                                            * (difference
+                                                * (difference2 * (factor * (mass_i * mass_j)))) * three_g;
+                                        let minus = -product5;
+                                        let product6 = product3
+                                            * (product - difference_squared * product2 * 3.0) * g;
+                                        b0 = b0 + product4;
+                                        into.add_qq(
+                                            (2 * i1) as usize,
+                                            (2 * i2) as usize,
+                                            false,
+                                            -product4,
+                                        );
+                                        b2 = b2 + minus;
+                                        into.add_qq(
+                                            (2 * i1) as usize,
+                                            (2 * i2 + 1) as usize,
+                                            false,
+                                            product5,
+                                        );
+                                        into.add_qq(
+                                            (2 * i2) as usize,
+                                            (2 * i2) as usize,
+                                            true,
+                                            product4,
+                                        );
+                                        into.add_qq(
+                                            (2 * i2) as usize,
+                                            (2 * i1 + 1) as usize,
+                                            false,
+                                            product5,
+                                        );
+                                        into.add_qq(
+                                            (2 * i2) as usize,
+                                            (2 * i2 + 1) as usize,
+                                            false,
+                                            minus,
+                                        );
+                                        b7 = b7 + product6;
+                                        into.add_qq(
+                                            (2 * i1 + 1) as usize,
+                                            (2 * i2 + 1) as usize,
+                                            false,
+                                            -product6,
+                                        );
+                                        into.add_qq(
+                                            (2 * i2 + 1) as usize,
+                                            (2 * i2 + 1) as usize,
+                                            true,
+                                            product6,
+                                        );
                                     }
-                                    __i2 += __len as __wzvi::core::primitive::isize;
                                 }
-                                __into
-                                    .add_qq(
-                                        ((2 * __i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __b0,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((2 * __i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        false,
-                                        __b2,
-                                    );
-                                __into
-                                    .add_qq(
-                                        ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                        true,
-                                        __b7,
-                                    );
+                                into.add_qq((2 * i1) as usize, (2 * i1) as usize, true, b0);
+                                into.add_qq(
+                                    (2 * i1) as usize,
+                                    (2 * i1 + 1) as usize,
+                                    false,
+                                    b2,
+                                );
+                                into.add_qq(
+                                    (2 * i1 + 1) as usize,
+                                    (2 * i1 + 1) as usize,
+                                    true,
+                                    b7,
+                                );
                             }
                         }
                     }
@@ -711,112 +522,110 @@ const _: () = {
         }
     }
     const _: () = {
-        const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
+        const SCHEME: Scheme = Scheme {
             stages: &[
-                __wzvi::elements::Stage {
-                    point: 0f64,
-                    start: 1f64,
-                    end: 0f64,
-                    parts: &[(0usize, 1f64)],
+                Stage {
+                    point: 0.0,
+                    start: 1.0,
+                    end: 0.0,
+                    parts: &[(0, 1.0)],
                 },
             ],
-            update: __wzvi::elements::MomentumUpdate::Multiple(1f64),
-            unknowns: __wzvi::elements::Unknowns::None,
+            update: MomentumUpdate::Multiple(1.0),
+            unknowns: Unknowns::None,
             remembers: false,
             is_linear: false,
         };
         #[automatically_derived]
-        impl __wzvi::Discretized<__wzvi::embedding::DeltaPlus> for Bodies {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Explicit,
+        impl Discretized<DeltaPlus> for Bodies {
+            const PLAN: Plan = Plan {
+                solver: Solver::Explicit,
                 unknowns: 0,
-                order: 1u32,
-                noise: __wzvi::NoiseClass::None,
+                order: 1,
+                noise: NoiseClass::None,
                 consistent: true,
-                conserves_energy: __wzvi::Knowledge::Proven,
-                commuting: __wzvi::Knowledge::Proven,
+                conserves_energy: Knowledge::Proven,
+                commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][0] - q[j][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][0] - q[i][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][1] - q[j][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][1] - q[i][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
-            const REMEMBERS: __wzvi::core::primitive::bool = false;
-            const IN_LANES: __wzvi::core::primitive::bool = false;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
-                __S,
-            >;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
+            const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][0] - q[j][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][0] - q[i][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][1] - q[j][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][1] - q[i][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
+            const REMEMBERS: bool = false;
+            const IN_LANES: bool = false;
             type Prepared = ();
-            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
-            fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
-                __wzvi::elements::Memory::new(self, &__SCHEME)
+            type Memory<S: Scalar> = Memory<S>;
+            type Compensated<S: Scalar> = CompensationVec<S>;
+            type Carry<S: Scalar> = Plain;
+            fn memory(&self) -> Self::Memory<f64> {
+                Memory::new(self, &SCHEME)
             }
-            fn prepare(
-                &self,
-                __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<(), __wzvi::ConfigError> {
-                if __wzvi::core::primitive::f64::is_nan(self.g) {
-                    return __wzvi::core::result::Result::Err(
-                        __wzvi::ConfigError::Parameter,
-                    );
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                if f64::is_nan(self.g) {
+                    return Err(ConfigError::Parameter);
                 }
-                __wzvi::elements::prepare(self)
+                wzvi::elements::prepare(self)
             }
-            fn advance_carrying<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
-                __prepared: &(),
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: &mut [__S],
-                __p: &mut [__S],
-                __dw: &[__S],
-                __memory: &mut __wzvi::elements::Memory<__S>,
-                __carry: &mut __C,
-            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                __wzvi::elements::advance::<
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                wzvi::elements::advance::<
                     _,
-                    __S,
-                    __C,
-                    __CAREFUL,
-                >(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
+                    S,
+                    C,
+                    CAREFUL,
+                >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
             fn discrete_lagrangian(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::core::primitive::f64 {
-                __wzvi::elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                wzvi::elements::discrete_lagrangian(self, &SCHEME, segment, dw)
             }
             fn discrete_lagrangian_gradient(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                __wzvi::elements::discrete_lagrangian_gradient(
-                    self,
-                    &__SCHEME,
-                    __segment,
-                    __dw,
-                )
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                wzvi::elements::discrete_lagrangian_gradient(self, &SCHEME, segment, dw)
             }
             fn step_momentum(
                 &self,
-                __before: &__wzvi::State<Self::Vector>,
-                __after: &__wzvi::State<Self::Vector>,
-                __h: __wzvi::core::primitive::f64,
-                __dw: &[__wzvi::core::primitive::f64],
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
             ) -> Self::Vector {
-                __wzvi::elements::step_momentum(
-                    self,
-                    &__SCHEME,
-                    __before,
-                    __after,
-                    __h,
-                    __dw,
-                )
+                wzvi::elements::step_momentum(self, &SCHEME, before, after, h, dw)
             }
         }
+    };
+    /// The names that are bound above, so that no constant around can stand for them.
+    use ::wzvi::__private::{
+        binding as after, binding as at, binding as at_index, binding as b0,
+        binding as b2, binding as b7, binding as before, binding as by_p,
+        binding as by_q, binding as carry, binding as degrees, binding as difference,
+        binding as difference2, binding as difference2_squared,
+        binding as difference_squared, binding as dw, binding as end, binding as factor,
+        binding as g, binding as h, binding as i0, binding as i1, binding as i2,
+        binding as index, binding as into, binding as inverse, binding as len,
+        binding as list, binding as low, binding as mass_i, binding as mass_j,
+        binding as memory, binding as minus, binding as outer, binding as p,
+        binding as p_2i, binding as p_2i_plus_1, binding as part, binding as place,
+        binding as points0, binding as points1, binding as prepared, binding as product,
+        binding as product2, binding as product3, binding as product4,
+        binding as product5, binding as product6, binding as q, binding as q_2i,
+        binding as q_2i_plus_1, binding as q_2j, binding as q_2j_plus_1,
+        binding as quotient, binding as range, binding as s2, binding as s5,
+        binding as segment, binding as size, binding as sum, binding as t,
+        binding as table, binding as term, binding as three_g, binding as total,
+        binding as value, binding as wanted, binding as weight,
     };
 };
 const _: () = {

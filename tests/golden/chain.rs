@@ -51,386 +51,276 @@ pub struct Chain {
     clippy::cargo
 )]
 const _: () = {
-    use ::wzvi::__private as __wzvi;
+    use ::wzvi::__private::{
+        self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
+        Knowledge, LagrangianGradient, NoiseClass, Option, Plain, Plan, Range, Result,
+        Scalar, Segment, Solver, State, StepFailure, bool, f64, isize, str, usize,
+        compose::Composes,
+        elements::{
+            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
+            Slopes, Stage, Unknowns,
+        },
+        elements::places::{Entries, Index, Name, Nest, Places, Slot},
+        embedding::{Composed, Midpoint},
+    };
     #[automatically_derived]
-    impl __wzvi::Hamiltonian for Chain {
-        type Vector = __wzvi::DVector<__wzvi::core::primitive::f64>;
-        fn degrees(&self) -> __wzvi::core::primitive::usize {
+    impl Hamiltonian for Chain {
+        type Vector = DVector<f64>;
+        fn degrees(&self) -> usize {
             0
         }
-        fn check(
+        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+            wzvi::elements::check(self, degrees)
+        }
+        fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+            [("beta", self.beta)].get(index).copied()
+        }
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
+            wzvi::elements::evaluate(self, term, q, p, t)
+        }
+        fn differentiate<S: Scalar>(
             &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
-            __wzvi::elements::check(self, __degrees)
-        }
-        fn noises(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn invariants(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn parameter(
-            &self,
-            __index: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<
-            (&'static __wzvi::core::primitive::str, __wzvi::core::primitive::f64),
-        > {
-            match __index {
-                0usize => __wzvi::core::option::Option::Some(("beta", self.beta)),
-                _ => __wzvi::core::option::Option::None,
-            }
-        }
-        fn evaluate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-        ) -> __S {
-            __wzvi::elements::evaluate(self, __term, __q, __p, __t)
-        }
-        fn differentiate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            __wzvi::elements::differentiate(self, __term, __q, __p, __t, __by_q, __by_p);
-        }
-        fn invariant(
-            &self,
-            __number: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::invariant(self, __number, __state)
-        }
-        fn energy_rate(
-            &self,
-            __k: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::energy_rate(self, __k, __state)
+            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
         }
     }
     #[automatically_derived]
-    impl __wzvi::elements::Elements for Chain {
-        const PLACES: __wzvi::elements::places::Places = {
-            use __wzvi::elements::places as __places;
-            __places::Places {
-                components: 1usize,
-                tables: &[],
-                nests: &[
-                    __places::Nest {
-                        loops: &[],
-                        slots: &[
-                            __places::Slot::State {
-                                index: __places::Index {
-                                    terms: &[],
-                                    constant: 0,
-                                    name: __places::Name {
-                                        name: "0",
-                                        suffix: "",
-                                    },
-                                },
-                                is_natural: true,
+    impl Elements for Chain {
+        const PLACES: Places = Places {
+            components: 1,
+            tables: &[],
+            nests: &[
+                Nest {
+                    loops: &[],
+                    slots: &[
+                        Slot::State {
+                            index: Index {
+                                terms: &[],
+                                constant: 0,
+                                name: Name { name: "0", suffix: "" },
                             },
-                        ],
-                    },
-                ],
-            }
+                            is_natural: true,
+                        },
+                    ],
+                },
+            ],
         };
         fn entries(
             &self,
-            __table: __wzvi::core::primitive::usize,
-            __outer: &[__wzvi::core::primitive::usize],
-            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
-        ) -> __wzvi::elements::places::Entries {
-            use __wzvi::elements::places as __places;
-            match (__table, __outer) {
-                _ => __places::Entries::of_length(0),
-            }
+            table: usize,
+            outer: &[usize],
+            range: Range<usize>,
+        ) -> Entries {
+            Entries::of_length(0)
         }
-        const INTEGRALS: __wzvi::core::primitive::usize = 3usize;
-        fn value<__S: __wzvi::Scalar>(
-            &self,
-            __part: __wzvi::core::primitive::usize,
-            __weight: __wzvi::core::primitive::f64,
-            __at: &__wzvi::elements::Point<'_, __S>,
-        ) -> __S {
-            let __a0: __wzvi::core::primitive::f64 = self.beta;
-            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            let mut __value = <__S as __wzvi::Scalar>::from_f64(0.0);
-            match __part {
-                0usize => {
-                    let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
+        const INTEGRALS: usize = 3;
+        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+            let beta: f64 = self.beta;
+            let size = at.q.len() as isize;
+            let mut value = S::from_f64(0.0);
+            match part {
+                0 => {
+                    let mut total = S::from_f64(0.0);
                     {
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0 = __b0 + __l0 * __l0 * 0.5f64;
+                        let mut b0 = S::from_f64(0.0);
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
+                            let len = (end - low) as usize;
+                            let s0 = i0 as usize;
+                            let s0 = &at.p[s0..s0 + len];
+                            for place in 0..len {
+                                let p_i = s0[place];
+                                b0 = b0 + p_i * p_i * 0.5;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
                         }
-                        __total = __total + __b0;
+                        total = total + b0;
                     }
                     {
-                        let __x0 = 0.25f64 * __a0;
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size - 1);
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i1 + 1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            let __s1 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s1 = &__at.q[__s1..__s1 + __len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                let __l1 = __s1[__k];
-                                let __x1 = __l0 - __l1;
-                                let __x2 = __x1 * __x1;
-                                __b0 = __b0 + __x2 * (__x2 * __x0 + 0.5f64);
+                        let quarter_beta = 0.25 * beta;
+                        let mut b0 = S::from_f64(0.0);
+                        let (low, end): (isize, isize) = (0, size - 1);
+                        if low < end {
+                            let i1 = low;
+                            let len = (end - low) as usize;
+                            let s0 = (i1 + 1) as usize;
+                            let s0 = &at.q[s0..s0 + len];
+                            let s1 = i1 as usize;
+                            let s1 = &at.q[s1..s1 + len];
+                            for place in 0..len {
+                                let q_i_plus_1 = s0[place];
+                                let q_i = s1[place];
+                                let difference = q_i_plus_1 - q_i;
+                                let difference_squared = difference * difference;
+                                b0 = b0
+                                    + difference_squared
+                                        * (difference_squared * quarter_beta + 0.5);
                             }
-                            __i1 += __len as __wzvi::core::primitive::isize;
                         }
-                        __total = __total + __b0;
+                        total = total + b0;
                     }
                     {
-                        let __x0 = 0.25f64 * __a0;
-                        {
-                            let __l0 = __at.q[0];
-                            let __x1 = __l0 * __l0;
-                            __total = __total + __x1 * (__x1 * __x0 + 0.5f64);
-                        }
+                        let quarter_beta = 0.25 * beta;
+                        let q0 = at.q[0];
+                        let q0_squared = q0 * q0;
+                        total = total + q0_squared * (q0_squared * quarter_beta + 0.5);
                     }
-                    __value = __value
-                        + __total * <__S as __wzvi::Scalar>::from_f64(__at.h);
+                    value = value + total * S::from_f64(at.h);
                 }
                 _ => {}
             }
-            __value
+            value
         }
-        fn slopes<__S: __wzvi::Scalar>(
+        fn slopes<S: Scalar>(
             &self,
-            __part: __wzvi::core::primitive::usize,
-            __weight: __wzvi::core::primitive::f64,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __wanted: __wzvi::elements::Slopes,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S>,
+            wanted: Slopes,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.beta;
-            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            match __part {
-                0usize => {
-                    if __wanted.by_p {
+            let beta: f64 = self.beta;
+            let size = at.q.len() as isize;
+            match part {
+                0 => {
+                    if wanted.by_p {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i0: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__size);
-                            while __i0 < __end {
-                                let __low = __i0;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s0 = &__at.p[__s0..__s0 + __len];
-                                let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __b0 = &mut __by_p[__b0..__b0 + __len];
-                                for __k in 0..__len {
-                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __s0[__k];
-                                    __b0[__k] = __b0[__k] + __l0 * __c;
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                let s0 = i0 as usize;
+                                let s0 = &at.p[s0..s0 + len];
+                                let b0 = i0 as usize;
+                                let b0 = &mut by_p[b0..b0 + len];
+                                for place in 0..len {
+                                    let p_i = s0[place];
+                                    b0[place] = b0[place] + p_i * factor;
                                 }
-                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
-                    if __wanted.by_q {
+                    if wanted.by_q {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i1: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__size - 1);
-                            while __i1 < __end {
-                                let __low = __i1;
-                                let mut __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                if ((__i1 + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)
-                                    != ((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize) + 1
-                                {
-                                    __len = 1;
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size - 1);
+                            if low < end {
+                                let i1 = low;
+                                let len = (end - low) as usize;
+                                let s0 = (i1 + 1) as usize;
+                                let s0 = &at.q[s0..s0 + len];
+                                let s1 = i1 as usize;
+                                let s1 = &at.q[s1..s1 + len];
+                                let at1 = (i1 + 1) as usize + (len - 1);
+                                let mut carried1 = S::from_f64(0.0);
+                                let b1 = i1 as usize;
+                                let b1 = &mut by_q[b1..b1 + len];
+                                for place in 0..len {
+                                    let q_i_plus_1 = s0[place];
+                                    let q_i = s1[place];
+                                    let difference = q_i_plus_1 - q_i;
+                                    let product = (difference * difference * beta + 1.0)
+                                        * (factor * difference);
+                                    let ahead = product;
+                                    b1[place] = b1[place] + (-product + carried1);
+                                    carried1 = ahead;
                                 }
-                                let __s0 = ((__i1 + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s0 = &__at.q[__s0..__s0 + __len];
-                                let __s1 = ((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s1 = &__at.q[__s1..__s1 + __len];
-                                let __at1 = ((__i1 + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize) + (__len - 1);
-                                let mut __carried1 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                                let __b1 = ((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __b1 = &mut __by_q[__b1..__b1 + __len];
-                                for __k in 0..__len {
-                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __s0[__k];
-                                    let __l1 = __s1[__k];
-                                    let __x0 = __l0 - __l1;
-                                    let __x1 = (__x0 * __x0 * __a0 + 1f64) * (__c * __x0);
-                                    let __ahead = __x1;
-                                    __b1[__k] = __b1[__k] + (-__x1 + __carried1);
-                                    __carried1 = __ahead;
-                                }
-                                __by_q[__at1] = __by_q[__at1] + __carried1;
-                                __i1 += __len as __wzvi::core::primitive::isize;
+                                by_q[at1] = by_q[at1] + carried1;
                             }
                         }
                     }
-                    if __wanted.by_q {
+                    if wanted.by_q {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            {
-                                let __l0 = __at.q[0];
-                                let __at_index = 0;
-                                __by_q[__at_index] = __by_q[__at_index]
-                                    + __c * (__l0 * (__l0 * __l0 * __a0 + 1f64));
-                            }
+                            let factor = S::from_f64(at.h);
+                            let q0 = at.q[0];
+                            by_q[0] = by_q[0] + factor * (q0 * (q0 * q0 * beta + 1.0));
                         }
                     }
                 }
                 _ => {}
             }
         }
-        fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
+        fn curvature<S: Scalar, C: Curvature<S>>(
             &self,
-            __part: __wzvi::core::primitive::usize,
-            __weight: __wzvi::core::primitive::f64,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __wanted: __wzvi::elements::Slopes,
-            __into: &mut __C,
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S>,
+            wanted: Slopes,
+            into: &mut C,
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.beta;
-            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            match __part {
-                0usize => {
-                    if __wanted.by_p {
+            let beta: f64 = self.beta;
+            let size = at.q.len() as isize;
+            match part {
+                0 => {
+                    if wanted.by_p {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i0: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__size);
-                            while __i0 < __end {
-                                let __low = __i0;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s0 = &__at.p[__s0..__s0 + __len];
-                                for __k in 0..__len {
-                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __s0[__k];
-                                    __into
-                                        .add_pp(
-                                            ((__i0) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((__i0) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __c,
-                                        );
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                for place in 0..len {
+                                    let i0 = low + place as isize;
+                                    into.add_pp(i0 as usize, i0 as usize, true, factor);
                                 }
-                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
-                    if __wanted.by_q {
+                    if wanted.by_q {
                         {
-                            let __x0 = 3f64 * __a0;
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i1: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__size - 1);
-                            while __i1 < __end {
-                                let __low = __i1;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __s0 = ((__i1 + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s0 = &__at.q[__s0..__s0 + __len];
-                                let __s1 = ((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s1 = &__at.q[__s1..__s1 + __len];
-                                for __k in 0..__len {
-                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __s0[__k];
-                                    let __l1 = __s1[__k];
-                                    let __x1 = __l0 - __l1;
-                                    let __x2 = __c * (__x1 * __x1 * __x0 + 1f64);
-                                    __into
-                                        .add_qq(
-                                            ((__i1 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((__i1 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __x2,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            ((__i1 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((__i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            false,
-                                            -__x2,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            ((__i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((__i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __x2,
-                                        );
+                            let three_beta = 3.0 * beta;
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size - 1);
+                            if low < end {
+                                let i1 = low;
+                                let len = (end - low) as usize;
+                                let s0 = (i1 + 1) as usize;
+                                let s0 = &at.q[s0..s0 + len];
+                                let s1 = i1 as usize;
+                                let s1 = &at.q[s1..s1 + len];
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let q_i_plus_1 = s0[place];
+                                    let q_i = s1[place];
+                                    let difference = q_i_plus_1 - q_i;
+                                    let product = factor
+                                        * (difference * difference * three_beta + 1.0);
+                                    into.add_qq(
+                                        (i1 + 1) as usize,
+                                        (i1 + 1) as usize,
+                                        true,
+                                        product,
+                                    );
+                                    into.add_qq(
+                                        (i1 + 1) as usize,
+                                        i1 as usize,
+                                        false,
+                                        -product,
+                                    );
+                                    into.add_qq(i1 as usize, i1 as usize, true, product);
                                 }
-                                __i1 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
-                    if __wanted.by_q {
+                    if wanted.by_q {
                         {
-                            let __x0 = 3f64 * __a0;
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            {
-                                let __l0 = __at.q[0];
-                                __into
-                                    .add_qq(0, 0, true, __c * (__l0 * __l0 * __x0 + 1f64));
-                            }
+                            let three_beta = 3.0 * beta;
+                            let factor = S::from_f64(at.h);
+                            let q0 = at.q[0];
+                            into.add_qq(
+                                0,
+                                0,
+                                true,
+                                factor * (q0 * q0 * three_beta + 1.0),
+                            );
                         }
                     }
                 }
@@ -439,122 +329,112 @@ const _: () = {
         }
     }
     const _: () = {
-        const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
+        const SCHEME: Scheme = Scheme {
             stages: &[
-                __wzvi::elements::Stage {
-                    point: 0.5f64,
-                    start: 0.5f64,
-                    end: 0.5f64,
-                    parts: &[(0usize, 1f64)],
+                Stage {
+                    point: 0.5,
+                    start: 0.5,
+                    end: 0.5,
+                    parts: &[(0, 1.0)],
                 },
             ],
-            update: __wzvi::elements::MomentumUpdate::Multiple(2f64),
-            unknowns: __wzvi::elements::Unknowns::Momenta,
+            update: MomentumUpdate::Multiple(2.0),
+            unknowns: Unknowns::Momenta,
             remembers: true,
             is_linear: false,
         };
         #[automatically_derived]
-        impl __wzvi::Discretized<__wzvi::embedding::Midpoint> for Chain {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Newton,
-                unknowns: __wzvi::core::primitive::usize::MAX,
-                order: 2u32,
-                noise: __wzvi::NoiseClass::None,
+        impl Discretized<Midpoint> for Chain {
+            const PLAN: Plan = Plan {
+                solver: Solver::Newton,
+                unknowns: usize::MAX,
+                order: 2,
+                noise: NoiseClass::None,
                 consistent: true,
-                conserves_energy: __wzvi::Knowledge::Proven,
-                commuting: __wzvi::Knowledge::Proven,
+                conserves_energy: Knowledge::Proven,
+                commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n";
-            const REMEMBERS: __wzvi::core::primitive::bool = false;
-            const IN_LANES: __wzvi::core::primitive::bool = false;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
-                __S,
-            >;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
+            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n";
+            const REMEMBERS: bool = false;
+            const IN_LANES: bool = false;
             type Prepared = ();
-            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
-            fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
-                __wzvi::elements::Memory::new(self, &__SCHEME)
+            type Memory<S: Scalar> = Memory<S>;
+            type Compensated<S: Scalar> = CompensationVec<S>;
+            type Carry<S: Scalar> = Plain;
+            fn memory(&self) -> Self::Memory<f64> {
+                Memory::new(self, &SCHEME)
             }
-            fn prepare(
-                &self,
-                __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<(), __wzvi::ConfigError> {
-                if __wzvi::core::primitive::f64::is_nan(self.beta) {
-                    return __wzvi::core::result::Result::Err(
-                        __wzvi::ConfigError::Parameter,
-                    );
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                if f64::is_nan(self.beta) {
+                    return Err(ConfigError::Parameter);
                 }
-                __wzvi::elements::prepare(self)
+                wzvi::elements::prepare(self)
             }
-            fn advance_carrying<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
-                __prepared: &(),
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: &mut [__S],
-                __p: &mut [__S],
-                __dw: &[__S],
-                __memory: &mut __wzvi::elements::Memory<__S>,
-                __carry: &mut __C,
-            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                __wzvi::elements::advance::<
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                wzvi::elements::advance::<
                     _,
-                    __S,
-                    __C,
-                    __CAREFUL,
-                >(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
+                    S,
+                    C,
+                    CAREFUL,
+                >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
             fn discrete_lagrangian(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::core::primitive::f64 {
-                __wzvi::elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                wzvi::elements::discrete_lagrangian(self, &SCHEME, segment, dw)
             }
             fn discrete_lagrangian_gradient(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                __wzvi::elements::discrete_lagrangian_gradient(
-                    self,
-                    &__SCHEME,
-                    __segment,
-                    __dw,
-                )
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                wzvi::elements::discrete_lagrangian_gradient(self, &SCHEME, segment, dw)
             }
             fn step_momentum(
                 &self,
-                __before: &__wzvi::State<Self::Vector>,
-                __after: &__wzvi::State<Self::Vector>,
-                __h: __wzvi::core::primitive::f64,
-                __dw: &[__wzvi::core::primitive::f64],
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
             ) -> Self::Vector {
-                __wzvi::elements::step_momentum(
-                    self,
-                    &__SCHEME,
-                    __before,
-                    __after,
-                    __h,
-                    __dw,
-                )
+                wzvi::elements::step_momentum(self, &SCHEME, before, after, h, dw)
             }
         }
     };
-    __wzvi::composition! {
-        [impl < __W : __wzvi::compose::Composes < __wzvi::embedding::Midpoint > >
-        __wzvi::Discretized < __wzvi::embedding::Composed < __wzvi::embedding::Midpoint,
-        __W > > for Chain] __wzvi::embedding::Composed < __wzvi::embedding::Midpoint, __W
-        >, [__wzvi::embedding::Midpoint, __wzvi::embedding::Midpoint], < __W as
-        __wzvi::compose::Composes < __wzvi::embedding::Midpoint > > ::ORDER, < Self as
-        __wzvi::Discretized < __wzvi::embedding::Midpoint >> ::EQUATIONS, < __W as
-        __wzvi::compose::Composes < __wzvi::embedding::Midpoint > > ::substeps()
+    wzvi::composition! {
+        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
+        Chain] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes < Midpoint
+        > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as Composes <
+        Midpoint > > ::substeps()
     }
+    /// The names that are bound above, so that no constant around can stand for them.
+    use ::wzvi::__private::{
+        binding as after, binding as ahead, binding as at, binding as at1, binding as b0,
+        binding as b1, binding as before, binding as beta, binding as by_p,
+        binding as by_q, binding as carried1, binding as carry, binding as degrees,
+        binding as difference, binding as difference_squared, binding as dw,
+        binding as end, binding as factor, binding as h, binding as i0, binding as i1,
+        binding as index, binding as into, binding as len, binding as low,
+        binding as memory, binding as outer, binding as p, binding as p_i,
+        binding as part, binding as place, binding as prepared, binding as product,
+        binding as q, binding as q0, binding as q0_squared, binding as q_i,
+        binding as q_i_plus_1, binding as quarter_beta, binding as range, binding as s0,
+        binding as s1, binding as segment, binding as size, binding as t,
+        binding as table, binding as term, binding as three_beta, binding as total,
+        binding as value, binding as wanted, binding as weight,
+    };
 };
 const _: () = {
     #[allow(

@@ -46,377 +46,269 @@ pub struct Bonds {
     clippy::cargo
 )]
 const _: () = {
-    use ::wzvi::__private as __wzvi;
+    use ::wzvi::__private::{
+        self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Hamiltonian,
+        Knowledge, LagrangianGradient, NoiseClass, Plain, Plan, Range, Result, Scalar,
+        Segment, Solver, State, StepFailure, bool, f64, i128, isize, str, usize,
+        elements::{
+            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
+            Slopes, Stage, Unknowns,
+        },
+        elements::places::{
+            Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
+        },
+        embedding::DeltaPlus,
+    };
     #[automatically_derived]
-    impl __wzvi::Hamiltonian for Bonds {
-        type Vector = __wzvi::DVector<__wzvi::core::primitive::f64>;
-        fn degrees(&self) -> __wzvi::core::primitive::usize {
+    impl Hamiltonian for Bonds {
+        type Vector = DVector<f64>;
+        fn degrees(&self) -> usize {
             0
         }
-        fn check(
+        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+            wzvi::elements::check(self, degrees)
+        }
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
+            wzvi::elements::evaluate(self, term, q, p, t)
+        }
+        fn differentiate<S: Scalar>(
             &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
-            __wzvi::elements::check(self, __degrees)
-        }
-        fn noises(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn invariants(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn evaluate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-        ) -> __S {
-            __wzvi::elements::evaluate(self, __term, __q, __p, __t)
-        }
-        fn differentiate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            __wzvi::elements::differentiate(self, __term, __q, __p, __t, __by_q, __by_p);
-        }
-        fn invariant(
-            &self,
-            __number: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::invariant(self, __number, __state)
-        }
-        fn energy_rate(
-            &self,
-            __k: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::energy_rate(self, __k, __state)
+            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
         }
     }
     #[automatically_derived]
-    impl __wzvi::elements::Elements for Bonds {
-        const PLACES: __wzvi::elements::places::Places = {
-            use __wzvi::elements::places as __places;
-            __places::Places {
-                components: 1usize,
-                tables: &[
-                    __places::Name {
-                        name: "bonds.len()",
-                        suffix: "",
-                    },
-                    __places::Name {
-                        name: "",
-                        suffix: "",
-                    },
-                    __places::Name {
-                        name: "bonds",
-                        suffix: ".0",
-                    },
-                    __places::Name {
-                        name: "bonds",
-                        suffix: ".1",
-                    },
-                    __places::Name {
-                        name: "",
-                        suffix: "",
-                    },
-                ],
-                nests: &[
-                    __places::Nest {
-                        loops: &[
-                            __places::Loop {
-                                start: __places::Index {
-                                    terms: &[],
-                                    constant: 0,
-                                    name: __places::Name {
-                                        name: "0",
-                                        suffix: "",
-                                    },
-                                },
-                                end: __places::Index {
-                                    terms: &[(__places::Atom::Given(0usize, &[]), 1)],
-                                    constant: 0,
-                                    name: __places::Name {
-                                        name: "bonds.len()",
-                                        suffix: "",
-                                    },
+    impl Elements for Bonds {
+        const PLACES: Places = Places {
+            components: 1,
+            tables: &[
+                Name {
+                    name: "bonds.len()",
+                    suffix: "",
+                },
+                Name { name: "", suffix: "" },
+                Name {
+                    name: "bonds",
+                    suffix: ".0",
+                },
+                Name {
+                    name: "bonds",
+                    suffix: ".1",
+                },
+                Name { name: "", suffix: "" },
+            ],
+            nests: &[
+                Nest {
+                    loops: &[
+                        Loop {
+                            start: Index {
+                                terms: &[],
+                                constant: 0,
+                                name: Name { name: "0", suffix: "" },
+                            },
+                            end: Index {
+                                terms: &[(Atom::Given(0, &[]), 1)],
+                                constant: 0,
+                                name: Name {
+                                    name: "bonds.len()",
+                                    suffix: "",
                                 },
                             },
-                        ],
-                        slots: &[
-                            __places::Slot::State {
-                                index: __places::Index {
-                                    terms: &[
-                                        (
-                                            __places::Atom::Given(
-                                                2usize,
-                                                &[
-                                                    __places::Position {
-                                                        index: __places::Index {
-                                                            terms: &[(__places::Atom::Loop(0usize), 1)],
-                                                            constant: 0,
-                                                            name: __places::Name {
-                                                                name: "i",
-                                                                suffix: "",
-                                                            },
-                                                        },
-                                                        is_inside: true,
+                        },
+                    ],
+                    slots: &[
+                        Slot::State {
+                            index: Index {
+                                terms: &[
+                                    (
+                                        Atom::Given(
+                                            2,
+                                            &[
+                                                Position {
+                                                    index: Index {
+                                                        terms: &[(Atom::Loop(0), 1)],
+                                                        constant: 0,
+                                                        name: Name { name: "i", suffix: "" },
                                                     },
-                                                ],
-                                            ),
-                                            1,
+                                                    is_inside: true,
+                                                },
+                                            ],
                                         ),
-                                    ],
-                                    constant: 0,
-                                    name: __places::Name {
-                                        name: "bonds.0[i]",
-                                        suffix: "",
-                                    },
+                                        1,
+                                    ),
+                                ],
+                                constant: 0,
+                                name: Name {
+                                    name: "bonds.0[i]",
+                                    suffix: "",
                                 },
-                                is_natural: false,
                             },
-                            __places::Slot::State {
-                                index: __places::Index {
-                                    terms: &[
-                                        (
-                                            __places::Atom::Given(
-                                                3usize,
-                                                &[
-                                                    __places::Position {
-                                                        index: __places::Index {
-                                                            terms: &[(__places::Atom::Loop(0usize), 1)],
-                                                            constant: 0,
-                                                            name: __places::Name {
-                                                                name: "i",
-                                                                suffix: "",
-                                                            },
-                                                        },
-                                                        is_inside: true,
+                            is_natural: false,
+                        },
+                        Slot::State {
+                            index: Index {
+                                terms: &[
+                                    (
+                                        Atom::Given(
+                                            3,
+                                            &[
+                                                Position {
+                                                    index: Index {
+                                                        terms: &[(Atom::Loop(0), 1)],
+                                                        constant: 0,
+                                                        name: Name { name: "i", suffix: "" },
                                                     },
-                                                ],
-                                            ),
-                                            1,
+                                                    is_inside: true,
+                                                },
+                                            ],
                                         ),
-                                    ],
-                                    constant: 0,
-                                    name: __places::Name {
-                                        name: "bonds.1[i]",
-                                        suffix: "",
-                                    },
+                                        1,
+                                    ),
+                                ],
+                                constant: 0,
+                                name: Name {
+                                    name: "bonds.1[i]",
+                                    suffix: "",
                                 },
-                                is_natural: false,
                             },
-                        ],
-                    },
-                ],
-            }
+                            is_natural: false,
+                        },
+                    ],
+                },
+            ],
         };
         fn entries(
             &self,
-            __table: __wzvi::core::primitive::usize,
-            __outer: &[__wzvi::core::primitive::usize],
-            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
-        ) -> __wzvi::elements::places::Entries {
-            use __wzvi::elements::places as __places;
-            match (__table, __outer) {
-                (0usize, []) => {
-                    __places::Entries::of_integer(
-                        (self.bonds.len()) as __wzvi::core::primitive::i128,
-                    )
-                }
+            table: usize,
+            outer: &[usize],
+            range: Range<usize>,
+        ) -> Entries {
+            match (table, outer) {
+                (0usize, []) => Entries::of_integer((self.bonds.len()) as i128),
                 (2usize, &[]) => {
-                    let __list = &self.bonds[..];
-                    __places::Entries::of_list(
-                        __list,
-                        __range,
-                        |__entry| (*__entry).0,
-                        |__integer| __integer as __wzvi::core::primitive::i128,
+                    let list = &self.bonds[..];
+                    Entries::of_list(
+                        list,
+                        range,
+                        |entry| (*entry).0,
+                        |integer| integer as i128,
                     )
                 }
                 (3usize, &[]) => {
-                    let __list = &self.bonds[..];
-                    __places::Entries::of_list(
-                        __list,
-                        __range,
-                        |__entry| (*__entry).1,
-                        |__integer| __integer as __wzvi::core::primitive::i128,
+                    let list = &self.bonds[..];
+                    Entries::of_list(
+                        list,
+                        range,
+                        |entry| (*entry).1,
+                        |integer| integer as i128,
                     )
                 }
-                _ => __places::Entries::of_length(0),
+                _ => Entries::of_length(0),
             }
         }
-        const INTEGRALS: __wzvi::core::primitive::usize = 3usize;
-        fn value<__S: __wzvi::Scalar>(
-            &self,
-            __part: __wzvi::core::primitive::usize,
-            __weight: __wzvi::core::primitive::f64,
-            __at: &__wzvi::elements::Point<'_, __S>,
-        ) -> __S {
-            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            let mut __value = <__S as __wzvi::Scalar>::from_f64(0.0);
-            match __part {
-                0usize => {
-                    let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
+        const INTEGRALS: usize = 3;
+        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+            let size = at.q.len() as isize;
+            let mut value = S::from_f64(0.0);
+            match part {
+                0 => {
+                    let mut total = S::from_f64(0.0);
                     {
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                __b0 = __b0 + __l0 * __l0 * 0.5f64;
+                        let mut b0 = S::from_f64(0.0);
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
+                            let len = (end - low) as usize;
+                            let s0 = i0 as usize;
+                            let s0 = &at.p[s0..s0 + len];
+                            for place in 0..len {
+                                let p_i = s0[place];
+                                b0 = b0 + p_i * p_i * 0.5;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
                         }
-                        __total = __total + __b0;
+                        total = total + b0;
                     }
                     {
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((self.bonds.len()
-                            as __wzvi::core::primitive::isize));
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = <__S as __wzvi::Scalar>::from_f64(
-                                    self
-                                        .bonds[((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize)]
-                                        .2,
-                                );
-                                let __l1 = __at
-                                    .q[(((self
-                                    .bonds[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)]
-                                    .0 as __wzvi::core::primitive::isize))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l2 = __at
-                                    .q[(((self
-                                    .bonds[((__i1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)]
-                                    .1 as __wzvi::core::primitive::isize))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __x0 = __l1 - __l2;
-                                __b0 = __b0 + __l0 * (__x0 * __x0) * 0.5f64;
+                        let mut b0 = S::from_f64(0.0);
+                        let (low, end): (isize, isize) = (0, self.bonds.len() as isize);
+                        if low < end {
+                            let i1 = low;
+                            let len = (end - low) as usize;
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let bonds_2_i = S::from_f64(self.bonds[i1 as usize].2);
+                                let q_bonds_0_i = at.q[self.bonds[i1 as usize].0 as usize];
+                                let q_bonds_1_i = at.q[self.bonds[i1 as usize].1 as usize];
+                                let difference = q_bonds_0_i - q_bonds_1_i;
+                                b0 = b0 + bonds_2_i * (difference * difference) * 0.5;
                             }
-                            __i1 += __len as __wzvi::core::primitive::isize;
                         }
-                        __total = __total + __b0;
+                        total = total + b0;
                     }
-                    __value = __value
-                        + __total * <__S as __wzvi::Scalar>::from_f64(__at.h);
+                    value = value + total * S::from_f64(at.h);
                 }
                 _ => {}
             }
-            __value
+            value
         }
-        fn slopes<__S: __wzvi::Scalar>(
+        fn slopes<S: Scalar>(
             &self,
-            __part: __wzvi::core::primitive::usize,
-            __weight: __wzvi::core::primitive::f64,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __wanted: __wzvi::elements::Slopes,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S>,
+            wanted: Slopes,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            match __part {
-                0usize => {
-                    if __wanted.by_p {
+            let size = at.q.len() as isize;
+            match part {
+                0 => {
+                    if wanted.by_p {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i0: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__size);
-                            while __i0 < __end {
-                                let __low = __i0;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s0 = &__at.p[__s0..__s0 + __len];
-                                let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __b0 = &mut __by_p[__b0..__b0 + __len];
-                                for __k in 0..__len {
-                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __s0[__k];
-                                    __b0[__k] = __b0[__k] + __l0 * __c;
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                let s0 = i0 as usize;
+                                let s0 = &at.p[s0..s0 + len];
+                                let b0 = i0 as usize;
+                                let b0 = &mut by_p[b0..b0 + len];
+                                for place in 0..len {
+                                    let p_i = s0[place];
+                                    b0[place] = b0[place] + p_i * factor;
                                 }
-                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
-                    if __wanted.by_q {
+                    if wanted.by_q {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i1: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = ((self
-                                .bonds
-                                .len() as __wzvi::core::primitive::isize));
-                            while __i1 < __end {
-                                let __low = __i1;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                for __k in 0..__len {
-                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = <__S as __wzvi::Scalar>::from_f64(
-                                        self
-                                            .bonds[((__i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize)]
-                                            .2,
-                                    );
-                                    let __l1 = __at
-                                        .q[(((self
-                                        .bonds[((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize)]
-                                        .0 as __wzvi::core::primitive::isize))
-                                        as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)];
-                                    let __l2 = __at
-                                        .q[(((self
-                                        .bonds[((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize)]
-                                        .1 as __wzvi::core::primitive::isize))
-                                        as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)];
-                                    let __x0 = (__l1 - __l2) * (__l0 * __c);
-                                    let __at_index = (((self
-                                        .bonds[((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize)]
-                                        .0 as __wzvi::core::primitive::isize))
-                                        as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize);
-                                    __by_q[__at_index] = __by_q[__at_index] + __x0;
-                                    let __at_index = (((self
-                                        .bonds[((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize)]
-                                        .1 as __wzvi::core::primitive::isize))
-                                        as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize);
-                                    __by_q[__at_index] = __by_q[__at_index] + -__x0;
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (
+                                0,
+                                self.bonds.len() as isize,
+                            );
+                            if low < end {
+                                let i1 = low;
+                                let len = (end - low) as usize;
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let bonds_2_i = S::from_f64(self.bonds[i1 as usize].2);
+                                    let q_bonds_0_i = at.q[self.bonds[i1 as usize].0 as usize];
+                                    let q_bonds_1_i = at.q[self.bonds[i1 as usize].1 as usize];
+                                    let product = (q_bonds_0_i - q_bonds_1_i)
+                                        * (bonds_2_i * factor);
+                                    let at_index = self.bonds[i1 as usize].0 as usize;
+                                    by_q[at_index] = by_q[at_index] + product;
+                                    let at_index = self.bonds[i1 as usize].1 as usize;
+                                    by_q[at_index] = by_q[at_index] + -product;
                                 }
-                                __i1 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
@@ -424,134 +316,64 @@ const _: () = {
                 _ => {}
             }
         }
-        fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
+        fn curvature<S: Scalar, C: Curvature<S>>(
             &self,
-            __part: __wzvi::core::primitive::usize,
-            __weight: __wzvi::core::primitive::f64,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __wanted: __wzvi::elements::Slopes,
-            __into: &mut __C,
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S>,
+            wanted: Slopes,
+            into: &mut C,
         ) {
-            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            match __part {
-                0usize => {
-                    if __wanted.by_p {
+            let size = at.q.len() as isize;
+            match part {
+                0 => {
+                    if wanted.by_p {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i0: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__size);
-                            while __i0 < __end {
-                                let __low = __i0;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s0 = &__at.p[__s0..__s0 + __len];
-                                for __k in 0..__len {
-                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __s0[__k];
-                                    __into
-                                        .add_pp(
-                                            ((__i0) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((__i0) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __c,
-                                        );
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                for place in 0..len {
+                                    let i0 = low + place as isize;
+                                    into.add_pp(i0 as usize, i0 as usize, true, factor);
                                 }
-                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
-                    if __wanted.by_q {
+                    if wanted.by_q {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i1: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = ((self
-                                .bonds
-                                .len() as __wzvi::core::primitive::isize));
-                            while __i1 < __end {
-                                let __low = __i1;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                for __k in 0..__len {
-                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = <__S as __wzvi::Scalar>::from_f64(
-                                        self
-                                            .bonds[((__i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize)]
-                                            .2,
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (
+                                0,
+                                self.bonds.len() as isize,
+                            );
+                            if low < end {
+                                let i1 = low;
+                                let len = (end - low) as usize;
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let bonds_2_i = S::from_f64(self.bonds[i1 as usize].2);
+                                    let bonds_2_i_factor = bonds_2_i * factor;
+                                    into.add_qq(
+                                        self.bonds[i1 as usize].0 as usize,
+                                        self.bonds[i1 as usize].0 as usize,
+                                        true,
+                                        bonds_2_i_factor,
                                     );
-                                    let __l1 = __at
-                                        .q[(((self
-                                        .bonds[((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize)]
-                                        .0 as __wzvi::core::primitive::isize))
-                                        as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)];
-                                    let __l2 = __at
-                                        .q[(((self
-                                        .bonds[((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize)]
-                                        .1 as __wzvi::core::primitive::isize))
-                                        as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)];
-                                    let __x0 = __l0 * __c;
-                                    __into
-                                        .add_qq(
-                                            (((self
-                                                .bonds[((__i1) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize)]
-                                                .0 as __wzvi::core::primitive::isize))
-                                                as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            (((self
-                                                .bonds[((__i1) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize)]
-                                                .0 as __wzvi::core::primitive::isize))
-                                                as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __x0,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            (((self
-                                                .bonds[((__i1) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize)]
-                                                .0 as __wzvi::core::primitive::isize))
-                                                as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            (((self
-                                                .bonds[((__i1) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize)]
-                                                .1 as __wzvi::core::primitive::isize))
-                                                as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            false,
-                                            -__x0,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            (((self
-                                                .bonds[((__i1) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize)]
-                                                .1 as __wzvi::core::primitive::isize))
-                                                as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            (((self
-                                                .bonds[((__i1) as __wzvi::core::primitive::isize
-                                                    as __wzvi::core::primitive::usize)]
-                                                .1 as __wzvi::core::primitive::isize))
-                                                as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __x0,
-                                        );
+                                    into.add_qq(
+                                        self.bonds[i1 as usize].0 as usize,
+                                        self.bonds[i1 as usize].1 as usize,
+                                        false,
+                                        -bonds_2_i_factor,
+                                    );
+                                    into.add_qq(
+                                        self.bonds[i1 as usize].1 as usize,
+                                        self.bonds[i1 as usize].1 as usize,
+                                        true,
+                                        bonds_2_i_factor,
+                                    );
                                 }
-                                __i1 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
@@ -561,107 +383,101 @@ const _: () = {
         }
     }
     const _: () = {
-        const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
+        const SCHEME: Scheme = Scheme {
             stages: &[
-                __wzvi::elements::Stage {
-                    point: 0f64,
-                    start: 1f64,
-                    end: 0f64,
-                    parts: &[(0usize, 1f64)],
+                Stage {
+                    point: 0.0,
+                    start: 1.0,
+                    end: 0.0,
+                    parts: &[(0, 1.0)],
                 },
             ],
-            update: __wzvi::elements::MomentumUpdate::Multiple(1f64),
-            unknowns: __wzvi::elements::Unknowns::None,
+            update: MomentumUpdate::Multiple(1.0),
+            unknowns: Unknowns::None,
             remembers: false,
             is_linear: false,
         };
         #[automatically_derived]
-        impl __wzvi::Discretized<__wzvi::embedding::DeltaPlus> for Bonds {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Explicit,
+        impl Discretized<DeltaPlus> for Bonds {
+            const PLAN: Plan = Plan {
+                solver: Solver::Explicit,
                 unknowns: 0,
-                order: 1u32,
-                noise: __wzvi::NoiseClass::None,
+                order: 1,
+                noise: NoiseClass::None,
                 consistent: true,
-                conserves_energy: __wzvi::Knowledge::Proven,
-                commuting: __wzvi::Knowledge::Proven,
+                conserves_energy: Knowledge::Proven,
+                commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..bonds.len() - 1) [bonds.2[i] (q[bonds.0[i]] - q[bonds.1[i]])²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    Σ_(i=0..bonds.len() - 1) [-bonds.2[i] h (q[bonds.0[i]] - q[bonds.1[i]])]   at point bonds.0[i]\n    Σ_(i=0..bonds.len() - 1) [bonds.2[i] h (q[bonds.0[i]] - q[bonds.1[i]])]   at point bonds.1[i]\n  p' = D2 L_d:  p'[i] = P[i]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
-            const REMEMBERS: __wzvi::core::primitive::bool = false;
-            const IN_LANES: __wzvi::core::primitive::bool = false;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
-                __S,
-            >;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
+            const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..bonds.len() - 1) [bonds.2[i] (q[bonds.0[i]] - q[bonds.1[i]])²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    Σ_(i=0..bonds.len() - 1) [-bonds.2[i] h (q[bonds.0[i]] - q[bonds.1[i]])]   at point bonds.0[i]\n    Σ_(i=0..bonds.len() - 1) [bonds.2[i] h (q[bonds.0[i]] - q[bonds.1[i]])]   at point bonds.1[i]\n  p' = D2 L_d:  p'[i] = P[i]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
+            const REMEMBERS: bool = false;
+            const IN_LANES: bool = false;
             type Prepared = ();
-            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
-            fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
-                __wzvi::elements::Memory::new(self, &__SCHEME)
+            type Memory<S: Scalar> = Memory<S>;
+            type Compensated<S: Scalar> = CompensationVec<S>;
+            type Carry<S: Scalar> = Plain;
+            fn memory(&self) -> Self::Memory<f64> {
+                Memory::new(self, &SCHEME)
             }
-            fn prepare(
-                &self,
-                __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<(), __wzvi::ConfigError> {
-                __wzvi::elements::prepare(self)
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                wzvi::elements::prepare(self)
             }
-            fn advance_carrying<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
-                __prepared: &(),
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: &mut [__S],
-                __p: &mut [__S],
-                __dw: &[__S],
-                __memory: &mut __wzvi::elements::Memory<__S>,
-                __carry: &mut __C,
-            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                __wzvi::elements::advance::<
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                wzvi::elements::advance::<
                     _,
-                    __S,
-                    __C,
-                    __CAREFUL,
-                >(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
+                    S,
+                    C,
+                    CAREFUL,
+                >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
             fn discrete_lagrangian(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::core::primitive::f64 {
-                __wzvi::elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                wzvi::elements::discrete_lagrangian(self, &SCHEME, segment, dw)
             }
             fn discrete_lagrangian_gradient(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                __wzvi::elements::discrete_lagrangian_gradient(
-                    self,
-                    &__SCHEME,
-                    __segment,
-                    __dw,
-                )
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                wzvi::elements::discrete_lagrangian_gradient(self, &SCHEME, segment, dw)
             }
             fn step_momentum(
                 &self,
-                __before: &__wzvi::State<Self::Vector>,
-                __after: &__wzvi::State<Self::Vector>,
-                __h: __wzvi::core::primitive::f64,
-                __dw: &[__wzvi::core::primitive::f64],
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
             ) -> Self::Vector {
-                __wzvi::elements::step_momentum(
-                    self,
-                    &__SCHEME,
-                    __before,
-                    __after,
-                    __h,
-                    __dw,
-                )
+                wzvi::elements::step_momentum(self, &SCHEME, before, after, h, dw)
             }
         }
+    };
+    /// The names that are bound above, so that no constant around can stand for them.
+    use ::wzvi::__private::{
+        binding as after, binding as at, binding as at_index, binding as b0,
+        binding as before, binding as bonds_2_i, binding as bonds_2_i_factor,
+        binding as by_p, binding as by_q, binding as carry, binding as degrees,
+        binding as difference, binding as dw, binding as end, binding as entry,
+        binding as factor, binding as h, binding as i0, binding as i1,
+        binding as integer, binding as into, binding as len, binding as list,
+        binding as low, binding as memory, binding as outer, binding as p,
+        binding as p_i, binding as part, binding as place, binding as prepared,
+        binding as product, binding as q, binding as q_bonds_0_i, binding as q_bonds_1_i,
+        binding as range, binding as s0, binding as segment, binding as size,
+        binding as t, binding as table, binding as term, binding as total,
+        binding as value, binding as wanted, binding as weight,
     };
 };
 const _: () = {

@@ -52,305 +52,206 @@ pub struct Lattice<const N: usize> {
     clippy::cargo
 )]
 const _: () = {
-    use ::wzvi::__private as __wzvi;
+    use ::wzvi::__private::{
+        self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
+        Knowledge, LagrangianGradient, NoiseClass, Option, Ord, Plain, Plan, Range,
+        Result, Scalar, Segment, Solver, State, StepFailure, bool, f64, isize, str,
+        usize,
+        elements::{
+            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
+            Slopes, Stage, Unknowns,
+        },
+        elements::places::{Entries, Name, Places},
+        embedding::DeltaPlus,
+    };
     #[automatically_derived]
-    impl<const N: usize> __wzvi::Hamiltonian for Lattice<N> {
-        type Vector = __wzvi::DVector<__wzvi::core::primitive::f64>;
-        fn degrees(&self) -> __wzvi::core::primitive::usize {
-            (((N as __wzvi::core::primitive::isize)) as __wzvi::core::primitive::usize)
-                * 2usize
+    impl<const N: usize> Hamiltonian for Lattice<N> {
+        type Vector = DVector<f64>;
+        fn degrees(&self) -> usize {
+            (N as isize) as usize * 2
         }
-        fn check(
+        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+            wzvi::elements::check(self, degrees)
+        }
+        fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+            [("k", self.k)].get(index).copied()
+        }
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
+            wzvi::elements::evaluate(self, term, q, p, t)
+        }
+        fn differentiate<S: Scalar>(
             &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
-            __wzvi::elements::check(self, __degrees)
-        }
-        fn noises(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn invariants(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn parameter(
-            &self,
-            __index: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<
-            (&'static __wzvi::core::primitive::str, __wzvi::core::primitive::f64),
-        > {
-            match __index {
-                0usize => __wzvi::core::option::Option::Some(("k", self.k)),
-                _ => __wzvi::core::option::Option::None,
-            }
-        }
-        fn evaluate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-        ) -> __S {
-            __wzvi::elements::evaluate(self, __term, __q, __p, __t)
-        }
-        fn differentiate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            __wzvi::elements::differentiate(self, __term, __q, __p, __t, __by_q, __by_p);
-        }
-        fn invariant(
-            &self,
-            __number: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::invariant(self, __number, __state)
-        }
-        fn energy_rate(
-            &self,
-            __k: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::energy_rate(self, __k, __state)
+            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
         }
     }
     #[automatically_derived]
-    impl<const N: usize> __wzvi::elements::Elements for Lattice<N> {
-        const PLACES: __wzvi::elements::places::Places = {
-            use __wzvi::elements::places as __places;
-            __places::Places {
-                components: 2usize,
-                tables: &[
-                    __places::Name {
-                        name: "",
-                        suffix: "",
-                    },
-                ],
-                nests: &[],
-            }
+    impl<const N: usize> Elements for Lattice<N> {
+        const PLACES: Places = Places {
+            components: 2,
+            tables: &[Name { name: "", suffix: "" }],
+            nests: &[],
         };
         fn entries(
             &self,
-            __table: __wzvi::core::primitive::usize,
-            __outer: &[__wzvi::core::primitive::usize],
-            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
-        ) -> __wzvi::elements::places::Entries {
-            use __wzvi::elements::places as __places;
-            match (__table, __outer) {
-                _ => __places::Entries::of_length(0),
-            }
+            table: usize,
+            outer: &[usize],
+            range: Range<usize>,
+        ) -> Entries {
+            Entries::of_length(0)
         }
-        const INTEGRALS: __wzvi::core::primitive::usize = 3usize;
-        fn value<__S: __wzvi::Scalar>(
-            &self,
-            __part: __wzvi::core::primitive::usize,
-            __weight: __wzvi::core::primitive::f64,
-            __at: &__wzvi::elements::Point<'_, __S>,
-        ) -> __S {
-            let __a0: __wzvi::core::primitive::f64 = self.k;
-            let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            let mut __value = <__S as __wzvi::Scalar>::from_f64(0.0);
-            match __part {
-                0usize => {
-                    let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
+        const INTEGRALS: usize = 3;
+        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+            let k: f64 = self.k;
+            let mut value = S::from_f64(0.0);
+            match part {
+                0 => {
+                    let mut total = S::from_f64(0.0);
                     {
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .p[__points0..__points0 + 2 * __len]
+                        let mut b0 = S::from_f64(0.0);
+                        let (low, end): (isize, isize) = (0, N as isize);
+                        if low < end {
+                            let i0 = low;
+                            let len = (end - low) as usize;
+                            let points0 = (2 * i0) as usize;
+                            let points0 = &at
+                                .p[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __points0[__k][0usize];
-                                let __l1 = __points0[__k][1usize];
-                                __b0 = __b0 + (__l1 * __l1 + __l0 * __l0) * 0.5f64;
+                                .0[..len];
+                            for place in 0..len {
+                                let p_2i = points0[place][0];
+                                let p_2i_plus_1 = points0[place][1];
+                                b0 = b0 + (p_2i_plus_1 * p_2i_plus_1 + p_2i * p_2i) * 0.5;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
                         }
-                        __total = __total + __b0;
+                        total = total + b0;
                     }
                     {
-                        let __x0 = 0.5f64 * __a0;
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i1: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = ((N
-                            as __wzvi::core::primitive::isize));
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __points0 = ((2 * __i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __points0 = &__at
-                                .q[__points0..__points0 + 2 * __len]
+                        let half_k = 0.5 * k;
+                        let mut b0 = S::from_f64(0.0);
+                        let (low, end): (isize, isize) = (0, N as isize);
+                        if low < end {
+                            let i1 = low;
+                            let len = (end - low) as usize;
+                            let points0 = (2 * i1) as usize;
+                            let points0 = &at
+                                .q[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
-                                .0[..__len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l1 = __points0[__k][0usize];
-                                let __l2 = __at
-                                    .q[((2
-                                    * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                    + 1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize)];
-                                let __l3 = __points0[__k][1usize];
-                                let __x1 = ((__l0 - __l1) * __x0).sin();
-                                let __x2 = __l2 - __l3;
-                                __b0 = __b0 + __x2 * __x2 * 0.5f64 + __x1 * __x1 * 2f64;
+                                .0[..len];
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let q_2_i_plus_1_mod_N = at
+                                    .q[(2 * ((i1 + 1) % (N as isize))) as usize];
+                                let q_2i = points0[place][0];
+                                let q_2_i_plus_1_mod_N_plus_1 = at
+                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as usize];
+                                let q_2i_plus_1 = points0[place][1];
+                                let sin = ((q_2_i_plus_1_mod_N - q_2i) * half_k).sin();
+                                let difference = q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1;
+                                b0 = b0 + difference * difference * 0.5 + sin * sin * 2.0;
                             }
-                            __i1 += __len as __wzvi::core::primitive::isize;
                         }
-                        __total = __total + __b0;
+                        total = total + b0;
                     }
-                    __value = __value
-                        + __total * <__S as __wzvi::Scalar>::from_f64(__at.h);
+                    value = value + total * S::from_f64(at.h);
                 }
                 _ => {}
             }
-            __value
+            value
         }
-        fn slopes<__S: __wzvi::Scalar>(
+        fn slopes<S: Scalar>(
             &self,
-            __part: __wzvi::core::primitive::usize,
-            __weight: __wzvi::core::primitive::f64,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __wanted: __wzvi::elements::Slopes,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S>,
+            wanted: Slopes,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.k;
-            let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            match __part {
-                0usize => {
-                    if __wanted.by_p {
+            let k: f64 = self.k;
+            match part {
+                0 => {
+                    if wanted.by_p {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i0: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = ((N
-                                as __wzvi::core::primitive::isize));
-                            while __i0 < __end {
-                                let __low = __i0;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __points0 = ((2 * __i0)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points0 = &__at
-                                    .p[__points0..__points0 + 2 * __len]
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, N as isize);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                let points0 = (2 * i0) as usize;
+                                let points0 = &at
+                                    .p[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
-                                    .0[..__len];
-                                let __points1 = ((2 * __i0)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points1 = &mut __by_p[__points1..__points1
-                                        + 2 * __len]
+                                    .0[..len];
+                                let points1 = (2 * i0) as usize;
+                                let points1 = &mut by_p[points1..points1 + 2 * len]
                                     .as_chunks_mut::<2>()
-                                    .0[..__len];
-                                for __k in 0..__len {
-                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __points0[__k][0usize];
-                                    let __l1 = __points0[__k][1usize];
-                                    __points1[__k][0usize] = __points1[__k][0usize]
-                                        + __l0 * __c;
-                                    __points1[__k][1usize] = __points1[__k][1usize]
-                                        + __l1 * __c;
+                                    .0[..len];
+                                for place in 0..len {
+                                    let p_2i = points0[place][0];
+                                    let p_2i_plus_1 = points0[place][1];
+                                    points1[place][0] = points1[place][0] + p_2i * factor;
+                                    points1[place][1] = points1[place][1]
+                                        + p_2i_plus_1 * factor;
                                 }
-                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
-                    if __wanted.by_q {
+                    if wanted.by_q {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __b0 = [<__S as __wzvi::Scalar>::from_f64(
-                                0.0,
-                            ); 64usize];
-                            let mut __b2 = [<__S as __wzvi::Scalar>::from_f64(
-                                0.0,
-                            ); 64usize];
-                            let mut __i1: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = ((N
-                                as __wzvi::core::primitive::isize));
-                            while __i1 < __end {
-                                let __low = __i1;
-                                let __len = __wzvi::core::cmp::Ord::min(
-                                    (__end - __low) as __wzvi::core::primitive::usize,
-                                    64usize,
-                                );
-                                let __points0 = ((2 * __i1)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points0 = &__at
-                                    .q[__points0..__points0 + 2 * __len]
+                            let factor = S::from_f64(at.h);
+                            let mut b0 = [S::from_f64(0.0); 64];
+                            let mut b2 = [S::from_f64(0.0); 64];
+                            let mut i1: isize = 0;
+                            let end: isize = N as isize;
+                            while i1 < end {
+                                let low = i1;
+                                let len = Ord::min((end - low) as usize, 64);
+                                let points0 = (2 * i1) as usize;
+                                let points0 = &at
+                                    .q[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
-                                    .0[..__len];
-                                let __points1 = ((2 * __i1)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points1 = &mut __by_q[__points1..__points1
-                                        + 2 * __len]
+                                    .0[..len];
+                                let points1 = (2 * i1) as usize;
+                                let points1 = &mut by_q[points1..points1 + 2 * len]
                                     .as_chunks_mut::<2>()
-                                    .0[..__len];
-                                let __b0 = &mut __b0[..__len];
-                                let __b2 = &mut __b2[..__len];
-                                for __k in 0..__len {
-                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __at
-                                        .q[((2
-                                        * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                        as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)];
-                                    let __l1 = __points0[__k][0usize];
-                                    let __l2 = __at
-                                        .q[((2
-                                        * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                        + 1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)];
-                                    let __l3 = __points0[__k][1usize];
-                                    let __x0 = __c * ((__l0 - __l1) * __a0).sin() * __a0;
-                                    let __x1 = __c * (__l2 - __l3);
-                                    __points1[__k][0usize] = __points1[__k][0usize] + -__x0;
-                                    __points1[__k][1usize] = __points1[__k][1usize] + -__x1;
-                                    __b0[__k] = __x0;
-                                    __b2[__k] = __x1;
+                                    .0[..len];
+                                let b0 = &mut b0[..len];
+                                let b2 = &mut b2[..len];
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let q_2_i_plus_1_mod_N = at
+                                        .q[(2 * ((i1 + 1) % (N as isize))) as usize];
+                                    let q_2i = points0[place][0];
+                                    let q_2_i_plus_1_mod_N_plus_1 = at
+                                        .q[(2 * ((i1 + 1) % (N as isize)) + 1) as usize];
+                                    let q_2i_plus_1 = points0[place][1];
+                                    let product = factor
+                                        * ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
+                                    let product2 = factor
+                                        * (q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1);
+                                    points1[place][0] = points1[place][0] + -product;
+                                    points1[place][1] = points1[place][1] + -product2;
+                                    b0[place] = product;
+                                    b2[place] = product2;
                                 }
-                                for __k in 0..__len {
-                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __at_index = ((2
-                                        * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                        as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize);
-                                    __by_q[__at_index] = __by_q[__at_index] + __b0[__k];
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let at_index = (2 * ((i1 + 1) % (N as isize))) as usize;
+                                    by_q[at_index] = by_q[at_index] + b0[place];
                                 }
-                                for __k in 0..__len {
-                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __at_index = ((2
-                                        * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                        + 1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize);
-                                    __by_q[__at_index] = __by_q[__at_index] + __b2[__k];
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let at_index = (2 * ((i1 + 1) % (N as isize)) + 1) as usize;
+                                    by_q[at_index] = by_q[at_index] + b2[place];
                                 }
-                                __i1 += __len as __wzvi::core::primitive::isize;
+                                i1 += len as isize;
                             }
                         }
                     }
@@ -358,161 +259,99 @@ const _: () = {
                 _ => {}
             }
         }
-        fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
+        fn curvature<S: Scalar, C: Curvature<S>>(
             &self,
-            __part: __wzvi::core::primitive::usize,
-            __weight: __wzvi::core::primitive::f64,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __wanted: __wzvi::elements::Slopes,
-            __into: &mut __C,
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S>,
+            wanted: Slopes,
+            into: &mut C,
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.k;
-            let __size = (__at.q.len() / 2) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            match __part {
-                0usize => {
-                    if __wanted.by_p {
+            let k: f64 = self.k;
+            match part {
+                0 => {
+                    if wanted.by_p {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i0: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = ((N
-                                as __wzvi::core::primitive::isize));
-                            while __i0 < __end {
-                                let __low = __i0;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __points0 = ((2 * __i0)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points0 = &__at
-                                    .p[__points0..__points0 + 2 * __len]
-                                    .as_chunks::<2>()
-                                    .0[..__len];
-                                for __k in 0..__len {
-                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __points0[__k][0usize];
-                                    let __l1 = __points0[__k][1usize];
-                                    __into
-                                        .add_pp(
-                                            ((2 * __i0) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i0) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __c,
-                                        );
-                                    __into
-                                        .add_pp(
-                                            ((2 * __i0 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i0 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __c,
-                                        );
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, N as isize);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                for place in 0..len {
+                                    let i0 = low + place as isize;
+                                    into.add_pp(
+                                        (2 * i0) as usize,
+                                        (2 * i0) as usize,
+                                        true,
+                                        factor,
+                                    );
+                                    into.add_pp(
+                                        (2 * i0 + 1) as usize,
+                                        (2 * i0 + 1) as usize,
+                                        true,
+                                        factor,
+                                    );
                                 }
-                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
-                    if __wanted.by_q {
+                    if wanted.by_q {
                         {
-                            let __x0 = __a0 * __a0;
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i1: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = ((N
-                                as __wzvi::core::primitive::isize));
-                            while __i1 < __end {
-                                let __low = __i1;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __points0 = ((2 * __i1)
-                                    as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __points0 = &__at
-                                    .q[__points0..__points0 + 2 * __len]
+                            let k_squared = k * k;
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, N as isize);
+                            if low < end {
+                                let i1 = low;
+                                let len = (end - low) as usize;
+                                let points0 = (2 * i1) as usize;
+                                let points0 = &at
+                                    .q[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
-                                    .0[..__len];
-                                for __k in 0..__len {
-                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __at
-                                        .q[((2
-                                        * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                        as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)];
-                                    let __l1 = __points0[__k][0usize];
-                                    let __l2 = __at
-                                        .q[((2
-                                        * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                        + 1) as __wzvi::core::primitive::isize
-                                        as __wzvi::core::primitive::usize)];
-                                    let __l3 = __points0[__k][1usize];
-                                    let __x1 = __c * ((__l0 - __l1) * __a0).cos() * __x0;
-                                    __into
-                                        .add_qq(
-                                            ((2
-                                                * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                                as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2
-                                                * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                                as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __x1,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            ((2
-                                                * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize))))
-                                                as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            false,
-                                            -__x1,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            ((2 * __i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __x1,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            ((2 * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                                + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                                + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __c,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            ((2 * ((__i1 + 1) % ((N as __wzvi::core::primitive::isize)))
-                                                + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            false,
-                                            -__c,
-                                        );
-                                    __into
-                                        .add_qq(
-                                            ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((2 * __i1 + 1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __c,
-                                        );
+                                    .0[..len];
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let q_2_i_plus_1_mod_N = at
+                                        .q[(2 * ((i1 + 1) % (N as isize))) as usize];
+                                    let q_2i = points0[place][0];
+                                    let product = factor
+                                        * ((q_2_i_plus_1_mod_N - q_2i) * k).cos() * k_squared;
+                                    into.add_qq(
+                                        (2 * ((i1 + 1) % (N as isize))) as usize,
+                                        (2 * ((i1 + 1) % (N as isize))) as usize,
+                                        true,
+                                        product,
+                                    );
+                                    into.add_qq(
+                                        (2 * ((i1 + 1) % (N as isize))) as usize,
+                                        (2 * i1) as usize,
+                                        false,
+                                        -product,
+                                    );
+                                    into.add_qq(
+                                        (2 * i1) as usize,
+                                        (2 * i1) as usize,
+                                        true,
+                                        product,
+                                    );
+                                    into.add_qq(
+                                        (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
+                                        (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
+                                        true,
+                                        factor,
+                                    );
+                                    into.add_qq(
+                                        (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
+                                        (2 * i1 + 1) as usize,
+                                        false,
+                                        -factor,
+                                    );
+                                    into.add_qq(
+                                        (2 * i1 + 1) as usize,
+                                        (2 * i1 + 1) as usize,
+                                        true,
+                                        factor,
+                                    );
                                 }
-                                __i1 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
@@ -522,113 +361,105 @@ const _: () = {
         }
     }
     const _: () = {
-        const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
+        const SCHEME: Scheme = Scheme {
             stages: &[
-                __wzvi::elements::Stage {
-                    point: 0f64,
-                    start: 1f64,
-                    end: 0f64,
-                    parts: &[(0usize, 1f64)],
+                Stage {
+                    point: 0.0,
+                    start: 1.0,
+                    end: 0.0,
+                    parts: &[(0, 1.0)],
                 },
             ],
-            update: __wzvi::elements::MomentumUpdate::Multiple(1f64),
-            unknowns: __wzvi::elements::Unknowns::None,
+            update: MomentumUpdate::Multiple(1.0),
+            unknowns: Unknowns::None,
             remembers: false,
             is_linear: false,
         };
         #[automatically_derived]
-        impl<const N: usize> __wzvi::Discretized<__wzvi::embedding::DeltaPlus>
-        for Lattice<N> {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Explicit,
+        impl<const N: usize> Discretized<DeltaPlus> for Lattice<N> {
+            const PLAN: Plan = Plan {
+                solver: Solver::Explicit,
                 unknowns: 0,
-                order: 1u32,
-                noise: __wzvi::NoiseClass::None,
+                order: 1,
+                noise: NoiseClass::None,
                 consistent: true,
-                conserves_energy: __wzvi::Knowledge::Proven,
-                commuting: __wzvi::Knowledge::Proven,
+                conserves_energy: Knowledge::Proven,
+                commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    -h (q[i][1] - q[((i + 1) mod N)][1])   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-h (q[((i + 1) mod N)][1] - q[i][1])]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
-            const REMEMBERS: __wzvi::core::primitive::bool = false;
-            const IN_LANES: __wzvi::core::primitive::bool = false;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
-                __S,
-            >;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
+            const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    -h (q[i][1] - q[((i + 1) mod N)][1])   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-h (q[((i + 1) mod N)][1] - q[i][1])]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
+            const REMEMBERS: bool = false;
+            const IN_LANES: bool = false;
             type Prepared = ();
-            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::Memory<__S>;
-            fn memory(&self) -> __wzvi::elements::Memory<__wzvi::core::primitive::f64> {
-                __wzvi::elements::Memory::new(self, &__SCHEME)
+            type Memory<S: Scalar> = Memory<S>;
+            type Compensated<S: Scalar> = CompensationVec<S>;
+            type Carry<S: Scalar> = Plain;
+            fn memory(&self) -> Self::Memory<f64> {
+                Memory::new(self, &SCHEME)
             }
-            fn prepare(
-                &self,
-                __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<(), __wzvi::ConfigError> {
-                if __wzvi::core::primitive::f64::is_nan(self.k) {
-                    return __wzvi::core::result::Result::Err(
-                        __wzvi::ConfigError::Parameter,
-                    );
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                if f64::is_nan(self.k) {
+                    return Err(ConfigError::Parameter);
                 }
-                __wzvi::elements::prepare(self)
+                wzvi::elements::prepare(self)
             }
-            fn advance_carrying<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
-                __prepared: &(),
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: &mut [__S],
-                __p: &mut [__S],
-                __dw: &[__S],
-                __memory: &mut __wzvi::elements::Memory<__S>,
-                __carry: &mut __C,
-            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                __wzvi::elements::advance::<
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                wzvi::elements::advance::<
                     _,
-                    __S,
-                    __C,
-                    __CAREFUL,
-                >(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
+                    S,
+                    C,
+                    CAREFUL,
+                >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
             fn discrete_lagrangian(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::core::primitive::f64 {
-                __wzvi::elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                wzvi::elements::discrete_lagrangian(self, &SCHEME, segment, dw)
             }
             fn discrete_lagrangian_gradient(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                __wzvi::elements::discrete_lagrangian_gradient(
-                    self,
-                    &__SCHEME,
-                    __segment,
-                    __dw,
-                )
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                wzvi::elements::discrete_lagrangian_gradient(self, &SCHEME, segment, dw)
             }
             fn step_momentum(
                 &self,
-                __before: &__wzvi::State<Self::Vector>,
-                __after: &__wzvi::State<Self::Vector>,
-                __h: __wzvi::core::primitive::f64,
-                __dw: &[__wzvi::core::primitive::f64],
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
             ) -> Self::Vector {
-                __wzvi::elements::step_momentum(
-                    self,
-                    &__SCHEME,
-                    __before,
-                    __after,
-                    __h,
-                    __dw,
-                )
+                wzvi::elements::step_momentum(self, &SCHEME, before, after, h, dw)
             }
         }
+    };
+    /// The names that are bound above, so that no constant around can stand for them.
+    use ::wzvi::__private::{
+        binding as after, binding as at, binding as at_index, binding as b0,
+        binding as b2, binding as before, binding as by_p, binding as by_q,
+        binding as carry, binding as degrees, binding as difference, binding as dw,
+        binding as end, binding as factor, binding as h, binding as half_k,
+        binding as i0, binding as i1, binding as index, binding as into, binding as k,
+        binding as k_squared, binding as len, binding as low, binding as memory,
+        binding as outer, binding as p, binding as p_2i, binding as p_2i_plus_1,
+        binding as part, binding as place, binding as points0, binding as points1,
+        binding as prepared, binding as product, binding as product2, binding as q,
+        binding as q_2_i_plus_1_mod_N, binding as q_2_i_plus_1_mod_N_plus_1,
+        binding as q_2i, binding as q_2i_plus_1, binding as range, binding as segment,
+        binding as sin, binding as t, binding as table, binding as term,
+        binding as total, binding as value, binding as wanted, binding as weight,
     };
 };
 const _: () = {

@@ -50,325 +50,217 @@ pub struct Oscillators {
     clippy::cargo
 )]
 const _: () = {
-    use ::wzvi::__private as __wzvi;
+    use ::wzvi::__private::{
+        self as wzvi, Carry, Compensation, ConfigError, Discretized, Effort, Err, Factor,
+        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option, PhantomData,
+        Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver, State,
+        StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        embedding::{Composed, Midpoint},
+    };
     #[automatically_derived]
-    impl __wzvi::Hamiltonian for Oscillators {
-        type Vector = __wzvi::SVector<__wzvi::core::primitive::f64, 2usize>;
-        fn degrees(&self) -> __wzvi::core::primitive::usize {
-            2usize
+    impl Hamiltonian for Oscillators {
+        type Vector = SVector<f64, 2>;
+        fn degrees(&self) -> usize {
+            2
         }
-        fn noises(&self) -> __wzvi::core::primitive::usize {
-            0usize
+        fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+            [("k", self.k), ("c", self.c)].get(index).copied()
         }
-        fn invariants(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn parameter(
-            &self,
-            __index: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<
-            (&'static __wzvi::core::primitive::str, __wzvi::core::primitive::f64),
-        > {
-            match __index {
-                0usize => __wzvi::core::option::Option::Some(("k", self.k)),
-                1usize => __wzvi::core::option::Option::Some(("c", self.c)),
-                _ => __wzvi::core::option::Option::None,
-            }
-        }
-        fn evaluate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-        ) -> __S {
-            match (__term, __q, __p) {
-                (0usize, &[__q0, __q1], &[__p0, __p1]) => {
-                    let __a0: __wzvi::core::primitive::f64 = self.k;
-                    let __a1: __wzvi::core::primitive::f64 = self.c;
-                    let __x0 = __q0 * __q1 * __a1
-                        + ((__p1 * __p1 + __p0 * __p0) * 0.5f64
-                            + (__q1 * __q1 + __q0 * __q0) * (0.5f64 * __a0));
-                    __x0
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
+            match (term, q, p) {
+                (0, &[x, y], &[px, py]) => {
+                    let k: f64 = self.k;
+                    let c: f64 = self.c;
+                    let sum = x * y * c
+                        + ((py * py + px * px) * 0.5 + (y * y + x * x) * (0.5 * k));
+                    sum
                 }
-                _ => __S::from_f64(__wzvi::core::primitive::f64::NAN),
+                _ => S::from_f64(f64::NAN),
             }
         }
-        fn differentiate<__S: __wzvi::Scalar>(
+        fn differentiate<S: Scalar>(
             &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __dq: &mut [__S],
-            __dp: &mut [__S],
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            if let (
-                __wzvi::core::result::Result::Ok(__dq),
-                __wzvi::core::result::Result::Ok(__dp),
-            ) = (
-                __wzvi::array_mut::<__S, 2usize>(__dq),
-                __wzvi::array_mut::<__S, 2usize>(__dp),
-            ) {
-                match (__term, __q, __p) {
-                    (0usize, &[__q0, __q1], &[__p0, __p1]) => {
-                        let __a0: __wzvi::core::primitive::f64 = self.k;
-                        let __a1: __wzvi::core::primitive::f64 = self.c;
-                        {
-                            *__dq = [
-                                __q0 * __a0 + __q1 * __a1,
-                                __q1 * __a0 + __q0 * __a1,
-                            ];
-                            *__dp = [__p0, __p1];
-                        }
-                    }
-                    _ => {
-                        *__dq = [__S::from_f64(
-                            __wzvi::core::primitive::f64::NAN,
-                        ); 2usize];
-                        *__dp = [__S::from_f64(
-                            __wzvi::core::primitive::f64::NAN,
-                        ); 2usize];
-                    }
+            match (term, q, p) {
+                (0, &[x, y], &[px, py]) => {
+                    let k: f64 = self.k;
+                    let c: f64 = self.c;
+                    wzvi::gradient(by_q, by_p, [x * k + y * c, y * k + x * c], [px, py])
                 }
-            } else {
-                __dq.fill(__S::from_f64(__wzvi::core::primitive::f64::NAN));
-                __dp.fill(__S::from_f64(__wzvi::core::primitive::f64::NAN));
-            }
-        }
-        fn invariant(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            let (__q, __p, __t) = (
-                __wzvi::Vector::components(&__state.q),
-                __wzvi::Vector::components(&__state.p),
-                __state.t,
-            );
-            match (__term, __q, __p) {
-                _ => __wzvi::core::primitive::f64::NAN,
-            }
-        }
-        fn energy_rate(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            let (__q, __p, __t) = (
-                __wzvi::Vector::components(&__state.q),
-                __wzvi::Vector::components(&__state.p),
-                __state.t,
-            );
-            match (__term, __q, __p) {
-                _ => __wzvi::core::primitive::f64::NAN,
+                _ => {
+                    by_q.fill(S::from_f64(f64::NAN));
+                    by_p.fill(S::from_f64(f64::NAN));
+                }
             }
         }
     }
     const _: () = {
-        type __Prepared = (
-            [__wzvi::core::primitive::f64; 3usize],
-            __wzvi::Factor<__wzvi::core::primitive::f64, 2usize>,
-        );
-        type __Memory<__S> = __wzvi::core::marker::PhantomData<__S>;
+        type Prepared = ([f64; 3], Factor<f64, 2>);
+        type Memory<S> = PhantomData<S>;
         #[inline(always)]
-        fn __solve<
-            __S: __wzvi::Scalar,
-            __C: __wzvi::Carry<__S>,
-            const __CAREFUL: __wzvi::core::primitive::bool,
-        >(
-            __prepared: &__Prepared,
-            __t: __wzvi::core::primitive::f64,
-            __h: __wzvi::core::primitive::f64,
-            [__q0,
-            __q1,
-            ]: [__S; 2usize],
-            [__p0,
-            __p1,
-            ]: [__S; 2usize],
-            []: [__S; 0usize],
-            __memory: &mut __Memory<__S>,
-            __carry: &__C,
-        ) -> __wzvi::core::result::Result<
-            __wzvi::Solution<__S, 2usize>,
-            __wzvi::StepFailure,
-        > {
-            let [__c0, __c1, __c2] = __prepared.0;
-            let __x0 = __q1 + __p1 * __c2;
-            let __x1 = __q0 + __p0 * __c2;
-            let [__v0, __v1] = __prepared
-                .1
+        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared,
+            h: f64,
+            q: [S; 2],
+            p: [S; 2],
+            carry: &C,
+        ) -> Result<Solution<S, 2>, StepFailure> {
+            let ([x, y], [px, py]) = (q, p);
+            let ([k, c, half_h], ref factor) = *prepared;
+            let sum = y + py * half_h;
+            let sum2 = x + px * half_h;
+            let [delta_px, delta_py] = factor
                 .apply::<
-                    __S,
-                >([
-                    -((__x1 * __c0 + __x0 * __c1) * __c2),
-                    -((__x0 * __c0 + __x1 * __c1) * __c2),
-                ]);
-            let __momentum0 = __p0 + __v0;
-            let __momentum1 = __p1 + __v1;
-            let __next = __wzvi::Solution::new(
-                __carry,
-                [[__q0, __q1], [__p0, __p1]],
-                [[__momentum0 * __h, __momentum1 * __h], [__v0 * 2f64, __v1 * 2f64]],
-                [__momentum0, __momentum1],
-                __wzvi::Effort::fast(0),
+                    S,
+                >([-((sum2 * k + sum * c) * half_h), -((sum * k + sum2 * c) * half_h)]);
+            let node_px = px + delta_px;
+            let node_py = py + delta_py;
+            let next = Solution::new(
+                carry,
+                [[x, y], [px, py]],
+                [[node_px * h, node_py * h], [delta_px * 2.0, delta_py * 2.0]],
+                [node_px, node_py],
+                Effort::fast(0),
             );
-            if !__next.is_finite() {
-                return __wzvi::core::result::Result::Err(__wzvi::StepFailure::NonFinite);
+            if !next.is_finite() {
+                return Err(StepFailure::NonFinite);
             }
-            __wzvi::core::result::Result::Ok(__next)
+            Ok(next)
         }
         #[automatically_derived]
-        impl __wzvi::Discretized<__wzvi::embedding::Midpoint> for Oscillators {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Linear,
-                unknowns: 2usize,
-                order: 2u32,
-                noise: __wzvi::NoiseClass::None,
+        impl Discretized<Midpoint> for Oscillators {
+            const PLAN: Plan = Plan {
+                solver: Solver::Linear,
+                unknowns: 2,
+                order: 2,
+                noise: NoiseClass::None,
                 consistent: true,
-                conserves_energy: __wzvi::Knowledge::Proven,
-                commuting: __wzvi::Knowledge::Proven,
+                conserves_energy: Knowledge::Proven,
+                commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians\n  H0 = (py² + px²)/2 + k (y² + x²)/2 + x y c\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}² + P_{px}²)/2 + k (y_{i+1/2}² + x_{i+1/2}²)/2 + c x_{i+1/2} y_{i+1/2}) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (k x_{i+1/2} + c y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (k y_{i+1/2} + c x_{i+1/2})/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: linear (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step to rounding\n";
-            type Prepared = __Prepared;
-            type Memory<__S: __wzvi::Scalar> = __Memory<__S>;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::Compensation<__S, 2usize>;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
-            fn prepare(
-                &self,
-                __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<Self::Prepared, __wzvi::ConfigError> {
-                let __a0: __wzvi::core::primitive::f64 = self.k;
-                let __a1: __wzvi::core::primitive::f64 = self.c;
-                if __a0.is_nan() || __a1.is_nan() {
-                    return __wzvi::core::result::Result::Err(
-                        __wzvi::ConfigError::Parameter,
-                    );
+            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (py² + px²)/2 + k (y² + x²)/2 + x y c\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}² + P_{px}²)/2 + k (y_{i+1/2}² + x_{i+1/2}²)/2 + c x_{i+1/2} y_{i+1/2}) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (k x_{i+1/2} + c y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (k y_{i+1/2} + c x_{i+1/2})/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: linear (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step to rounding\n";
+            type Prepared = Prepared;
+            type Memory<S: Scalar> = Memory<S>;
+            type Compensated<S: Scalar> = Compensation<S, 2>;
+            type Carry<S: Scalar> = Plain;
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                let k: f64 = self.k;
+                let c: f64 = self.c;
+                if k.is_nan() || c.is_nan() {
+                    return Err(ConfigError::Parameter);
                 }
-                let __x0 = __h * __h;
-                let __x1 = 1f64 + __x0 * (0.25f64 * __a0);
-                let __x2 = 0.25f64 * __a1 * __x0;
-                let __factor0 = __wzvi::prepared(
-                    __h,
-                    __wzvi::Factor::new([[__x1, __x2], [__x2, __x1]]),
+                let h_squared = h * h;
+                let sum = 1.0 + h_squared * (0.25 * k);
+                let product = 0.25 * c * h_squared;
+                let factor = wzvi::prepared(
+                    h,
+                    Factor::new([[sum, product], [product, sum]]),
                 )?;
-                __wzvi::core::result::Result::Ok(([__a0, __a1, 0.5f64 * __h], __factor0))
+                Ok(([k, c, 0.5 * h], factor))
             }
             #[inline(always)]
-            fn advance_carrying<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
-                __prepared: &Self::Prepared,
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: &mut [__S],
-                __p: &mut [__S],
-                __dw: &[__S],
-                __memory: &mut Self::Memory<__S>,
-                __carry: &mut __C,
-            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                let __q = __wzvi::array_mut::<__S, 2usize>(__q)?;
-                let __p = __wzvi::array_mut::<__S, 2usize>(__p)?;
-                let __dw = __wzvi::increments::<__S, 0usize>(__dw)?;
-                let __next = __solve::<
-                    __S,
-                    __C,
-                    __CAREFUL,
-                >(__prepared, __t, __h, *__q, *__p, __dw, __memory, __carry)?;
-                __wzvi::core::result::Result::Ok(__next.store(__q, __p, __carry))
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                wzvi::increments::<S, 0>(dw)?;
+                let next = solve::<S, C, CAREFUL>(prepared, h, *q, *p, carry)?;
+                Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::core::primitive::f64 {
-                let (__h, __t) = (__segment.h, __segment.t);
-                let (&[__b0, __b1], &[__e0, __e1], &[__p0, __p1], &[]) = (
-                    __wzvi::Vector::components(&__segment.q0),
-                    __wzvi::Vector::components(&__segment.q1),
-                    __wzvi::Vector::components(&__segment.p),
-                    __dw,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                let h = segment.h;
+                let (&[x_start, y_start], &[x_end, y_end], &[px, py], &[]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
                 ) else {
-                    return __wzvi::core::primitive::f64::NAN;
+                    return f64::NAN;
                 };
-                let __a0: __wzvi::core::primitive::f64 = self.k;
-                let __a1: __wzvi::core::primitive::f64 = self.c;
-                let __x0 = (__b1 + __e1) * 0.5f64;
-                let __x1 = (__b0 + __e0) * 0.5f64;
-                let __x2 = __x0 * __x1 * __a1
-                    + ((__p1 * __p1 + __p0 * __p0) * 0.5f64
-                        + (__x0 * __x0 + __x1 * __x1) * (0.5f64 * __a0));
-                __p1 * (__e1 - __b1) + (__p0 * (__e0 - __b0) - __x2 * __h)
+                let k: f64 = self.k;
+                let c: f64 = self.c;
+                let product = (y_start + y_end) * 0.5;
+                let product2 = (x_start + x_end) * 0.5;
+                let sum = product * product2 * c
+                    + ((py * py + px * px) * 0.5
+                        + (product * product + product2 * product2) * (0.5 * k));
+                py * (y_end - y_start) + (px * (x_end - x_start) - sum * h)
             }
             fn discrete_lagrangian_gradient(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                let (__h, __t) = (__segment.h, __segment.t);
-                let (&[__b0, __b1], &[__e0, __e1], &[__p0, __p1], &[]) = (
-                    __wzvi::Vector::components(&__segment.q0),
-                    __wzvi::Vector::components(&__segment.q1),
-                    __wzvi::Vector::components(&__segment.p),
-                    __dw,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                let h = segment.h;
+                let (&[x_start, y_start], &[x_end, y_end], &[px, py], &[]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
                 ) else {
-                    let __nan = __wzvi::SVector::repeat(
-                        __wzvi::core::primitive::f64::NAN,
-                    );
-                    return __wzvi::LagrangianGradient {
-                        q0: __nan,
-                        q1: __nan,
-                        p: __nan,
-                    };
+                    return LagrangianGradient::not_a_number();
                 };
-                let __a0: __wzvi::core::primitive::f64 = self.k;
-                let __a1: __wzvi::core::primitive::f64 = self.c;
-                let __x0 = (__b1 + __e1) * 0.5f64;
-                let __x1 = (__b0 + __e0) * 0.5f64;
-                let __x2 = 0.5f64 * __h;
-                let __x3 = (__x1 * __a0 + __x0 * __a1) * __x2;
-                let __x4 = (__x0 * __a0 + __x1 * __a1) * __x2;
-                __wzvi::LagrangianGradient {
-                    q0: __wzvi::core::convert::From::from([
-                        -(__p0 + __x3),
-                        -(__p1 + __x4),
-                    ]),
-                    q1: __wzvi::core::convert::From::from([__p0 - __x3, __p1 - __x4]),
-                    p: __wzvi::core::convert::From::from([
-                        __e0 - __b0 - __p0 * __h,
-                        __e1 - __b1 - __p1 * __h,
-                    ]),
-                }
+                let k: f64 = self.k;
+                let c: f64 = self.c;
+                let product = (y_start + y_end) * 0.5;
+                let product2 = (x_start + x_end) * 0.5;
+                let half_h = 0.5 * h;
+                let product3 = (product2 * k + product * c) * half_h;
+                let product4 = (product * k + product2 * c) * half_h;
+                LagrangianGradient::from_components(
+                    [-(px + product3), -(py + product4)],
+                    [px - product3, py - product4],
+                    [x_end - x_start - px * h, y_end - y_start - py * h],
+                )
             }
             fn step_momentum(
                 &self,
-                __before: &__wzvi::State<Self::Vector>,
-                __after: &__wzvi::State<Self::Vector>,
-                __h: __wzvi::core::primitive::f64,
-                __dw: &[__wzvi::core::primitive::f64],
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
             ) -> Self::Vector {
-                __wzvi::core::convert::From::from([
-                    __before.p[0usize]
-                        + (__after.p[0usize] - __before.p[0usize]) * 0.5f64,
-                    __before.p[1usize]
-                        + (__after.p[1usize] - __before.p[1usize]) * 0.5f64,
-                ])
+                before.p + (after.p - before.p) * 0.5
             }
         }
     };
-    __wzvi::composition! {
-        [impl < __W : __wzvi::compose::Composes < __wzvi::embedding::Midpoint > >
-        __wzvi::Discretized < __wzvi::embedding::Composed < __wzvi::embedding::Midpoint,
-        __W > > for Oscillators] __wzvi::embedding::Composed <
-        __wzvi::embedding::Midpoint, __W >, [__wzvi::embedding::Midpoint,
-        __wzvi::embedding::Midpoint], < __W as __wzvi::compose::Composes <
-        __wzvi::embedding::Midpoint > > ::ORDER, < Self as __wzvi::Discretized <
-        __wzvi::embedding::Midpoint >> ::EQUATIONS, < __W as __wzvi::compose::Composes <
-        __wzvi::embedding::Midpoint > > ::substeps()
+    wzvi::composition! {
+        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
+        Oscillators] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes <
+        Midpoint > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as
+        Composes < Midpoint > > ::substeps()
     }
+    /// The names that are bound above, so that no constant around can stand for them.
+    use ::wzvi::__private::{
+        binding as after, binding as before, binding as by_p, binding as by_q,
+        binding as c, binding as carry, binding as delta_px, binding as delta_py,
+        binding as dw, binding as factor, binding as h, binding as h_squared,
+        binding as half_h, binding as index, binding as k, binding as memory,
+        binding as next, binding as node_px, binding as node_py, binding as p,
+        binding as prepared, binding as product, binding as product2,
+        binding as product3, binding as product4, binding as px, binding as py,
+        binding as q, binding as segment, binding as sum, binding as sum2, binding as t,
+        binding as term, binding as x, binding as x_end, binding as x_start,
+        binding as y, binding as y_end, binding as y_start,
+    };
 };
 const _: () = {
     #[allow(

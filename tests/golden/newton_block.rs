@@ -47,397 +47,281 @@ pub struct HenonHeiles;
     clippy::cargo
 )]
 const _: () = {
-    use ::wzvi::__private as __wzvi;
+    use ::wzvi::__private::{
+        self as wzvi, Block, Carry, Compensation, ConfigError, Discretized, Effort, Err,
+        Extrapolation, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Plain,
+        Plan, Result, Rounded, SVector, Scalar, Segment, Solution, Solver, State,
+        StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        embedding::{Composed, Midpoint},
+    };
     #[automatically_derived]
-    impl __wzvi::Hamiltonian for HenonHeiles {
-        type Vector = __wzvi::SVector<__wzvi::core::primitive::f64, 2usize>;
-        fn degrees(&self) -> __wzvi::core::primitive::usize {
-            2usize
+    impl Hamiltonian for HenonHeiles {
+        type Vector = SVector<f64, 2>;
+        fn degrees(&self) -> usize {
+            2
         }
-        fn noises(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn invariants(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn evaluate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-        ) -> __S {
-            match (__term, __q, __p) {
-                (0usize, &[__q0, __q1], &[__p0, __p1]) => {
-                    let __x0 = __q0 * __q0;
-                    let __x1 = __q1 * __q1;
-                    __q1 * (__x0 - __x1 * 0.3333333333333333f64)
-                        + (__x1 + (__x0 + (__p1 * __p1 + __p0 * __p0))) * 0.5f64
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
+            match (term, q, p) {
+                (0, &[x, y], &[px, py]) => {
+                    let x_squared = x * x;
+                    let y_squared = y * y;
+                    y * (x_squared - y_squared * 0.3333333333333333)
+                        + (y_squared + (x_squared + (py * py + px * px))) * 0.5
                 }
-                _ => __S::from_f64(__wzvi::core::primitive::f64::NAN),
+                _ => S::from_f64(f64::NAN),
             }
         }
-        fn differentiate<__S: __wzvi::Scalar>(
+        fn differentiate<S: Scalar>(
             &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __dq: &mut [__S],
-            __dp: &mut [__S],
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            if let (
-                __wzvi::core::result::Result::Ok(__dq),
-                __wzvi::core::result::Result::Ok(__dp),
-            ) = (
-                __wzvi::array_mut::<__S, 2usize>(__dq),
-                __wzvi::array_mut::<__S, 2usize>(__dp),
-            ) {
-                match (__term, __q, __p) {
-                    (0usize, &[__q0, __q1], &[__p0, __p1]) => {
-                        *__dq = [
-                            __q0 * (__q1 * 2f64 + 1f64),
-                            __q1 * (-__q1 + 1f64) + __q0 * __q0,
-                        ];
-                        *__dp = [__p0, __p1];
-                    }
-                    _ => {
-                        *__dq = [__S::from_f64(
-                            __wzvi::core::primitive::f64::NAN,
-                        ); 2usize];
-                        *__dp = [__S::from_f64(
-                            __wzvi::core::primitive::f64::NAN,
-                        ); 2usize];
-                    }
+            match (term, q, p) {
+                (0, &[x, y], &[px, py]) => {
+                    wzvi::gradient(
+                        by_q,
+                        by_p,
+                        [x * (y * 2.0 + 1.0), y * (-y + 1.0) + x * x],
+                        [px, py],
+                    )
                 }
-            } else {
-                __dq.fill(__S::from_f64(__wzvi::core::primitive::f64::NAN));
-                __dp.fill(__S::from_f64(__wzvi::core::primitive::f64::NAN));
-            }
-        }
-        fn invariant(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            let (__q, __p, __t) = (
-                __wzvi::Vector::components(&__state.q),
-                __wzvi::Vector::components(&__state.p),
-                __state.t,
-            );
-            match (__term, __q, __p) {
-                _ => __wzvi::core::primitive::f64::NAN,
-            }
-        }
-        fn energy_rate(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            let (__q, __p, __t) = (
-                __wzvi::Vector::components(&__state.q),
-                __wzvi::Vector::components(&__state.p),
-                __state.t,
-            );
-            match (__term, __q, __p) {
-                _ => __wzvi::core::primitive::f64::NAN,
+                _ => {
+                    by_q.fill(S::from_f64(f64::NAN));
+                    by_p.fill(S::from_f64(f64::NAN));
+                }
             }
         }
     }
     const _: () = {
-        type __Prepared = ([__wzvi::core::primitive::f64; 3usize],);
-        type __Memory<__S> = (__wzvi::Extrapolation<__S, 2usize>,);
+        type Prepared = [f64; 3];
+        type Memory<S> = Extrapolation<S, 2>;
         /// The equations of a block, and their Jacobian by rows.
         #[inline(always)]
-        fn __equations0<__S: __wzvi::Scalar>(
-            (
-                [__q0,
-                __q1,
-                __p0,
-                __p1,
+        fn equations<S: Scalar>(
+            given: [S; 4],
+            constants: [f64; 3],
+            iterate: [S; 2],
+        ) -> ([S; 2], [[S; 2]; 2]) {
+            let (
+                [x,
+                y,
+                px,
+                py,
                 ],
-                [],
-                [__c0,
-                __c1,
-                __c2,
+                [half_h,
+                quarter_h_squared,
+                half_h_squared,
                 ],
-                [],
-            ): (
-                [__S; 4usize],
-                [__S::Mask; 0usize],
-                [__wzvi::core::primitive::f64; 3usize],
-                [__wzvi::core::primitive::bool; 0usize],
-            ),
-            [__v0,
-            __v1,
-            ]: [__S; 2usize],
-        ) -> ([__S; 2usize], [[__S; 2usize]; 2usize]) {
-            let __stage_q1 = __q1 + (__p1 + __v1) * __c0;
-            let __x0 = __stage_q1 * 2f64;
-            let __x1 = __x0 + 1f64;
-            let __stage_q0 = __q0 + (__p0 + __v0) * __c0;
-            let __x2 = __stage_q0 * __c2;
+                [delta_px,
+                delta_py,
+                ],
+            ) = (given, constants, iterate);
+            let stage_y = y + (py + delta_py) * half_h;
+            let twice_stage_y = stage_y * 2.0;
+            let sum = twice_stage_y + 1.0;
+            let stage_x = x + (px + delta_px) * half_h;
+            let product = stage_x * half_h_squared;
             (
                 [
-                    __v0 + __x1 * __stage_q0 * __c0,
-                    __v1
-                        + (__stage_q1 * (-__stage_q1 + 1f64) + __stage_q0 * __stage_q0)
-                            * __c0,
+                    delta_px + sum * stage_x * half_h,
+                    delta_py + (stage_y * (-stage_y + 1.0) + stage_x * stage_x) * half_h,
                 ],
-                [[__x1 * __c1 + 1f64, __x2], [__x2, (-__x0 + 1f64) * __c1 + 1f64]],
+                [
+                    [sum * quarter_h_squared + 1.0, product],
+                    [product, (-twice_stage_y + 1.0) * quarter_h_squared + 1.0],
+                ],
             )
         }
-        /// The equations of a block at all numbers that round to `__x`.
+        /// The equations of a block at all numbers that round to `iterate`.
         #[cold]
         #[inline(never)]
-        fn __rounded0(
-            (
-                [__q0,
-                __q1,
-                __p0,
-                __p1,
-                ],
-                [],
-                [__c0,
-                __c1,
-                __c2,
-                ],
-                [],
-            ): (
-                [__wzvi::core::primitive::f64; 4usize],
-                [__wzvi::core::primitive::bool; 0usize],
-                [__wzvi::core::primitive::f64; 3usize],
-                [__wzvi::core::primitive::bool; 0usize],
-            ),
-            __x: [__wzvi::core::primitive::f64; 2usize],
-        ) -> [__wzvi::Rounded; 2usize] {
-            __equations0::<
-                __wzvi::Rounded,
-            >(
-                    (
-                        [
-                            __wzvi::Rounded::exact(__q0),
-                            __wzvi::Rounded::exact(__q1),
-                            __wzvi::Rounded::exact(__p0),
-                            __wzvi::Rounded::exact(__p1),
-                        ],
-                        [],
-                        [__c0, __c1, __c2],
-                        [],
-                    ),
-                    __x.map(__wzvi::Rounded::nearest),
+        fn rounded(
+            given: [f64; 4],
+            constants: [f64; 3],
+            iterate: [f64; 2],
+        ) -> [Rounded; 2] {
+            equations(
+                    given.map(Rounded::exact),
+                    constants,
+                    iterate.map(Rounded::nearest),
                 )
                 .0
         }
         #[inline(always)]
-        fn __solve<
-            __S: __wzvi::Scalar,
-            __C: __wzvi::Carry<__S>,
-            const __CAREFUL: __wzvi::core::primitive::bool,
-        >(
-            __prepared: &__Prepared,
-            __t: __wzvi::core::primitive::f64,
-            __h: __wzvi::core::primitive::f64,
-            [__q0,
-            __q1,
-            ]: [__S; 2usize],
-            [__p0,
-            __p1,
-            ]: [__S; 2usize],
-            []: [__S; 0usize],
-            __memory: &mut __Memory<__S>,
-            __carry: &__C,
-        ) -> __wzvi::core::result::Result<
-            __wzvi::Solution<__S, 2usize>,
-            __wzvi::StepFailure,
-        > {
-            let [__c0, __c1, __c2] = __prepared.0;
-            let ([__v0, __v1], __effort0) = __wzvi::newton::<
-                __S,
-                2usize,
+        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared,
+            h: f64,
+            q: [S; 2],
+            p: [S; 2],
+            memory: &mut Memory<S>,
+            carry: &C,
+        ) -> Result<Solution<S, 2>, StepFailure> {
+            let ([x, y], [px, py]) = (q, p);
+            let [half_h, quarter_h_squared, half_h_squared] = *prepared;
+            let ([delta_px, delta_py], effort) = wzvi::newton::<
+                S,
+                2,
                 true,
                 true,
-                __CAREFUL,
+                CAREFUL,
             >(
-                __memory.0.guess::<true>(),
-                __wzvi::Block {
-                    evaluate: move |__x: &[__S; 2usize]| __equations0::<
-                        __S,
-                    >(([__q0, __q1, __p0, __p1], [], [__c0, __c1, __c2], []), *__x),
-                    rounded: move |
-                        __x: &[__S; 2usize],
-                        __lane: __wzvi::core::primitive::usize|
-                    {
-                        __rounded0(
-                            (
-                                [
-                                    __wzvi::Scalar::lane(__q0, __lane),
-                                    __wzvi::Scalar::lane(__q1, __lane),
-                                    __wzvi::Scalar::lane(__p0, __lane),
-                                    __wzvi::Scalar::lane(__p1, __lane),
-                                ],
-                                [],
-                                [__c0, __c1, __c2],
-                                [],
-                            ),
-                            __x.map(|__x| __wzvi::Scalar::lane(__x, __lane)),
+                memory.guess::<true>(),
+                Block {
+                    evaluate: move |iterate: &[S; 2]| equations(
+                        [x, y, px, py],
+                        [half_h, quarter_h_squared, half_h_squared],
+                        *iterate,
+                    ),
+                    rounded: move |iterate: &[S; 2], lane| {
+                        rounded(
+                            [x.lane(lane), y.lane(lane), px.lane(lane), py.lane(lane)],
+                            [half_h, quarter_h_squared, half_h_squared],
+                            iterate.map(|number| number.lane(lane)),
                         )
                     },
                 },
             )?;
-            let __momentum1 = __p1 + __v1;
-            let __momentum0 = __p0 + __v0;
-            let __next = __wzvi::Solution::new(
-                __carry,
-                [[__q0, __q1], [__p0, __p1]],
-                [[__momentum0 * __h, __momentum1 * __h], [__v0 * 2f64, __v1 * 2f64]],
-                [__momentum0, __momentum1],
-                __wzvi::Effort::fast(0) + __effort0,
+            let node_py = py + delta_py;
+            let node_px = px + delta_px;
+            let next = Solution::new(
+                carry,
+                [[x, y], [px, py]],
+                [[node_px * h, node_py * h], [delta_px * 2.0, delta_py * 2.0]],
+                [node_px, node_py],
+                effort,
             );
-            if !__next.is_finite() {
-                return __wzvi::core::result::Result::Err(__wzvi::StepFailure::NonFinite);
+            if !next.is_finite() {
+                return Err(StepFailure::NonFinite);
             }
-            __memory.0.record::<true>([__v0, __v1]);
-            __wzvi::core::result::Result::Ok(__next)
+            memory.record::<true>([delta_px, delta_py]);
+            Ok(next)
         }
         #[automatically_derived]
-        impl __wzvi::Discretized<__wzvi::embedding::Midpoint> for HenonHeiles {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Newton,
-                unknowns: 2usize,
-                order: 2u32,
-                noise: __wzvi::NoiseClass::None,
+        impl Discretized<Midpoint> for HenonHeiles {
+            const PLAN: Plan = Plan {
+                solver: Solver::Newton,
+                unknowns: 2,
+                order: 2,
+                noise: NoiseClass::None,
                 consistent: true,
-                conserves_energy: __wzvi::Knowledge::Proven,
-                commuting: __wzvi::Knowledge::Proven,
+                conserves_energy: Knowledge::Proven,
+                commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians\n  H0 = (py² + px² + x² + y²)/2 + x² y - y³/3\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}² + P_{px}² + x_{i+1/2}² + y_{i+1/2}²)/2 + x_{i+1/2}² y_{i+1/2} - y_{i+1/2}³/3) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (x_{i+1/2} + 2 x_{i+1/2} y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (y_{i+1/2} + x_{i+1/2}² - y_{i+1/2}²)/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: Newton, symmetric Jacobian (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n";
-            type Prepared = __Prepared;
-            type Memory<__S: __wzvi::Scalar> = __Memory<__S>;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::Compensation<__S, 2usize>;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
-            fn prepare(
-                &self,
-                __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<Self::Prepared, __wzvi::ConfigError> {
-                let __x0 = __h * __h;
-                __wzvi::core::result::Result::Ok((
-                    [0.5f64 * __h, __x0 * 0.25f64, __x0 * 0.5f64],
-                ))
+            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (py² + px² + x² + y²)/2 + x² y - y³/3\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}² + P_{px}² + x_{i+1/2}² + y_{i+1/2}²)/2 + x_{i+1/2}² y_{i+1/2} - y_{i+1/2}³/3) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (x_{i+1/2} + 2 x_{i+1/2} y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (y_{i+1/2} + x_{i+1/2}² - y_{i+1/2}²)/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: Newton, symmetric Jacobian (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n";
+            type Prepared = Prepared;
+            type Memory<S: Scalar> = Memory<S>;
+            type Compensated<S: Scalar> = Compensation<S, 2>;
+            type Carry<S: Scalar> = Plain;
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                let h_squared = h * h;
+                Ok([0.5 * h, h_squared * 0.25, h_squared * 0.5])
             }
             #[inline(always)]
-            fn advance_carrying<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
-                __prepared: &Self::Prepared,
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: &mut [__S],
-                __p: &mut [__S],
-                __dw: &[__S],
-                __memory: &mut Self::Memory<__S>,
-                __carry: &mut __C,
-            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                let __q = __wzvi::array_mut::<__S, 2usize>(__q)?;
-                let __p = __wzvi::array_mut::<__S, 2usize>(__p)?;
-                let __dw = __wzvi::increments::<__S, 0usize>(__dw)?;
-                let __next = __solve::<
-                    __S,
-                    __C,
-                    __CAREFUL,
-                >(__prepared, __t, __h, *__q, *__p, __dw, __memory, __carry)?;
-                __wzvi::core::result::Result::Ok(__next.store(__q, __p, __carry))
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                wzvi::increments::<S, 0>(dw)?;
+                let next = solve::<S, C, CAREFUL>(prepared, h, *q, *p, memory, carry)?;
+                Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::core::primitive::f64 {
-                let (__h, __t) = (__segment.h, __segment.t);
-                let (&[__b0, __b1], &[__e0, __e1], &[__p0, __p1], &[]) = (
-                    __wzvi::Vector::components(&__segment.q0),
-                    __wzvi::Vector::components(&__segment.q1),
-                    __wzvi::Vector::components(&__segment.p),
-                    __dw,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                let h = segment.h;
+                let (&[x_start, y_start], &[x_end, y_end], &[px, py], &[]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
                 ) else {
-                    return __wzvi::core::primitive::f64::NAN;
+                    return f64::NAN;
                 };
-                let __x0 = (__b1 + __e1) * 0.5f64;
-                let __x1 = (__b0 + __e0) * 0.5f64;
-                let __x2 = __x1 * __x1;
-                let __x3 = __x0 * __x0;
-                let __x4 = __p0 * (__e0 - __b0)
-                    - (__x0 * (__x2 - __x3 * 0.3333333333333333f64)
-                        + (__x3 + (__x2 + (__p1 * __p1 + __p0 * __p0))) * 0.5f64) * __h;
-                __p1 * (__e1 - __b1) + __x4
+                let product = (y_start + y_end) * 0.5;
+                let product2 = (x_start + x_end) * 0.5;
+                let product2_squared = product2 * product2;
+                let product_squared = product * product;
+                let difference = px * (x_end - x_start)
+                    - (product
+                        * (product2_squared - product_squared * 0.3333333333333333)
+                        + (product_squared + (product2_squared + (py * py + px * px)))
+                            * 0.5) * h;
+                py * (y_end - y_start) + difference
             }
             fn discrete_lagrangian_gradient(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                let (__h, __t) = (__segment.h, __segment.t);
-                let (&[__b0, __b1], &[__e0, __e1], &[__p0, __p1], &[]) = (
-                    __wzvi::Vector::components(&__segment.q0),
-                    __wzvi::Vector::components(&__segment.q1),
-                    __wzvi::Vector::components(&__segment.p),
-                    __dw,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                let h = segment.h;
+                let (&[x_start, y_start], &[x_end, y_end], &[px, py], &[]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
                 ) else {
-                    let __nan = __wzvi::SVector::repeat(
-                        __wzvi::core::primitive::f64::NAN,
-                    );
-                    return __wzvi::LagrangianGradient {
-                        q0: __nan,
-                        q1: __nan,
-                        p: __nan,
-                    };
+                    return LagrangianGradient::not_a_number();
                 };
-                let __x0 = (__b1 + __e1) * 0.5f64;
-                let __x1 = (__b0 + __e0) * 0.5f64;
-                let __x2 = 0.5f64 * __h;
-                let __x3 = (__x0 * 2f64 + 1f64) * __x1 * __x2;
-                let __x4 = (__x0 * (-__x0 + 1f64) + __x1 * __x1) * __x2;
-                __wzvi::LagrangianGradient {
-                    q0: __wzvi::core::convert::From::from([
-                        -(__p0 + __x3),
-                        -(__p1 + __x4),
-                    ]),
-                    q1: __wzvi::core::convert::From::from([__p0 - __x3, __p1 - __x4]),
-                    p: __wzvi::core::convert::From::from([
-                        __e0 - __b0 - __p0 * __h,
-                        __e1 - __b1 - __p1 * __h,
-                    ]),
-                }
+                let product = (y_start + y_end) * 0.5;
+                let product2 = (x_start + x_end) * 0.5;
+                let half_h = 0.5 * h;
+                let product3 = (product * 2.0 + 1.0) * product2 * half_h;
+                let product4 = (product * (-product + 1.0) + product2 * product2)
+                    * half_h;
+                LagrangianGradient::from_components(
+                    [-(px + product3), -(py + product4)],
+                    [px - product3, py - product4],
+                    [x_end - x_start - px * h, y_end - y_start - py * h],
+                )
             }
             fn step_momentum(
                 &self,
-                __before: &__wzvi::State<Self::Vector>,
-                __after: &__wzvi::State<Self::Vector>,
-                __h: __wzvi::core::primitive::f64,
-                __dw: &[__wzvi::core::primitive::f64],
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
             ) -> Self::Vector {
-                __wzvi::core::convert::From::from([
-                    __before.p[0usize]
-                        + (__after.p[0usize] - __before.p[0usize]) * 0.5f64,
-                    __before.p[1usize]
-                        + (__after.p[1usize] - __before.p[1usize]) * 0.5f64,
-                ])
+                before.p + (after.p - before.p) * 0.5
             }
         }
     };
-    __wzvi::composition! {
-        [impl < __W : __wzvi::compose::Composes < __wzvi::embedding::Midpoint > >
-        __wzvi::Discretized < __wzvi::embedding::Composed < __wzvi::embedding::Midpoint,
-        __W > > for HenonHeiles] __wzvi::embedding::Composed <
-        __wzvi::embedding::Midpoint, __W >, [__wzvi::embedding::Midpoint,
-        __wzvi::embedding::Midpoint], < __W as __wzvi::compose::Composes <
-        __wzvi::embedding::Midpoint > > ::ORDER, < Self as __wzvi::Discretized <
-        __wzvi::embedding::Midpoint >> ::EQUATIONS, < __W as __wzvi::compose::Composes <
-        __wzvi::embedding::Midpoint > > ::substeps()
+    wzvi::composition! {
+        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
+        HenonHeiles] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes <
+        Midpoint > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as
+        Composes < Midpoint > > ::substeps()
     }
+    /// The names that are bound above, so that no constant around can stand for them.
+    use ::wzvi::__private::{
+        binding as after, binding as before, binding as by_p, binding as by_q,
+        binding as carry, binding as constants, binding as delta_px, binding as delta_py,
+        binding as difference, binding as dw, binding as effort, binding as given,
+        binding as h, binding as h_squared, binding as half_h, binding as half_h_squared,
+        binding as iterate, binding as lane, binding as memory, binding as next,
+        binding as node_px, binding as node_py, binding as number, binding as p,
+        binding as prepared, binding as product, binding as product2,
+        binding as product2_squared, binding as product3, binding as product4,
+        binding as product_squared, binding as px, binding as py, binding as q,
+        binding as quarter_h_squared, binding as segment, binding as stage_x,
+        binding as stage_y, binding as sum, binding as t, binding as term,
+        binding as twice_stage_y, binding as x, binding as x_end, binding as x_squared,
+        binding as x_start, binding as y, binding as y_end, binding as y_squared,
+        binding as y_start,
+    };
 };
 const _: () = {
     #[allow(

@@ -44,370 +44,246 @@ pub struct Pendulum {
     clippy::cargo
 )]
 const _: () = {
-    use ::wzvi::__private as __wzvi;
+    use ::wzvi::__private::{
+        self as wzvi, Block, Carry, Compensation, ConfigError, Discretized, Effort, Err,
+        Extrapolation, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok,
+        Option, Plain, Plan, Result, Rounded, SVector, Scalar, Segment, Solution, Solver,
+        State, StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        embedding::{Composed, Midpoint},
+    };
     #[automatically_derived]
-    impl __wzvi::Hamiltonian for Pendulum {
-        type Vector = __wzvi::SVector<__wzvi::core::primitive::f64, 1usize>;
-        fn degrees(&self) -> __wzvi::core::primitive::usize {
-            1usize
+    impl Hamiltonian for Pendulum {
+        type Vector = SVector<f64, 1>;
+        fn degrees(&self) -> usize {
+            1
         }
-        fn noises(&self) -> __wzvi::core::primitive::usize {
-            0usize
+        fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+            [("omega", self.omega)].get(index).copied()
         }
-        fn invariants(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn parameter(
-            &self,
-            __index: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<
-            (&'static __wzvi::core::primitive::str, __wzvi::core::primitive::f64),
-        > {
-            match __index {
-                0usize => __wzvi::core::option::Option::Some(("omega", self.omega)),
-                _ => __wzvi::core::option::Option::None,
-            }
-        }
-        fn evaluate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-        ) -> __S {
-            match (__term, __q, __p) {
-                (0usize, &[__q0], &[__p0]) => {
-                    let __a0: __wzvi::core::primitive::f64 = self.omega;
-                    __p0 * __p0 * 0.5f64 - __q0.cos() * (__a0 * __a0)
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
+            match (term, q, p) {
+                (0, &[q], &[p]) => {
+                    let omega: f64 = self.omega;
+                    p * p * 0.5 - q.cos() * (omega * omega)
                 }
-                _ => __S::from_f64(__wzvi::core::primitive::f64::NAN),
+                _ => S::from_f64(f64::NAN),
             }
         }
-        fn differentiate<__S: __wzvi::Scalar>(
+        fn differentiate<S: Scalar>(
             &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __dq: &mut [__S],
-            __dp: &mut [__S],
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            if let (
-                __wzvi::core::result::Result::Ok(__dq),
-                __wzvi::core::result::Result::Ok(__dp),
-            ) = (
-                __wzvi::array_mut::<__S, 1usize>(__dq),
-                __wzvi::array_mut::<__S, 1usize>(__dp),
-            ) {
-                match (__term, __q, __p) {
-                    (0usize, &[__q0], &[__p0]) => {
-                        let __a0: __wzvi::core::primitive::f64 = self.omega;
-                        {
-                            *__dq = [__q0.sin() * (__a0 * __a0)];
-                            *__dp = [__p0];
-                        }
-                    }
-                    _ => {
-                        *__dq = [__S::from_f64(
-                            __wzvi::core::primitive::f64::NAN,
-                        ); 1usize];
-                        *__dp = [__S::from_f64(
-                            __wzvi::core::primitive::f64::NAN,
-                        ); 1usize];
-                    }
+            match (term, q, p) {
+                (0, &[q], &[p]) => {
+                    let omega: f64 = self.omega;
+                    wzvi::gradient(by_q, by_p, [q.sin() * (omega * omega)], [p])
                 }
-            } else {
-                __dq.fill(__S::from_f64(__wzvi::core::primitive::f64::NAN));
-                __dp.fill(__S::from_f64(__wzvi::core::primitive::f64::NAN));
-            }
-        }
-        fn invariant(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            let (__q, __p, __t) = (
-                __wzvi::Vector::components(&__state.q),
-                __wzvi::Vector::components(&__state.p),
-                __state.t,
-            );
-            match (__term, __q, __p) {
-                _ => __wzvi::core::primitive::f64::NAN,
-            }
-        }
-        fn energy_rate(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            let (__q, __p, __t) = (
-                __wzvi::Vector::components(&__state.q),
-                __wzvi::Vector::components(&__state.p),
-                __state.t,
-            );
-            match (__term, __q, __p) {
-                _ => __wzvi::core::primitive::f64::NAN,
+                _ => {
+                    by_q.fill(S::from_f64(f64::NAN));
+                    by_p.fill(S::from_f64(f64::NAN));
+                }
             }
         }
     }
     const _: () = {
-        type __Prepared = ([__wzvi::core::primitive::f64; 3usize],);
-        type __Memory<__S> = (__wzvi::Extrapolation<__S, 1usize>,);
+        type Prepared = [f64; 3];
+        type Memory<S> = Extrapolation<S, 1>;
         /// The equations of a block, and their Jacobian by rows.
         #[inline(always)]
-        fn __equations0<__S: __wzvi::Scalar>(
-            (
-                [__q0,
-                __p0,
-                ],
-                [],
-                [__c0,
-                __c1,
-                __c2,
-                ],
-                [],
-            ): (
-                [__S; 2usize],
-                [__S::Mask; 0usize],
-                [__wzvi::core::primitive::f64; 3usize],
-                [__wzvi::core::primitive::bool; 0usize],
-            ),
-            [__v0,
-            ]: [__S; 1usize],
-        ) -> ([__S; 1usize], [[__S; 1usize]; 1usize]) {
-            let __stage_q0 = __q0 + (__p0 + __v0) * __c0;
-            let (__x0, __x1) = __stage_q0.sin_cos();
-            ([__v0 + __x0 * __c1], [[__x1 * __c2 + 1f64]])
+        fn equations<S: Scalar>(
+            given: [S; 2],
+            constants: [f64; 3],
+            iterate: [S; 1],
+        ) -> ([S; 1], [[S; 1]; 1]) {
+            let ([q, p], [half_h, product, product2], [delta_p]) = (
+                given,
+                constants,
+                iterate,
+            );
+            let stage_q = q + (p + delta_p) * half_h;
+            let (sin_stage_q, cos_stage_q) = stage_q.sin_cos();
+            ([delta_p + sin_stage_q * product], [[cos_stage_q * product2 + 1.0]])
         }
-        /// The equations of a block at all numbers that round to `__x`.
+        /// The equations of a block at all numbers that round to `iterate`.
         #[cold]
         #[inline(never)]
-        fn __rounded0(
-            (
-                [__q0,
-                __p0,
-                ],
-                [],
-                [__c0,
-                __c1,
-                __c2,
-                ],
-                [],
-            ): (
-                [__wzvi::core::primitive::f64; 2usize],
-                [__wzvi::core::primitive::bool; 0usize],
-                [__wzvi::core::primitive::f64; 3usize],
-                [__wzvi::core::primitive::bool; 0usize],
-            ),
-            __x: [__wzvi::core::primitive::f64; 1usize],
-        ) -> [__wzvi::Rounded; 1usize] {
-            __equations0::<
-                __wzvi::Rounded,
-            >(
-                    (
-                        [__wzvi::Rounded::exact(__q0), __wzvi::Rounded::exact(__p0)],
-                        [],
-                        [__c0, __c1, __c2],
-                        [],
-                    ),
-                    __x.map(__wzvi::Rounded::nearest),
+        fn rounded(
+            given: [f64; 2],
+            constants: [f64; 3],
+            iterate: [f64; 1],
+        ) -> [Rounded; 1] {
+            equations(
+                    given.map(Rounded::exact),
+                    constants,
+                    iterate.map(Rounded::nearest),
                 )
                 .0
         }
         #[inline(always)]
-        fn __solve<
-            __S: __wzvi::Scalar,
-            __C: __wzvi::Carry<__S>,
-            const __CAREFUL: __wzvi::core::primitive::bool,
-        >(
-            __prepared: &__Prepared,
-            __t: __wzvi::core::primitive::f64,
-            __h: __wzvi::core::primitive::f64,
-            [__q0,
-            ]: [__S; 1usize],
-            [__p0,
-            ]: [__S; 1usize],
-            []: [__S; 0usize],
-            __memory: &mut __Memory<__S>,
-            __carry: &__C,
-        ) -> __wzvi::core::result::Result<
-            __wzvi::Solution<__S, 1usize>,
-            __wzvi::StepFailure,
-        > {
-            let [__c0, __c1, __c2] = __prepared.0;
-            let ([__v0], __effort0) = __wzvi::newton::<
-                __S,
-                1usize,
+        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared,
+            h: f64,
+            q: [S; 1],
+            p: [S; 1],
+            memory: &mut Memory<S>,
+            carry: &C,
+        ) -> Result<Solution<S, 1>, StepFailure> {
+            let ([q], [p]) = (q, p);
+            let [half_h, product, product2] = *prepared;
+            let ([delta_p], effort) = wzvi::newton::<
+                S,
+                1,
                 false,
                 true,
-                __CAREFUL,
+                CAREFUL,
             >(
-                __memory.0.guess::<true>(),
-                __wzvi::Block {
-                    evaluate: move |__x: &[__S; 1usize]| __equations0::<
-                        __S,
-                    >(([__q0, __p0], [], [__c0, __c1, __c2], []), *__x),
-                    rounded: move |
-                        __x: &[__S; 1usize],
-                        __lane: __wzvi::core::primitive::usize|
-                    {
-                        __rounded0(
-                            (
-                                [
-                                    __wzvi::Scalar::lane(__q0, __lane),
-                                    __wzvi::Scalar::lane(__p0, __lane),
-                                ],
-                                [],
-                                [__c0, __c1, __c2],
-                                [],
-                            ),
-                            __x.map(|__x| __wzvi::Scalar::lane(__x, __lane)),
+                memory.guess::<true>(),
+                Block {
+                    evaluate: move |iterate: &[S; 1]| equations(
+                        [q, p],
+                        [half_h, product, product2],
+                        *iterate,
+                    ),
+                    rounded: move |iterate: &[S; 1], lane| {
+                        rounded(
+                            [q.lane(lane), p.lane(lane)],
+                            [half_h, product, product2],
+                            iterate.map(|number| number.lane(lane)),
                         )
                     },
                 },
             )?;
-            let __momentum0 = __p0 + __v0;
-            let __next = __wzvi::Solution::new(
-                __carry,
-                [[__q0], [__p0]],
-                [[__momentum0 * __h], [__v0 * 2f64]],
-                [__momentum0],
-                __wzvi::Effort::fast(0) + __effort0,
+            let node_p = p + delta_p;
+            let next = Solution::new(
+                carry,
+                [[q], [p]],
+                [[node_p * h], [delta_p * 2.0]],
+                [node_p],
+                effort,
             );
-            if !__next.is_finite() {
-                return __wzvi::core::result::Result::Err(__wzvi::StepFailure::NonFinite);
+            if !next.is_finite() {
+                return Err(StepFailure::NonFinite);
             }
-            __memory.0.record::<true>([__v0]);
-            __wzvi::core::result::Result::Ok(__next)
+            memory.record::<true>([delta_p]);
+            Ok(next)
         }
         #[automatically_derived]
-        impl __wzvi::Discretized<__wzvi::embedding::Midpoint> for Pendulum {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Newton,
-                unknowns: 1usize,
-                order: 2u32,
-                noise: __wzvi::NoiseClass::None,
+        impl Discretized<Midpoint> for Pendulum {
+            const PLAN: Plan = Plan {
+                solver: Solver::Newton,
+                unknowns: 1,
+                order: 2,
+                noise: NoiseClass::None,
                 consistent: true,
-                conserves_energy: __wzvi::Knowledge::Proven,
-                commuting: __wzvi::Knowledge::Proven,
+                conserves_energy: Knowledge::Proven,
+                commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_{i+1/2}))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_{i+1/2})/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n";
-            type Prepared = __Prepared;
-            type Memory<__S: __wzvi::Scalar> = __Memory<__S>;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::Compensation<__S, 1usize>;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
-            fn prepare(
-                &self,
-                __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<Self::Prepared, __wzvi::ConfigError> {
-                let __a0: __wzvi::core::primitive::f64 = self.omega;
-                if __a0.is_nan() {
-                    return __wzvi::core::result::Result::Err(
-                        __wzvi::ConfigError::Parameter,
-                    );
+            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_{i+1/2}))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_{i+1/2})/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n";
+            type Prepared = Prepared;
+            type Memory<S: Scalar> = Memory<S>;
+            type Compensated<S: Scalar> = Compensation<S, 1>;
+            type Carry<S: Scalar> = Plain;
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                let omega: f64 = self.omega;
+                if omega.is_nan() {
+                    return Err(ConfigError::Parameter);
                 }
-                let __x0 = __a0 * __a0;
-                __wzvi::core::result::Result::Ok((
-                    [0.5f64 * __h, __x0 * 0.5f64 * __h, __h * __h * (0.25f64 * __x0)],
-                ))
+                let omega_squared = omega * omega;
+                Ok([0.5 * h, omega_squared * 0.5 * h, h * h * (0.25 * omega_squared)])
             }
             #[inline(always)]
-            fn advance_carrying<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
-                __prepared: &Self::Prepared,
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: &mut [__S],
-                __p: &mut [__S],
-                __dw: &[__S],
-                __memory: &mut Self::Memory<__S>,
-                __carry: &mut __C,
-            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                let __q = __wzvi::array_mut::<__S, 1usize>(__q)?;
-                let __p = __wzvi::array_mut::<__S, 1usize>(__p)?;
-                let __dw = __wzvi::increments::<__S, 0usize>(__dw)?;
-                let __next = __solve::<
-                    __S,
-                    __C,
-                    __CAREFUL,
-                >(__prepared, __t, __h, *__q, *__p, __dw, __memory, __carry)?;
-                __wzvi::core::result::Result::Ok(__next.store(__q, __p, __carry))
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                wzvi::increments::<S, 0>(dw)?;
+                let next = solve::<S, C, CAREFUL>(prepared, h, *q, *p, memory, carry)?;
+                Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::core::primitive::f64 {
-                let (__h, __t) = (__segment.h, __segment.t);
-                let (&[__b0], &[__e0], &[__p0], &[]) = (
-                    __wzvi::Vector::components(&__segment.q0),
-                    __wzvi::Vector::components(&__segment.q1),
-                    __wzvi::Vector::components(&__segment.p),
-                    __dw,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                let h = segment.h;
+                let (&[q_start], &[q_end], &[p], &[]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
                 ) else {
-                    return __wzvi::core::primitive::f64::NAN;
+                    return f64::NAN;
                 };
-                let __a0: __wzvi::core::primitive::f64 = self.omega;
-                __p0 * (__e0 - __b0)
-                    - (__p0 * __p0 * 0.5f64
-                        - ((__b0 + __e0) * 0.5f64).cos() * (__a0 * __a0)) * __h
+                let omega: f64 = self.omega;
+                p * (q_end - q_start)
+                    - (p * p * 0.5 - ((q_start + q_end) * 0.5).cos() * (omega * omega))
+                        * h
             }
             fn discrete_lagrangian_gradient(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                let (__h, __t) = (__segment.h, __segment.t);
-                let (&[__b0], &[__e0], &[__p0], &[]) = (
-                    __wzvi::Vector::components(&__segment.q0),
-                    __wzvi::Vector::components(&__segment.q1),
-                    __wzvi::Vector::components(&__segment.p),
-                    __dw,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                let h = segment.h;
+                let (&[q_start], &[q_end], &[p], &[]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
                 ) else {
-                    let __nan = __wzvi::SVector::repeat(
-                        __wzvi::core::primitive::f64::NAN,
-                    );
-                    return __wzvi::LagrangianGradient {
-                        q0: __nan,
-                        q1: __nan,
-                        p: __nan,
-                    };
+                    return LagrangianGradient::not_a_number();
                 };
-                let __a0: __wzvi::core::primitive::f64 = self.omega;
-                let __x0 = ((__b0 + __e0) * 0.5f64).sin() * (__a0 * __a0 * 0.5f64 * __h);
-                __wzvi::LagrangianGradient {
-                    q0: __wzvi::core::convert::From::from([-(__p0 + __x0)]),
-                    q1: __wzvi::core::convert::From::from([__p0 - __x0]),
-                    p: __wzvi::core::convert::From::from([__e0 - __b0 - __p0 * __h]),
-                }
+                let omega: f64 = self.omega;
+                let product = ((q_start + q_end) * 0.5).sin()
+                    * (omega * omega * 0.5 * h);
+                LagrangianGradient::from_components(
+                    [-(p + product)],
+                    [p - product],
+                    [q_end - q_start - p * h],
+                )
             }
             fn step_momentum(
                 &self,
-                __before: &__wzvi::State<Self::Vector>,
-                __after: &__wzvi::State<Self::Vector>,
-                __h: __wzvi::core::primitive::f64,
-                __dw: &[__wzvi::core::primitive::f64],
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
             ) -> Self::Vector {
-                __wzvi::core::convert::From::from([
-                    __before.p[0usize]
-                        + (__after.p[0usize] - __before.p[0usize]) * 0.5f64,
-                ])
+                before.p + (after.p - before.p) * 0.5
             }
         }
     };
-    __wzvi::composition! {
-        [impl < __W : __wzvi::compose::Composes < __wzvi::embedding::Midpoint > >
-        __wzvi::Discretized < __wzvi::embedding::Composed < __wzvi::embedding::Midpoint,
-        __W > > for Pendulum] __wzvi::embedding::Composed < __wzvi::embedding::Midpoint,
-        __W >, [__wzvi::embedding::Midpoint, __wzvi::embedding::Midpoint], < __W as
-        __wzvi::compose::Composes < __wzvi::embedding::Midpoint > > ::ORDER, < Self as
-        __wzvi::Discretized < __wzvi::embedding::Midpoint >> ::EQUATIONS, < __W as
-        __wzvi::compose::Composes < __wzvi::embedding::Midpoint > > ::substeps()
+    wzvi::composition! {
+        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
+        Pendulum] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes <
+        Midpoint > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as
+        Composes < Midpoint > > ::substeps()
     }
+    /// The names that are bound above, so that no constant around can stand for them.
+    use ::wzvi::__private::{
+        binding as after, binding as before, binding as by_p, binding as by_q,
+        binding as carry, binding as constants, binding as cos_stage_q,
+        binding as delta_p, binding as dw, binding as effort, binding as given,
+        binding as h, binding as half_h, binding as index, binding as iterate,
+        binding as lane, binding as memory, binding as next, binding as node_p,
+        binding as number, binding as omega, binding as omega_squared, binding as p,
+        binding as prepared, binding as product, binding as product2, binding as q,
+        binding as q_end, binding as q_start, binding as segment, binding as sin_stage_q,
+        binding as stage_q, binding as t, binding as term,
+    };
 };
 const _: () = {
     #[allow(

@@ -77,456 +77,336 @@ pub struct Kubo {
     clippy::cargo
 )]
 const _: () = {
-    use ::wzvi::__private as __wzvi;
+    use ::wzvi::__private::{
+        self as wzvi, Carry, Compensation, ConfigError, Discretized, Effort, Err,
+        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option, PhantomData,
+        Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver, State,
+        StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        embedding::{Composed, DeltaPlus, Midpoint, Uncorrected},
+    };
     #[automatically_derived]
-    impl __wzvi::Hamiltonian for Kubo {
-        type Vector = __wzvi::SVector<__wzvi::core::primitive::f64, 1usize>;
-        fn degrees(&self) -> __wzvi::core::primitive::usize {
-            1usize
+    impl Hamiltonian for Kubo {
+        type Vector = SVector<f64, 1>;
+        fn degrees(&self) -> usize {
+            1
         }
-        fn noises(&self) -> __wzvi::core::primitive::usize {
-            1usize
+        fn noises(&self) -> usize {
+            1
         }
-        fn invariants(&self) -> __wzvi::core::primitive::usize {
-            1usize
+        fn invariants(&self) -> usize {
+            1
         }
-        fn parameter(
-            &self,
-            __index: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<
-            (&'static __wzvi::core::primitive::str, __wzvi::core::primitive::f64),
-        > {
-            match __index {
-                0usize => __wzvi::core::option::Option::Some(("a", self.a)),
-                1usize => __wzvi::core::option::Option::Some(("sigma", self.sigma)),
-                _ => __wzvi::core::option::Option::None,
+        fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+            [("a", self.a), ("sigma", self.sigma)].get(index).copied()
+        }
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
+            match (term, q, p) {
+                (0, &[q], &[p]) => {
+                    let a: f64 = self.a;
+                    (p * p + q * q) * (0.5 * a)
+                }
+                (1, &[q], &[p]) => {
+                    let sigma: f64 = self.sigma;
+                    (p * p + q * q) * (0.5 * sigma)
+                }
+                _ => S::from_f64(f64::NAN),
             }
         }
-        fn evaluate<__S: __wzvi::Scalar>(
+        fn differentiate<S: Scalar>(
             &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-        ) -> __S {
-            match (__term, __q, __p) {
-                (0usize, &[__q0], &[__p0]) => {
-                    let __a0: __wzvi::core::primitive::f64 = self.a;
-                    (__p0 * __p0 + __q0 * __q0) * (0.5f64 * __a0)
-                }
-                (1usize, &[__q0], &[__p0]) => {
-                    let __a1: __wzvi::core::primitive::f64 = self.sigma;
-                    (__p0 * __p0 + __q0 * __q0) * (0.5f64 * __a1)
-                }
-                _ => __S::from_f64(__wzvi::core::primitive::f64::NAN),
-            }
-        }
-        fn differentiate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __dq: &mut [__S],
-            __dp: &mut [__S],
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            if let (
-                __wzvi::core::result::Result::Ok(__dq),
-                __wzvi::core::result::Result::Ok(__dp),
-            ) = (
-                __wzvi::array_mut::<__S, 1usize>(__dq),
-                __wzvi::array_mut::<__S, 1usize>(__dp),
-            ) {
-                match (__term, __q, __p) {
-                    (0usize, &[__q0], &[__p0]) => {
-                        let __a0: __wzvi::core::primitive::f64 = self.a;
-                        {
-                            *__dq = [__q0 * __a0];
-                            *__dp = [__p0 * __a0];
-                        }
-                    }
-                    (1usize, &[__q0], &[__p0]) => {
-                        let __a1: __wzvi::core::primitive::f64 = self.sigma;
-                        {
-                            *__dq = [__q0 * __a1];
-                            *__dp = [__p0 * __a1];
-                        }
-                    }
-                    _ => {
-                        *__dq = [__S::from_f64(
-                            __wzvi::core::primitive::f64::NAN,
-                        ); 1usize];
-                        *__dp = [__S::from_f64(
-                            __wzvi::core::primitive::f64::NAN,
-                        ); 1usize];
-                    }
+            match (term, q, p) {
+                (0, &[q], &[p]) => {
+                    let a: f64 = self.a;
+                    wzvi::gradient(by_q, by_p, [q * a], [p * a])
                 }
-            } else {
-                __dq.fill(__S::from_f64(__wzvi::core::primitive::f64::NAN));
-                __dp.fill(__S::from_f64(__wzvi::core::primitive::f64::NAN));
+                (1, &[q], &[p]) => {
+                    let sigma: f64 = self.sigma;
+                    wzvi::gradient(by_q, by_p, [q * sigma], [p * sigma])
+                }
+                _ => {
+                    by_q.fill(S::from_f64(f64::NAN));
+                    by_p.fill(S::from_f64(f64::NAN));
+                }
             }
         }
-        fn invariant(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            let (__q, __p, __t) = (
-                __wzvi::Vector::components(&__state.q),
-                __wzvi::Vector::components(&__state.p),
-                __state.t,
-            );
-            match (__term, __q, __p) {
-                (0usize, &[__q0], &[__p0]) => __p0 * __p0 + __q0 * __q0,
-                _ => __wzvi::core::primitive::f64::NAN,
-            }
-        }
-        fn energy_rate(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            let (__q, __p, __t) = (
-                __wzvi::Vector::components(&__state.q),
-                __wzvi::Vector::components(&__state.p),
-                __state.t,
-            );
-            match (__term, __q, __p) {
-                (0usize, &[__q0], &[__p0]) => 0f64,
-                _ => __wzvi::core::primitive::f64::NAN,
+        fn invariant(&self, index: usize, state: &State<Self::Vector>) -> f64 {
+            match (index, Vector::components(&state.q), Vector::components(&state.p)) {
+                (0, &[q], &[p]) => p * p + q * q,
+                _ => f64::NAN,
             }
         }
     }
     const _: () = {
-        type __Prepared = ([__wzvi::core::primitive::f64; 2usize],);
-        type __Memory<__S> = __wzvi::core::marker::PhantomData<__S>;
+        type Prepared = [f64; 2];
+        type Memory<S> = PhantomData<S>;
         #[inline(always)]
-        fn __solve<
-            __S: __wzvi::Scalar,
-            __C: __wzvi::Carry<__S>,
-            const __CAREFUL: __wzvi::core::primitive::bool,
-        >(
-            __prepared: &__Prepared,
-            __t: __wzvi::core::primitive::f64,
-            __h: __wzvi::core::primitive::f64,
-            [__q0,
-            ]: [__S; 1usize],
-            [__p0,
-            ]: [__S; 1usize],
-            [__dw0,
-            ]: [__S; 1usize],
-            __memory: &mut __Memory<__S>,
-            __carry: &__C,
-        ) -> __wzvi::core::result::Result<
-            __wzvi::Solution<__S, 1usize>,
-            __wzvi::StepFailure,
-        > {
-            let [__c0, __c1] = __prepared.0;
-            let __x0 = __dw0 * __c0 + __c1;
-            let __x1 = __wzvi::reciprocal_above_one::<__S>(__x0 * __x0 * 0.25f64 + 1f64);
-            let __x2 = __q0 + __p0 * (__x0 * 0.5f64);
-            let __x3 = __x0 * __x1;
-            let __momentum0 = __p0 - __x2 * (__x3 * 0.5f64);
-            let __next = __wzvi::Solution::new(
-                __carry,
-                [[__q0], [__p0]],
-                [[__x0 * __momentum0], [-(__x2 * __x3)]],
-                [__momentum0],
-                __wzvi::Effort::fast(0),
+        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared,
+            q: [S; 1],
+            p: [S; 1],
+            dw: [S; 1],
+            carry: &C,
+        ) -> Result<Solution<S, 1>, StepFailure> {
+            let ([q], [p], [dw]) = (q, p, dw);
+            let [sigma, a_h] = *prepared;
+            let sum = dw * sigma + a_h;
+            let inverse_pivot = wzvi::reciprocal_above_one::<S>(sum * sum * 0.25 + 1.0);
+            let sum2 = q + p * (sum * 0.5);
+            let product = sum * inverse_pivot;
+            let node_p = p - sum2 * (product * 0.5);
+            let next = Solution::new(
+                carry,
+                [[q], [p]],
+                [[sum * node_p], [-(sum2 * product)]],
+                [node_p],
+                Effort::fast(0),
             );
-            if !__next.is_finite() {
-                return __wzvi::core::result::Result::Err(__wzvi::StepFailure::NonFinite);
+            if !next.is_finite() {
+                return Err(StepFailure::NonFinite);
             }
-            __wzvi::core::result::Result::Ok(__next)
+            Ok(next)
         }
         #[automatically_derived]
-        impl __wzvi::Discretized<__wzvi::embedding::Midpoint> for Kubo {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Linear,
-                unknowns: 1usize,
-                order: 2u32,
-                noise: __wzvi::NoiseClass::Multiplicative,
+        impl Discretized<Midpoint> for Kubo {
+            const PLAN: Plan = Plan {
+                solver: Solver::Linear,
+                unknowns: 1,
+                order: 2,
+                noise: NoiseClass::Multiplicative,
                 consistent: true,
-                conserves_energy: __wzvi::Knowledge::Proven,
-                commuting: __wzvi::Knowledge::Proven,
+                conserves_energy: Knowledge::Proven,
+                commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_{i+1/2}²)/2 - sigma ΔW (P² + q_{i+1/2}²)/2\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = (-a q_{i+1/2} h - sigma q_{i+1/2} ΔW)/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: linear (then Δq)\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H1, H0} = 0\n  H0 is a first integral: kept by the step to rounding\n  first integral p² + q²: kept by the step to rounding\n";
-            type Prepared = __Prepared;
-            type Memory<__S: __wzvi::Scalar> = __Memory<__S>;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::Compensation<__S, 1usize>;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
-            fn prepare(
-                &self,
-                __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<Self::Prepared, __wzvi::ConfigError> {
-                let __a0: __wzvi::core::primitive::f64 = self.a;
-                let __a1: __wzvi::core::primitive::f64 = self.sigma;
-                if __a0.is_nan() || __a1.is_nan() {
-                    return __wzvi::core::result::Result::Err(
-                        __wzvi::ConfigError::Parameter,
-                    );
+            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_{i+1/2}²)/2 - sigma ΔW (P² + q_{i+1/2}²)/2\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = (-a q_{i+1/2} h - sigma q_{i+1/2} ΔW)/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: linear (then Δq)\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H1, H0} = 0\n  H0 is a first integral: kept by the step to rounding\n  first integral p² + q²: kept by the step to rounding\n";
+            type Prepared = Prepared;
+            type Memory<S: Scalar> = Memory<S>;
+            type Compensated<S: Scalar> = Compensation<S, 1>;
+            type Carry<S: Scalar> = Plain;
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                let a: f64 = self.a;
+                let sigma: f64 = self.sigma;
+                if a.is_nan() || sigma.is_nan() {
+                    return Err(ConfigError::Parameter);
                 }
-                __wzvi::core::result::Result::Ok(([__a1, __h * __a0],))
+                Ok([sigma, h * a])
             }
             #[inline(always)]
-            fn advance_carrying<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
-                __prepared: &Self::Prepared,
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: &mut [__S],
-                __p: &mut [__S],
-                __dw: &[__S],
-                __memory: &mut Self::Memory<__S>,
-                __carry: &mut __C,
-            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                let __q = __wzvi::array_mut::<__S, 1usize>(__q)?;
-                let __p = __wzvi::array_mut::<__S, 1usize>(__p)?;
-                let __dw = __wzvi::increments::<__S, 1usize>(__dw)?;
-                let __next = __solve::<
-                    __S,
-                    __C,
-                    __CAREFUL,
-                >(__prepared, __t, __h, *__q, *__p, __dw, __memory, __carry)?;
-                __wzvi::core::result::Result::Ok(__next.store(__q, __p, __carry))
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                let dw = wzvi::increments(dw)?;
+                let next = solve::<S, C, CAREFUL>(prepared, *q, *p, dw, carry)?;
+                Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::core::primitive::f64 {
-                let (__h, __t) = (__segment.h, __segment.t);
-                let (&[__b0], &[__e0], &[__p0], &[__w0]) = (
-                    __wzvi::Vector::components(&__segment.q0),
-                    __wzvi::Vector::components(&__segment.q1),
-                    __wzvi::Vector::components(&__segment.p),
-                    __dw,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                let h = segment.h;
+                let (&[q_start], &[q_end], &[p], &[dw]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
                 ) else {
-                    return __wzvi::core::primitive::f64::NAN;
+                    return f64::NAN;
                 };
-                let __a0: __wzvi::core::primitive::f64 = self.a;
-                let __a1: __wzvi::core::primitive::f64 = self.sigma;
-                let __x0 = (__b0 + __e0) * 0.5f64;
-                __p0 * (__e0 - __b0)
-                    - (__w0 * __a1 + __a0 * __h) * (__p0 * __p0 + __x0 * __x0) * 0.5f64
+                let a: f64 = self.a;
+                let sigma: f64 = self.sigma;
+                let product = (q_start + q_end) * 0.5;
+                p * (q_end - q_start)
+                    - (dw * sigma + a * h) * (p * p + product * product) * 0.5
             }
             fn discrete_lagrangian_gradient(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                let (__h, __t) = (__segment.h, __segment.t);
-                let (&[__b0], &[__e0], &[__p0], &[__w0]) = (
-                    __wzvi::Vector::components(&__segment.q0),
-                    __wzvi::Vector::components(&__segment.q1),
-                    __wzvi::Vector::components(&__segment.p),
-                    __dw,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                let h = segment.h;
+                let (&[q_start], &[q_end], &[p], &[dw]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
                 ) else {
-                    let __nan = __wzvi::SVector::repeat(
-                        __wzvi::core::primitive::f64::NAN,
-                    );
-                    return __wzvi::LagrangianGradient {
-                        q0: __nan,
-                        q1: __nan,
-                        p: __nan,
-                    };
+                    return LagrangianGradient::not_a_number();
                 };
-                let __a0: __wzvi::core::primitive::f64 = self.a;
-                let __a1: __wzvi::core::primitive::f64 = self.sigma;
-                let __x0 = __w0 * __a1 + __a0 * __h;
-                let __x1 = __x0 * ((__b0 + __e0) * 0.5f64) * 0.5f64;
-                __wzvi::LagrangianGradient {
-                    q0: __wzvi::core::convert::From::from([-(__p0 + __x1)]),
-                    q1: __wzvi::core::convert::From::from([__p0 - __x1]),
-                    p: __wzvi::core::convert::From::from([__e0 - __b0 - __p0 * __x0]),
-                }
+                let a: f64 = self.a;
+                let sigma: f64 = self.sigma;
+                let sum = dw * sigma + a * h;
+                let product = sum * ((q_start + q_end) * 0.5) * 0.5;
+                LagrangianGradient::from_components(
+                    [-(p + product)],
+                    [p - product],
+                    [q_end - q_start - p * sum],
+                )
             }
             fn step_momentum(
                 &self,
-                __before: &__wzvi::State<Self::Vector>,
-                __after: &__wzvi::State<Self::Vector>,
-                __h: __wzvi::core::primitive::f64,
-                __dw: &[__wzvi::core::primitive::f64],
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
             ) -> Self::Vector {
-                __wzvi::core::convert::From::from([
-                    __before.p[0usize]
-                        + (__after.p[0usize] - __before.p[0usize]) * 0.5f64,
-                ])
+                before.p + (after.p - before.p) * 0.5
             }
         }
     };
     const _: () = {
-        type __Prepared = ([__wzvi::core::primitive::f64; 2usize],);
-        type __Memory<__S> = __wzvi::core::marker::PhantomData<__S>;
+        type Prepared = [f64; 2];
+        type Memory<S> = PhantomData<S>;
         #[inline(always)]
-        fn __solve<
-            __S: __wzvi::Scalar,
-            __C: __wzvi::Carry<__S>,
-            const __CAREFUL: __wzvi::core::primitive::bool,
-        >(
-            __prepared: &__Prepared,
-            __t: __wzvi::core::primitive::f64,
-            __h: __wzvi::core::primitive::f64,
-            [__q0,
-            ]: [__S; 1usize],
-            [__p0,
-            ]: [__S; 1usize],
-            [__dw0,
-            ]: [__S; 1usize],
-            __memory: &mut __Memory<__S>,
-            __carry: &__C,
-        ) -> __wzvi::core::result::Result<
-            __wzvi::Solution<__S, 1usize>,
-            __wzvi::StepFailure,
-        > {
-            let [__c0, __c1] = __prepared.0;
-            let __x0 = __dw0 * __c0 + __c1;
-            let __x1 = __q0 * __x0;
-            let __momentum0 = __p0 - __x1;
-            let __next = __wzvi::Solution::new(
-                __carry,
-                [[__q0], [__p0]],
-                [[__x0 * __momentum0], [-__x1]],
-                [__momentum0],
-                __wzvi::Effort::fast(0),
+        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared,
+            q: [S; 1],
+            p: [S; 1],
+            dw: [S; 1],
+            carry: &C,
+        ) -> Result<Solution<S, 1>, StepFailure> {
+            let ([q], [p], [dw]) = (q, p, dw);
+            let [sigma, a_h] = *prepared;
+            let sum = dw * sigma + a_h;
+            let product = q * sum;
+            let node_p = p - product;
+            let next = Solution::new(
+                carry,
+                [[q], [p]],
+                [[sum * node_p], [-product]],
+                [node_p],
+                Effort::fast(0),
             );
-            if !__next.is_finite() {
-                return __wzvi::core::result::Result::Err(__wzvi::StepFailure::NonFinite);
+            if !next.is_finite() {
+                return Err(StepFailure::NonFinite);
             }
-            __wzvi::core::result::Result::Ok(__next)
+            Ok(next)
         }
         #[automatically_derived]
-        impl __wzvi::Discretized<
-            __wzvi::embedding::Uncorrected<__wzvi::embedding::DeltaPlus>,
-        > for Kubo {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Explicit,
-                unknowns: 0usize,
-                order: 1u32,
-                noise: __wzvi::NoiseClass::Multiplicative,
+        impl Discretized<Uncorrected<DeltaPlus>> for Kubo {
+            const PLAN: Plan = Plan {
+                solver: Solver::Explicit,
+                unknowns: 0,
+                order: 1,
+                noise: NoiseClass::Multiplicative,
                 consistent: false,
-                conserves_energy: __wzvi::Knowledge::Proven,
-                commuting: __wzvi::Knowledge::Proven,
+                conserves_energy: Knowledge::Proven,
+                commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Uncorrected<DeltaPlus>\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2\n  {H1, H0} = 0\n  H0 is a first integral: of the system, and not kept by what the step converges to in general\n  first integral p² + q²: of the system, and not kept by what the step converges to in general\n";
-            type Prepared = __Prepared;
-            type Memory<__S: __wzvi::Scalar> = __Memory<__S>;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::Compensation<__S, 1usize>;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
-            fn prepare(
-                &self,
-                __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<Self::Prepared, __wzvi::ConfigError> {
-                let __a0: __wzvi::core::primitive::f64 = self.a;
-                let __a1: __wzvi::core::primitive::f64 = self.sigma;
-                if __a0.is_nan() || __a1.is_nan() {
-                    return __wzvi::core::result::Result::Err(
-                        __wzvi::ConfigError::Parameter,
-                    );
+            const EQUATIONS: &'static str = "Uncorrected<DeltaPlus>\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2\n  {H1, H0} = 0\n  H0 is a first integral: of the system, and not kept by what the step converges to in general\n  first integral p² + q²: of the system, and not kept by what the step converges to in general\n";
+            type Prepared = Prepared;
+            type Memory<S: Scalar> = Memory<S>;
+            type Compensated<S: Scalar> = Compensation<S, 1>;
+            type Carry<S: Scalar> = Plain;
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                let a: f64 = self.a;
+                let sigma: f64 = self.sigma;
+                if a.is_nan() || sigma.is_nan() {
+                    return Err(ConfigError::Parameter);
                 }
-                __wzvi::core::result::Result::Ok(([__a1, __h * __a0],))
+                Ok([sigma, h * a])
             }
             #[inline(always)]
-            fn advance_carrying<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
-                __prepared: &Self::Prepared,
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: &mut [__S],
-                __p: &mut [__S],
-                __dw: &[__S],
-                __memory: &mut Self::Memory<__S>,
-                __carry: &mut __C,
-            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                let __q = __wzvi::array_mut::<__S, 1usize>(__q)?;
-                let __p = __wzvi::array_mut::<__S, 1usize>(__p)?;
-                let __dw = __wzvi::increments::<__S, 1usize>(__dw)?;
-                let __next = __solve::<
-                    __S,
-                    __C,
-                    __CAREFUL,
-                >(__prepared, __t, __h, *__q, *__p, __dw, __memory, __carry)?;
-                __wzvi::core::result::Result::Ok(__next.store(__q, __p, __carry))
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                let dw = wzvi::increments(dw)?;
+                let next = solve::<S, C, CAREFUL>(prepared, *q, *p, dw, carry)?;
+                Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::core::primitive::f64 {
-                let (__h, __t) = (__segment.h, __segment.t);
-                let (&[__b0], &[__e0], &[__p0], &[__w0]) = (
-                    __wzvi::Vector::components(&__segment.q0),
-                    __wzvi::Vector::components(&__segment.q1),
-                    __wzvi::Vector::components(&__segment.p),
-                    __dw,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                let h = segment.h;
+                let (&[q_start], &[q_end], &[p], &[dw]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
                 ) else {
-                    return __wzvi::core::primitive::f64::NAN;
+                    return f64::NAN;
                 };
-                let __a0: __wzvi::core::primitive::f64 = self.a;
-                let __a1: __wzvi::core::primitive::f64 = self.sigma;
-                __p0 * (__e0 - __b0)
-                    - (__w0 * __a1 + __a0 * __h) * (__p0 * __p0 + __b0 * __b0) * 0.5f64
+                let a: f64 = self.a;
+                let sigma: f64 = self.sigma;
+                p * (q_end - q_start)
+                    - (dw * sigma + a * h) * (p * p + q_start * q_start) * 0.5
             }
             fn discrete_lagrangian_gradient(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                let (__h, __t) = (__segment.h, __segment.t);
-                let (&[__b0], &[__e0], &[__p0], &[__w0]) = (
-                    __wzvi::Vector::components(&__segment.q0),
-                    __wzvi::Vector::components(&__segment.q1),
-                    __wzvi::Vector::components(&__segment.p),
-                    __dw,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                let h = segment.h;
+                let (&[q_start], &[q_end], &[p], &[dw]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
                 ) else {
-                    let __nan = __wzvi::SVector::repeat(
-                        __wzvi::core::primitive::f64::NAN,
-                    );
-                    return __wzvi::LagrangianGradient {
-                        q0: __nan,
-                        q1: __nan,
-                        p: __nan,
-                    };
+                    return LagrangianGradient::not_a_number();
                 };
-                let __a0: __wzvi::core::primitive::f64 = self.a;
-                let __a1: __wzvi::core::primitive::f64 = self.sigma;
-                let __x0 = __w0 * __a1 + __a0 * __h;
-                __wzvi::LagrangianGradient {
-                    q0: __wzvi::core::convert::From::from([-(__p0 + __b0 * __x0)]),
-                    q1: __wzvi::core::convert::From::from([__p0]),
-                    p: __wzvi::core::convert::From::from([__e0 - __b0 - __p0 * __x0]),
-                }
+                let a: f64 = self.a;
+                let sigma: f64 = self.sigma;
+                let sum = dw * sigma + a * h;
+                LagrangianGradient::from_components(
+                    [-(p + q_start * sum)],
+                    [p],
+                    [q_end - q_start - p * sum],
+                )
             }
             fn step_momentum(
                 &self,
-                __before: &__wzvi::State<Self::Vector>,
-                __after: &__wzvi::State<Self::Vector>,
-                __h: __wzvi::core::primitive::f64,
-                __dw: &[__wzvi::core::primitive::f64],
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
             ) -> Self::Vector {
-                __wzvi::core::convert::From::from([
-                    __before.p[0usize] + (__after.p[0usize] - __before.p[0usize]) * 1f64,
-                ])
+                after.p
             }
         }
     };
-    __wzvi::composition! {
-        [impl < __W : __wzvi::compose::Composes < __wzvi::embedding::Midpoint > >
-        __wzvi::Discretized < __wzvi::embedding::Composed < __wzvi::embedding::Midpoint,
-        __W > > for Kubo] __wzvi::embedding::Composed < __wzvi::embedding::Midpoint, __W
-        >, [__wzvi::embedding::Midpoint, __wzvi::embedding::Midpoint], < __W as
-        __wzvi::compose::Composes < __wzvi::embedding::Midpoint > > ::ORDER, < Self as
-        __wzvi::Discretized < __wzvi::embedding::Midpoint >> ::EQUATIONS, < __W as
-        __wzvi::compose::Composes < __wzvi::embedding::Midpoint > > ::substeps()
+    wzvi::composition! {
+        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
+        Kubo] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes < Midpoint
+        > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as Composes <
+        Midpoint > > ::substeps()
     }
+    /// The names that are bound above, so that no constant around can stand for them.
+    use ::wzvi::__private::{
+        binding as a, binding as a_h, binding as after, binding as before,
+        binding as by_p, binding as by_q, binding as carry, binding as dw, binding as h,
+        binding as index, binding as inverse_pivot, binding as memory, binding as next,
+        binding as node_p, binding as p, binding as prepared, binding as product,
+        binding as q, binding as q_end, binding as q_start, binding as segment,
+        binding as sigma, binding as state, binding as sum, binding as sum2,
+        binding as t, binding as term,
+    };
 };
 const _: () = {
     #[allow(

@@ -51,314 +51,216 @@ pub struct Bath {
     clippy::cargo
 )]
 const _: () = {
-    use ::wzvi::__private as __wzvi;
+    use ::wzvi::__private::{
+        self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
+        Knowledge, LagrangianGradient, NoiseClass, None, Ok, Option, Ord, PhantomData,
+        Plain, Plan, Range, Result, Scalar, Segment, Solution, Solver, Some, State,
+        StepFailure, bool, f64, i128, isize, str, usize, compose::Composes,
+        elements::{
+            CompensationVec, Curvature, Elements, MomentumUpdate, Point, Scheme, Slopes,
+            Stage, Unknowns,
+        },
+        elements::places::{Atom, Entries, Index, Loop, Name, Nest, Places, Slot},
+        elements::sites::Sites, embedding::{Composed, Midpoint},
+    };
     #[automatically_derived]
-    impl __wzvi::Hamiltonian for Bath {
-        type Vector = __wzvi::DVector<__wzvi::core::primitive::f64>;
-        fn degrees(&self) -> __wzvi::core::primitive::usize {
+    impl Hamiltonian for Bath {
+        type Vector = DVector<f64>;
+        fn degrees(&self) -> usize {
             0
         }
-        fn check(
+        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+            wzvi::elements::check(self, degrees)
+        }
+        fn noises(&self) -> usize {
+            (self.sites as isize) as usize
+        }
+        fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+            [("sigma", self.sigma)].get(index).copied()
+        }
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
+            wzvi::elements::evaluate(self, term, q, p, t)
+        }
+        fn differentiate<S: Scalar>(
             &self,
-            __degrees: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
-            __wzvi::elements::check(self, __degrees)
-        }
-        fn noises(&self) -> __wzvi::core::primitive::usize {
-            (((self.sites as __wzvi::core::primitive::isize))
-                as __wzvi::core::primitive::isize as __wzvi::core::primitive::usize)
-        }
-        fn invariants(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn parameter(
-            &self,
-            __index: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<
-            (&'static __wzvi::core::primitive::str, __wzvi::core::primitive::f64),
-        > {
-            match __index {
-                0usize => __wzvi::core::option::Option::Some(("sigma", self.sigma)),
-                _ => __wzvi::core::option::Option::None,
-            }
-        }
-        fn evaluate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-        ) -> __S {
-            __wzvi::elements::evaluate(self, __term, __q, __p, __t)
-        }
-        fn differentiate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            __wzvi::elements::differentiate(self, __term, __q, __p, __t, __by_q, __by_p);
-        }
-        fn invariant(
-            &self,
-            __number: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::invariant(self, __number, __state)
-        }
-        fn energy_rate(
-            &self,
-            __k: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            __wzvi::elements::energy_rate(self, __k, __state)
+            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
         }
     }
     #[automatically_derived]
-    impl __wzvi::elements::Elements for Bath {
-        const PLACES: __wzvi::elements::places::Places = {
-            use __wzvi::elements::places as __places;
-            __places::Places {
-                components: 1usize,
-                tables: &[
-                    __places::Name {
-                        name: "sites",
-                        suffix: "",
-                    },
-                ],
-                nests: &[
-                    __places::Nest {
-                        loops: &[
-                            __places::Loop {
-                                start: __places::Index {
-                                    terms: &[],
-                                    constant: 0,
-                                    name: __places::Name {
-                                        name: "0",
-                                        suffix: "",
-                                    },
-                                },
-                                end: __places::Index {
-                                    terms: &[(__places::Atom::Given(0usize, &[]), 1)],
-                                    constant: 0,
-                                    name: __places::Name {
-                                        name: "sites",
-                                        suffix: "",
-                                    },
-                                },
+    impl Elements for Bath {
+        const PLACES: Places = Places {
+            components: 1,
+            tables: &[Name { name: "sites", suffix: "" }],
+            nests: &[
+                Nest {
+                    loops: &[
+                        Loop {
+                            start: Index {
+                                terms: &[],
+                                constant: 0,
+                                name: Name { name: "0", suffix: "" },
                             },
-                        ],
-                        slots: &[
-                            __places::Slot::State {
-                                index: __places::Index {
-                                    terms: &[(__places::Atom::Loop(0usize), 1)],
-                                    constant: 0,
-                                    name: __places::Name {
-                                        name: "i",
-                                        suffix: "",
-                                    },
-                                },
-                                is_natural: true,
+                            end: Index {
+                                terms: &[(Atom::Given(0, &[]), 1)],
+                                constant: 0,
+                                name: Name { name: "sites", suffix: "" },
                             },
-                        ],
-                    },
-                ],
-            }
+                        },
+                    ],
+                    slots: &[
+                        Slot::State {
+                            index: Index {
+                                terms: &[(Atom::Loop(0), 1)],
+                                constant: 0,
+                                name: Name { name: "i", suffix: "" },
+                            },
+                            is_natural: true,
+                        },
+                    ],
+                },
+            ],
         };
         fn entries(
             &self,
-            __table: __wzvi::core::primitive::usize,
-            __outer: &[__wzvi::core::primitive::usize],
-            __range: __wzvi::core::ops::Range<__wzvi::core::primitive::usize>,
-        ) -> __wzvi::elements::places::Entries {
-            use __wzvi::elements::places as __places;
-            match (__table, __outer) {
-                (0usize, []) => {
-                    __places::Entries::of_integer(
-                        (self.sites) as __wzvi::core::primitive::i128,
-                    )
-                }
-                _ => __places::Entries::of_length(0),
+            table: usize,
+            outer: &[usize],
+            range: Range<usize>,
+        ) -> Entries {
+            match (table, outer) {
+                (0usize, []) => Entries::of_integer((self.sites) as i128),
+                _ => Entries::of_length(0),
             }
         }
-        const INTEGRALS: __wzvi::core::primitive::usize = 3usize;
-        fn value<__S: __wzvi::Scalar>(
-            &self,
-            __part: __wzvi::core::primitive::usize,
-            __weight: __wzvi::core::primitive::f64,
-            __at: &__wzvi::elements::Point<'_, __S>,
-        ) -> __S {
-            let __a0: __wzvi::core::primitive::f64 = self.sigma;
-            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            let mut __value = <__S as __wzvi::Scalar>::from_f64(0.0);
-            match __part {
-                0usize => {
-                    let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
+        const INTEGRALS: usize = 3;
+        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+            let sigma: f64 = self.sigma;
+            let size = at.q.len() as isize;
+            let mut value = S::from_f64(0.0);
+            match part {
+                0 => {
+                    let mut total = S::from_f64(0.0);
                     {
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i0: __wzvi::core::primitive::isize = 0;
-                        let __end: __wzvi::core::primitive::isize = (__size);
-                        while __i0 < __end {
-                            let __low = __i0;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.p[__s0..__s0 + __len];
-                            let __s1 = ((__i0) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s1 = &__at.q[__s1..__s1 + __len];
-                            for __k in 0..__len {
-                                let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                let __l1 = __s1[__k];
-                                __b0 = __b0 + (__l1 * __l1 + __l0 * __l0) * 0.5f64;
+                        let mut b0 = S::from_f64(0.0);
+                        let (low, end): (isize, isize) = (0, size);
+                        if low < end {
+                            let i0 = low;
+                            let len = (end - low) as usize;
+                            let s0 = i0 as usize;
+                            let s0 = &at.p[s0..s0 + len];
+                            let s1 = i0 as usize;
+                            let s1 = &at.q[s1..s1 + len];
+                            for place in 0..len {
+                                let p_i = s0[place];
+                                let q_i = s1[place];
+                                b0 = b0 + (q_i * q_i + p_i * p_i) * 0.5;
                             }
-                            __i0 += __len as __wzvi::core::primitive::isize;
                         }
-                        __total = __total + __b0;
+                        total = total + b0;
                     }
-                    __value = __value
-                        + __total * <__S as __wzvi::Scalar>::from_f64(__at.h);
+                    value = value + total * S::from_f64(at.h);
                 }
-                1usize => {
-                    let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
+                1 => {
+                    let mut total = S::from_f64(0.0);
                     {
-                        let mut __b0 = <__S as __wzvi::Scalar>::from_f64(0.0);
-                        let mut __i1: __wzvi::core::primitive::isize = __wzvi::core::cmp::Ord::max(
-                            0,
-                            __at.acting.start as __wzvi::core::primitive::isize,
+                        let mut b0 = S::from_f64(0.0);
+                        let (low, end): (isize, isize) = (
+                            Ord::max(0, at.acting.start as isize),
+                            Ord::min((self.sites as isize), at.acting.end as isize),
                         );
-                        let __end: __wzvi::core::primitive::isize = __wzvi::core::cmp::Ord::min(
-                            ((self.sites as __wzvi::core::primitive::isize)),
-                            __at.acting.end as __wzvi::core::primitive::isize,
-                        );
-                        while __i1 < __end {
-                            let __low = __i1;
-                            let __len = (__end - __low)
-                                as __wzvi::core::primitive::usize;
-                            let __s0 = ((__i1) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize);
-                            let __s0 = &__at.q[__s0..__s0 + __len];
-                            for __k in 0..__len {
-                                let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                let __l0 = __s0[__k];
-                                let __c = __at
-                                    .increment(
-                                        ((__i1) as __wzvi::core::primitive::isize
-                                            as __wzvi::core::primitive::usize),
-                                    );
-                                __b0 = __b0 + __l0 * __c * __a0;
+                        if low < end {
+                            let i1 = low;
+                            let len = (end - low) as usize;
+                            let s0 = i1 as usize;
+                            let s0 = &at.q[s0..s0 + len];
+                            for place in 0..len {
+                                let i1 = low + place as isize;
+                                let q_i = s0[place];
+                                let factor = at.increment(i1 as usize);
+                                b0 = b0 + q_i * factor * sigma;
                             }
-                            __i1 += __len as __wzvi::core::primitive::isize;
                         }
-                        __total = __total + __b0;
+                        total = total + b0;
                     }
-                    __value = __value + __total;
+                    value = value + total;
                 }
                 _ => {}
             }
-            __value
+            value
         }
-        fn slopes<__S: __wzvi::Scalar>(
+        fn slopes<S: Scalar>(
             &self,
-            __part: __wzvi::core::primitive::usize,
-            __weight: __wzvi::core::primitive::f64,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __wanted: __wzvi::elements::Slopes,
-            __by_q: &mut [__S],
-            __by_p: &mut [__S],
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S>,
+            wanted: Slopes,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.sigma;
-            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            match __part {
-                0usize => {
-                    if __wanted.by_q {
+            let sigma: f64 = self.sigma;
+            let size = at.q.len() as isize;
+            match part {
+                0 => {
+                    if wanted.by_q {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i0: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__size);
-                            while __i0 < __end {
-                                let __low = __i0;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s0 = &__at.q[__s0..__s0 + __len];
-                                let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __b0 = &mut __by_q[__b0..__b0 + __len];
-                                for __k in 0..__len {
-                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __s0[__k];
-                                    __b0[__k] = __b0[__k] + __l0 * __c;
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                let s0 = i0 as usize;
+                                let s0 = &at.q[s0..s0 + len];
+                                let b0 = i0 as usize;
+                                let b0 = &mut by_q[b0..b0 + len];
+                                for place in 0..len {
+                                    let q_i = s0[place];
+                                    b0[place] = b0[place] + q_i * factor;
                                 }
-                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
-                    if __wanted.by_p {
+                    if wanted.by_p {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i0: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__size);
-                            while __i0 < __end {
-                                let __low = __i0;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s0 = &__at.p[__s0..__s0 + __len];
-                                let __b0 = ((__i0) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __b0 = &mut __by_p[__b0..__b0 + __len];
-                                for __k in 0..__len {
-                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __s0[__k];
-                                    __b0[__k] = __b0[__k] + __l0 * __c;
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                let s0 = i0 as usize;
+                                let s0 = &at.p[s0..s0 + len];
+                                let b0 = i0 as usize;
+                                let b0 = &mut by_p[b0..b0 + len];
+                                for place in 0..len {
+                                    let p_i = s0[place];
+                                    b0[place] = b0[place] + p_i * factor;
                                 }
-                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
                 }
-                1usize => {
-                    if __wanted.by_q {
+                1 => {
+                    if wanted.by_q {
                         {
-                            let mut __i1: __wzvi::core::primitive::isize = __wzvi::core::cmp::Ord::max(
-                                0,
-                                __at.acting.start as __wzvi::core::primitive::isize,
+                            let (low, end): (isize, isize) = (
+                                Ord::max(0, at.acting.start as isize),
+                                Ord::min((self.sites as isize), at.acting.end as isize),
                             );
-                            let __end: __wzvi::core::primitive::isize = __wzvi::core::cmp::Ord::min(
-                                ((self.sites as __wzvi::core::primitive::isize)),
-                                __at.acting.end as __wzvi::core::primitive::isize,
-                            );
-                            while __i1 < __end {
-                                let __low = __i1;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __s0 = ((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s0 = &__at.q[__s0..__s0 + __len];
-                                let __b0 = ((__i1) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __b0 = &mut __by_q[__b0..__b0 + __len];
-                                for __k in 0..__len {
-                                    let __i1 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __s0[__k];
-                                    let __c = __at
-                                        .increment(
-                                            ((__i1) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                        );
-                                    __b0[__k] = __b0[__k] + __c * __a0;
+                            if low < end {
+                                let i1 = low;
+                                let len = (end - low) as usize;
+                                let b0 = i1 as usize;
+                                let b0 = &mut by_q[b0..b0 + len];
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    let factor = at.increment(i1 as usize);
+                                    b0[place] = b0[place] + factor * sigma;
                                 }
-                                __i1 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
@@ -366,322 +268,240 @@ const _: () = {
                 _ => {}
             }
         }
-        fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
+        fn curvature<S: Scalar, C: Curvature<S>>(
             &self,
-            __part: __wzvi::core::primitive::usize,
-            __weight: __wzvi::core::primitive::f64,
-            __at: &__wzvi::elements::Point<'_, __S>,
-            __wanted: __wzvi::elements::Slopes,
-            __into: &mut __C,
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S>,
+            wanted: Slopes,
+            into: &mut C,
         ) {
-            let __a0: __wzvi::core::primitive::f64 = self.sigma;
-            let __size = (__at.q.len() / 1) as __wzvi::core::primitive::isize;
-            let __t = __at.t;
-            match __part {
-                0usize => {
-                    if __wanted.by_q {
+            let size = at.q.len() as isize;
+            match part {
+                0 => {
+                    if wanted.by_q {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i0: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__size);
-                            while __i0 < __end {
-                                let __low = __i0;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s0 = &__at.q[__s0..__s0 + __len];
-                                for __k in 0..__len {
-                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __s0[__k];
-                                    __into
-                                        .add_qq(
-                                            ((__i0) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((__i0) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __c,
-                                        );
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                for place in 0..len {
+                                    let i0 = low + place as isize;
+                                    into.add_qq(i0 as usize, i0 as usize, true, factor);
                                 }
-                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
-                    if __wanted.by_p {
+                    if wanted.by_p {
                         {
-                            let __c = <__S as __wzvi::Scalar>::from_f64(__at.h);
-                            let mut __i0: __wzvi::core::primitive::isize = 0;
-                            let __end: __wzvi::core::primitive::isize = (__size);
-                            while __i0 < __end {
-                                let __low = __i0;
-                                let __len = (__end - __low)
-                                    as __wzvi::core::primitive::usize;
-                                let __s0 = ((__i0) as __wzvi::core::primitive::isize
-                                    as __wzvi::core::primitive::usize);
-                                let __s0 = &__at.p[__s0..__s0 + __len];
-                                for __k in 0..__len {
-                                    let __i0 = __low + __k as __wzvi::core::primitive::isize;
-                                    let __l0 = __s0[__k];
-                                    __into
-                                        .add_pp(
-                                            ((__i0) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            ((__i0) as __wzvi::core::primitive::isize
-                                                as __wzvi::core::primitive::usize),
-                                            true,
-                                            __c,
-                                        );
+                            let factor = S::from_f64(at.h);
+                            let (low, end): (isize, isize) = (0, size);
+                            if low < end {
+                                let i0 = low;
+                                let len = (end - low) as usize;
+                                for place in 0..len {
+                                    let i0 = low + place as isize;
+                                    into.add_pp(i0 as usize, i0 as usize, true, factor);
                                 }
-                                __i0 += __len as __wzvi::core::primitive::isize;
                             }
                         }
                     }
                 }
-                1usize => if __wanted.by_q {}
+                1 => if wanted.by_q {}
                 _ => {}
             }
         }
     }
     const _: () = {
-        const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
+        const SCHEME: Scheme = Scheme {
             stages: &[
-                __wzvi::elements::Stage {
-                    point: 0.5f64,
-                    start: 0.5f64,
-                    end: 0.5f64,
-                    parts: &[(0usize, 1f64), (1usize, 1f64)],
+                Stage {
+                    point: 0.5,
+                    start: 0.5,
+                    end: 0.5,
+                    parts: &[(0, 1.0), (1, 1.0)],
                 },
             ],
-            update: __wzvi::elements::MomentumUpdate::Multiple(2f64),
-            unknowns: __wzvi::elements::Unknowns::Both,
+            update: MomentumUpdate::Multiple(2.0),
+            unknowns: Unknowns::Both,
             remembers: false,
             is_linear: false,
         };
-        type __Prepared = (
-            [__wzvi::core::primitive::f64; 4usize],
-            [__wzvi::core::primitive::bool; 1usize],
-        );
-        type __Memory<__S> = __wzvi::core::marker::PhantomData<__S>;
+        type Prepared = ([f64; 4], [bool; 1]);
+        type Memory<S> = PhantomData<S>;
         #[inline(always)]
-        fn __solve<
-            __S: __wzvi::Scalar,
-            __C: __wzvi::Carry<__S>,
-            const __CAREFUL: __wzvi::core::primitive::bool,
-        >(
-            __prepared: &__Prepared,
-            __t: __wzvi::core::primitive::f64,
-            __h: __wzvi::core::primitive::f64,
-            [__q0,
-            ]: [__S; 1usize],
-            [__p0,
-            ]: [__S; 1usize],
-            [__dw0,
-            ]: [__S; 1usize],
-            __memory: &mut __Memory<__S>,
-            __carry: &__C,
-        ) -> __wzvi::core::result::Result<
-            __wzvi::Solution<__S, 1usize>,
-            __wzvi::StepFailure,
-        > {
-            let [__c0, __c1, __c2, __c3] = __prepared.0;
-            let [__b0] = __prepared.1;
-            let __x0 = __dw0 * __c0;
-            let __x1 = __x0 + (__q0 + __p0 * __c2) * __h;
-            let __momentum0 = (if __b0 {
-                (__p0 - (__x0 + __q0 * __h) * 0.5f64) * __c1
+        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared,
+            h: f64,
+            q: [S; 1],
+            p: [S; 1],
+            dw: [S; 1],
+            carry: &C,
+        ) -> Result<Solution<S, 1>, StepFailure> {
+            let ([q_k], [p_k], [dw]) = (q, p, dw);
+            let ([sigma, inverse_pivot, half_h, half_inverse_pivot], [condition]) = *prepared;
+            let dw_sigma = dw * sigma;
+            let sum = dw_sigma + (q_k + p_k * half_h) * h;
+            let node_p_k = if condition {
+                (p_k - (dw_sigma + q_k * h) * 0.5) * inverse_pivot
             } else {
-                __p0 - __x1 * __c3
-            });
-            let __next = __wzvi::Solution::new(
-                __carry,
-                [[__q0], [__p0]],
-                [[__momentum0 * __h], [-(__x1 * __c1)]],
-                [__momentum0],
-                __wzvi::Effort::fast(0),
+                p_k - sum * half_inverse_pivot
+            };
+            let next = Solution::new(
+                carry,
+                [[q_k], [p_k]],
+                [[node_p_k * h], [-(sum * inverse_pivot)]],
+                [node_p_k],
+                Effort::fast(0),
             );
-            if !__next.is_finite() {
-                return __wzvi::core::result::Result::Err(__wzvi::StepFailure::NonFinite);
+            if !next.is_finite() {
+                return Err(StepFailure::NonFinite);
             }
-            __wzvi::core::result::Result::Ok(__next)
+            Ok(next)
         }
         #[automatically_derived]
-        impl __wzvi::elements::sites::Sites<__wzvi::embedding::Midpoint, 1usize, 1usize>
-        for Bath {
-            const IS_UNIFORM: __wzvi::core::primitive::bool = true;
-            const IS_EXACT_IN_LANES: __wzvi::core::primitive::bool = true;
-            type SitePrepared = __Prepared;
-            type SiteMemory<__S: __wzvi::Scalar> = __Memory<__S>;
+        impl Sites<Midpoint, 1, 1> for Bath {
+            const IS_UNIFORM: bool = true;
+            const IS_EXACT_IN_LANES: bool = true;
+            type SitePrepared = Prepared;
+            type SiteMemory<S: Scalar> = Memory<S>;
             fn prepare_site(
                 &self,
-                __h: __wzvi::core::primitive::f64,
-                __site: __wzvi::core::primitive::usize,
-                __sites: __wzvi::core::primitive::usize,
-            ) -> __wzvi::core::result::Result<__Prepared, __wzvi::ConfigError> {
-                let __i2 = __site as __wzvi::core::primitive::isize;
-                let __size = ((__sites * 1usize) / 1) as __wzvi::core::primitive::isize;
-                let __a0: __wzvi::core::primitive::f64 = self.sigma;
-                if __a0.is_nan() {
-                    return __wzvi::core::result::Result::Err(
-                        __wzvi::ConfigError::Parameter,
-                    );
+                h: f64,
+                site: usize,
+                sites: usize,
+            ) -> Result<Prepared, ConfigError> {
+                let sigma: f64 = self.sigma;
+                if sigma.is_nan() {
+                    return Err(ConfigError::Parameter);
                 }
-                let __x0 = 1f64 + __h * __h * 0.25f64;
-                let __x1 = __wzvi::prepared(__h, __wzvi::reciprocal(__x0))?;
-                __wzvi::core::result::Result::Ok((
-                    [__a0, __x1, 0.5f64 * __h, 0.5f64 * __x1],
-                    [(2f64 < __x0)],
-                ))
+                let sum = 1.0 + h * h * 0.25;
+                let inverse_pivot = wzvi::prepared(h, wzvi::reciprocal(sum))?;
+                Ok(([sigma, inverse_pivot, 0.5 * h, 0.5 * inverse_pivot], [2.0 < sum]))
             }
             #[inline(always)]
-            fn increments(
-                &self,
-                __site: __wzvi::core::primitive::usize,
-                __sites: __wzvi::core::primitive::usize,
-            ) -> [__wzvi::core::option::Option<__wzvi::core::primitive::usize>; 1usize] {
-                let __i2 = __site as __wzvi::core::primitive::isize;
-                let __size = ((__sites * 1usize) / 1) as __wzvi::core::primitive::isize;
+            fn increments(&self, site: usize, sites: usize) -> [Option<usize>; 1] {
+                let i2 = site as isize;
                 [
-                    if __i2 >= 0
-                        && __i2 < ((self.sites as __wzvi::core::primitive::isize))
-                    {
-                        __wzvi::core::option::Option::Some(
-                            ((__i2) as __wzvi::core::primitive::isize
-                                as __wzvi::core::primitive::usize),
-                        )
+                    if i2 >= 0 && i2 < (self.sites as isize) {
+                        Some(i2 as usize)
                     } else {
-                        __wzvi::core::option::Option::None
+                        None
                     },
                 ]
             }
             #[inline(always)]
-            fn solve_site<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
-                __prepared: &__Prepared,
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: [__S; 1usize],
-                __p: [__S; 1usize],
-                __dw: [__S; 1usize],
-                __memory: &mut __Memory<__S>,
-                __carry: &__C,
-            ) -> __wzvi::core::result::Result<
-                __wzvi::Solution<__S, 1usize>,
-                __wzvi::StepFailure,
-            > {
-                __solve::<
-                    __S,
-                    __C,
-                    __CAREFUL,
-                >(__prepared, __t, __h, __q, __p, __dw, __memory, __carry)
+            fn solve_site<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+                prepared: &Prepared,
+                t: f64,
+                h: f64,
+                q: [S; 1],
+                p: [S; 1],
+                dw: [S; 1],
+                memory: &mut Memory<S>,
+                carry: &C,
+            ) -> Result<Solution<S, 1>, StepFailure> {
+                solve::<S, C, CAREFUL>(prepared, h, q, p, dw, carry)
             }
         }
         #[automatically_derived]
-        impl __wzvi::Discretized<__wzvi::embedding::Midpoint> for Bath {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Linear,
-                unknowns: 1usize,
-                order: 2u32,
-                noise: __wzvi::NoiseClass::Additive,
+        impl Discretized<Midpoint> for Bath {
+            const PLAN: Plan = Plan {
+                solver: Solver::Linear,
+                unknowns: 1,
+                order: 2,
+                noise: NoiseClass::Additive,
                 consistent: true,
-                conserves_energy: __wzvi::Knowledge::Refuted,
-                commuting: __wzvi::Knowledge::Proven,
+                conserves_energy: Knowledge::Refuted,
+                commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nThe sites k = 0..n - 1 are not coupled: each is a system of its own\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq[k] - h (q[k]_{i+1/2}²/2 + P²/2) - sigma q[k]_{i+1/2} ΔW\n  Δq[k] = q[k]_{i+1} - q[k]_i\n  q[k]_{i+1/2} = Δq[k]/2 + q[k]_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[k] = P h\n  p[k]_i = -D1 L_d:  P = p[k]_i + δp[k],  δp[k] = (-q[k]_{i+1/2} h - sigma ΔW)/2\n  p[k]_{i+1} = D2 L_d:  p[k]_{i+1} - p[k]_i = 2 δp[k]\n\nStep\n  solve for δp[k]: linear (then Δq[k])\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
-            const REMEMBERS: __wzvi::core::primitive::bool = false;
-            const IN_LANES: __wzvi::core::primitive::bool = true;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::elements::CompensationVec<
-                __S,
+            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nThe sites k = 0..n - 1 are not coupled: each is a system of its own\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq[k] - h (q[k]_{i+1/2}²/2 + P²/2) - sigma q[k]_{i+1/2} ΔW\n  Δq[k] = q[k]_{i+1} - q[k]_i\n  q[k]_{i+1/2} = Δq[k]/2 + q[k]_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[k] = P h\n  p[k]_i = -D1 L_d:  P = p[k]_i + δp[k],  δp[k] = (-q[k]_{i+1/2} h - sigma ΔW)/2\n  p[k]_{i+1} = D2 L_d:  p[k]_{i+1} - p[k]_i = 2 δp[k]\n\nStep\n  solve for δp[k]: linear (then Δq[k])\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
+            const REMEMBERS: bool = false;
+            const IN_LANES: bool = true;
+            type Prepared = wzvi::elements::sites::Prepared<Prepared>;
+            type Memory<S: Scalar> = wzvi::elements::sites::Memory<
+                S,
+                Memory<S>,
+                Prepared,
             >;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
-            type Prepared = __wzvi::elements::sites::Prepared<__Prepared>;
-            type Memory<__S: __wzvi::Scalar> = __wzvi::elements::sites::Memory<
-                __S,
-                __Memory<__S>,
-                __Prepared,
-            >;
-            fn memory(&self) -> Self::Memory<__wzvi::core::primitive::f64> {
-                __wzvi::elements::sites::Memory::new(self, 1usize)
+            type Compensated<S: Scalar> = CompensationVec<S>;
+            type Carry<S: Scalar> = Plain;
+            fn memory(&self) -> Self::Memory<f64> {
+                wzvi::elements::sites::Memory::new(self, 1)
             }
-            fn prepare(
-                &self,
-                __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<Self::Prepared, __wzvi::ConfigError> {
-                __wzvi::elements::sites::prepare::<
-                    _,
-                    __wzvi::embedding::Midpoint,
-                    1usize,
-                    1usize,
-                >(self, __h)
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                wzvi::elements::sites::prepare::<_, Midpoint, 1, 1>(self, h)
             }
             #[inline(always)]
-            fn advance_carrying<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
-                __prepared: &Self::Prepared,
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: &mut [__S],
-                __p: &mut [__S],
-                __dw: &[__S],
-                __memory: &mut Self::Memory<__S>,
-                __carry: &mut __C,
-            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                __wzvi::elements::sites::advance::<
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                wzvi::elements::sites::advance::<
                     _,
-                    __wzvi::embedding::Midpoint,
-                    __S,
-                    __C,
-                    __CAREFUL,
-                    1usize,
-                    1usize,
-                >(self, __prepared, __t, __h, __q, __p, __dw, __memory, __carry)
+                    Midpoint,
+                    S,
+                    C,
+                    CAREFUL,
+                    1,
+                    1,
+                >(self, prepared, t, h, q, p, dw, memory, carry)
             }
             fn discrete_lagrangian(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::core::primitive::f64 {
-                __wzvi::elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                wzvi::elements::discrete_lagrangian(self, &SCHEME, segment, dw)
             }
             fn discrete_lagrangian_gradient(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                __wzvi::elements::discrete_lagrangian_gradient(
-                    self,
-                    &__SCHEME,
-                    __segment,
-                    __dw,
-                )
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                wzvi::elements::discrete_lagrangian_gradient(self, &SCHEME, segment, dw)
             }
             fn step_momentum(
                 &self,
-                __before: &__wzvi::State<Self::Vector>,
-                __after: &__wzvi::State<Self::Vector>,
-                __h: __wzvi::core::primitive::f64,
-                __dw: &[__wzvi::core::primitive::f64],
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
             ) -> Self::Vector {
-                __wzvi::elements::sites::step_momentum(&__before.p, &__after.p, [0.5f64])
+                wzvi::elements::sites::step_momentum(&before.p, &after.p, [0.5])
             }
         }
     };
-    __wzvi::composition! {
-        [impl < __W : __wzvi::compose::Composes < __wzvi::embedding::Midpoint > >
-        __wzvi::Discretized < __wzvi::embedding::Composed < __wzvi::embedding::Midpoint,
-        __W > > for Bath] __wzvi::embedding::Composed < __wzvi::embedding::Midpoint, __W
-        >, [__wzvi::embedding::Midpoint, __wzvi::embedding::Midpoint], < __W as
-        __wzvi::compose::Composes < __wzvi::embedding::Midpoint > > ::ORDER, < Self as
-        __wzvi::Discretized < __wzvi::embedding::Midpoint >> ::EQUATIONS, < __W as
-        __wzvi::compose::Composes < __wzvi::embedding::Midpoint > > ::substeps()
+    wzvi::composition! {
+        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
+        Bath] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes < Midpoint
+        > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as Composes <
+        Midpoint > > ::substeps()
     }
+    /// The names that are bound above, so that no constant around can stand for them.
+    use ::wzvi::__private::{
+        binding as after, binding as at, binding as b0, binding as before,
+        binding as by_p, binding as by_q, binding as carry, binding as condition,
+        binding as degrees, binding as dw, binding as dw_sigma, binding as end,
+        binding as factor, binding as h, binding as half_h,
+        binding as half_inverse_pivot, binding as i0, binding as i1, binding as i2,
+        binding as index, binding as into, binding as inverse_pivot, binding as len,
+        binding as low, binding as memory, binding as next, binding as node_p_k,
+        binding as outer, binding as p, binding as p_i, binding as p_k, binding as part,
+        binding as place, binding as prepared, binding as q, binding as q_i,
+        binding as q_k, binding as range, binding as s0, binding as s1,
+        binding as segment, binding as sigma, binding as site, binding as sites,
+        binding as size, binding as sum, binding as t, binding as table, binding as term,
+        binding as total, binding as value, binding as wanted, binding as weight,
+    };
 };
 const _: () = {
     #[allow(

@@ -45,275 +45,192 @@ pub struct Driven {
     clippy::cargo
 )]
 const _: () = {
-    use ::wzvi::__private as __wzvi;
+    use ::wzvi::__private::{
+        self as wzvi, Carry, Compensation, ConfigError, Discretized, Effort, Err,
+        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option, PhantomData,
+        Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver, State,
+        StepFailure, Vector, bool, f64, str, usize, embedding::DeltaPlus,
+    };
     #[automatically_derived]
-    impl __wzvi::Hamiltonian for Driven {
-        type Vector = __wzvi::SVector<__wzvi::core::primitive::f64, 1usize>;
-        fn degrees(&self) -> __wzvi::core::primitive::usize {
-            1usize
+    impl Hamiltonian for Driven {
+        type Vector = SVector<f64, 1>;
+        fn degrees(&self) -> usize {
+            1
         }
-        fn noises(&self) -> __wzvi::core::primitive::usize {
-            0usize
+        fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+            [("f", self.f), ("omega", self.omega)].get(index).copied()
         }
-        fn invariants(&self) -> __wzvi::core::primitive::usize {
-            0usize
-        }
-        fn parameter(
-            &self,
-            __index: __wzvi::core::primitive::usize,
-        ) -> __wzvi::core::option::Option<
-            (&'static __wzvi::core::primitive::str, __wzvi::core::primitive::f64),
-        > {
-            match __index {
-                0usize => __wzvi::core::option::Option::Some(("f", self.f)),
-                1usize => __wzvi::core::option::Option::Some(("omega", self.omega)),
-                _ => __wzvi::core::option::Option::None,
-            }
-        }
-        fn evaluate<__S: __wzvi::Scalar>(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-        ) -> __S {
-            match (__term, __q, __p) {
-                (0usize, &[__q0], &[__p0]) => {
-                    let __a0: __wzvi::core::primitive::f64 = self.f;
-                    let __a1: __wzvi::core::primitive::f64 = self.omega;
-                    __q0 * (__q0 * (__q0 * __q0) * 0.25f64 - (__a1 * __t).cos() * __a0)
-                        + __p0 * __p0 * 0.5f64
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
+            match (term, q, p) {
+                (0, &[q], &[p]) => {
+                    let f: f64 = self.f;
+                    let omega: f64 = self.omega;
+                    q * (q * (q * q) * 0.25 - (omega * t).cos() * f) + p * p * 0.5
                 }
-                _ => __S::from_f64(__wzvi::core::primitive::f64::NAN),
+                _ => S::from_f64(f64::NAN),
             }
         }
-        fn differentiate<__S: __wzvi::Scalar>(
+        fn differentiate<S: Scalar>(
             &self,
-            __term: __wzvi::core::primitive::usize,
-            __q: &[__S],
-            __p: &[__S],
-            __t: __wzvi::core::primitive::f64,
-            __dq: &mut [__S],
-            __dp: &mut [__S],
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
         ) {
-            if let (
-                __wzvi::core::result::Result::Ok(__dq),
-                __wzvi::core::result::Result::Ok(__dp),
-            ) = (
-                __wzvi::array_mut::<__S, 1usize>(__dq),
-                __wzvi::array_mut::<__S, 1usize>(__dp),
-            ) {
-                match (__term, __q, __p) {
-                    (0usize, &[__q0], &[__p0]) => {
-                        let __a0: __wzvi::core::primitive::f64 = self.f;
-                        let __a1: __wzvi::core::primitive::f64 = self.omega;
-                        {
-                            *__dq = [__q0 * (__q0 * __q0) - (__a1 * __t).cos() * __a0];
-                            *__dp = [__p0];
-                        }
-                    }
-                    _ => {
-                        *__dq = [__S::from_f64(
-                            __wzvi::core::primitive::f64::NAN,
-                        ); 1usize];
-                        *__dp = [__S::from_f64(
-                            __wzvi::core::primitive::f64::NAN,
-                        ); 1usize];
-                    }
+            match (term, q, p) {
+                (0, &[q], &[p]) => {
+                    let f: f64 = self.f;
+                    let omega: f64 = self.omega;
+                    wzvi::gradient(
+                        by_q,
+                        by_p,
+                        [q * (q * q) - (omega * t).cos() * f],
+                        [p],
+                    )
                 }
-            } else {
-                __dq.fill(__S::from_f64(__wzvi::core::primitive::f64::NAN));
-                __dp.fill(__S::from_f64(__wzvi::core::primitive::f64::NAN));
-            }
-        }
-        fn invariant(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            let (__q, __p, __t) = (
-                __wzvi::Vector::components(&__state.q),
-                __wzvi::Vector::components(&__state.p),
-                __state.t,
-            );
-            match (__term, __q, __p) {
-                _ => __wzvi::core::primitive::f64::NAN,
-            }
-        }
-        fn energy_rate(
-            &self,
-            __term: __wzvi::core::primitive::usize,
-            __state: &__wzvi::State<Self::Vector>,
-        ) -> __wzvi::core::primitive::f64 {
-            let (__q, __p, __t) = (
-                __wzvi::Vector::components(&__state.q),
-                __wzvi::Vector::components(&__state.p),
-                __state.t,
-            );
-            match (__term, __q, __p) {
-                _ => __wzvi::core::primitive::f64::NAN,
+                _ => {
+                    by_q.fill(S::from_f64(f64::NAN));
+                    by_p.fill(S::from_f64(f64::NAN));
+                }
             }
         }
     }
     const _: () = {
-        type __Prepared = ([__wzvi::core::primitive::f64; 2usize],);
-        type __Memory<__S> = __wzvi::core::marker::PhantomData<__S>;
+        type Prepared = [f64; 2];
+        type Memory<S> = PhantomData<S>;
         #[inline(always)]
-        fn __solve<
-            __S: __wzvi::Scalar,
-            __C: __wzvi::Carry<__S>,
-            const __CAREFUL: __wzvi::core::primitive::bool,
-        >(
-            __prepared: &__Prepared,
-            __t: __wzvi::core::primitive::f64,
-            __h: __wzvi::core::primitive::f64,
-            [__q0,
-            ]: [__S; 1usize],
-            [__p0,
-            ]: [__S; 1usize],
-            []: [__S; 0usize],
-            __memory: &mut __Memory<__S>,
-            __carry: &__C,
-        ) -> __wzvi::core::result::Result<
-            __wzvi::Solution<__S, 1usize>,
-            __wzvi::StepFailure,
-        > {
-            let [__c0, __c1] = __prepared.0;
-            let __x0 = (__q0 * (__q0 * __q0) - (__t * __c1).cos() * __c0) * __h;
-            let __momentum0 = __p0 - __x0;
-            let __next = __wzvi::Solution::new(
-                __carry,
-                [[__q0], [__p0]],
-                [[__momentum0 * __h], [-__x0]],
-                [__momentum0],
-                __wzvi::Effort::fast(0),
+        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared,
+            t: f64,
+            h: f64,
+            q: [S; 1],
+            p: [S; 1],
+            carry: &C,
+        ) -> Result<Solution<S, 1>, StepFailure> {
+            let ([q], [p]) = (q, p);
+            let [f, omega] = *prepared;
+            let product = (q * (q * q) - (t * omega).cos() * f) * h;
+            let node_p = p - product;
+            let next = Solution::new(
+                carry,
+                [[q], [p]],
+                [[node_p * h], [-product]],
+                [node_p],
+                Effort::fast(0),
             );
-            if !__next.is_finite() {
-                return __wzvi::core::result::Result::Err(__wzvi::StepFailure::NonFinite);
+            if !next.is_finite() {
+                return Err(StepFailure::NonFinite);
             }
-            __wzvi::core::result::Result::Ok(__next)
+            Ok(next)
         }
         #[automatically_derived]
-        impl __wzvi::Discretized<__wzvi::embedding::DeltaPlus> for Driven {
-            const PLAN: __wzvi::Plan = __wzvi::Plan {
-                solver: __wzvi::Solver::Explicit,
-                unknowns: 0usize,
-                order: 1u32,
-                noise: __wzvi::NoiseClass::None,
+        impl Discretized<DeltaPlus> for Driven {
+            const PLAN: Plan = Plan {
+                solver: Solver::Explicit,
+                unknowns: 0,
+                order: 1,
+                noise: NoiseClass::None,
                 consistent: true,
-                conserves_energy: __wzvi::Knowledge::Refuted,
-                commuting: __wzvi::Knowledge::Proven,
+                conserves_energy: Knowledge::Refuted,
+                commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static __wzvi::core::primitive::str = "DeltaPlus\n\nHamiltonians\n  H0 = p²/2 - q f cos(t omega) + q^4/4\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - f q_i cos(omega t_i) + q_i^4/4)\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h (q_i³ - f cos(omega t_i))\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  H0 is not a first integral\n";
-            type Prepared = __Prepared;
-            type Memory<__S: __wzvi::Scalar> = __Memory<__S>;
-            type Compensated<__S: __wzvi::Scalar> = __wzvi::Compensation<__S, 1usize>;
-            type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
-            fn prepare(
-                &self,
-                __h: __wzvi::core::primitive::f64,
-            ) -> __wzvi::core::result::Result<Self::Prepared, __wzvi::ConfigError> {
-                let __a0: __wzvi::core::primitive::f64 = self.f;
-                let __a1: __wzvi::core::primitive::f64 = self.omega;
-                if __a0.is_nan() || __a1.is_nan() {
-                    return __wzvi::core::result::Result::Err(
-                        __wzvi::ConfigError::Parameter,
-                    );
+            const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = p²/2 - q f cos(t omega) + q^4/4\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - f q_i cos(omega t_i) + q_i^4/4)\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h (q_i³ - f cos(omega t_i))\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  H0 is not a first integral\n";
+            type Prepared = Prepared;
+            type Memory<S: Scalar> = Memory<S>;
+            type Compensated<S: Scalar> = Compensation<S, 1>;
+            type Carry<S: Scalar> = Plain;
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                let f: f64 = self.f;
+                let omega: f64 = self.omega;
+                if f.is_nan() || omega.is_nan() {
+                    return Err(ConfigError::Parameter);
                 }
-                __wzvi::core::result::Result::Ok(([__a0, __a1],))
+                Ok([f, omega])
             }
             #[inline(always)]
-            fn advance_carrying<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
-                __prepared: &Self::Prepared,
-                __t: __wzvi::core::primitive::f64,
-                __h: __wzvi::core::primitive::f64,
-                __q: &mut [__S],
-                __p: &mut [__S],
-                __dw: &[__S],
-                __memory: &mut Self::Memory<__S>,
-                __carry: &mut __C,
-            ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-                let __q = __wzvi::array_mut::<__S, 1usize>(__q)?;
-                let __p = __wzvi::array_mut::<__S, 1usize>(__p)?;
-                let __dw = __wzvi::increments::<__S, 0usize>(__dw)?;
-                let __next = __solve::<
-                    __S,
-                    __C,
-                    __CAREFUL,
-                >(__prepared, __t, __h, *__q, *__p, __dw, __memory, __carry)?;
-                __wzvi::core::result::Result::Ok(__next.store(__q, __p, __carry))
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                wzvi::increments::<S, 0>(dw)?;
+                let next = solve::<S, C, CAREFUL>(prepared, t, h, *q, *p, carry)?;
+                Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::core::primitive::f64 {
-                let (__h, __t) = (__segment.h, __segment.t);
-                let (&[__b0], &[__e0], &[__p0], &[]) = (
-                    __wzvi::Vector::components(&__segment.q0),
-                    __wzvi::Vector::components(&__segment.q1),
-                    __wzvi::Vector::components(&__segment.p),
-                    __dw,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                let t = segment.t;
+                let h = segment.h;
+                let (&[q_start], &[q_end], &[p], &[]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
                 ) else {
-                    return __wzvi::core::primitive::f64::NAN;
+                    return f64::NAN;
                 };
-                let __a0: __wzvi::core::primitive::f64 = self.f;
-                let __a1: __wzvi::core::primitive::f64 = self.omega;
-                let __x0 = __p0 * (__e0 - __b0)
-                    - (__b0
-                        * (__b0 * (__b0 * __b0) * 0.25f64 - (__a1 * __t).cos() * __a0)
-                        + __p0 * __p0 * 0.5f64) * __h;
-                __x0
+                let f: f64 = self.f;
+                let omega: f64 = self.omega;
+                let difference = p * (q_end - q_start)
+                    - (q_start
+                        * (q_start * (q_start * q_start) * 0.25 - (omega * t).cos() * f)
+                        + p * p * 0.5) * h;
+                difference
             }
             fn discrete_lagrangian_gradient(
                 &self,
-                __segment: &__wzvi::Segment<Self::Vector>,
-                __dw: &[__wzvi::core::primitive::f64],
-            ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                let (__h, __t) = (__segment.h, __segment.t);
-                let (&[__b0], &[__e0], &[__p0], &[]) = (
-                    __wzvi::Vector::components(&__segment.q0),
-                    __wzvi::Vector::components(&__segment.q1),
-                    __wzvi::Vector::components(&__segment.p),
-                    __dw,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                let t = segment.t;
+                let h = segment.h;
+                let (&[q_start], &[q_end], &[p], &[]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
                 ) else {
-                    let __nan = __wzvi::SVector::repeat(
-                        __wzvi::core::primitive::f64::NAN,
-                    );
-                    return __wzvi::LagrangianGradient {
-                        q0: __nan,
-                        q1: __nan,
-                        p: __nan,
-                    };
+                    return LagrangianGradient::not_a_number();
                 };
-                let __a0: __wzvi::core::primitive::f64 = self.f;
-                let __a1: __wzvi::core::primitive::f64 = self.omega;
-                __wzvi::LagrangianGradient {
-                    q0: __wzvi::core::convert::From::from([
-                        -(__p0
-                            + (__b0 * (__b0 * __b0) - (__a1 * __t).cos() * __a0) * __h),
-                    ]),
-                    q1: __wzvi::core::convert::From::from([__p0]),
-                    p: __wzvi::core::convert::From::from([__e0 - __b0 - __p0 * __h]),
-                }
+                let f: f64 = self.f;
+                let omega: f64 = self.omega;
+                LagrangianGradient::from_components(
+                    [-(p + (q_start * (q_start * q_start) - (omega * t).cos() * f) * h)],
+                    [p],
+                    [q_end - q_start - p * h],
+                )
             }
             fn step_momentum(
                 &self,
-                __before: &__wzvi::State<Self::Vector>,
-                __after: &__wzvi::State<Self::Vector>,
-                __h: __wzvi::core::primitive::f64,
-                __dw: &[__wzvi::core::primitive::f64],
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
             ) -> Self::Vector {
-                __wzvi::core::convert::From::from([
-                    __before.p[0usize] + (__after.p[0usize] - __before.p[0usize]) * 1f64,
-                ])
+                after.p
             }
         }
+    };
+    /// The names that are bound above, so that no constant around can stand for them.
+    use ::wzvi::__private::{
+        binding as after, binding as before, binding as by_p, binding as by_q,
+        binding as carry, binding as difference, binding as dw, binding as f,
+        binding as h, binding as index, binding as memory, binding as next,
+        binding as node_p, binding as omega, binding as p, binding as prepared,
+        binding as product, binding as q, binding as q_end, binding as q_start,
+        binding as segment, binding as t, binding as term,
     };
 };
 const _: () = {

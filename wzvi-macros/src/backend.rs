@@ -14,7 +14,7 @@ use crate::discretise::sites::Site;
 use crate::discretise::{Scheme, discretise};
 use crate::elements;
 use crate::elements::plan::{Strategy, strategy};
-use crate::emit::emit;
+use crate::emit::{Beside, emit};
 use crate::model::{Located, Model, System};
 
 /// The struct with everything that the compiler gives it: the Hamiltonians, and the steps that cost less that way, as
@@ -59,8 +59,11 @@ pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts
     });
     let swept: Vec<_> = swept.collect();
     let beside = match swept.is_empty() {
-        true => TokenStream::new(),
-        false => model.lend(system, |system| elements::emit::steps(system, facts, &swept)),
+        true => Beside::default(),
+        false => model.lend(system, |system| Beside {
+            generated: elements::emit::steps(system, facts, &swept),
+            user_tokens: elements::emit::user_tokens(system),
+        }),
     };
     let inline = steps.iter().zip(&texts.of_parts).filter_map(|(step, text)| match step {
         Step::Inline(scheme) => Some((scheme, text.as_str())),

@@ -37,7 +37,7 @@ mod scheme;
 pub mod sites;
 mod step;
 
-pub use hamiltonian::{differentiate, energy_rate, evaluate, invariant};
+pub use hamiltonian::{differentiate, evaluate, invariant};
 pub use iterate::advance;
 pub use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::{CompensationVec, Memory};

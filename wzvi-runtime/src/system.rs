@@ -2,6 +2,8 @@
 
 use std::fmt::Debug;
 
+use nalgebra::SVector;
+
 use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepFailure};
 use crate::memory::StepMemory;
@@ -43,10 +45,14 @@ pub trait Hamiltonian {
     }
 
     /// Number of noise Hamiltonians.
-    fn noises(&self) -> usize;
+    fn noises(&self) -> usize {
+        0
+    }
 
     /// Number of first integrals that the compiler has proven.
-    fn invariants(&self) -> usize;
+    fn invariants(&self) -> usize {
+        0
+    }
 
     /// Name and value of a number that the Hamiltonians read from the system, as they name it; `None` from some `index`
     /// on. For people, who are told by it which parameter of a run differs.
@@ -64,11 +70,23 @@ pub trait Hamiltonian {
     fn differentiate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64, dq: &mut [S], dp: &mut [S]);
 
     /// The value of first integral `index`, in the order of the attribute; NaN for one that does not exist.
-    fn invariant(&self, index: usize, state: &State<Self::Vector>) -> f64;
+    fn invariant(&self, index: usize, state: &State<Self::Vector>) -> f64 {
+        let _ = (index, state);
+        f64::NAN
+    }
 
     /// `{H_k, H_0}` with `{f, g} = f_p · g_q - f_q · g_p`: the energy gained per unit of noise `k`,
     /// `dH_0 = Σ_k {H_k, H_0} ∘ dW_k`. Noises count from 0.
-    fn energy_rate(&self, k: usize, state: &State<Self::Vector>) -> f64;
+    fn energy_rate(&self, k: usize, state: &State<Self::Vector>) -> f64 {
+        if k >= self.noises() || state.q.components().len() != state.p.components().len() {
+            return f64::NAN;
+        }
+        let (noise, drift) = (self.noise_gradient(k, state), self.energy_gradient(state));
+        let dot = |a: &Self::Vector, b: &Self::Vector| -> f64 {
+            a.components().iter().zip(b.components()).map(|(a, b)| a * b).sum()
+        };
+        dot(&noise.p, &drift.q) - dot(&noise.q, &drift.p)
+    }
 
     /// The drift Hamiltonian `H_0`.
     fn energy(&self, state: &State<Self::Vector>) -> f64 {
@@ -133,6 +151,20 @@ pub struct LagrangianGradient<V> {
     pub q1: V,
     /// `∂L_d/∂P`, zero on a solution.
     pub p: V,
+}
+
+#[doc(hidden)]
+impl<const D: usize> LagrangianGradient<SVector<f64, D>> {
+    /// Of the three derivatives by component.
+    pub fn from_components(q0: [f64; D], q1: [f64; D], p: [f64; D]) -> Self {
+        Self { q0: q0.into(), q1: q1.into(), p: p.into() }
+    }
+
+    /// The answer where there is none.
+    pub fn not_a_number() -> Self {
+        let nan = [f64::NAN; D];
+        Self::from_components(nan, nan, nan)
+    }
 }
 
 /// What is left of the discrete Euler-Lagrange equations at a node.
@@ -204,6 +236,18 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
 pub fn array_mut<S, const D: usize>(slice: &mut [S]) -> Result<&mut [S; D], StepFailure> {
     let got = slice.len();
     slice.try_into().map_err(|_| StepFailure::Dimension { expected: D, got })
+}
+
+/// Fills `by_q` and `by_p` with a gradient; NaN where they have another length.
+#[inline(always)]
+pub fn gradient<S: Scalar, const D: usize>(by_q: &mut [S], by_p: &mut [S], of_q: [S; D], of_p: [S; D]) {
+    if by_q.len() == D && by_p.len() == D {
+        by_q.copy_from_slice(&of_q);
+        by_p.copy_from_slice(&of_p);
+    } else {
+        by_q.fill(S::from_f64(f64::NAN));
+        by_p.fill(S::from_f64(f64::NAN));
+    }
 }
 
 /// `dw` as an array of one increment per noise.

@@ -9,7 +9,7 @@ use crate::elements::describe::noise_numbers;
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, Extent, Reads, System, Term};
 use crate::symbolic::zero::Witness;
-use crate::symbolic::{Expr, Graph, Rational, Symbol};
+use crate::symbolic::{Graph, Rational, Symbol};
 
 /// How the noise enters; see `wzvi::plan::NoiseClass`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -231,13 +231,6 @@ impl Facts {
             return "0".to_owned();
         }
         self.space.display(graph, &self.half_defect_sum, weight)
-    }
-
-    /// `{H_k, H_0}` per noise of a system without loops, as expressions.
-    pub(crate) fn energy_rate_values(&self, graph: &mut Graph) -> Vec<Expr> {
-        let value = |rate: &Sum| -> Vec<Expr> { rate.iter().map(|w| w.element.value).collect() };
-        let values: Vec<Vec<Expr>> = self.energy_rates.iter().map(value).collect();
-        values.iter().map(|terms| graph.sum(terms)).collect()
     }
 }
 

@@ -1,12 +1,16 @@
 //! `impl Discretized<Gauss<S>>`: the slopes of the step Hamiltonian, once for all numbers of stages.
 
-use proc_macro2::{Literal, TokenStream};
-use quote::quote;
+use std::collections::HashMap;
 
+use proc_macro2::{Literal, TokenStream};
+use quote::{format_ident, quote};
+
+use super::names::Names;
 use super::plan::Plan;
 use super::print::f64_type;
 use super::program::Level;
-use super::system::{Body, body, indexed, phase_inputs};
+use super::step::increment_names;
+use super::system::{Body, Inputs, Letters, body, count};
 use crate::describe::Texts;
 use crate::discretise::facts::Facts;
 use crate::discretise::gauss::StepSlopes;
@@ -21,7 +25,7 @@ pub(super) fn emit(model: &mut Model, facts: &Facts, texts: &Texts) -> TokenStre
     let mut generated = field(model);
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let degrees = model.phase.q.len();
+    let degrees = count(model.phase.q.len());
     let midpoint = Plan {
         solver: quote!(Newton),
         unknowns: quote!(0),
@@ -47,27 +51,24 @@ pub(super) fn emit(model: &mut Model, facts: &Facts, texts: &Texts) -> TokenStre
 /// The slopes of `F = h H_0 + Σ_k ΔW_k H_k`.
 fn field(model: &mut Model) -> TokenStream {
     let slopes = StepSlopes::new(model);
-    let (degrees, noises) = (model.phase.q.len(), slopes.dw.len());
-    let mut inputs = phase_inputs(&model.phase);
-    for (symbol, _, level) in &mut inputs.names {
-        // Stages have times of their own.
-        if *symbol == model.phase.t {
-            *level = Level::State;
-        }
-    }
-    inputs.names.push((slopes.h, quote::format_ident!("__h"), Level::Prepared));
-    let dw = indexed("dw", noises);
-    inputs
-        .names
-        .extend(slopes.dw.iter().zip(&dw).map(|(&symbol, name)| (symbol, name.clone(), Level::State)));
-    let scalar = quote!(__S);
+    let degrees = model.phase.q.len();
+    let mut letters = Letters::of(model, Names::beside(&["t", "h", "by_q", "by_p"]));
+    let dw = increment_names(&mut letters.names, slopes.dw.len());
+    let (q, p) = (&letters.q, &letters.p);
+    let of_state =
+        model.phase.q.iter().zip(q).chain(model.phase.p.iter().zip(p)).chain(slopes.dw.iter().zip(&dw));
+    let mut names: Vec<_> = of_state.map(|(&symbol, name)| (symbol, name.clone(), Level::State)).collect();
+    // Stages have times of their own.
+    names.push((model.phase.t, format_ident!("__t"), Level::State));
+    names.push((slopes.h, format_ident!("__h"), Level::Prepared));
+    let inputs = Inputs { names, definitions: HashMap::new() };
     let roots = [slopes.by_q.as_slice(), slopes.by_p.as_slice()].concat();
-    let Body { statements, values } = body(&mut model.graph, &model.parameters, &inputs, &scalar, &roots);
+    let Body { statements, values } = body(model, &letters, &inputs, &quote!(__S), &roots);
     let (by_q, by_p) = values.split_at(degrees);
-    let (q, p) = (indexed("q", degrees), indexed("p", degrees));
+    let degrees = count(degrees);
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let (f64, bool) = (f64_type(), quote!(__wzvi::core::primitive::bool));
+    let (f64, bool) = (f64_type(), quote!(__wzvi::bool));
     let is_nystrom = slopes.is_nystrom;
     quote! {
         #[automatically_derived]

@@ -2,101 +2,127 @@
 
 use std::collections::HashMap;
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
+use super::names::Names;
 use super::print::f64_type;
 use super::program::Level;
-use super::system::{Body, Inputs, body, indexed};
+use super::step::increment_names;
+use super::system::{Body, Inputs, Letters, body};
 use crate::discretise::Scheme;
 use crate::model::Model;
-use crate::symbolic::{Expr, Rational};
+use crate::symbolic::{Expr, Rational, Symbol};
 
-/// The methods `discrete_lagrangian` and `discrete_lagrangian_gradient`.
-pub(crate) fn emit(model: &mut Model, scheme: &Scheme) -> TokenStream {
-    let symbols = &scheme.lagrangian.symbols;
-    let d = symbols.u.len();
-    let noises = symbols.dw.len();
-    let inputs = segment_inputs(model, scheme);
+/// The bodies of `discrete_lagrangian` and `discrete_lagrangian_gradient`.
+pub(crate) struct Bodies {
+    pub(crate) value: TokenStream,
+    pub(crate) gradient: TokenStream,
+}
+
+pub(crate) fn emit(model: &mut Model, scheme: &Scheme) -> Bodies {
+    let d = scheme.lagrangian.symbols.u.len();
+    let segment = Segment::new(model, scheme);
     let f64 = f64_type();
     let lagrangian = &scheme.lagrangian;
-    let value = body(&mut model.graph, &model.parameters, &inputs, &f64, &[lagrangian.value]);
+    let value = [lagrangian.value];
     let gradient: Vec<Expr> = [&lagrangian.by_start, &lagrangian.by_end, &lagrangian.by_momentum]
         .into_iter()
         .flatten()
         .copied()
         .collect();
-    let gradient = body(&mut model.graph, &model.parameters, &inputs, &f64, &gradient);
-
-    let (q0, q1, p, dw) = (indexed("b", d), indexed("e", d), indexed("p", d), indexed("w", noises));
-    let segment = quote! {
-        let (__h, __t) = (__segment.h, __segment.t);
-        let (&[#(#q0),*], &[#(#q1),*], &[#(#p),*], &[#(#dw),*]) = (
-            __wzvi::Vector::components(&__segment.q0),
-            __wzvi::Vector::components(&__segment.q1),
-            __wzvi::Vector::components(&__segment.p),
-            __dw,
-        )
-    };
-    let Body { statements: value_statements, values } = value;
-    let value = &values[0];
-    let Body { statements: gradient_statements, values: slopes } = gradient;
-    let (by_start, rest) = slopes.split_at(d);
+    let (open_value, open_gradient) = (segment.open(model, &value), segment.open(model, &gradient));
+    let value = body(model, &segment.letters, &segment.inputs, &f64, &value);
+    let gradient = body(model, &segment.letters, &segment.inputs, &f64, &gradient);
+    let (Body { statements, values }, gradient_statements) = (value, gradient.statements);
+    let (by_start, rest) = gradient.values.split_at(d);
     let (by_end, by_momentum) = rest.split_at(d);
-    quote! {
-        fn discrete_lagrangian(&self, __segment: &__wzvi::Segment<Self::Vector>, __dw: &[#f64]) -> #f64 {
-            #segment else {
+    Bodies {
+        value: quote! {
+            #open_value else {
                 return #f64::NAN;
             };
-            #value_statements
-            #value
-        }
-
-        fn discrete_lagrangian_gradient(
-            &self,
-            __segment: &__wzvi::Segment<Self::Vector>,
-            __dw: &[#f64],
-        ) -> __wzvi::LagrangianGradient<Self::Vector> {
-            #segment else {
-                let __nan = __wzvi::SVector::repeat(#f64::NAN);
-                return __wzvi::LagrangianGradient { q0: __nan, q1: __nan, p: __nan };
+            #statements
+            #(#values)*
+        },
+        gradient: quote! {
+            #open_gradient else {
+                return __wzvi::LagrangianGradient::not_a_number();
             };
             #gradient_statements
-            __wzvi::LagrangianGradient {
-                q0: __wzvi::core::convert::From::from([#(#by_start),*]),
-                q1: __wzvi::core::convert::From::from([#(#by_end),*]),
-                p: __wzvi::core::convert::From::from([#(#by_momentum),*]),
-            }
-        }
+            __wzvi::LagrangianGradient::from_components([#(#by_start),*], [#(#by_end),*], [#(#by_momentum),*])
+        },
     }
 }
 
-/// `q_i`, `q_{i+1}`, `P`, `t`, `h` and `ΔW` are given; `u = q_{i+1} - q_i`, `Q_l = (1-l) q_i + l q_{i+1}`.
-fn segment_inputs(model: &mut Model, scheme: &Scheme) -> Inputs {
-    let symbols = &scheme.lagrangian.symbols;
-    let graph = &mut model.graph;
-    let mut names = Vec::new();
-    let mut definitions = HashMap::new();
-    for i in 0..symbols.u.len() {
-        let end = graph.new_symbol("");
-        names.push((symbols.q0[i], format_ident!("__b{i}"), Level::State));
-        names.push((end, format_ident!("__e{i}"), Level::State));
-        names.push((symbols.momentum[i], format_ident!("__p{i}"), Level::State));
-        let (start, end) = (graph.symbol(symbols.q0[i]), graph.symbol(end));
-        definitions.insert(symbols.u[i], graph.subtract(end, start));
+/// What the functions of a segment read: `q_i`, `q_{i+1}`, `P`, `t`, `h` and `ΔW`; `u = q_{i+1} - q_i` and
+/// `Q_l = (1-l) q_i + l q_{i+1}` follow.
+struct Segment {
+    inputs: Inputs,
+    letters: Letters,
+    start: Vec<Ident>,
+    end: Vec<Ident>,
+    dw: Vec<Ident>,
+    h: Symbol,
+    t: Symbol,
+}
+
+impl Segment {
+    fn new(model: &mut Model, scheme: &Scheme) -> Self {
+        let symbols = &scheme.lagrangian.symbols;
+        let mut letters = Letters::of(model, Names::beside(&["h", "t"]));
+        let dw = increment_names(&mut letters.names, symbols.dw.len());
+        let [start, end] = ["start", "end"].map(|node| {
+            let wishes =
+                letters.q.iter().map(|q| format!("{}_{node}", q.to_string().trim_start_matches('_')));
+            letters.names.take_all(wishes.collect::<Vec<_>>())
+        });
+        let graph = &mut model.graph;
+        let mut names = Vec::new();
+        let mut definitions = HashMap::new();
+        for i in 0..symbols.u.len() {
+            let symbol = graph.new_symbol("");
+            names.push((symbols.q0[i], start[i].clone(), Level::State));
+            names.push((symbol, end[i].clone(), Level::State));
+            names.push((symbols.momentum[i], letters.p[i].clone(), Level::State));
+            let (first, last) = (graph.symbol(symbols.q0[i]), graph.symbol(symbol));
+            definitions.insert(symbols.u[i], graph.subtract(last, first));
+            for stage in &symbols.stages {
+                let point = graph.linear_combination(&[(first, stage.at.start()), (last, stage.at.end())]);
+                definitions.insert(stage.q[i], point);
+            }
+        }
+        names.extend(symbols.dw.iter().zip(&dw).map(|(&symbol, name)| (symbol, name.clone(), Level::State)));
+        names.push((symbols.h, format_ident!("__h"), Level::Prepared));
+        names.push((symbols.t, format_ident!("__t"), Level::Time));
+        let (t, h) = (graph.symbol(symbols.t), graph.symbol(symbols.h));
         for stage in &symbols.stages {
-            let point = graph.linear_combination(&[(start, stage.at.start()), (end, stage.at.end())]);
-            definitions.insert(stage.q[i], point);
+            definitions.insert(stage.t, graph.linear_combination(&[(t, Rational::ONE), (h, stage.at.l)]));
+        }
+        let (h, t) = (symbols.h, symbols.t);
+        Self { inputs: Inputs { names, definitions }, letters, start, end, dw, h, t }
+    }
+
+    /// Takes a segment apart for `values`; what follows is `else`.
+    fn open(&self, model: &Model, values: &[Expr]) -> TokenStream {
+        let Self { letters: Letters { p, .. }, start, end, dw, inputs, .. } = self;
+        let reads = |symbol: Symbol| {
+            let points =
+                inputs.definitions.iter().filter(|(_, value)| model.graph.depends_on(**value, &[symbol]));
+            let symbols: Vec<Symbol> = points.map(|(&point, _)| point).chain([symbol]).collect();
+            values.iter().any(|&value| model.graph.depends_on(value, &symbols))
+        };
+        let t = reads(self.t).then(|| quote!(let __t = __segment.t;));
+        let h = reads(self.h).then(|| quote!(let __h = __segment.h;));
+        quote! {
+            #t
+            #h
+            let (&[#(#start),*], &[#(#end),*], &[#(#p),*], &[#(#dw),*]) = (
+                __wzvi::Vector::components(&__segment.q0),
+                __wzvi::Vector::components(&__segment.q1),
+                __wzvi::Vector::components(&__segment.p),
+                __dw,
+            )
         }
     }
-    for (k, &dw) in symbols.dw.iter().enumerate() {
-        names.push((dw, format_ident!("__w{k}"), Level::State));
-    }
-    names.push((symbols.h, format_ident!("__h"), Level::Prepared));
-    names.push((symbols.t, format_ident!("__t"), Level::Time));
-    let (t, h) = (graph.symbol(symbols.t), graph.symbol(symbols.h));
-    for stage in &symbols.stages {
-        definitions.insert(stage.t, graph.linear_combination(&[(t, Rational::ONE), (h, stage.at.l)]));
-    }
-    Inputs { names, definitions }
 }

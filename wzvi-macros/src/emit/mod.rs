@@ -1,8 +1,10 @@
 //! From equations to Rust: the struct as written, its traits, and nothing that the scene does not use.
 
 mod compose;
+pub(crate) mod discretized;
 mod gauss;
 mod lagrangian;
+pub(crate) mod names;
 pub(crate) mod plan;
 mod print;
 mod program;
@@ -19,48 +21,76 @@ use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::model::Model;
 
+pub(crate) use names::{Names, Surroundings, readable};
 pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
-pub(crate) use system::parameter;
+pub(crate) use system::{count, number_of, parameter, parameter_names};
+
+/// Steps that are emitted another way, and what they read of the struct.
+#[derive(Default)]
+pub(crate) struct Beside {
+    pub(crate) generated: TokenStream,
+    pub(crate) user_tokens: Vec<TokenStream>,
+}
 
 /// Everything that `#[hamiltonian]` stands for: the schemes with their texts, and steps that are emitted another way.
 pub(crate) fn emit(
     model: &mut Model,
     facts: &Facts,
     schemes: &[(&Scheme, &str)],
-    beside: TokenStream,
+    beside: Beside,
     texts: &Texts,
 ) -> TokenStream {
-    let mut generated = system::emit(model, facts);
+    let mut generated = system::emit(model);
     for (scheme, text) in schemes {
         generated.extend(step::emit(model, facts, scheme, text));
     }
-    generated.extend(beside);
+    generated.extend(beside.generated);
     generated.extend(gauss::emit(model, facts, texts));
-    let Model { item, crate_path, type_checks, .. } = model;
-    wrapped(item, crate_path, generated, type_checks, texts)
+    let surroundings = Surroundings {
+        crate_path: &model.crate_path,
+        tokens: with_header(
+            &model.item,
+            model.parameters.iter().map(|parameter| &parameter.tokens).chain(&beside.user_tokens),
+        ),
+        spelled: &model.type_checks,
+    };
+    wrapped(&model.item, generated, &surroundings, texts)
 }
 
 /// The struct as it was written, documented, and `generated` in a scope of its own.
 pub(crate) fn wrapped(
     item: &syn::ItemStruct,
-    crate_path: &syn::Path,
     mut generated: TokenStream,
-    type_checks: &TokenStream,
+    surroundings: &Surroundings<'_>,
     texts: &Texts,
 ) -> TokenStream {
     generated.extend(compose::emit(item, texts));
-    let doc = documentation(texts);
+    let (doc, type_checks) = (documentation(texts), surroundings.spelled);
+    let generated = readable(generated, surroundings);
     quote! {
         #doc
         #item
         #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction, clippy::cargo)]
         const _: () = {
-            use #crate_path::__private as __wzvi;
             #generated
         };
         #type_checks
     }
+}
+
+/// What implementations name of the user's: the struct with its generics, and what `read` reads. The type of a constant
+/// is left out: only primitive ones are allowed there.
+pub(crate) fn with_header<'t>(
+    item: &syn::ItemStruct,
+    read: impl Iterator<Item = &'t TokenStream>,
+) -> TokenStream {
+    let parameters = item.generics.params.iter().map(|parameter| match parameter {
+        syn::GenericParam::Const(constant) => constant.ident.to_token_stream(),
+        other => other.to_token_stream(),
+    });
+    let (name, filter, read) = (&item.ident, &item.generics.where_clause, read.collect::<Vec<_>>());
+    quote!(#name #(; #parameters)* #filter #(; #read)*)
 }
 
 /// The equations as rustdoc of the struct.

@@ -1,6 +1,6 @@
 //! `PLAN`: what the compiler found out and decided about a scheme, as a constant.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use crate::discretise::facts::{Knowledge, NoiseClass};
@@ -26,6 +26,7 @@ impl Plan<'_> {
             NoiseClass::Momentum => quote!(Momentum),
             NoiseClass::Multiplicative => quote!(Multiplicative),
         };
+        let order = Literal::u32_unsuffixed(*order);
         let (energy, commuting) = (knowledge(self.conserves_energy), knowledge(self.commuting));
         quote! {
             __wzvi::Plan {

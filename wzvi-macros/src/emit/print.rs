@@ -1,20 +1,25 @@
 //! Operations as Rust tokens: shared values get a name, the rest is written where it is used.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
-use quote::{format_ident, quote};
+use quote::quote;
 
+use super::names::Names;
 use super::program::{Level, Op, Operation, Program};
 use crate::diagnostics::internal::broken;
 use crate::symbolic::{Function, Relation};
 
 /// An expression of more operations than this is broken by a name even if it is used once.
 const LONGEST_EXPRESSION: u32 = 14;
+/// A value whose formula takes more letters is called by its kind.
+const LONGEST_NAME: usize = 20;
 
 /// How tightly an expression binds.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
+    /// An `if` or a comparison.
+    Whole,
     Sum,
     Product,
     Prefix,
@@ -29,49 +34,110 @@ pub(crate) struct Printer<'p> {
     scalar: TokenStream,
     /// Whether that is `f64`: then nothing needs to be lifted.
     is_f64: bool,
-    names: HashMap<Op, Ident>,
+    bound: HashMap<Op, Ident>,
     hints: &'p HashMap<Op, String>,
-    next: usize,
+    names: Names,
+    /// What is called by its kind: a name that says nothing in another.
+    plain: HashSet<Op>,
 }
 
 impl<'p> Printer<'p> {
-    pub(crate) fn new(program: &'p Program, scalar: TokenStream, hints: &'p HashMap<Op, String>) -> Self {
+    /// For a body in which `names` are already taken.
+    pub(crate) fn new(
+        program: &'p Program,
+        scalar: TokenStream,
+        hints: &'p HashMap<Op, String>,
+        names: Names,
+    ) -> Self {
         let is_f64 = scalar.to_string() == f64_type().to_string();
-        Self { program, scalar, is_f64, names: HashMap::new(), hints, next: 0 }
+        Self { program, scalar, is_f64, bound: HashMap::new(), hints, names, plain: HashSet::new() }
     }
 
     /// Makes `op` known as `name`.
     pub(crate) fn set(&mut self, op: Op, name: Ident) {
-        self.names.insert(op, name);
+        self.names.avoid(&name);
+        self.bound.insert(op, name);
     }
 
     pub(crate) fn is_bound(&self, op: Op) -> bool {
-        self.names.contains_key(&op)
+        self.bound.contains_key(&op)
     }
 
     /// The name of `op`, if it has one.
     pub(crate) fn bound(&self, op: Op) -> Option<&Ident> {
-        self.names.get(&op)
+        self.bound.get(&op)
     }
 
-    /// A fresh name: the hint of the operation, or a number.
+    /// A new name for `op`.
     pub(crate) fn name(&mut self, op: Op) -> Ident {
-        let name = match self.hints.get(&op) {
-            Some(hint) => format_ident!("__{hint}"),
-            None => {
-                self.next += 1;
-                format_ident!("__x{}", self.next - 1)
+        let (wish, is_plain) = self.spelled(op);
+        let name = self.names.take(&wish);
+        self.bound.insert(op, name.clone());
+        if is_plain {
+            self.plain.insert(op);
+        }
+        name
+    }
+
+    /// A new name for something else.
+    pub(crate) fn other(&mut self, wish: &str) -> Ident {
+        self.names.take(wish)
+    }
+
+    /// The name of `op`, or what a person might call it.
+    pub(crate) fn wish_or_name(&self, op: Op) -> String {
+        self.word(op).unwrap_or_else(|| self.spelled(op).0)
+    }
+
+    /// The name of `op` without its mark, if it has one.
+    fn word(&self, op: Op) -> Option<String> {
+        self.bound.get(&op).map(|name| name.to_string().trim_start_matches('_').to_owned())
+    }
+
+    /// What a person might call the value, and whether that is only what kind it is.
+    fn spelled(&self, op: Op) -> (String, bool) {
+        if let Some(hint) = self.hints.get(&op) {
+            return (hint.clone(), false);
+        }
+        let words = |op: Op| match self.program.operation(op) {
+            Operation::Constant(bits) => fraction(f64::from_bits(*bits)).map(str::to_owned),
+            _ if self.plain.contains(&op) => None,
+            _ => self.word(op),
+        };
+        let (spelled, kind) = match self.program.operation(op) {
+            Operation::Multiply(a, b) if a == b => (self.word(*a).map(squared), "product"),
+            Operation::Multiply(a, b) => {
+                let (a, b) = if self.program.is_literal(*b) { (b, a) } else { (a, b) };
+                (words(*a).zip(words(*b)).map(|(a, b)| format!("{a}_{b}")), "product")
+            }
+            Operation::Reciprocal(a) => (words(*a).map(|a| format!("inverse_{a}")), "inverse"),
+            Operation::Negate(a) => (words(*a).map(|a| format!("minus_{a}")), "minus"),
+            Operation::Call(function, arguments) => {
+                let argument = arguments.first().filter(|_| arguments.len() == 1);
+                let spelled = argument.and_then(|&a| words(a)).map(|a| format!("{}_{a}", function.method()));
+                (spelled, function.method())
+            }
+            Operation::Power(..) => (None, "power"),
+            Operation::Add(..) => (None, "sum"),
+            Operation::Subtract(..) => (None, "difference"),
+            Operation::Divide(..) => (None, "quotient"),
+            Operation::Select(..) => (None, "choice"),
+            Operation::Constant(_) | Operation::Input(_) => (None, "value"),
+            Operation::Compare(..) | Operation::Not(_) | Operation::And(..) | Operation::Or(..) => {
+                (None, "condition")
             }
         };
-        self.names.insert(op, name.clone());
-        name
+        match spelled.filter(|name| name.len() <= LONGEST_NAME) {
+            Some(name) => (name, false),
+            None => (kind.to_owned(), true),
+        }
     }
 
     /// `let` statements for what `roots` share; `uses` counts operands, and `forced` operations get a name anyway.
     pub(crate) fn bind(&mut self, roots: &[Op], uses: &[u32], forced: &dyn Fn(Op) -> bool) -> TokenStream {
         let needed = {
-            let names = &self.names;
-            self.program.needed(roots, &|op| names.contains_key(&op))
+            let bound = &self.bound;
+            self.program.needed(roots, &|op| bound.contains_key(&op))
         };
         let mut length: HashMap<Op, u32> = HashMap::new();
         let mut statements = TokenStream::new();
@@ -112,8 +178,7 @@ impl<'p> Printer<'p> {
     }
 
     fn bind_pair(&mut self, (sine, cosine): (Op, Op)) -> TokenStream {
-        let argument = self.program.operation(sine).operands()[0];
-        let argument = self.atom(argument);
+        let argument = self.receiver(self.program.operation(sine).operands()[0]);
         let (sine, cosine) = (self.name(sine), self.name(cosine));
         quote!(let (#sine, #cosine) = #argument.sin_cos();)
     }
@@ -130,7 +195,7 @@ impl<'p> Printer<'p> {
             value
         } else {
             let scalar = &self.scalar;
-            quote!(<#scalar as __wzvi::Scalar>::from_f64(#value))
+            quote!(#scalar::from_f64(#value))
         }
     }
 
@@ -142,13 +207,26 @@ impl<'p> Printer<'p> {
         self.at_least(op, Binding::Atom)
     }
 
+    /// What a method is called on: a literal there says its type.
+    fn receiver(&self, op: Op) -> TokenStream {
+        match self.program.operation(op) {
+            Operation::Constant(bits) if !self.is_bound(op) && f64::from_bits(*bits).is_finite() => {
+                let (magnitude, sign) =
+                    (f64::from_bits(*bits).abs(), f64::from_bits(*bits).is_sign_negative());
+                let literal = Literal::f64_suffixed(magnitude);
+                if sign { quote!((-#literal)) } else { quote!(#literal) }
+            }
+            _ => self.atom(op),
+        }
+    }
+
     fn at_least(&self, op: Op, binding: Binding) -> TokenStream {
         let (value, own) = self.print(op);
         if own >= binding { value } else { quote!((#value)) }
     }
 
     fn print(&self, op: Op) -> (TokenStream, Binding) {
-        if let Some(name) = self.names.get(&op) {
+        if let Some(name) = self.bound.get(&op) {
             return (quote!(#name), Binding::Atom);
         }
         match self.program.operation(op) {
@@ -186,46 +264,47 @@ impl<'p> Printer<'p> {
                 (quote!(-#a), Binding::Prefix)
             }
             Operation::Reciprocal(a) => {
-                let a = self.atom(*a);
+                let a = self.receiver(*a);
                 (quote!(#a.recip()), Binding::Atom)
             }
             Operation::Power(a, exponent) => {
-                let (a, exponent) = (self.atom(*a), Literal::i32_suffixed(*exponent));
+                let (a, exponent) = (self.receiver(*a), Literal::i32_unsuffixed(*exponent));
                 (quote!(#a.powi(#exponent)), Binding::Atom)
             }
             Operation::Call(function, arguments) => (self.call(op, *function, arguments), Binding::Atom),
-            Operation::Select(condition, then, otherwise) => {
-                (self.select(op, *condition, *then, *otherwise), Binding::Atom)
-            }
-            logical => (self.condition(op, logical), Binding::Atom),
+            Operation::Select(condition, then, otherwise) => self.select(op, *condition, *then, *otherwise),
+            logical => self.condition(op, logical),
         }
     }
 
     fn call(&self, op: Op, function: Function, arguments: &[Op]) -> TokenStream {
         let method = Ident::new(function.method(), Span::call_site());
         if arguments.len() == 1 {
-            let argument = self.atom(arguments[0]);
+            let argument = self.receiver(arguments[0]);
             return quote!(#argument.#method());
         }
         let scalar = if self.is_scalar(op) { self.scalar.clone() } else { f64_type() };
         let arguments =
             arguments.iter().map(|&a| if self.is_scalar(op) { self.scalar_value(a) } else { self.value(a) });
-        quote!(<#scalar as __wzvi::Scalar>::#method(#(#arguments),*))
+        match self.is_scalar(op) && !self.is_f64 {
+            true => quote!(#scalar::#method(#(#arguments),*)),
+            false => quote!(<#scalar as __wzvi::Scalar>::#method(#(#arguments),*)),
+        }
     }
 
-    fn select(&self, op: Op, condition: Op, then: Op, otherwise: Op) -> TokenStream {
+    fn select(&self, op: Op, condition: Op, then: Op, otherwise: Op) -> (TokenStream, Binding) {
         let branch = |a: Op| if self.is_scalar(op) { self.scalar_value(a) } else { self.value(a) };
         let (then, otherwise) = (branch(then), branch(otherwise));
         let value = self.value(condition);
         if self.is_scalar(condition) {
-            quote!(__wzvi::Scalar::select(#value, #then, #otherwise))
+            (quote!(__wzvi::Scalar::select(#value, #then, #otherwise)), Binding::Atom)
         } else {
-            quote!((if #value { #then } else { #otherwise }))
+            (quote!(if #value { #then } else { #otherwise }), Binding::Whole)
         }
     }
 
     /// A comparison or a combination of truths: `bool` before the state is known, a mask of the scalar type after.
-    fn condition(&self, op: Op, operation: &Operation) -> TokenStream {
+    fn condition(&self, op: Op, operation: &Operation) -> (TokenStream, Binding) {
         let lanes = self.is_scalar(op);
         let truth = |a: Op| {
             let value = self.atom(a);
@@ -244,31 +323,32 @@ impl<'p> Printer<'p> {
                     Relation::LessEqual => quote!(less_equal),
                     Relation::Equal => quote!(equal),
                 };
-                quote!(__wzvi::Scalar::#method(#a, #b))
+                (quote!(__wzvi::Scalar::#method(#a, #b)), Binding::Atom)
             }
             Operation::Compare(relation, a, b) => {
                 let (a, b) = (self.at_least(a, Binding::Sum), self.at_least(b, Binding::Sum));
-                match relation {
-                    Relation::Less => quote!((#a < #b)),
-                    Relation::LessEqual => quote!((#a <= #b)),
-                    Relation::Equal => quote!((#a == #b)),
-                }
+                let comparison = match relation {
+                    Relation::Less => quote!(#a < #b),
+                    Relation::LessEqual => quote!(#a <= #b),
+                    Relation::Equal => quote!(#a == #b),
+                };
+                (comparison, Binding::Whole)
             }
             Operation::Not(a) => {
                 let a = truth(a);
-                quote!((!#a))
+                (quote!(!#a), Binding::Prefix)
             }
             Operation::And(a, b) => {
                 let (a, b) = (truth(a), truth(b));
-                quote!((#a & #b))
+                (quote!(#a & #b), Binding::Whole)
             }
             Operation::Or(a, b) => {
                 let (a, b) = (truth(a), truth(b));
-                quote!((#a | #b))
+                (quote!(#a | #b), Binding::Whole)
             }
             _ => {
                 broken("conditions are made of comparisons");
-                quote!(())
+                (quote!(()), Binding::Atom)
             }
         }
     }
@@ -276,18 +356,35 @@ impl<'p> Printer<'p> {
 
 /// `f64`, whatever the user calls by that name.
 pub(crate) fn f64_type() -> TokenStream {
-    quote!(__wzvi::core::primitive::f64)
+    quote!(__wzvi::f64)
 }
 
+/// A literal as it is written: `0.5`, `1e300`.
 fn constant(value: f64) -> (TokenStream, Binding) {
+    let f64 = f64_type();
     if !value.is_finite() {
-        let (f64, bits) = (f64_type(), value.to_bits());
+        let bits = Literal::u64_unsuffixed(value.to_bits());
         return (quote!(#f64::from_bits(#bits)), Binding::Atom);
     }
-    let literal = Literal::f64_suffixed(value.abs());
+    let magnitude = value.abs();
+    let literal =
+        format!("{magnitude:?}").parse::<Literal>().unwrap_or_else(|_| Literal::f64_suffixed(magnitude));
     if value.is_sign_negative() {
         (quote!(-#literal), Binding::Prefix)
     } else {
         (quote!(#literal), Binding::Atom)
+    }
+}
+
+/// Factors that have a name.
+fn fraction(value: f64) -> Option<&'static str> {
+    let names = [(0.25, "quarter"), (0.5, "half"), (1.5, "three_halves"), (2.0, "twice"), (3.0, "three")];
+    names.iter().find(|(known, _)| *known == value).map(|(_, name)| *name)
+}
+
+fn squared(name: String) -> String {
+    match name.strip_suffix("_squared") {
+        Some(root) => format!("{root}_fourth"),
+        None => format!("{name}_squared"),
     }
 }

@@ -2,13 +2,13 @@
 
 use std::collections::HashMap;
 
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
+use super::names::Names;
 use super::print::{Printer, f64_type};
 use super::program::{Level, Lowering, Op};
-use crate::discretise::facts::Facts;
-use crate::model::{Model, Parameter, Phase};
+use crate::model::{Model, Parameter};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// A function body that evaluates expressions of symbols which are bound to names before it.
@@ -26,31 +26,68 @@ pub(crate) struct Inputs {
     pub(crate) definitions: HashMap<Symbol, Expr>,
 }
 
+/// What the numbers that a step is made of are called in a body.
+pub(crate) struct Letters {
+    pub(crate) q: Vec<Ident>,
+    pub(crate) p: Vec<Ident>,
+    pub(crate) parameters: Vec<Ident>,
+    /// All that is taken.
+    pub(crate) names: Names,
+}
+
+impl Letters {
+    /// The user's names, beside `names`.
+    pub(crate) fn of(model: &Model, names: Names) -> Self {
+        let mut letters = Self::of_state(model, names);
+        letters.parameters = parameter_names(&mut letters.names, &model.graph, &model.parameters);
+        letters
+    }
+
+    /// The same without parameters.
+    pub(crate) fn of_state(model: &Model, mut names: Names) -> Self {
+        let of_symbols = |names: &mut Names, symbols: &[Symbol]| {
+            names.take_all(symbols.iter().map(|&symbol| model.graph.symbol_name(symbol)))
+        };
+        let (q, p) = (of_symbols(&mut names, &model.phase.q), of_symbols(&mut names, &model.phase.p));
+        Self { q, p, parameters: Vec::new(), names }
+    }
+}
+
+/// Names of parameters: those of the fields, and those of constants in the letters of variables.
+pub(crate) fn parameter_names(names: &mut Names, graph: &Graph, parameters: &[Parameter]) -> Vec<Ident> {
+    let wish = |Parameter { symbol, tokens }: &Parameter| {
+        let name = graph.symbol_name(*symbol);
+        let is_field = tokens.to_string().contains("self");
+        if is_field { name.to_owned() } else { name.to_lowercase() }
+    };
+    names.take_all(parameters.iter().map(wish))
+}
+
 /// Emits the evaluation of `roots` in the scalar type `scalar`.
 pub(crate) fn body(
-    graph: &mut Graph,
-    parameters: &[Parameter],
+    model: &mut Model,
+    letters: &Letters,
     inputs: &Inputs,
     scalar: &TokenStream,
     roots: &[Expr],
 ) -> Body {
-    let mut lowering = Lowering::new(graph, inputs.definitions.clone());
+    let mut lowering = Lowering::new(&mut model.graph, inputs.definitions.clone());
     let mut bound: Vec<(Op, Ident)> = Vec::new();
     for (symbol, name, level) in &inputs.names {
         lowering.program.declare(*symbol, *level);
         bound.push((lowering.program.input(*symbol), name.clone()));
     }
     let mut reads = Vec::new();
-    for (i, parameter) in parameters.iter().enumerate() {
+    for (name, parameter) in letters.parameters.iter().zip(&model.parameters) {
         lowering.program.declare(parameter.symbol, Level::Prepared);
         let op = lowering.program.input(parameter.symbol);
-        reads.push((op, format_ident!("__a{i}"), &parameter.tokens));
+        reads.push((op, name.clone(), &parameter.tokens));
     }
     let roots: Vec<Op> = roots.iter().map(|&root| lowering.lower(root)).collect();
     let program = &lowering.program;
     let uses = program.uses(&roots);
     let hints = HashMap::new();
-    let mut printer = Printer::new(program, scalar.clone(), &hints);
+    let mut printer = Printer::new(program, scalar.clone(), &hints, letters.names.clone());
     for (op, name) in bound {
         printer.set(op, name);
     }
@@ -67,176 +104,171 @@ pub(crate) fn body(
     Body { statements, values }
 }
 
-/// Names `__q0...`, `__p0...` and `__t` for the phase space.
-pub(crate) fn phase_inputs(phase: &Phase) -> Inputs {
-    let mut inputs = Inputs::default();
-    for (i, &symbol) in phase.q.iter().enumerate() {
-        inputs.names.push((symbol, format_ident!("__q{i}"), Level::State));
-    }
-    for (i, &symbol) in phase.p.iter().enumerate() {
-        inputs.names.push((symbol, format_ident!("__p{i}"), Level::State));
-    }
-    inputs.names.push((phase.t, format_ident!("__t"), Level::Time));
-    inputs
-}
-
-/// `__q0, __q1, ...`
-pub(crate) fn indexed(prefix: &str, n: usize) -> Vec<Ident> {
-    (0..n).map(|i| format_ident!("__{prefix}{i}")).collect()
-}
-
-pub(crate) fn emit(model: &mut Model, facts: &Facts) -> TokenStream {
-    let d = model.phase.q.len();
-    let noises = model.noise.len();
-    let invariants = model.invariants.len();
-    let terms: Vec<Expr> = [model.drift].iter().chain(&model.noise).map(|term| term.value).collect();
-    let integrals: Vec<Expr> = model.invariants.iter().map(|f| f.value).collect();
-    let gradients: Vec<Vec<Expr>> = terms
-        .iter()
-        .map(|&term| {
-            let symbols: Vec<Symbol> = model.phase.q.iter().chain(&model.phase.p).copied().collect();
-            symbols.into_iter().map(|symbol| model.graph.derivative(term, symbol)).collect()
-        })
-        .collect();
-
-    let scalar = quote!(__S);
-    let f64 = f64_type();
-    let evaluate = arms(model, &scalar, &terms.iter().map(|&e| vec![e]).collect::<Vec<_>>(), &value_arm);
-    let differentiate = arms(model, &scalar, &gradients, &|values| {
-        let (dq, dp) = values.split_at(d);
-        quote!({
-            *__dq = [#(#dq),*];
-            *__dp = [#(#dp),*];
-        })
+/// `impl Hamiltonian`
+pub(crate) fn emit(model: &mut Model) -> TokenStream {
+    let (f64, degrees) = (f64_type(), count(model.phase.q.len()));
+    let noises = (!model.noise.is_empty()).then(|| {
+        let noises = count(model.noise.len());
+        number_of("noises", &quote!(#noises))
     });
-    let rates: Vec<Vec<Expr>> =
-        facts.energy_rate_values(&mut model.graph).into_iter().map(|rate| vec![rate]).collect();
-    let rates = arms(model, &f64, &rates, &value_arm);
-    let integrals = arms(model, &f64, &integrals.iter().map(|&e| vec![e]).collect::<Vec<_>>(), &value_arm);
-    let of_state = quote! {
-        let (__q, __p, __t) =
-            (__wzvi::Vector::components(&__state.q), __wzvi::Vector::components(&__state.p), __state.t);
-    };
-
+    let invariants = (!model.invariants.is_empty()).then(|| {
+        let invariants = count(model.invariants.len());
+        number_of("invariants", &quote!(#invariants))
+    });
     let parameter = parameter(&model.graph, &model.parameters);
+    let terms: Vec<Expr> = [model.drift].iter().chain(&model.noise).map(|term| term.value).collect();
+    let evaluate = evaluate(model, &terms);
+    let differentiate = differentiate(model, &terms);
+    let invariant = invariant(model);
 
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let size = quote!(__wzvi::core::primitive::usize);
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::Hamiltonian for #name #arguments #filter {
-            type Vector = __wzvi::SVector<#f64, #d>;
+            type Vector = __wzvi::SVector<#f64, #degrees>;
 
-            fn degrees(&self) -> #size { #d }
+            fn degrees(&self) -> __wzvi::usize {
+                #degrees
+            }
 
-            fn noises(&self) -> #size { #noises }
+            #noises
 
-            fn invariants(&self) -> #size { #invariants }
+            #invariants
 
             #parameter
 
-            fn evaluate<__S: __wzvi::Scalar>(&self, __term: #size, __q: &[__S], __p: &[__S], __t: #f64) -> __S {
-                match (__term, __q, __p) {
-                    #(#evaluate)*
-                    _ => __S::from_f64(#f64::NAN),
-                }
-            }
+            #evaluate
 
-            fn differentiate<__S: __wzvi::Scalar>(
-                &self,
-                __term: #size,
-                __q: &[__S],
-                __p: &[__S],
-                __t: #f64,
-                __dq: &mut [__S],
-                __dp: &mut [__S],
-            ) {
-                if let (__wzvi::core::result::Result::Ok(__dq), __wzvi::core::result::Result::Ok(__dp)) =
-                    (__wzvi::array_mut::<__S, #d>(__dq), __wzvi::array_mut::<__S, #d>(__dp))
-                {
-                    match (__term, __q, __p) {
-                        #(#differentiate)*
-                        _ => {
-                            *__dq = [__S::from_f64(#f64::NAN); #d];
-                            *__dp = [__S::from_f64(#f64::NAN); #d];
-                        }
-                    }
-                } else {
-                    __dq.fill(__S::from_f64(#f64::NAN));
-                    __dp.fill(__S::from_f64(#f64::NAN));
-                }
-            }
+            #differentiate
 
-            fn invariant(&self, __term: #size, __state: &__wzvi::State<Self::Vector>) -> #f64 {
-                #of_state
-                match (__term, __q, __p) {
-                    #(#integrals)*
-                    _ => #f64::NAN,
-                }
-            }
+            #invariant
+        }
+    }
+}
 
-            fn energy_rate(&self, __term: #size, __state: &__wzvi::State<Self::Vector>) -> #f64 {
-                #of_state
-                match (__term, __q, __p) {
-                    #(#rates)*
-                    _ => #f64::NAN,
+/// A number where a `usize` is expected.
+pub(crate) fn count(number: usize) -> Literal {
+    Literal::usize_unsuffixed(number)
+}
+
+/// A method that says how many there are; the trait says none.
+pub(crate) fn number_of(name: &str, number: &TokenStream) -> TokenStream {
+    let name = format_ident!("{name}");
+    quote! {
+        fn #name(&self) -> __wzvi::usize {
+            #number
+        }
+    }
+}
+
+/// `Hamiltonian::evaluate`
+fn evaluate(model: &mut Model, terms: &[Expr]) -> TokenStream {
+    let roots: Vec<Vec<Expr>> = terms.iter().map(|&term| vec![term]).collect();
+    let arms = arms(model, &quote!(__S), &roots, &|values| quote!(#(#values)*));
+    let f64 = f64_type();
+    quote! {
+        fn evaluate<__S: __wzvi::Scalar>(&self, __term: __wzvi::usize, __q: &[__S], __p: &[__S], __t: #f64) -> __S {
+            match (__term, __q, __p) {
+                #(#arms)*
+                _ => __S::from_f64(#f64::NAN),
+            }
+        }
+    }
+}
+
+/// `Hamiltonian::differentiate`
+fn differentiate(model: &mut Model, terms: &[Expr]) -> TokenStream {
+    let symbols: Vec<Symbol> = model.phase.q.iter().chain(&model.phase.p).copied().collect();
+    let gradients: Vec<Vec<Expr>> = terms
+        .iter()
+        .map(|&term| symbols.iter().map(|&symbol| model.graph.derivative(term, symbol)).collect())
+        .collect();
+    let d = model.phase.q.len();
+    let arms = arms(model, &quote!(__S), &gradients, &|values| {
+        let (by_q, by_p) = values.split_at(d);
+        quote!(__wzvi::gradient(__by_q, __by_p, [#(#by_q),*], [#(#by_p),*]))
+    });
+    let f64 = f64_type();
+    quote! {
+        fn differentiate<__S: __wzvi::Scalar>(
+            &self,
+            __term: __wzvi::usize,
+            __q: &[__S],
+            __p: &[__S],
+            __t: #f64,
+            __by_q: &mut [__S],
+            __by_p: &mut [__S],
+        ) {
+            match (__term, __q, __p) {
+                #(#arms)*
+                _ => {
+                    __by_q.fill(__S::from_f64(#f64::NAN));
+                    __by_p.fill(__S::from_f64(#f64::NAN));
                 }
             }
         }
     }
 }
 
-/// Names and values of the parameters; the default of the trait if there are none.
-pub(crate) fn parameter(graph: &Graph, parameters: &[Parameter]) -> Option<TokenStream> {
-    let (f64, option) = (f64_type(), quote!(__wzvi::core::option::Option));
-    let arms = parameters.iter().enumerate().map(|(i, Parameter { symbol, tokens })| {
-        let name = graph.symbol_name(*symbol);
-        quote!(#i => #option::Some((#name, #tokens)),)
-    });
-    (!parameters.is_empty()).then(|| {
-        quote! {
-            fn parameter(
-                &self,
-                __index: __wzvi::core::primitive::usize,
-            ) -> #option<(&'static __wzvi::core::primitive::str, #f64)> {
-                match __index {
-                    #(#arms)*
-                    _ => #option::None,
-                }
+/// `Hamiltonian::invariant`; nothing if there are no first integrals, which the trait says itself.
+fn invariant(model: &mut Model) -> Option<TokenStream> {
+    let roots: Vec<Vec<Expr>> = model.invariants.iter().map(|integral| vec![integral.value]).collect();
+    if roots.is_empty() {
+        return None;
+    }
+    let f64 = f64_type();
+    let arms = arms(model, &f64, &roots, &|values| quote!(#(#values)*));
+    let reads_time = roots.iter().flatten().any(|&value| model.graph.depends_on(value, &[model.phase.t]));
+    let t = reads_time.then(|| quote!(let __t = __state.t;));
+    Some(quote! {
+        fn invariant(&self, __index: __wzvi::usize, __state: &__wzvi::State<Self::Vector>) -> #f64 {
+            #t
+            match (__index, __wzvi::Vector::components(&__state.q), __wzvi::Vector::components(&__state.p)) {
+                #(#arms)*
+                _ => #f64::NAN,
             }
         }
     })
 }
 
-fn value_arm(values: &[TokenStream]) -> TokenStream {
-    let value = &values[0];
-    quote!(#value)
+/// Names and values of the parameters; the default of the trait if there are none.
+pub(crate) fn parameter(graph: &Graph, parameters: &[Parameter]) -> Option<TokenStream> {
+    let (f64, option) = (f64_type(), quote!(__wzvi::Option));
+    let entries = parameters.iter().map(|Parameter { symbol, tokens }| {
+        let name = graph.symbol_name(*symbol);
+        quote!((#name, #tokens))
+    });
+    (!parameters.is_empty()).then(|| {
+        quote! {
+            fn parameter(&self, __index: __wzvi::usize) -> #option<(&'static __wzvi::str, #f64)> {
+                [#(#entries),*].get(__index).copied()
+            }
+        }
+    })
 }
 
-/// One match arm per entry of `roots`, on (index, q, p).
+/// One match arm per entry of `roots`, on (index, q, p); `t` is in scope.
 fn arms(
     model: &mut Model,
     scalar: &TokenStream,
     roots: &[Vec<Expr>],
     finish: &dyn Fn(&[TokenStream]) -> TokenStream,
 ) -> Vec<TokenStream> {
-    let d = model.phase.q.len();
-    let (q, p) = (indexed("q", d), indexed("p", d));
-    let inputs = phase_inputs(&model.phase);
+    let letters = Letters::of(model, Names::beside(&["t", "by_q", "by_p"]));
+    let (q, p) = (&letters.q, &letters.p);
+    let state = model.phase.q.iter().zip(q).chain(model.phase.p.iter().zip(p));
+    let mut names: Vec<_> = state.map(|(&symbol, name)| (symbol, name.clone(), Level::State)).collect();
+    names.push((model.phase.t, format_ident!("__t"), Level::Time));
+    let inputs = Inputs { names, definitions: HashMap::new() };
     roots
         .iter()
         .enumerate()
         .map(|(i, roots)| {
-            let Body { statements, values } =
-                body(&mut model.graph, &model.parameters, &inputs, scalar, roots);
-            let result = finish(&values);
-            quote! {
-                (#i, &[#(#q),*], &[#(#p),*]) => {
-                    #statements
-                    #result
-                }
-            }
+            let Body { statements, values } = body(model, &letters, &inputs, scalar, roots);
+            let (i, result) = (count(i), finish(&values));
+            let result = if statements.is_empty() { result } else { quote!({ #statements #result }) };
+            quote!((#i, &[#(#q),*], &[#(#p),*]) => #result,)
         })
         .collect()
 }

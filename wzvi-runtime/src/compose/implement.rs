@@ -1,5 +1,7 @@
 //! The implementation of a composition, which is the same for all.
 
+/// Names are marked: those of constants and of sizes around the implementation may be any.
+///
 /// What follows the header `impl Discretized<$scheme> for ...` of a scheme with the parts `$first` and `$second`.
 #[doc(hidden)]
 #[macro_export]
@@ -33,47 +35,47 @@ macro_rules! __composition {
                 $crate::compose::memory::<Self, $first, $second>(self, &$substeps)
             }
 
-            fn prepare(&self, h: $crate::core::primitive::f64) -> $crate::core::result::Result<Self::Prepared, $crate::error::ConfigError> {
-                $crate::compose::prepare::<Self, $first, $second>(self, h, $substeps)
+            fn prepare(&self, __h: $crate::core::primitive::f64) -> $crate::core::result::Result<Self::Prepared, $crate::error::ConfigError> {
+                $crate::compose::prepare::<Self, $first, $second>(self, __h, $substeps)
             }
 
             #[inline(always)]
             fn advance_carrying<__S: $crate::scalar::Scalar, __C: $crate::carry::Carry<__S>, const __CAREFUL: $crate::core::primitive::bool>(
                 &self,
-                prepared: &Self::Prepared,
-                t: $crate::core::primitive::f64,
-                h: $crate::core::primitive::f64,
-                q: &mut [__S],
-                p: &mut [__S],
-                dw: &[__S],
-                memory: &mut Self::Memory<__S>,
-                carry: &mut __C,
+                __prepared: &Self::Prepared,
+                __t: $crate::core::primitive::f64,
+                __h: $crate::core::primitive::f64,
+                __q: &mut [__S],
+                __p: &mut [__S],
+                __dw: &[__S],
+                __memory: &mut Self::Memory<__S>,
+                __carry: &mut __C,
             ) -> $crate::core::result::Result<$crate::solve::Effort, $crate::error::StepFailure> {
                 $crate::compose::advance::<Self, $first, $second, __S, __C, __CAREFUL>(
-                    self, prepared, t, h, q, p, dw, memory, carry,
+                    self, __prepared, __t, __h, __q, __p, __dw, __memory, __carry,
                 )
             }
 
-            fn discrete_lagrangian(&self, segment: &$crate::system::Segment<Self::Vector>, dw: &[$crate::core::primitive::f64]) -> $crate::core::primitive::f64 {
-                $crate::compose::value::<Self, $first, $second>(self, segment, dw, &$substeps)
+            fn discrete_lagrangian(&self, __segment: &$crate::system::Segment<Self::Vector>, __dw: &[$crate::core::primitive::f64]) -> $crate::core::primitive::f64 {
+                $crate::compose::value::<Self, $first, $second>(self, __segment, __dw, &$substeps)
             }
 
             fn discrete_lagrangian_gradient(
                 &self,
-                segment: &$crate::system::Segment<Self::Vector>,
-                dw: &[$crate::core::primitive::f64],
+                __segment: &$crate::system::Segment<Self::Vector>,
+                __dw: &[$crate::core::primitive::f64],
             ) -> $crate::system::LagrangianGradient<Self::Vector> {
-                $crate::compose::gradient::<Self, $scheme>(self, segment, dw)
+                $crate::compose::gradient::<Self, $scheme>(self, __segment, __dw)
             }
 
             fn step_momentum(
                 &self,
-                before: &$crate::state::State<Self::Vector>,
+                __before: &$crate::state::State<Self::Vector>,
                 _: &$crate::state::State<Self::Vector>,
                 _: $crate::core::primitive::f64,
                 _: &[$crate::core::primitive::f64],
             ) -> Self::Vector {
-                $crate::core::clone::Clone::clone(&before.p)
+                $crate::core::clone::Clone::clone(&__before.p)
             }
         }
     };

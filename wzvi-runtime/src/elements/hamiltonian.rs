@@ -63,15 +63,3 @@ pub fn invariant<H: Elements>(system: &H, number: usize, state: &State<H::Vector
     let at = Point { q, p, t: state.t, h: 1.0, dw: &[], acting: 0..0 };
     system.value(H::INTEGRALS + number, 1.0, &at)
 }
-
-/// [`Hamiltonian::energy_rate`]
-pub fn energy_rate<H: Elements>(system: &H, k: usize, state: &State<H::Vector>) -> f64 {
-    if k >= system.noises() {
-        return f64::NAN;
-    }
-    let (noise, drift) = (system.noise_gradient(k, state), system.energy_gradient(state));
-    let dot = |a: &H::Vector, b: &H::Vector| -> f64 {
-        a.components().iter().zip(b.components()).map(|(a, b)| a * b).sum()
-    };
-    dot(&noise.p, &drift.q) - dot(&noise.q, &drift.p)
-}

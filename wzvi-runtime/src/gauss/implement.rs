@@ -40,47 +40,47 @@ macro_rules! __gauss {
                 const __CAREFUL: $crate::core::primitive::bool,
             >(
                 &self,
-                prepared: &Self::Prepared,
-                t: $crate::core::primitive::f64,
-                h: $crate::core::primitive::f64,
-                q: &mut [__S],
-                p: &mut [__S],
-                dw: &[__S],
-                memory: &mut Self::Memory<__S>,
-                carry: &mut __C,
+                __prepared: &Self::Prepared,
+                __t: $crate::core::primitive::f64,
+                __h: $crate::core::primitive::f64,
+                __q: &mut [__S],
+                __p: &mut [__S],
+                __dw: &[__S],
+                __memory: &mut Self::Memory<__S>,
+                __carry: &mut __C,
             ) -> $crate::core::result::Result<$crate::solve::Effort, $crate::error::StepFailure> {
                 $crate::gauss::advance::<Self, __S, __C, $stages, __CAREFUL>(
-                    self, prepared, t, h, q, p, dw, memory, carry,
+                    self, __prepared, __t, __h, __q, __p, __dw, __memory, __carry,
                 )
             }
 
             fn discrete_lagrangian(
                 &self,
-                segment: &$crate::system::Segment<Self::Vector>,
-                dw: &[$crate::core::primitive::f64],
+                __segment: &$crate::system::Segment<Self::Vector>,
+                __dw: &[$crate::core::primitive::f64],
             ) -> $crate::core::primitive::f64 {
                 $crate::gauss::prepare::<Self, $stages>(self).map_or(
                     $crate::core::primitive::f64::NAN,
-                    |prepared| $crate::gauss::value(self, &prepared, segment, dw),
+                    |__prepared| $crate::gauss::value(self, &__prepared, __segment, __dw),
                 )
             }
 
             fn discrete_lagrangian_gradient(
                 &self,
-                segment: &$crate::system::Segment<Self::Vector>,
-                dw: &[$crate::core::primitive::f64],
+                __segment: &$crate::system::Segment<Self::Vector>,
+                __dw: &[$crate::core::primitive::f64],
             ) -> $crate::system::LagrangianGradient<Self::Vector> {
-                $crate::compose::gradient::<Self, $crate::gauss::Gauss<$stages>>(self, segment, dw)
+                $crate::compose::gradient::<Self, $crate::gauss::Gauss<$stages>>(self, __segment, __dw)
             }
 
             fn step_momentum(
                 &self,
-                before: &$crate::state::State<Self::Vector>,
+                __before: &$crate::state::State<Self::Vector>,
                 _: &$crate::state::State<Self::Vector>,
                 _: $crate::core::primitive::f64,
                 _: &[$crate::core::primitive::f64],
             ) -> Self::Vector {
-                $crate::core::clone::Clone::clone(&before.p)
+                $crate::core::clone::Clone::clone(&__before.p)
             }
         }
     };

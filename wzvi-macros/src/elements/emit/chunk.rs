@@ -10,6 +10,8 @@ use quote::{format_ident, quote};
 use super::indices::{Indices, variable};
 use super::kernel::Target;
 use crate::diagnostics::internal::Promised;
+use crate::emit::count;
+use crate::emit::step::mentions;
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, Local, Slot};
 use crate::symbolic::Expr;
@@ -24,6 +26,8 @@ pub(super) struct Chunk<'a> {
     /// The variable of the innermost loop, its start and its end.
     pub(super) inner: Option<(u32, [TokenStream; 2])>,
     pub(super) outputs: &'a [(Expr, Target)],
+    /// What the local variables are called.
+    pub(super) locals: &'a [Ident],
     /// Components of a point.
     pub(super) components: i128,
 }
@@ -68,57 +72,84 @@ impl Chunk<'_> {
     pub(super) fn emit(&self, inside: &TokenStream, values: &[TokenStream]) -> TokenStream {
         let Some((inner, [start, end])) = &self.inner else { return self.single(inside, values) };
         let (inner, name) = (*inner, variable(*inner));
-        let (isize, usize) = (quote!(__wzvi::core::primitive::isize), quote!(__wzvi::core::primitive::usize));
+        let (isize, usize) = (quote!(__wzvi::isize), quote!(__wzvi::usize));
         let mut code = Code::default();
-        for (k, local) in self.element.locals.iter().enumerate() {
+        for (k, local) in self.read_locals(inside, values) {
             self.open(&mut code, inner, k, local);
         }
         self.store(&mut code, inner, values);
+        let has_all = code.limits.is_empty() && !code.has_buffers;
+        let most = count(CHUNK);
         let most = match code.has_buffers {
-            true => quote!(__wzvi::core::cmp::Ord::min((__end - __low) as #usize, #CHUNK)),
+            true => quote!(__wzvi::Ord::min((__end - __low) as #usize, #most)),
             false => quote!((__end - __low) as #usize),
         };
         let Code { before, limits, opening, reads, stores, closing, after, .. } = code;
         let mutable = if limits.is_empty() { quote!() } else { quote!(mut) };
+        let body = quote!(#reads #inside #stores);
+        let place =
+            mentions(&body, &name.to_string()).then(|| quote!(let #name = __low + __place as #isize;));
+        let chunk = quote! {
+            let #mutable __len = #most;
+            #limits
+            #opening
+            for __place in 0..__len {
+                #place
+                #body
+            }
+            #closing
+        };
+        if has_all {
+            let opens_at_low = mentions(&chunk, &name.to_string()).then(|| quote!(let #name = __low;));
+            return quote! {
+                #before
+                let (__low, __end): (#isize, #isize) = (#start, #end);
+                if __low < __end {
+                    #opens_at_low
+                    #chunk
+                }
+                #after
+            };
+        }
         quote! {
             #before
             let mut #name: #isize = #start;
             let __end: #isize = #end;
             while #name < __end {
                 let __low = #name;
-                let #mutable __len = #most;
-                #limits
-                #opening
-                for __k in 0..__len {
-                    let #name = __low + __k as #isize;
-                    #reads
-                    #inside
-                    #stores
-                }
-                #closing
+                #chunk
                 #name += __len as #isize;
             }
             #after
         }
     }
 
+    /// The local variables that the arithmetic reads, with their numbers.
+    fn read_locals<'s>(&'s self, inside: &TokenStream, values: &[TokenStream]) -> Vec<(usize, &'s Local)> {
+        let is_read = |name: &Ident| {
+            let name = name.to_string();
+            mentions(inside, &name) || values.iter().any(|value| mentions(value, &name))
+        };
+        self.element.locals.iter().enumerate().filter(|(k, _)| is_read(&self.locals[*k])).collect()
+    }
+
     /// An element without loops.
     fn single(&self, inside: &TokenStream, values: &[TokenStream]) -> TokenStream {
         let mut statements = TokenStream::new();
-        for (k, local) in self.element.locals.iter().enumerate() {
-            let (own, value) = (format_ident!("__l{k}"), self.read(&local.slot));
+        for (k, local) in self.read_locals(inside, values) {
+            let (own, value) = (&self.locals[k], self.read(&local.slot));
             statements.extend(quote!(let #own = #value;));
         }
         statements.extend(inside.clone());
         for ((_, target), value) in self.outputs.iter().zip(values) {
             statements.extend(self.add(target, value));
         }
-        quote!({ #statements })
+        statements
     }
 
     /// The read of a local variable.
     fn open(&self, code: &mut Code, inner: u32, k: usize, local: &Local) {
-        let own = format_ident!("__l{k}");
+        let own = &self.locals[k];
         let list = self.list(&local.slot);
         match self.motion(&local.slot, inner) {
             Motion::Fixed => {
@@ -135,13 +166,13 @@ impl Chunk<'_> {
                 });
                 let is_state = matches!(local.slot, Slot::Coordinate(_) | Slot::Momentum(_));
                 code.reads.extend(match is_state {
-                    true => quote!(let #own = #slice[__k];),
-                    false => quote!(let #own = <__S as __wzvi::Scalar>::from_f64(#slice[__k]);),
+                    true => quote!(let #own = #slice[__place];),
+                    false => quote!(let #own = __S::from_f64(#slice[__place]);),
                 });
             }
             Motion::Points { base, part } => {
-                let points = self.points(code, &list, &base, false);
-                code.reads.extend(quote!(let #own = #points[__k][#part];));
+                let (points, part) = (self.points(code, &list, &base, false), count(part));
+                code.reads.extend(quote!(let #own = #points[__place][#part];));
             }
             Motion::Free => {
                 let value = self.read(&local.slot);
@@ -210,7 +241,8 @@ impl Chunk<'_> {
                     }
                     code.direct.push(vector.clone());
                     let (points, value) = (self.points(code, &list, &base, true), &values[j]);
-                    code.stores.extend(quote!(#points[__k][#part] = #points[__k][#part] + #value;));
+                    let part = count(part);
+                    code.stores.extend(quote!(#points[__place][#part] = #points[__place][#part] + #value;));
                 }
                 _ => left.push(j),
             }
@@ -246,11 +278,13 @@ impl Chunk<'_> {
             let (base_ahead, value_ahead) = (self.indices.position(ahead), &values[next]);
             let zero = zero();
             // One by one where the next place is another one after all.
-            code.limits.extend(quote! {
-                if #base_ahead != #base + 1 {
-                    __len = 1;
-                }
-            });
+            if wrap(index, inner).is_some() || wrap(ahead, inner).is_some() {
+                code.limits.extend(quote! {
+                    if #base_ahead != #base + 1 {
+                        __len = 1;
+                    }
+                });
+            }
             code.opening.extend(quote! {
                 let #at = #base_ahead + (__len - 1);
                 let mut #carried = #zero;
@@ -258,12 +292,12 @@ impl Chunk<'_> {
             // Computed first: only then can the compiler keep what is carried in a vector register.
             code.stores.extend(quote! {
                 let __ahead = #value_ahead;
-                #slice[__k] = #slice[__k] + (#value + #carried);
+                #slice[__place] = #slice[__place] + (#value + #carried);
                 #carried = __ahead;
             });
             code.closing.extend(quote!(#vector[#at] = #vector[#at] + #carried;));
         } else {
-            code.stores.extend(quote!(#slice[__k] = #slice[__k] + #value;));
+            code.stores.extend(quote!(#slice[__place] = #slice[__place] + #value;));
         }
         code.opening.extend(quote! {
             let #slice = #base;
@@ -274,7 +308,7 @@ impl Chunk<'_> {
     /// What does not go to a slice of its own: sums, buffers, single places.
     fn store_other(&self, code: &mut Code, inner: u32, j: usize, value: &TokenStream) {
         let Some((_, target)) = self.outputs.get(j) else { return };
-        let (buffer, zero) = (format_ident!("__b{j}"), zero());
+        let (buffer, zero, most) = (format_ident!("__b{j}"), zero(), count(CHUNK));
         let is_fixed = match target {
             Target::Total => true,
             Target::Slope { index, .. } => !index.loops().contains(&inner),
@@ -292,9 +326,9 @@ impl Chunk<'_> {
             code.after.extend(self.add(target, &quote!(#buffer)));
         } else if let Some((vector, index)) = shared {
             code.has_buffers = true;
-            code.before.extend(quote!(let mut #buffer = [#zero; #CHUNK];));
+            code.before.extend(quote!(let mut #buffer = [#zero; #most];));
             code.opening.extend(quote!(let #buffer = &mut #buffer[..__len];));
-            code.stores.extend(quote!(#buffer[__k] = #value;));
+            code.stores.extend(quote!(#buffer[__place] = #value;));
             if matches!(motion(index, inner, self.components), Motion::Run) {
                 let base = self.indices.position(index);
                 self.limit(code, index, inner);
@@ -305,10 +339,10 @@ impl Chunk<'_> {
                     }
                 });
             } else {
-                let (name, add) = (variable(inner), self.add(target, &quote!(#buffer[__k])));
+                let (name, add) = (variable(inner), self.add(target, &quote!(#buffer[__place])));
                 code.closing.extend(quote! {
-                    for __k in 0..__len {
-                        let #name = __low + __k as __wzvi::core::primitive::isize;
+                    for __place in 0..__len {
+                        let #name = __low + __place as __wzvi::isize;
                         #add
                     }
                 });
@@ -324,7 +358,7 @@ impl Chunk<'_> {
         code.limited.push(index.clone());
         let (at, size) = (self.indices.value(&both.0), self.indices.value(&both.1));
         code.limits.extend(quote! {
-            __len = __wzvi::core::cmp::Ord::min(__len, (#size - #at % #size) as __wzvi::core::primitive::usize);
+            __len = __wzvi::Ord::min(__len, (#size - #at % #size) as __wzvi::usize);
         });
     }
 
@@ -364,13 +398,11 @@ impl Chunk<'_> {
             }
             Slot::Entry(table, indices) => {
                 let entry = self.indices.entry(*table, indices);
-                quote!(<__S as __wzvi::Scalar>::from_f64(#entry))
+                quote!(__S::from_f64(#entry))
             }
             Slot::Number(index) => {
                 let value = self.indices.value(index);
-                quote!(<__S as __wzvi::Scalar>::from_f64(
-                    #value as __wzvi::core::primitive::isize as __wzvi::core::primitive::f64
-                ))
+                quote!(__S::from_f64(#value as __wzvi::f64))
             }
         }
     }
@@ -380,9 +412,12 @@ impl Chunk<'_> {
             Target::Total => quote!(__total = __total + #value;),
             Target::Slope { vector, index } => {
                 let position = self.indices.position(index);
-                quote! {
-                    let __at_index = #position;
-                    #vector[__at_index] = #vector[__at_index] + #value;
+                match index.as_integer() {
+                    Some(_) => quote!(#vector[#position] = #vector[#position] + #value;),
+                    None => quote! {
+                        let __at_index = #position;
+                        #vector[__at_index] = #vector[__at_index] + #value;
+                    },
                 }
             }
             Target::Curvature { method, row, column, is_diagonal } => {
@@ -394,7 +429,7 @@ impl Chunk<'_> {
 }
 
 fn zero() -> TokenStream {
-    quote!(<__S as __wzvi::Scalar>::from_f64(0.0))
+    quote!(__S::from_f64(0.0))
 }
 
 fn slot_index(slot: &Slot) -> Index {

@@ -1,16 +1,17 @@
 //! `impl Discretized<E>` of a system of elements: what the run time needs to know of a scheme.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::quadrature::{Quadrature, Stage};
 use crate::elements::plan::Unknowns;
+use crate::emit::discretized::Discretized;
 use crate::emit::plan::Plan;
-use crate::emit::{embedding_type, f64_type};
+use crate::emit::{count, f64_type};
 use crate::input::{Length, Shape};
-use crate::model::System;
+use crate::model::{Parameter, System};
 
 /// The way in which the steps of a scheme are solved, as code.
 pub(super) struct Road {
@@ -21,9 +22,14 @@ pub(super) struct Road {
     pub(super) is_linear: bool,
     /// Whether the paths of an ensemble run beside each other.
     pub(super) in_lanes: bool,
-    /// `Prepared`, `Memory` and what works on them.
-    pub(super) step: TokenStream,
-    /// The body of `step_momentum`.
+    /// The types, the last for numbers `__S`.
+    pub(super) prepared: TokenStream,
+    pub(super) memory: TokenStream,
+    /// The bodies, by method.
+    pub(super) new_memory: TokenStream,
+    pub(super) prepare: TokenStream,
+    pub(super) inline: TokenStream,
+    pub(super) advance: TokenStream,
     pub(super) momentum: TokenStream,
 }
 
@@ -32,16 +38,45 @@ pub(super) fn emit(
     model: &System,
     facts: &Facts,
     embedding: &Embedding,
-    road: &Road,
+    road: Road,
     text: &str,
 ) -> TokenStream {
-    let Road { items, plan, unknowns, is_linear, in_lanes, step, momentum } = road;
-    let scheme = embedding_type(embedding, &quote!(__wzvi));
+    let (scheme, items) = (scheme(model, facts, embedding, &road), road.items);
+    let (elements, in_lanes) = (quote!(__wzvi::elements), road.in_lanes);
+    Discretized {
+        item: &model.item,
+        embedding,
+        text,
+        items: quote!(#scheme #items),
+        // A start that is no guide costs iterations, not digits.
+        constants: quote! {
+            const REMEMBERS: __wzvi::bool = false;
+            const IN_LANES: __wzvi::bool = #in_lanes;
+        },
+        plan: road.plan,
+        prepared: road.prepared,
+        memory: road.memory,
+        compensated: quote!(#elements::CompensationVec<__S>),
+        carry: quote!(__wzvi::Plain),
+        new_memory: Some(road.new_memory),
+        prepare: road.prepare,
+        inline: road.inline,
+        advance: road.advance,
+        lagrangian: quote!(#elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)),
+        gradient: quote!(#elements::discrete_lagrangian_gradient(self, &__SCHEME, __segment, __dw)),
+        momentum: road.momentum,
+    }
+    .emit()
+}
+
+/// What the run time needs to know of the scheme.
+fn scheme(model: &System, facts: &Facts, embedding: &Embedding, road: &Road) -> TokenStream {
+    let Road { unknowns, is_linear, .. } = road;
     let quadrature = Quadrature::new(facts, embedding);
     let stages = quadrature.stages.iter().map(stage);
     let update = match quadrature.momentum_update() {
         Some(factor) => {
-            let factor = factor.to_f64();
+            let factor = Literal::f64_unsuffixed(factor.to_f64());
             quote!(Multiple(#factor))
         }
         None => quote!(Slopes),
@@ -52,69 +87,23 @@ pub(super) fn emit(
         Unknowns::Momenta => quote!(Momenta),
         Unknowns::Both => quote!(Both),
     };
-    let name = &model.item.ident;
-    let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let f64 = f64_type();
-    let elements = quote!(__wzvi::elements);
     quote! {
-        const _: () = {
-            const __SCHEME: #elements::Scheme = #elements::Scheme {
-                stages: &[#(#stages),*],
-                update: #elements::MomentumUpdate::#update,
-                unknowns: #elements::Unknowns::#unknowns,
-                remembers: #remembers,
-                is_linear: #is_linear,
-            };
-
-            #items
-
-            #[automatically_derived]
-            impl #generics __wzvi::Discretized<#scheme> for #name #arguments #filter {
-                const PLAN: __wzvi::Plan = #plan;
-                const EQUATIONS: &'static __wzvi::core::primitive::str = #text;
-                // A start that is no guide costs iterations, not digits.
-                const REMEMBERS: __wzvi::core::primitive::bool = false;
-                const IN_LANES: __wzvi::core::primitive::bool = #in_lanes;
-                type Compensated<__S: __wzvi::Scalar> = #elements::CompensationVec<__S>;
-                type Carry<__S: __wzvi::Scalar> = __wzvi::Plain;
-
-                #step
-
-                fn discrete_lagrangian(
-                    &self,
-                    __segment: &__wzvi::Segment<Self::Vector>,
-                    __dw: &[#f64],
-                ) -> #f64 {
-                    #elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)
-                }
-
-                fn discrete_lagrangian_gradient(
-                    &self,
-                    __segment: &__wzvi::Segment<Self::Vector>,
-                    __dw: &[#f64],
-                ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                    #elements::discrete_lagrangian_gradient(self, &__SCHEME, __segment, __dw)
-                }
-
-                fn step_momentum(
-                    &self,
-                    __before: &__wzvi::State<Self::Vector>,
-                    __after: &__wzvi::State<Self::Vector>,
-                    __h: #f64,
-                    __dw: &[#f64],
-                ) -> Self::Vector {
-                    #momentum
-                }
-            }
+        const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
+            stages: &[#(#stages),*],
+            update: __wzvi::elements::MomentumUpdate::#update,
+            unknowns: __wzvi::elements::Unknowns::#unknowns,
+            remembers: #remembers,
+            is_linear: #is_linear,
         };
     }
 }
 
 /// A quadrature point, as the run time reads it.
 fn stage(stage: &Stage) -> TokenStream {
-    let (point, start, end) = (stage.l.to_f64(), stage.start().to_f64(), stage.end().to_f64());
+    let [point, start, end] =
+        [stage.l, stage.start(), stage.end()].map(|weight| Literal::f64_unsuffixed(weight.to_f64()));
     let parts = stage.parts.iter().map(|&(part, weight)| {
-        let (number, weight) = (part as usize, weight.to_f64());
+        let (number, weight) = (count(part as usize), Literal::f64_unsuffixed(weight.to_f64()));
         quote!((#number, #weight))
     });
     quote! {
@@ -130,53 +119,36 @@ pub(super) fn sweep(
     unknowns: Unknowns,
     is_linear: bool,
 ) -> Road {
-    let nan_checks = model.parameters.iter().map(|parameter| &parameter.tokens);
     let f64 = f64_type();
+    let nan_checks: Vec<TokenStream> =
+        model.parameters.iter().map(|Parameter { tokens, .. }| quote!(#f64::is_nan(#tokens))).collect();
+    let nan_check = (!nan_checks.is_empty()).then(|| {
+        quote! {
+            if #(#nan_checks)||* {
+                return __wzvi::Err(__wzvi::ConfigError::Parameter);
+            }
+        }
+    });
     let elements = quote!(__wzvi::elements);
-    let step = quote! {
-        type Prepared = ();
-        type Memory<__S: __wzvi::Scalar> = #elements::Memory<__S>;
-
-        fn memory(&self) -> #elements::Memory<#f64> {
-            #elements::Memory::new(self, &__SCHEME)
-        }
-
-        fn prepare(&self, __h: #f64) -> __wzvi::core::result::Result<(), __wzvi::ConfigError> {
-            #(
-                if #f64::is_nan(#nan_checks) {
-                    return __wzvi::core::result::Result::Err(__wzvi::ConfigError::Parameter);
-                }
-            )*
-            #elements::prepare(self)
-        }
-
-        fn advance_carrying<
-            __S: __wzvi::Scalar,
-            __C: __wzvi::Carry<__S>,
-            const __CAREFUL: __wzvi::core::primitive::bool,
-        >(
-            &self,
-            __prepared: &(),
-            __t: #f64,
-            __h: #f64,
-            __q: &mut [__S],
-            __p: &mut [__S],
-            __dw: &[__S],
-            __memory: &mut #elements::Memory<__S>,
-            __carry: &mut __C,
-        ) -> __wzvi::core::result::Result<__wzvi::Effort, __wzvi::StepFailure> {
-            #elements::advance::<_, __S, __C, __CAREFUL>(
-                self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry,
-            )
-        }
-    };
     Road {
         items: TokenStream::new(),
         plan: plan(model, facts, embedding, unknowns, is_linear),
         unknowns,
         is_linear,
         in_lanes: !model.noise.is_empty() && unknowns == Unknowns::None,
-        step,
+        prepared: quote!(()),
+        memory: quote!(#elements::Memory<__S>),
+        new_memory: quote!(#elements::Memory::new(self, &__SCHEME)),
+        prepare: quote! {
+            #nan_check
+            #elements::prepare(self)
+        },
+        inline: TokenStream::new(),
+        advance: quote! {
+            #elements::advance::<_, __S, __C, __CAREFUL>(
+                self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry,
+            )
+        },
         momentum: quote!(#elements::step_momentum(self, &__SCHEME, __before, __after, __h, __dw)),
     }
 }
@@ -201,13 +173,16 @@ pub(super) fn plan(
     let components = usize::try_from(model.components).unwrap_or(1);
     let unknowns = match (&model.shape, per_degree) {
         (_, 0) => quote!(0),
-        (Shape::Real, _) => quote!(#per_degree),
+        (Shape::Real, _) => {
+            let unknowns = count(per_degree);
+            quote!(#unknowns)
+        }
         (Shape::Array(_, Length::Literal(len)), _) => {
-            let unknowns = len * components * per_degree;
+            let unknowns = count(len * components * per_degree);
             quote!(#unknowns)
         }
         (Shape::Array(_, Length::Named(expr)), _) => quote!((#expr) * #components * #per_degree),
-        _ => quote!(__wzvi::core::primitive::usize::MAX),
+        _ => quote!(__wzvi::usize::MAX),
     };
     Plan {
         solver,

@@ -26,7 +26,7 @@ pub(super) fn emit(model: &mut System, facts: &Facts, texts: &Texts) -> TokenStr
     let midpoint = plan(model, facts, &Embedding::Midpoint, Unknowns::Momenta, false);
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let (f64, bool) = (quote!(__wzvi::core::primitive::f64), quote!(__wzvi::core::primitive::bool));
+    let (f64, bool) = (quote!(__wzvi::f64), quote!(__wzvi::bool));
     let mut generated = quote! {
         #[automatically_derived]
         impl #generics __wzvi::gauss::Field for #name #arguments #filter {

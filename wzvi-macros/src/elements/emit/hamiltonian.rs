@@ -4,17 +4,26 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::{degrees, noise_count, vector_type};
-use crate::emit::{f64_type, parameter};
+use crate::emit::{count, f64_type, number_of, parameter};
 use crate::model::System;
 
 /// `impl Hamiltonian`
 pub(super) fn emit(model: &System) -> TokenStream {
     let vector = vector_type(model);
-    let (degrees, noises) = (degrees(model), noise_count(model));
-    let invariants = model.invariants.len();
+    let degrees = degrees(model);
+    let noises = (!model.noise.is_empty()).then(|| number_of("noises", &noise_count(model)));
+    let (usize, f64) = (quote!(__wzvi::usize), f64_type());
+    let invariants = count(model.invariants.len());
+    let invariants = (!model.invariants.is_empty()).then(|| number_of("invariants", &quote!(#invariants)));
+    let invariant = invariants.is_some().then(|| {
+        quote! {
+            fn invariant(&self, __number: #usize, __state: &__wzvi::State<Self::Vector>) -> #f64 {
+                __wzvi::elements::invariant(self, __number, __state)
+            }
+        }
+    });
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let (usize, f64) = (quote!(__wzvi::core::primitive::usize), f64_type());
     let parameter = parameter(&model.graph, &model.parameters);
     quote! {
         #[automatically_derived]
@@ -26,13 +35,13 @@ pub(super) fn emit(model: &System) -> TokenStream {
             fn check(
                 &self,
                 __degrees: #usize,
-            ) -> __wzvi::core::result::Result<(), __wzvi::StepFailure> {
+            ) -> __wzvi::Result<(), __wzvi::StepFailure> {
                 __wzvi::elements::check(self, __degrees)
             }
 
-            fn noises(&self) -> #usize { #noises }
+            #noises
 
-            fn invariants(&self) -> #usize { #invariants }
+            #invariants
 
             #parameter
 
@@ -52,13 +61,7 @@ pub(super) fn emit(model: &System) -> TokenStream {
                 __wzvi::elements::differentiate(self, __term, __q, __p, __t, __by_q, __by_p);
             }
 
-            fn invariant(&self, __number: #usize, __state: &__wzvi::State<Self::Vector>) -> #f64 {
-                __wzvi::elements::invariant(self, __number, __state)
-            }
-
-            fn energy_rate(&self, __k: #usize, __state: &__wzvi::State<Self::Vector>) -> #f64 {
-                __wzvi::elements::energy_rate(self, __k, __state)
-            }
+            #invariant
         }
     }
 }

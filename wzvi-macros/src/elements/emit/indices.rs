@@ -18,8 +18,22 @@ pub(crate) struct Indices<'a> {
 }
 
 impl Indices<'_> {
-    /// The index as an `isize`.
+    /// The index as an `isize`, to stand anywhere in an expression.
     pub(crate) fn value(&self, index: &Index) -> TokenStream {
+        let sum = self.sum(index);
+        let is_atom = match (index.terms.as_slice(), index.constant) {
+            ([], constant) => constant >= 0,
+            ([(atom, coefficient)], 0) => *coefficient == 1 && !matches!(atom, Atom::Given(..)),
+            _ => false,
+        };
+        if is_atom { sum } else { quote!((#sum)) }
+    }
+
+    /// The index as an `isize`, to stand alone.
+    pub(crate) fn sum(&self, index: &Index) -> TokenStream {
+        if let Some(entry) = self.given(index) {
+            return quote!(#entry as __wzvi::isize);
+        }
         let mut sum: Option<TokenStream> = None;
         for (atom, coefficient) in &index.terms {
             let atom = self.atom(atom);
@@ -34,15 +48,23 @@ impl Indices<'_> {
         }
         let size = Literal::i128_unsuffixed(index.constant.unsigned_abs().cast_signed());
         match (sum, index.constant) {
-            (None, constant) if constant < 0 => quote!((-#size)),
+            (None, constant) if constant < 0 => quote!(-#size),
             (None, _) => quote!(#size),
-            (Some(sum), 0) => quote!((#sum)),
-            (Some(sum), constant) if constant < 0 => quote!((#sum - #size)),
-            (Some(sum), _) => quote!((#sum + #size)),
+            (Some(sum), 0) => sum,
+            (Some(sum), constant) if constant < 0 => quote!(#sum - #size),
+            (Some(sum), _) => quote!(#sum + #size),
         }
     }
 
-    /// The index as a `usize`.
+    /// The entry of a table that the index is.
+    fn given(&self, index: &Index) -> Option<TokenStream> {
+        match (index.terms.as_slice(), index.constant) {
+            ([(Atom::Given(table, indices), 1)], 0) => Some(self.entry(*table, indices)),
+            _ => None,
+        }
+    }
+
+    /// The index as a `usize`: an operand of sums and ranges.
     pub(crate) fn position(&self, index: &Index) -> TokenStream {
         if let Some(known) = index.as_integer().and_then(|known| usize::try_from(known).ok()) {
             let known = match self.checked {
@@ -51,13 +73,16 @@ impl Indices<'_> {
             };
             return quote!(#known);
         }
+        if let (Some(entry), false) = (self.given(index), self.checked) {
+            return quote!(#entry as __wzvi::usize);
+        }
         let value = self.value(index);
+        // Literals alone have no type.
+        let typed = if index.terms.is_empty() { quote!(#value as __wzvi::isize) } else { value };
         if self.checked {
-            quote!(__wzvi::core::convert::TryInto::<__wzvi::core::primitive::usize>::try_into(
-                #value as __wzvi::core::primitive::isize,
-            ).ok()?)
+            quote!(__wzvi::TryInto::<__wzvi::usize>::try_into(#typed).ok()?)
         } else {
-            quote!((#value as __wzvi::core::primitive::isize as __wzvi::core::primitive::usize))
+            quote!(#typed as __wzvi::usize)
         }
     }
 
@@ -93,7 +118,7 @@ impl Indices<'_> {
 
     /// A checked value, or not a number.
     pub(crate) fn or_nan(&self, checked: &TokenStream) -> TokenStream {
-        quote!((|| __wzvi::core::option::Option::Some(#checked))().unwrap_or(__wzvi::core::primitive::f64::NAN))
+        quote!((|| __wzvi::Some(#checked))().unwrap_or(__wzvi::f64::NAN))
     }
 
     /// Whether the entries of a table are the elements of a list.
@@ -102,7 +127,7 @@ impl Indices<'_> {
     }
 
     fn atom(&self, atom: &Atom) -> TokenStream {
-        let isize = quote!(__wzvi::core::primitive::isize);
+        let isize = quote!(__wzvi::isize);
         let both = |both: &(Index, Index)| (self.value(&both.0), self.value(&both.1));
         match atom {
             Atom::Loop(id) => {
@@ -134,11 +159,11 @@ impl Indices<'_> {
             }
             Atom::Minimum(operands) => {
                 let (a, b) = both(operands);
-                quote!(__wzvi::core::cmp::Ord::min(#a, #b))
+                quote!(__wzvi::Ord::min(#a, #b))
             }
             Atom::Maximum(operands) => {
                 let (a, b) = both(operands);
-                quote!(__wzvi::core::cmp::Ord::max(#a, #b))
+                quote!(__wzvi::Ord::max(#a, #b))
             }
         }
     }

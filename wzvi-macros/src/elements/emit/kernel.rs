@@ -10,7 +10,7 @@ use super::indices::{Indices, variable};
 use crate::diagnostics::internal::Promised;
 use crate::discretise::sums::Weighted;
 use crate::elements::parts::family_of;
-use crate::emit::{Level, Lowering, Op, Printer};
+use crate::emit::{Level, Lowering, Names, Op, Printer, parameter_names};
 use crate::model::Parameter;
 use crate::model::Table;
 use crate::model::index::{Atom, Index, Loop};
@@ -43,6 +43,24 @@ pub(super) struct Context<'a> {
     pub(super) definitions: HashMap<Symbol, Expr>,
 }
 
+/// What the code around an element names.
+const LIVE: [&str; 21] = [
+    "ahead", "at", "base", "by_p", "by_q", "end", "factor", "into", "len", "low", "nan", "p", "part",
+    "place", "q", "size", "t", "total", "value", "wanted", "weight",
+];
+
+/// Loop variables, slices, buffers, and what is carried from one place to another.
+const NUMBERED: [&str; 6] = ["at", "b", "carried", "i", "points", "s"];
+
+/// What parameters are called.
+pub(super) fn parameters(graph: &Graph, parameters: &[Parameter]) -> Vec<Ident> {
+    parameter_names(&mut names(), graph, parameters)
+}
+
+fn names() -> Names {
+    Names::beside(&LIVE).and_numbered(&NUMBERED)
+}
+
 /// The loops of an element around what computes `outputs`.
 pub(super) fn emit(
     context: &mut Context<'_>,
@@ -60,28 +78,34 @@ pub(super) fn emit(
     };
     let roots: Vec<Expr> = outputs.iter().map(|(root, _)| *root).collect();
 
+    let parameters = parameters(context.graph, context.parameters);
+    let mut taken = names();
+    parameters.iter().for_each(|name| taken.avoid(name));
+    let slots = element.locals.iter().map(|local| context.graph.symbol_name(local.symbol));
+    let locals = taken.take_all(slots);
+
     let mut lowering = Lowering::new(context.graph, std::mem::take(&mut context.definitions));
-    let mut names: Vec<(Op, Ident)> = Vec::new();
-    for (k, local) in element.locals.iter().enumerate() {
+    let mut inputs: Vec<(Op, Ident)> = Vec::new();
+    for (local, name) in element.locals.iter().zip(&locals) {
         lowering.program.declare(local.symbol, Level::State);
-        names.push((lowering.program.input(local.symbol), format_ident!("__l{k}")));
+        inputs.push((lowering.program.input(local.symbol), name.clone()));
     }
     if let Some((symbol, _)) = context.weight {
         lowering.program.declare(symbol, Level::State);
-        names.push((lowering.program.input(symbol), format_ident!("__c")));
+        inputs.push((lowering.program.input(symbol), format_ident!("__factor")));
     }
     lowering.program.declare(context.t, Level::Time);
-    names.push((lowering.program.input(context.t), format_ident!("__t")));
-    for (k, parameter) in context.parameters.iter().enumerate() {
+    inputs.push((lowering.program.input(context.t), format_ident!("__t")));
+    for (parameter, name) in context.parameters.iter().zip(parameters) {
         lowering.program.declare(parameter.symbol, Level::Prepared);
-        names.push((lowering.program.input(parameter.symbol), format_ident!("__a{k}")));
+        inputs.push((lowering.program.input(parameter.symbol), name));
     }
     let ops: Vec<Op> = roots.iter().map(|&root| lowering.lower(root)).collect();
     let program = &lowering.program;
     let uses = program.uses(&ops);
     let hints = HashMap::new();
-    let mut printer = Printer::new(program, quote!(__S), &hints);
-    for (op, name) in names {
+    let mut printer = Printer::new(program, quote!(__S), &hints, taken);
+    for (op, name) in inputs {
         printer.set(op, name);
     }
     // What the state does not enter is computed before the loops.
@@ -106,28 +130,30 @@ pub(super) fn emit(
         (Some((_, weight)), Some(inner))
             if increments.iter().any(|number| number.loops().contains(&inner.variable)) =>
         {
-            (quote!(), quote!(let __c = #weight;))
+            (quote!(), quote!(let __factor = #weight;))
         }
-        (Some((_, weight)), _) => (quote!(let __c = #weight;), quote!()),
+        (Some((_, weight)), _) => (quote!(let __factor = #weight;), quote!()),
     };
     let acting = if context.is_selective { family_of(weighted) } else { None };
-    let range_of = |known: &Loop| {
-        let (start, end) = (indices.value(&known.start), indices.value(&known.end));
-        match acting {
-            Some(family) if family == known.variable => {
-                acting_members(&indices, weighted, family, [start, end])
-            }
-            _ => [start, end],
+    let range_of = |known: &Loop| match acting {
+        Some(family) if family == known.variable => {
+            let range = [indices.value(&known.start), indices.value(&known.end)];
+            acting_members(&indices, weighted, family, range)
         }
+        _ => [indices.sum(&known.start), indices.sum(&known.end)],
     };
     let inner = inner.map(|known| (known.variable, range_of(known)));
-    let chunk = Chunk { indices: &indices, element, inner, outputs, components: context.components };
+    let chunk =
+        Chunk { indices: &indices, element, inner, outputs, locals: &locals, components: context.components };
     let body = chunk.emit(&quote!(#own_weight #inside), &values);
     let mut nest = quote! { #fixed_weight #body };
     for known in outer.iter().rev() {
         let (name, [start, end]) = (variable(known.variable), range_of(known));
+        // Literals alone have no type.
+        let is_typed = !known.start.terms.is_empty() || acting == Some(known.variable);
+        let start = if is_typed { start } else { quote!(#start as __wzvi::isize) };
         nest = quote! {
-            for #name in (#start as __wzvi::core::primitive::isize)..#end {
+            for #name in #start..#end {
                 #nest
             }
         };
@@ -146,7 +172,7 @@ fn acting_members(
     let before = number.subtract(&Index::atom(Atom::Loop(family)));
     let before = before.promised("the number of a member is an offset and its own number");
     let own = |number: TokenStream| {
-        let number = quote!(#number as __wzvi::core::primitive::isize);
+        let number = quote!(#number as __wzvi::isize);
         if before == Index::default() {
             return number;
         }
@@ -154,5 +180,5 @@ fn acting_members(
         quote!(#number - #before)
     };
     let (first, last) = (own(quote!(__at.acting.start)), own(quote!(__at.acting.end)));
-    [quote!(__wzvi::core::cmp::Ord::max(#start, #first)), quote!(__wzvi::core::cmp::Ord::min(#end, #last))]
+    [quote!(__wzvi::Ord::max(#start, #first)), quote!(__wzvi::Ord::min(#end, #last))]
 }

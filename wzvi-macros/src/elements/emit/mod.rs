@@ -10,7 +10,7 @@ mod kernel;
 mod places;
 mod sites;
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use self::combine::Combined;
@@ -24,10 +24,11 @@ use crate::discretise::quadrature::Part;
 use crate::discretise::sums::{Sum, Weighted};
 use crate::elements::parts::{PartElements, family_of, parts, unweighted};
 use crate::elements::plan::Strategy;
-use crate::emit::{f64_type, wrapped};
+use crate::emit::step::mentions;
+use crate::emit::{Surroundings, count, f64_type, with_header, wrapped};
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
-use crate::model::{Reads, System};
+use crate::model::{Parameter, Reads, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 pub(crate) use self::sites::site_entry;
@@ -40,8 +41,12 @@ pub(crate) fn emit(model: &mut System, facts: &Facts, schemes: &[Step<'_>], text
     let mut generated = hamiltonian::emit(model);
     generated.extend(steps(model, facts, schemes));
     generated.extend(gauss::emit(model, facts, texts));
-    let System { item, crate_path, type_checks, .. } = model;
-    wrapped(item, crate_path, generated, type_checks, texts)
+    let surroundings = Surroundings {
+        crate_path: &model.crate_path,
+        tokens: with_header(&model.item, user_tokens(model).iter()),
+        spelled: &model.type_checks,
+    };
+    wrapped(&model.item, generated, &surroundings, texts)
 }
 
 /// The elements and what steps them.
@@ -54,9 +59,20 @@ pub(crate) fn steps(model: &mut System, facts: &Facts, schemes: &[Step<'_>]) -> 
                 discretized::sweep(model, facts, embedding, *unknowns, *is_linear)
             }
         };
-        generated.extend(discretized::emit(model, facts, embedding, &road, text));
+        generated.extend(discretized::emit(model, facts, embedding, road, text));
     }
     generated
+}
+
+/// What is read of the struct and of the constants around it.
+pub(crate) fn user_tokens(model: &System) -> Vec<TokenStream> {
+    let parameters = model.parameters.iter().map(|parameter| parameter.tokens.clone());
+    let tables = model.tables.iter().flat_map(|table| [table.tokens.clone(), table.suffix.clone()]);
+    let length = match &model.shape {
+        Shape::Array(_, Length::Named(expr)) => Some(quote!(#expr)),
+        _ => None,
+    };
+    parameters.chain(tables).chain(length).collect()
 }
 
 /// `SVector<f64, D>` where the type system can name `D`, else `DVector<f64>`.
@@ -67,7 +83,7 @@ fn vector_type(model: &System) -> TokenStream {
     let components = usize::try_from(model.components).unwrap_or(1);
     match length {
         Length::Literal(len) => {
-            let degrees = len * components;
+            let degrees = count(len * components);
             quote!(__wzvi::SVector<#f64, #degrees>)
         }
         Length::RunTime => dynamic,
@@ -91,8 +107,11 @@ fn expr_mentions(expr: &syn::Expr, name: &str) -> bool {
 
 /// The outermost size and the degrees of freedom in a method whose state is `__q`.
 fn sizes(model: &System, degrees: &TokenStream) -> TokenStream {
-    let components = proc_macro2::Literal::i128_unsuffixed(model.components);
-    quote! { let __size = (#degrees / #components) as __wzvi::core::primitive::isize; }
+    if model.components == 1 {
+        return quote!(let __size = #degrees as __wzvi::isize;);
+    }
+    let components = Literal::i128_unsuffixed(model.components);
+    quote!(let __size = (#degrees / #components) as __wzvi::isize;)
 }
 
 /// The number of degrees of freedom; 0 if only the state knows it.
@@ -102,27 +121,35 @@ fn degrees(model: &System) -> TokenStream {
     }
     let indices = Indices { tables: &model.tables, checked: false };
     let (size, components) = (indices.value(&model.size), usize::try_from(model.components).unwrap_or(1));
-    quote!((#size as __wzvi::core::primitive::usize) * #components)
-}
-
-fn noise_count(model: &System) -> TokenStream {
-    let count = model.noise_offsets().pop().promised("the last offset is the number of noises");
-    match count.as_integer().and_then(|count| usize::try_from(count).ok()) {
-        Some(count) => quote!(#count),
-        None => {
-            let count = Indices { tables: &model.tables, checked: false }.value(&count);
-            quote!((#count as __wzvi::core::primitive::isize as __wzvi::core::primitive::usize))
+    match components {
+        1 => quote!(#size as __wzvi::usize),
+        _ => {
+            let components = count(components);
+            quote!(#size as __wzvi::usize * #components)
         }
     }
 }
 
-/// `let __a0 = self.a;` for every parameter.
-fn parameters(model: &System) -> TokenStream {
+fn noise_count(model: &System) -> TokenStream {
+    let all = model.noise_offsets().pop().promised("the last offset is the number of noises");
+    match all.as_integer().and_then(|count| usize::try_from(count).ok()) {
+        Some(known) => {
+            let known = count(known);
+            quote!(#known)
+        }
+        None => {
+            let count = Indices { tables: &model.tables, checked: false }.value(&all);
+            quote!(#count as __wzvi::usize)
+        }
+    }
+}
+
+/// `let a = self.a;` for every parameter that `code` reads.
+fn parameters(model: &System, code: &TokenStream) -> TokenStream {
     let f64 = f64_type();
-    let reads = model.parameters.iter().enumerate().map(|(k, parameter)| {
-        let (name, tokens) = (format_ident!("__a{k}"), &parameter.tokens);
-        quote!(let #name: #f64 = #tokens;)
-    });
+    let names = kernel::parameters(&model.graph, &model.parameters);
+    let read = names.iter().zip(&model.parameters).filter(|(name, _)| mentions(code, &name.to_string()));
+    let reads = read.map(|(name, Parameter { tokens, .. })| quote!(let #name: #f64 = #tokens;));
     quote!(#(#reads)*)
 }
 
@@ -224,24 +251,25 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     let parts = parts(model, facts);
     let [value, slopes, curvature] = [Wanted::Value, Wanted::Slopes, Wanted::Curvature].map(|wanted| {
         let arms = parts.iter().map(|part| {
-            let (number, code) = (part.part as usize, part_code(model, part, wanted));
+            let (number, code) = (count(part.part as usize), part_code(model, part, wanted));
             quote!(#number => { #code })
         });
         arms.collect::<TokenStream>()
     });
     let integrals = integrals(model);
     let places = places::emit(model);
-    let read = parameters(model);
-    let size = sizes(model, &quote!(__at.q.len()));
+    let first_integral = count(INTEGRALS);
+    let value = quote!(#value #integrals);
+    let [of_value, of_slopes, of_curvature] = [&value, &slopes, &curvature].map(|code| opened(model, code));
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let (f64, usize) = (f64_type(), quote!(__wzvi::core::primitive::usize));
+    let (f64, usize) = (f64_type(), quote!(__wzvi::usize));
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::elements::Elements for #name #arguments #filter {
             #places
 
-            const INTEGRALS: #usize = #INTEGRALS;
+            const INTEGRALS: #usize = #first_integral;
 
             fn value<__S: __wzvi::Scalar>(
                 &self,
@@ -249,13 +277,10 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
                 __weight: #f64,
                 __at: &__wzvi::elements::Point<'_, __S>,
             ) -> __S {
-                #read
-                #size
-                let __t = __at.t;
-                let mut __value = <__S as __wzvi::Scalar>::from_f64(0.0);
+                #of_value
+                let mut __value = __S::from_f64(0.0);
                 match __part {
                     #value
-                    #integrals
                     _ => {}
                 }
                 __value
@@ -270,9 +295,7 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
                 __by_q: &mut [__S],
                 __by_p: &mut [__S],
             ) {
-                #read
-                #size
-                let __t = __at.t;
+                #of_slopes
                 match __part {
                     #slopes
                     _ => {}
@@ -287,9 +310,7 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
                 __wanted: __wzvi::elements::Slopes,
                 __into: &mut __C,
             ) {
-                #read
-                #size
-                let __t = __at.t;
+                #of_curvature
                 match __part {
                     #curvature
                     _ => {}
@@ -299,6 +320,14 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     }
 }
 
+/// What `code` reads of the struct and of `__at`.
+fn opened(model: &System, code: &TokenStream) -> TokenStream {
+    let read = parameters(model, code);
+    let size = mentions(code, "__size").then(|| sizes(model, &quote!(__at.q.len())));
+    let t = mentions(code, "__t").then(|| quote!(let __t = __at.t;));
+    quote!(#read #size #t)
+}
+
 /// The number of the first part that is a first integral.
 const INTEGRALS: usize = Part::CounterTerm as usize + 1;
 
@@ -306,7 +335,7 @@ const INTEGRALS: usize = Part::CounterTerm as usize + 1;
 fn integrals(model: &mut System) -> TokenStream {
     let integrals: Vec<Sum> = model.invariants.iter().map(|term| unweighted(&term.values)).collect();
     let arms = integrals.iter().enumerate().map(|(k, sum)| {
-        let (number, values) = (INTEGRALS + k, values(model, sum, None));
+        let (number, values) = (count(INTEGRALS + k), values(model, sum, None));
         quote!(#number => { #values })
     });
     arms.collect()
@@ -342,7 +371,7 @@ fn values(model: &mut System, group: &[Weighted], weight: Option<&TokenStream>) 
         group.iter().map(|weighted| element_code(model, weighted, Wanted::Value, inside)).collect();
     let factor = weight.filter(|_| is_fixed).map(|weight| quote!(* #weight));
     quote! {
-        let mut __total = <__S as __wzvi::Scalar>::from_f64(0.0);
+        let mut __total = __S::from_f64(0.0);
         #code
         __value = __value + __total #factor;
     }
@@ -370,7 +399,7 @@ fn weight(model: &System, part: &PartElements, Weighted { increments, .. }: &Wei
     });
     match increments.reduce(|product, increment| quote!(#product * #increment)) {
         Some(product) => quote!(#product #factor),
-        None => quote!(<__S as __wzvi::Scalar>::from_f64(__at.h #factor)),
+        None => quote!(__S::from_f64(__at.h #factor)),
     }
 }
 

@@ -8,6 +8,7 @@ use quote::quote;
 
 use crate::diagnostics::internal::Promised;
 use crate::elements::describe;
+use crate::emit::count;
 use crate::model::index::{Atom, Bounds, Index, Loop};
 use crate::model::{Element, Slot, System, Table, Term};
 
@@ -24,32 +25,38 @@ pub(super) fn emit(system: &System) -> TokenStream {
     for element in terms.flat_map(|term: &Term| &term.values) {
         nests.extend(places.nest(element));
     }
-    let components = usize::try_from(system.components).unwrap_or(1);
+    let components = count(usize::try_from(system.components).unwrap_or(1));
     // Only what is asked about has a name.
     let tables = system.tables.iter().enumerate().map(|(id, table)| {
         let is_read = places.arms.keys().any(|(known, _)| *known == id);
         let (name, suffix) = if is_read { names(table) } else { Default::default() };
-        quote!(__places::Name { name: #name, suffix: #suffix },)
+        quote!(__wzvi::elements::places::Name { name: #name, suffix: #suffix },)
     });
-    let arms = places.arms.values();
-    let usize = quote!(__wzvi::core::primitive::usize);
+    let nothing = quote!(__wzvi::elements::places::Entries::of_length(0));
+    let entries = match places.arms.is_empty() {
+        true => nothing,
+        false => {
+            let arms = places.arms.values();
+            quote! {
+                match (__table, __outer) {
+                    #(#arms)*
+                    _ => #nothing,
+                }
+            }
+        }
+    };
+    let usize = quote!(__wzvi::usize);
     quote! {
-        const PLACES: __wzvi::elements::places::Places = {
-            use __wzvi::elements::places as __places;
-            __places::Places { components: #components, tables: &[#(#tables)*], nests: &[#nests] }
-        };
+        const PLACES: __wzvi::elements::places::Places =
+            __wzvi::elements::places::Places { components: #components, tables: &[#(#tables)*], nests: &[#nests] };
 
         fn entries(
             &self,
             __table: #usize,
             __outer: &[#usize],
-            __range: __wzvi::core::ops::Range<#usize>,
+            __range: __wzvi::Range<#usize>,
         ) -> __wzvi::elements::places::Entries {
-            use __wzvi::elements::places as __places;
-            match (__table, __outer) {
-                #(#arms)*
-                _ => __places::Entries::of_length(0),
-            }
+            #entries
         }
     }
 }
@@ -95,27 +102,27 @@ impl Places<'_> {
             .iter()
             .map(|known| {
                 let (start, end) = (self.index(&known.start, element), self.index(&known.end, element));
-                quote!(__places::Loop { start: #start, end: #end },)
+                quote!(__wzvi::elements::places::Loop { start: #start, end: #end },)
             })
             .collect();
         let slots = slots.into_iter().map(|slot| match slot {
             Slot::Coordinate(index) | Slot::Momentum(index) => {
                 let is_natural = bounds.is_nonnegative(index);
                 let index = self.index(index, element);
-                quote!(__places::Slot::State { index: #index, is_natural: #is_natural },)
+                quote!(__wzvi::elements::places::Slot::State { index: #index, is_natural: #is_natural },)
             }
             Slot::Entry(table, indices) => {
                 let positions = self.positions(*table, indices, element, None);
-                let table = *table as usize;
-                quote!(__places::Slot::Entry(#table, #positions),)
+                let table = count(*table as usize);
+                quote!(__wzvi::elements::places::Slot::Entry(#table, #positions),)
             }
             Slot::Number(index) => {
                 let index = self.index(index, element);
-                quote!(__places::Slot::Number(#index),)
+                quote!(__wzvi::elements::places::Slot::Number(#index),)
             }
         });
         let slots: TokenStream = slots.collect();
-        quote!(__places::Nest { loops: &[#(#loops)*], slots: &[#slots] },)
+        quote!(__wzvi::elements::places::Nest { loops: &[#(#loops)*], slots: &[#slots] },)
     }
 
     fn index(&mut self, index: &Index, element: &Element) -> TokenStream {
@@ -129,22 +136,22 @@ impl Places<'_> {
             .collect();
         let (constant, text) =
             (Literal::i128_unsuffixed(index.constant), describe::index_in(self.system, element, index));
-        quote!(__places::Index { terms: &[#terms], constant: #constant, name: __places::Name { name: #text, suffix: "" } })
+        quote!(__wzvi::elements::places::Index { terms: &[#terms], constant: #constant, name: __wzvi::elements::places::Name { name: #text, suffix: "" } })
     }
 
     fn atom(&mut self, atom: &Atom, element: &Element) -> TokenStream {
         let (name, both) = match atom {
             Atom::Loop(variable) => {
                 let depth = element.loops.iter().position(|known| known.variable == *variable);
-                let depth = depth.unwrap_or(usize::MAX);
-                return quote!(__places::Atom::Loop(#depth));
+                let depth = count(depth.unwrap_or(usize::MAX));
+                return quote!(__wzvi::elements::places::Atom::Loop(#depth));
             }
-            Atom::Size => return quote!(__places::Atom::Size),
+            Atom::Size => return quote!(__wzvi::elements::places::Atom::Size),
             Atom::Given(table, indices) => {
-                let read = quote!(|__integer| __integer as __wzvi::core::primitive::i128);
+                let read = quote!(|__integer| __integer as __wzvi::i128);
                 let positions = self.positions(*table, indices, element, Some(read));
-                let table = *table as usize;
-                return quote!(__places::Atom::Given(#table, #positions));
+                let table = count(*table as usize);
+                return quote!(__wzvi::elements::places::Atom::Given(#table, #positions));
             }
             Atom::Product(both) => (quote!(Product), both),
             Atom::Quotient(both) => (quote!(Quotient), both),
@@ -153,7 +160,7 @@ impl Places<'_> {
             Atom::Maximum(both) => (quote!(Maximum), both),
         };
         let (a, b) = (self.index(&both.0, element), self.index(&both.1, element));
-        quote!(__places::Atom::#name(&[#a, #b]))
+        quote!(__wzvi::elements::places::Atom::#name(&[#a, #b]))
     }
 
     /// The indices of a list; the code that reads it is kept. `wide` makes an `i128` of an entry that is an integer.
@@ -175,7 +182,7 @@ impl Places<'_> {
         match (last, &wide) {
             (None, Some(_)) => {
                 let arm = quote! {
-                    (#number, []) => __places::Entries::of_integer((#tokens) as __wzvi::core::primitive::i128),
+                    (#number, []) => __wzvi::elements::places::Entries::of_integer((#tokens) as __wzvi::i128),
                 };
                 self.arms.insert((number, 0), arm);
             }
@@ -184,9 +191,9 @@ impl Places<'_> {
                 for level in 0..=last {
                     let found = match &wide {
                         Some(wide) if level == last => {
-                            quote!(__places::Entries::of_list(__list, __range, |__entry| (*__entry)#suffix, #wide))
+                            quote!(__wzvi::elements::places::Entries::of_list(__list, __range, |__entry| (*__entry)#suffix, #wide))
                         }
-                        _ => quote!(__places::Entries::of_length(__list.len())),
+                        _ => quote!(__wzvi::elements::places::Entries::of_length(__list.len())),
                     };
                     let outer = (0..level).map(|k| quote::format_ident!("__o{k}"));
                     let arm = quote! {
@@ -200,8 +207,8 @@ impl Places<'_> {
                     let at = quote::format_ident!("__o{level}");
                     list = quote! {
                         match (#list).get(#at) {
-                            __wzvi::core::option::Option::Some(__inner) => &__inner[..],
-                            __wzvi::core::option::Option::None => return __places::Entries::of_length(0),
+                            __wzvi::Some(__inner) => &__inner[..],
+                            __wzvi::None => return __wzvi::elements::places::Entries::of_length(0),
                         }
                     };
                 }
@@ -213,7 +220,7 @@ impl Places<'_> {
             (0..indices.len()).map(|level| self.is_inside(&bounds, table, indices, level)).collect();
         let positions = indices.iter().zip(inside).map(|(index, is_inside)| {
             let index = self.index(index, element);
-            quote!(__places::Position { index: #index, is_inside: #is_inside },)
+            quote!(__wzvi::elements::places::Position { index: #index, is_inside: #is_inside },)
         });
         let positions: TokenStream = positions.collect();
         quote!(&[#positions])

@@ -1,7 +1,7 @@
 //! Systems whose sites are not coupled: the step of one site as straight-line code, and a loop of the run time around it.
 
-use proc_macro2::TokenStream;
-use quote::quote;
+use proc_macro2::{Literal, TokenStream};
+use quote::{format_ident, quote};
 
 use super::discretized::Road;
 use super::indices::{Indices, variable};
@@ -12,8 +12,8 @@ use crate::discretise::facts::Facts;
 use crate::discretise::sites::{Entry, Increment, Site};
 use crate::discretise::structure::{Block, Solution};
 use crate::elements::plan::Unknowns;
-use crate::emit::step::{self, Kernel};
-use crate::emit::{embedding_type, f64_type};
+use crate::emit::step::{self, Kernel, mentions};
+use crate::emit::{count, embedding_type, f64_type};
 use crate::model::{Slot, System};
 use crate::symbolic::{Expr, Graph, Node};
 
@@ -24,16 +24,16 @@ pub(crate) fn site_entry(system: &System, site: &Site, entry: &Entry) -> TokenSt
         Slot::Entry(table, at) => indices.entry(*table, at),
         Slot::Number(index) | Slot::Coordinate(index) | Slot::Momentum(index) => {
             let value = indices.value(index);
-            quote!((#value as __wzvi::core::primitive::isize as #f64))
+            quote!((#value as __wzvi::isize as #f64))
         }
     };
     let Some((first, end)) = &entry.exists else { return value };
     let (own, first, end) = (variable(site.variable), indices.value(first), indices.value(end));
-    let isize = quote!(__wzvi::core::primitive::isize);
+    let isize = quote!(__wzvi::isize);
     quote! {
         match (#first as #isize, #end as #isize) {
             (__first, __end) if __first < __end => {
-                let #own = __wzvi::core::cmp::Ord::clamp(#own, __first, __end - 1);
+                let #own = __wzvi::Ord::clamp(#own, __first, __end - 1);
                 #value
             }
             _ => 1.0,
@@ -59,40 +59,54 @@ fn is_exact_in_lanes(graph: &Graph, scheme: &Scheme) -> bool {
 }
 
 pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Scheme) -> Road {
-    let Kernel { items, prepare, momentum_factors, .. } =
-        site.with_model(system, site_entry, |model| Kernel::new(model, facts, scheme));
+    let kernel = site.with_model(system, site_entry, |model| Kernel::new(model, facts, scheme));
     let indices = Indices { tables: &system.tables, checked: false };
     let own = variable(site.variable);
-    let option = quote!(__wzvi::core::option::Option);
+    let option = quote!(__wzvi::Option);
     let increments = site.increments().map(|Increment { number, acts }| {
         let number = indices.position(number);
         match acts {
-            None => quote!(#option::Some(#number)),
+            None => quote!(__wzvi::Some(#number)),
             Some((first, end)) => {
                 let (first, end) = (indices.value(first), indices.value(end));
-                quote!(if #own >= #first && #own < #end { #option::Some(#number) } else { #option::None })
+                quote!(if #own >= #first && #own < #end { __wzvi::Some(#number) } else { __wzvi::None })
             }
         }
     });
     let increments: Vec<TokenStream> = increments.collect();
-    let (degrees, noises) = (scheme.lagrangian.symbols.u.len(), increments.len());
+    let (degrees, noises) = (count(scheme.lagrangian.symbols.u.len()), count(increments.len()));
     let is_uniform = site.entries.is_empty();
     let is_exact = is_exact_in_lanes(&system.graph, scheme);
-    let size = sizes(system, &quote!((__sites * #degrees)));
+    let all = match scheme.lagrangian.symbols.u.len() {
+        1 => quote!(__sites),
+        _ => quote!((__sites * #degrees)),
+    };
+    let opened = |code: &TokenStream| {
+        let size = mentions(code, "__size").then(|| sizes(system, &all));
+        let own = mentions(code, &own.to_string()).then(|| quote!(let #own = __site as __wzvi::isize;));
+        quote!(#own #size)
+    };
     let embedding = embedding_type(&scheme.embedding, &quote!(__wzvi));
     let name = &system.item.ident;
     let (generics, arguments, filter) = system.item.generics.split_for_impl();
-    let (f64, usize, isize) =
-        (f64_type(), quote!(__wzvi::core::primitive::usize), quote!(__wzvi::core::primitive::isize));
-    let (result, sites) = (quote!(__wzvi::core::result::Result), quote!(__wzvi::elements::sites));
-    let placed = quote!(#sites::Sites<#embedding, #degrees, #noises>);
+    let (f64, usize) = (f64_type(), quote!(__wzvi::usize));
+    let (result, sites) = (quote!(__wzvi::Result), quote!(__wzvi::elements::sites));
+    let solve = kernel.call(
+        &quote!(__S, __C, __CAREFUL),
+        ["prepared", "t", "h", "q", "p", "dw", "memory", "carry"].map(|name| {
+            let name = format_ident!("__{name}");
+            quote!(#name)
+        }),
+    );
+    let Kernel { items, prepare, momentum_factors, .. } = kernel;
+    let [opened_for_prepare, opened_for_increments] = [&prepare, &quote!(#(#increments)*)].map(opened);
     let items = quote! {
         #items
 
         #[automatically_derived]
-        impl #generics #placed for #name #arguments #filter {
-            const IS_UNIFORM: __wzvi::core::primitive::bool = #is_uniform;
-            const IS_EXACT_IN_LANES: __wzvi::core::primitive::bool = #is_exact;
+        impl #generics #sites::Sites<#embedding, #degrees, #noises> for #name #arguments #filter {
+            const IS_UNIFORM: __wzvi::bool = #is_uniform;
+            const IS_EXACT_IN_LANES: __wzvi::bool = #is_exact;
             type SitePrepared = __Prepared;
             type SiteMemory<__S: __wzvi::Scalar> = __Memory<__S>;
 
@@ -102,24 +116,18 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
                 __site: #usize,
                 __sites: #usize,
             ) -> #result<__Prepared, __wzvi::ConfigError> {
-                let #own = __site as #isize;
-                #size
+                #opened_for_prepare
                 #prepare
             }
 
             #[inline(always)]
             fn increments(&self, __site: #usize, __sites: #usize) -> [#option<#usize>; #noises] {
-                let #own = __site as #isize;
-                #size
+                #opened_for_increments
                 [#(#increments),*]
             }
 
             #[inline(always)]
-            fn solve_site<
-                __S: __wzvi::Scalar,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::core::primitive::bool,
-            >(
+            fn solve_site<__S: __wzvi::Scalar, __C: __wzvi::Carry<__S>, const __CAREFUL: __wzvi::bool>(
                 __prepared: &__Prepared,
                 __t: #f64,
                 __h: #f64,
@@ -129,45 +137,15 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
                 __memory: &mut __Memory<__S>,
                 __carry: &__C,
             ) -> #result<__wzvi::Solution<__S, #degrees>, __wzvi::StepFailure> {
-                __solve::<__S, __C, __CAREFUL>(__prepared, __t, __h, __q, __p, __dw, __memory, __carry)
+                #solve
             }
         }
     };
-    let step = quote! {
-        type Prepared = #sites::Prepared<__Prepared>;
-        type Memory<__S: __wzvi::Scalar> = #sites::Memory<__S, __Memory<__S>, __Prepared>;
-
-        fn memory(&self) -> Self::Memory<#f64> {
-            #sites::Memory::new(self, #degrees)
-        }
-
-        fn prepare(&self, __h: #f64) -> #result<Self::Prepared, __wzvi::ConfigError> {
-            #sites::prepare::<_, #embedding, #degrees, #noises>(self, __h)
-        }
-
-        #[inline(always)]
-        fn advance_carrying<
-            __S: __wzvi::Scalar,
-            __C: __wzvi::Carry<__S>,
-            const __CAREFUL: __wzvi::core::primitive::bool,
-        >(
-            &self,
-            __prepared: &Self::Prepared,
-            __t: #f64,
-            __h: #f64,
-            __q: &mut [__S],
-            __p: &mut [__S],
-            __dw: &[__S],
-            __memory: &mut Self::Memory<__S>,
-            __carry: &mut __C,
-        ) -> #result<__wzvi::Effort, __wzvi::StepFailure> {
-            #sites::advance::<_, #embedding, __S, __C, __CAREFUL, #degrees, #noises>(
-                self, __prepared, __t, __h, __q, __p, __dw, __memory, __carry,
-            )
-        }
-    };
     let momentum = match momentum_factors {
-        Some(factors) => quote!(#sites::step_momentum(&__before.p, &__after.p, [#(#factors),*])),
+        Some(factors) => {
+            let factors = factors.into_iter().map(Literal::f64_unsuffixed);
+            quote!(#sites::step_momentum(&__before.p, &__after.p, [#(#factors),*]))
+        }
         None => quote!(__wzvi::elements::step_momentum(self, &__SCHEME, __before, __after, __h, __dw)),
     };
     Road {
@@ -176,7 +154,16 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
         unknowns: Unknowns::Both,
         is_linear: false,
         in_lanes: !system.noise.is_empty(),
-        step,
+        prepared: quote!(#sites::Prepared<__Prepared>),
+        memory: quote!(#sites::Memory<__S, __Memory<__S>, __Prepared>),
+        new_memory: quote!(#sites::Memory::new(self, #degrees)),
+        prepare: quote!(#sites::prepare::<_, #embedding, #degrees, #noises>(self, __h)),
+        inline: quote!(#[inline(always)]),
+        advance: quote! {
+            #sites::advance::<_, #embedding, __S, __C, __CAREFUL, #degrees, #noises>(
+                self, __prepared, __t, __h, __q, __p, __dw, __memory, __carry,
+            )
+        },
         momentum,
     }
 }

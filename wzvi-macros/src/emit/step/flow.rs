@@ -118,7 +118,7 @@ impl Flow {
         });
         let isolated = isolated.collect();
         let [dq, dp, momentum] = ends.map(|ends| ends.into_iter().map(|end| lowering.lower(end)).collect());
-        let hints = hints(&mut lowering, scheme);
+        let hints = hints(&mut lowering, scheme, &solves);
         let program = lowering.program;
         Self {
             program,
@@ -376,15 +376,18 @@ fn reciprocal(lowering: &mut Lowering<'_>, pivot: Op, inverse: &Inverse) -> Solv
 }
 
 /// Names for what a reader knows from the formulas.
-fn hints(lowering: &mut Lowering<'_>, scheme: &Scheme) -> HashMap<Op, String> {
+fn hints(lowering: &mut Lowering<'_>, scheme: &Scheme, solves: &[Solve]) -> HashMap<Op, String> {
     let symbols = &scheme.lagrangian.symbols;
     let mut named: Vec<(Symbol, String)> = Vec::new();
     for i in 0..symbols.u.len() {
-        named.push((symbols.momentum[i], format!("momentum{i}")));
-        named.push((symbols.u[i], format!("u{i}")));
-        named.push((symbols.v[i], format!("v{i}")));
+        let [q, p] = [symbols.u[i], symbols.v[i]].map(|increment| {
+            lowering.graph().symbol_name(increment).trim_start_matches(['Δ', 'δ']).to_owned()
+        });
+        named.push((symbols.momentum[i], format!("node_{p}")));
+        named.push((symbols.u[i], format!("delta_{q}")));
+        named.push((symbols.v[i], format!("delta_{p}")));
         for (stage, point) in symbols.stages.iter().enumerate() {
-            named.push((point.q[i], if stage == 0 { format!("stage_q{i}") } else { format!("noise_q{i}") }));
+            named.push((point.q[i], if stage == 0 { format!("stage_{q}") } else { format!("noise_{q}") }));
         }
     }
     let mut hints = HashMap::new();
@@ -393,6 +396,11 @@ fn hints(lowering: &mut Lowering<'_>, scheme: &Scheme) -> HashMap<Op, String> {
         let op = lowering.lower(expr);
         if !hints.values().any(|known| *known == name) {
             hints.entry(op).or_insert(name);
+        }
+    }
+    for solve in solves {
+        if let Solve::Inverted { inverse, .. } | Solve::Reciprocal { inverse, .. } = solve {
+            hints.entry(*inverse).or_insert_with(|| "inverse_pivot".to_owned());
         }
     }
     hints

@@ -170,8 +170,8 @@ fn parameters_in_the_order_of_their_use() {
         "n = (self.nas::core::primitive::f64)",
         "a = self.a",
         "masses[2] = self.masses[2]",
-        "table[7] = (||__wzvi::core::option::Option::Some((*self.table.get(7usize)?)))()\
-         .unwrap_or(__wzvi::core::primitive::f64::NAN)",
+        "table[7] = (||__wzvi::Some((*self.table.get(7usize)?)))()\
+         .unwrap_or(__wzvi::f64::NAN)",
         "G = G",
         "PI = PI",
         "PI = std::f64::consts::PI",

@@ -1,0 +1,116 @@
+//! `impl Discretized<E>`: the signatures, around whatever takes the steps.
+
+use proc_macro2::TokenStream;
+use quote::quote;
+
+use super::{embedding_type, f64_type};
+use crate::discretise::embedding::Embedding;
+
+/// One scheme of a system as code. Bodies read the parameters of their methods by the names that these have here.
+pub(crate) struct Discretized<'a> {
+    pub(crate) item: &'a syn::ItemStruct,
+    pub(crate) embedding: &'a Embedding,
+    /// `EQUATIONS`
+    pub(crate) text: &'a str,
+    /// What stands beside the implementation.
+    pub(crate) items: TokenStream,
+    /// Constants that differ from those of the trait.
+    pub(crate) constants: TokenStream,
+    pub(crate) plan: TokenStream,
+    /// The types, the last three for numbers `__S`.
+    pub(crate) prepared: TokenStream,
+    pub(crate) memory: TokenStream,
+    pub(crate) compensated: TokenStream,
+    pub(crate) carry: TokenStream,
+    /// The body of `memory`, if that of the trait is not enough.
+    pub(crate) new_memory: Option<TokenStream>,
+    /// The bodies, by method.
+    pub(crate) prepare: TokenStream,
+    pub(crate) inline: TokenStream,
+    pub(crate) advance: TokenStream,
+    pub(crate) lagrangian: TokenStream,
+    pub(crate) gradient: TokenStream,
+    pub(crate) momentum: TokenStream,
+}
+
+impl Discretized<'_> {
+    pub(crate) fn emit(&self) -> TokenStream {
+        let Self {
+            item, embedding, text, items, constants, plan, prepared, memory, compensated, carry, ..
+        } = self;
+        let Self { prepare, inline, advance, lagrangian, gradient, momentum, .. } = self;
+        let name = &item.ident;
+        let (generics, arguments, filter) = item.generics.split_for_impl();
+        let (scheme, f64) = (embedding_type(embedding, &quote!(__wzvi)), f64_type());
+        let new_memory = self.new_memory.as_ref().map(|body| {
+            quote! {
+                fn memory(&self) -> Self::Memory<#f64> {
+                    #body
+                }
+            }
+        });
+        quote! {
+            const _: () = {
+                #items
+
+                #[automatically_derived]
+                impl #generics __wzvi::Discretized<#scheme> for #name #arguments #filter {
+                    const PLAN: __wzvi::Plan = #plan;
+                    const EQUATIONS: &'static __wzvi::str = #text;
+                    #constants
+                    type Prepared = #prepared;
+                    type Memory<__S: __wzvi::Scalar> = #memory;
+                    type Compensated<__S: __wzvi::Scalar> = #compensated;
+                    type Carry<__S: __wzvi::Scalar> = #carry;
+
+                    #new_memory
+
+                    fn prepare(&self, __h: #f64) -> __wzvi::Result<Self::Prepared, __wzvi::ConfigError> {
+                        #prepare
+                    }
+
+                    #inline
+                    fn advance_carrying<__S: __wzvi::Scalar, __C: __wzvi::Carry<__S>, const __CAREFUL: __wzvi::bool>(
+                        &self,
+                        __prepared: &Self::Prepared,
+                        __t: #f64,
+                        __h: #f64,
+                        __q: &mut [__S],
+                        __p: &mut [__S],
+                        __dw: &[__S],
+                        __memory: &mut Self::Memory<__S>,
+                        __carry: &mut __C,
+                    ) -> __wzvi::Result<__wzvi::Effort, __wzvi::StepFailure> {
+                        #advance
+                    }
+
+                    fn discrete_lagrangian(
+                        &self,
+                        __segment: &__wzvi::Segment<Self::Vector>,
+                        __dw: &[#f64],
+                    ) -> #f64 {
+                        #lagrangian
+                    }
+
+                    fn discrete_lagrangian_gradient(
+                        &self,
+                        __segment: &__wzvi::Segment<Self::Vector>,
+                        __dw: &[#f64],
+                    ) -> __wzvi::LagrangianGradient<Self::Vector> {
+                        #gradient
+                    }
+
+                    fn step_momentum(
+                        &self,
+                        __before: &__wzvi::State<Self::Vector>,
+                        __after: &__wzvi::State<Self::Vector>,
+                        __h: #f64,
+                        __dw: &[#f64],
+                    ) -> Self::Vector {
+                        #momentum
+                    }
+                }
+            };
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Names in emitted code: unmistakable while it is put together, those of the user's formulas where it is read.
+//!
+//! An emitter marks each of its own names with two underscores, and writes everything of this library by its path. When
+//! the code of a struct is complete, [`readable`] knows all of its words and takes the marks off.
+
+use std::collections::HashSet;
+
+use proc_macro2::{Ident, Span};
+
+mod readable;
+
+pub(crate) use readable::{Surroundings, readable};
+
+/// What stands before a name of ours.
+const MARK: &str = "__";
+
+/// The names of one function body: no two are the same.
+#[derive(Clone, Default)]
+pub(crate) struct Names {
+    taken: HashSet<String>,
+    /// Names that are taken with any number after them.
+    numbered: &'static [&'static str],
+}
+
+impl Names {
+    /// For a body that reads `live` names besides those that it asks for.
+    pub(crate) fn beside(live: &[&str]) -> Self {
+        Self { taken: live.iter().map(|name| format!("{MARK}{name}")).collect(), numbered: &[] }
+    }
+
+    /// The same, and it numbers others from 0 on.
+    pub(crate) fn and_numbered(self, numbered: &'static [&'static str]) -> Self {
+        Self { numbered, ..self }
+    }
+
+    fn is_numbered(&self, word: &str) -> bool {
+        let is_number = |rest: &str| !rest.is_empty() && rest.chars().all(|c| c.is_ascii_digit());
+        self.numbered.iter().any(|name| word.strip_prefix(name).is_some_and(is_number))
+    }
+
+    /// Nothing else is called `name` from here on.
+    pub(crate) fn avoid(&mut self, name: &Ident) {
+        self.taken.insert(name.to_string());
+    }
+
+    /// A name as near to `wish` as possible: a variable of the user, or a part of a formula.
+    pub(crate) fn take(&mut self, wish: &str) -> Ident {
+        let mut word = as_word(wish);
+        if self.is_numbered(&word) {
+            word.push('_');
+        }
+        let separator = if word.ends_with(|last: char| last.is_ascii_digit()) { "_" } else { "" };
+        let mut name = format!("{MARK}{word}");
+        let mut number = 2_u32;
+        while !self.taken.insert(name.clone()) {
+            name = format!("{MARK}{word}{separator}{number}");
+            number += 1;
+        }
+        Ident::new(&name, Span::call_site())
+    }
+
+    /// Names for `wishes`, in their order.
+    pub(crate) fn take_all<W: AsRef<str>>(&mut self, wishes: impl IntoIterator<Item = W>) -> Vec<Ident> {
+        wishes.into_iter().map(|wish| self.take(wish.as_ref())).collect()
+    }
+}
+
+/// `q[0]` is `q0`, `q[i + 1]` is `q_i_plus_1`, `self.0` is `field0`; what is a word already is left alone.
+fn as_word(wish: &str) -> String {
+    let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
+    let is_word = |word: &str| word.chars().any(|c| c != '_') && word.chars().all(is_of_word);
+    if is_word(wish) {
+        return wish.to_owned();
+    }
+    let wish = wish.strip_prefix("self.").map_or_else(|| wish.to_owned(), |field| format!("field[{field}]"));
+    let spelled = wish.replace('+', " plus ").replace('-', " minus ").replace('%', " mod ");
+    let mut word = String::new();
+    let mut rest = spelled.as_str();
+    while let Some(start) = rest.find(is_of_word) {
+        let gap = &rest[..start];
+        let end = rest[start..].find(|c| !is_of_word(c)).map_or(rest.len(), |length| start + length);
+        let (part, after) = (&rest[start..end], &rest[end..]);
+        let is_number = |text: &str| text.ends_with(|c: char| c.is_ascii_digit());
+        let is_component = gap == "[" && after.starts_with(']') && is_number(part);
+        let is_multiple = gap == " " && is_number(&word) && !is_number(part) && !is_operator(part);
+        if !(word.is_empty() || is_component && !is_number(&word) || is_multiple) {
+            word.push('_');
+        }
+        word.push_str(part);
+        rest = after;
+    }
+    if is_word(&word) { word } else { "x".to_owned() }
+}
+
+fn is_operator(word: &str) -> bool {
+    ["plus", "minus", "mod"].contains(&word)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variables_keep_their_names() {
+        let cases = [
+            ("sigma", "__sigma"),
+            ("θ", "__θ"),
+            ("q[0]", "__q0"),
+            ("q[1][2]", "__q1_2"),
+            ("q[i + 1]", "__q_i_plus_1"),
+            ("q[2 i + 1]", "__q_2i_plus_1"),
+            ("mass[0][i]", "__mass0_i"),
+            ("self.0", "__field0"),
+            ("_", "__x"),
+            ("", "__x"),
+        ];
+        for (wish, name) in cases {
+            assert_eq!(Names::default().take(wish).to_string(), name);
+        }
+    }
+
+    #[test]
+    fn series_are_left_alone() {
+        let mut names = Names::beside(&[]).and_numbered(&["s", "at"]);
+        let taken: Vec<String> =
+            names.take_all(["s0", "at12", "s", "s0"]).iter().map(ToString::to_string).collect();
+        assert_eq!(taken, ["__s0_", "__at12_", "__s", "__s0_2"]);
+    }
+
+    #[test]
+    fn no_two_names_are_the_same() {
+        let mut names = Names::beside(&["h"]);
+        let taken = names.take_all(["h", "q", "q", "q0", "q[0]", "q"]);
+        let taken: Vec<String> = taken.iter().map(ToString::to_string).collect();
+        assert_eq!(taken, ["__h2", "__q", "__q2", "__q0", "__q0_2", "__q3"]);
+    }
+}

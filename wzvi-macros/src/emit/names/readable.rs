@@ -1,0 +1,326 @@
+//! Emitted code with the marks taken off its names, and with imports instead of paths.
+//!
+//! The whole code of a struct is looked at first. A name of ours loses its mark, and a type is imported, unless one of the
+//! user's tokens in the code could mean something else by the word: the generics of the struct, the constants and fields
+//! that it reads. So neither side can capture a name of the other. What is left are constants around the struct, of which
+//! no token tells: a pattern `h` means the constant `h` if there is one. Hence all names that are bound are imported as
+//! functions, which patterns may shadow.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
+use quote::quote;
+
+use super::MARK;
+
+/// What every path of ours starts with: the module that generated code may name.
+const ROOT: &str = "__wzvi";
+/// Types whose names do not start with a capital.
+const PRIMITIVES: [&str; 6] = ["bool", "f64", "i128", "isize", "str", "usize"];
+/// The parameters of emitted functions that are types.
+const TYPE_PARAMETERS: [&str; 3] = ["__S", "__C", "__W"];
+const DECLARING: [&str; 4] = ["const", "fn", "struct", "type"];
+const KEYWORDS: [&str; 53] = [
+    "Self", "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate", "do",
+    "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop",
+    "macro", "match", "mod", "move", "mut", "override", "priv", "pub", "ref", "return", "self", "static",
+    "struct", "super", "trait", "true", "try", "type", "typeof", "unsafe", "unsized", "use", "virtual",
+    "where", "while", "yield", "_",
+];
+
+/// Where the code will stand.
+pub(crate) struct Surroundings<'s> {
+    /// The facade as the user's crate knows it.
+    pub(crate) crate_path: &'s syn::Path,
+    /// The user's tokens in the code.
+    pub(crate) tokens: TokenStream,
+    /// Everything else that the user wrote.
+    pub(crate) spelled: &'s TokenStream,
+}
+
+/// `generated` as a person would write it, with its imports.
+pub(crate) fn readable(generated: TokenStream, surroundings: &Surroundings<'_>) -> TokenStream {
+    let Surroundings { crate_path, tokens, spelled } = surroundings;
+    let mut of_user = HashSet::new();
+    listen(tokens.clone(), &mut of_user, &|word| !word.starts_with(MARK));
+    listen((*spelled).clone(), &mut of_user, &|word| word.starts_with(MARK) && !word.starts_with(ROOT));
+    if crate_path.leading_colon.is_none() {
+        listen(quote!(#crate_path), &mut of_user, &|_| true);
+    }
+    let mut survey = Survey::new(of_user);
+    let code = survey.read(generated);
+    let decided = survey.decide();
+    let body = decided.written(code, false);
+    let (root, imports, bindings) = (&decided.root, decided.imports(), &decided.bindings);
+    let bindings = (!bindings.is_empty()).then(|| {
+        quote! {
+            /// The names that are bound above, so that no constant around can stand for them.
+            use #crate_path::__private::{#(binding as #bindings),*};
+        }
+    });
+    quote! {
+        use #crate_path::__private::{self as #root, #(#imports),*};
+        #body
+        #bindings
+    }
+}
+
+/// Remembers the words of the user that can be meant by themselves: not fields, not the end of paths.
+fn listen(tokens: TokenStream, heard: &mut HashSet<String>, is_wanted: &dyn Fn(&str) -> bool) {
+    let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+    for (i, token) in tokens.iter().enumerate() {
+        match token {
+            TokenTree::Ident(ident) if !is_field(&tokens, i) && !ends_path(&tokens, i) => {
+                let word = ident.to_string();
+                let word = word.strip_prefix("r#").unwrap_or(&word);
+                if is_wanted(word) {
+                    heard.insert(word.to_owned());
+                }
+            }
+            TokenTree::Group(group) => listen(group.stream(), heard, is_wanted),
+            _ => {}
+        }
+    }
+}
+
+/// A part of the code, with what may be renamed by its number.
+enum Node {
+    /// A marked word.
+    Word(usize, Ident),
+    /// A path to a type, and how it is written at length after [`ROOT`].
+    Path(usize, Ident, Vec<TokenTree>),
+    Group(Group, Vec<Node>),
+    Other(TokenTree),
+}
+
+/// The words of the code.
+struct Survey {
+    /// Those that are not ours.
+    of_user: HashSet<String>,
+    numbers: HashMap<String, usize>,
+    /// Marked words, and whether patterns bind them.
+    words: Vec<(String, bool)>,
+    path_numbers: HashMap<String, usize>,
+    paths: Vec<Vec<String>>,
+}
+
+impl Survey {
+    fn new(of_user: HashSet<String>) -> Self {
+        Self {
+            of_user,
+            numbers: HashMap::new(),
+            words: Vec::new(),
+            path_numbers: HashMap::new(),
+            paths: Vec::new(),
+        }
+    }
+
+    fn read(&mut self, tokens: TokenStream) -> Vec<Node> {
+        let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+        let mut code = Vec::with_capacity(tokens.len());
+        let mut is_declared = false;
+        let mut i = 0;
+        while i < tokens.len() {
+            let mut next = i + 1;
+            let declares = std::mem::take(&mut is_declared);
+            code.push(match &tokens[i] {
+                TokenTree::Group(group) => Node::Group(group.clone(), self.read(group.stream())),
+                TokenTree::Ident(ident) => {
+                    let word = ident.to_string();
+                    is_declared = DECLARING.contains(&word.as_str());
+                    if !word.starts_with(MARK) || is_field(&tokens, i) || self.of_user.contains(&word) {
+                        Node::Other(tokens[i].clone())
+                    } else if word == ROOT
+                        && let Some((path, end)) = path_to_type(&tokens, i)
+                    {
+                        next = end;
+                        Node::Path(self.path(path), ident.clone(), tokens[i + 1..end].to_vec())
+                    } else {
+                        Node::Word(self.word(word, declares), ident.clone())
+                    }
+                }
+                other => Node::Other(other.clone()),
+            });
+            i = next;
+        }
+        code
+    }
+
+    fn word(&mut self, word: String, is_declared: bool) -> usize {
+        let is_item = is_declared || word == ROOT || TYPE_PARAMETERS.contains(&word.as_str());
+        let number = match self.numbers.get(&word) {
+            Some(&known) => known,
+            None => {
+                self.words.push((word.clone(), true));
+                self.numbers.insert(word, self.words.len() - 1);
+                self.words.len() - 1
+            }
+        };
+        self.words[number].1 &= !is_item;
+        number
+    }
+
+    fn path(&mut self, path: Vec<String>) -> usize {
+        let key = path.concat();
+        *self.path_numbers.entry(key).or_insert_with(|| {
+            self.paths.push(path);
+            self.paths.len() - 1
+        })
+    }
+
+    /// Items have the first choice of words, then types, then what is bound.
+    fn decide(self) -> Decided {
+        let Self { of_user, words, paths, .. } = self;
+        let mut taken = of_user;
+        taken.extend(KEYWORDS.map(str::to_owned));
+        let root = Ident::new(&free(ROOT, &mut taken), Span::call_site());
+        let of_items: Vec<Option<String>> = words
+            .iter()
+            .map(|(word, is_bound)| match word.as_str() {
+                ROOT => Some(root.to_string()),
+                _ => (!is_bound).then(|| free(word, &mut taken)),
+            })
+            .collect();
+        let is_imported = paths
+            .iter()
+            .map(|path| path.last().is_some_and(|last| taken.insert(last.clone())))
+            .collect::<Vec<bool>>();
+        let mut bindings = Vec::new();
+        let names = words.iter().zip(of_items).map(|((word, _), of_item)| match of_item {
+            Some(name) => name,
+            None => {
+                let name = free(word, &mut taken);
+                bindings.push(Ident::new(&name, Span::call_site()));
+                name
+            }
+        });
+        let names = names.collect();
+        bindings.sort();
+        Decided { root, names, paths, is_imported, bindings }
+    }
+}
+
+/// The word without its mark, and not one that is taken.
+fn free(word: &str, taken: &mut HashSet<String>) -> String {
+    let mut name = word.strip_prefix(MARK).unwrap_or(word).to_owned();
+    while !taken.insert(name.clone()) {
+        name.push('_');
+    }
+    name
+}
+
+/// What every word of ours becomes.
+struct Decided {
+    root: Ident,
+    names: Vec<String>,
+    paths: Vec<Vec<String>>,
+    is_imported: Vec<bool>,
+    bindings: Vec<Ident>,
+}
+
+impl Decided {
+    /// What is imported, by module.
+    fn imports(&self) -> Vec<TokenStream> {
+        let ident = |segment: &String| Ident::new(segment, Span::call_site());
+        let mut modules: BTreeMap<&[String], Vec<Ident>> = BTreeMap::new();
+        for (path, _) in self.paths.iter().zip(&self.is_imported).filter(|(_, is_imported)| **is_imported) {
+            if let Some((last, module)) = path.split_last() {
+                modules.entry(module).or_default().push(ident(last));
+            }
+        }
+        let import = |(module, mut types): (&[String], Vec<Ident>)| {
+            types.sort();
+            let module = module.iter().map(ident);
+            match types.as_slice() {
+                [only] => quote!(#(#module::)* #only),
+                types if module.len() == 0 => quote!(#(#types),*),
+                types => quote!(#(#module::)* {#(#types),*}),
+            }
+        };
+        modules.into_iter().map(import).collect()
+    }
+
+    fn written(&self, code: Vec<Node>, is_braced: bool) -> TokenStream {
+        let mut written: Vec<TokenTree> = Vec::with_capacity(code.len());
+        for node in code {
+            match node {
+                Node::Word(number, ident) => written.push(named(&self.names[number], &ident)),
+                Node::Path(number, ident, rest) => match self.paths[number].last() {
+                    Some(last) if self.is_imported[number] => written.push(named(last, &ident)),
+                    _ => {
+                        let mut root = self.root.clone();
+                        root.set_span(ident.span());
+                        written.push(root.into());
+                        written.extend(rest);
+                    }
+                },
+                Node::Group(group, inner) => {
+                    let inner = self.written(inner, group.delimiter() == Delimiter::Brace);
+                    let mut new = Group::new(group.delimiter(), inner);
+                    new.set_span(group.span());
+                    written.push(new.into());
+                }
+                Node::Other(token) => {
+                    if is_braced && is(Some(&token), ',') {
+                        shorten_field(&mut written);
+                    }
+                    written.push(token);
+                }
+            }
+        }
+        if is_braced {
+            shorten_field(&mut written);
+        }
+        written.into_iter().collect()
+    }
+}
+
+fn named(name: &str, like: &Ident) -> TokenTree {
+    Ident::new(name, like.span()).into()
+}
+
+/// `q` at the end instead of `q: q`, as in `Point { q, p }`.
+fn shorten_field(written: &mut Vec<TokenTree>) {
+    let [before @ .., TokenTree::Ident(field), colon, TokenTree::Ident(value)] = written.as_slice() else {
+        return;
+    };
+    let is_field = is(Some(colon), ':') && before.last().is_none_or(|last| is(Some(last), ','));
+    if is_field && field == value {
+        written.truncate(written.len() - 2);
+    }
+}
+
+fn is(token: Option<&TokenTree>, c: char) -> bool {
+    matches!(token, Some(TokenTree::Punct(punct)) if punct.as_char() == c)
+}
+
+fn before(tokens: &[TokenTree], i: usize, distance: usize) -> Option<&TokenTree> {
+    i.checked_sub(distance).and_then(|before| tokens.get(before))
+}
+
+/// Whether token `i` is a field or a method: it comes after one dot.
+fn is_field(tokens: &[TokenTree], i: usize) -> bool {
+    is(before(tokens, i, 1), '.') && !is(before(tokens, i, 2), '.')
+}
+
+/// Whether token `i` comes after `::`.
+fn ends_path(tokens: &[TokenTree], i: usize) -> bool {
+    is(before(tokens, i, 1), ':') && is(before(tokens, i, 2), ':')
+}
+
+/// The path from [`ROOT`] at `i` to its first type, and where it ends.
+fn path_to_type(tokens: &[TokenTree], i: usize) -> Option<(Vec<String>, usize)> {
+    let mut path = Vec::new();
+    let mut at = i + 1;
+    while is(tokens.get(at), ':') && is(tokens.get(at + 1), ':') {
+        let Some(TokenTree::Ident(segment)) = tokens.get(at + 2) else { return None };
+        let segment = segment.to_string();
+        let is_type = segment.starts_with(char::is_uppercase) || PRIMITIVES.contains(&segment.as_str());
+        path.push(segment);
+        at += 3;
+        if is_type {
+            return Some((path, at));
+        }
+    }
+    None
+}

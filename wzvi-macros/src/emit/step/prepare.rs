@@ -1,0 +1,146 @@
+//! What is computed once for all steps: the numbers that a step reads, and the body that makes them.
+
+use proc_macro2::{Ident, TokenStream};
+use quote::{format_ident, quote};
+
+use super::flow::{Flow, Solve};
+use super::memory::tuple;
+use crate::emit::names::Names;
+use crate::emit::program::Op;
+use crate::emit::system::{count, parameter_names};
+use crate::emit::{Printer, f64_type};
+use crate::model::Model;
+
+/// The parts of `__Prepared` that a step reads, by the names that they have there.
+pub(super) struct Prepared {
+    /// Numbers.
+    pub(super) constants: Vec<(Op, Ident)>,
+    pub(super) truths: Vec<(Op, Ident)>,
+    /// One for each matrix that never changes, with its size.
+    pub(super) factors: Vec<(usize, Ident)>,
+    /// The body of a method that makes a `__Prepared` of `self` and `__h`.
+    pub(super) body: TokenStream,
+}
+
+impl Prepared {
+    /// Takes the names of its parts from those of the step.
+    pub(super) fn new(flow: &Flow, model: &Model, names: &mut Names) -> Self {
+        let is_truth = |&op: &Op| flow.program.operation(op).is_truth();
+        let (truths, constants): (Vec<Op>, Vec<Op>) = flow.constants().into_iter().partition(is_truth);
+        let read_by_step: Vec<Op> = constants.iter().chain(&truths).copied().collect();
+        let used = flow.program.uses(&flow.prepared_roots(&read_by_step));
+
+        let mut own = Names::beside(&["h"]);
+        let parameters = parameter_names(&mut own, &model.graph, &model.parameters);
+        let mut printer = Printer::new(&flow.program, f64_type(), &flow.hints, own);
+        printer.set(flow.h, format_ident!("__h"));
+        let mut statements = TokenStream::new();
+        let parameters = flow.parameters.iter().zip(&model.parameters).zip(parameters);
+        let read: Vec<_> = parameters.filter(|((op, _), _)| used[**op] > 0).collect();
+        let f64 = f64_type();
+        for ((op, parameter), name) in &read {
+            let tokens = &parameter.tokens;
+            statements.extend(quote!(let #name: #f64 = #tokens;));
+            printer.set(**op, name.clone());
+        }
+        if !read.is_empty() {
+            let read = read.iter().map(|(_, name)| name);
+            statements.extend(quote! {
+                if #(#read.is_nan())||* {
+                    return __wzvi::Err(__wzvi::ConfigError::Parameter);
+                }
+            });
+        }
+        let mut factors = Vec::new();
+        for solve in &flow.solves {
+            match solve {
+                Solve::Inverted { pivot, inverse } => {
+                    statements.extend(printer.bind(&[*pivot], &used, &|_| false));
+                    let (name, value) = (printer.name(*inverse), printer.value(*pivot));
+                    statements
+                        .extend(quote!(let #name = __wzvi::prepared(__h, __wzvi::reciprocal(#value))?;));
+                }
+                Solve::Factored { matrix, .. } => {
+                    let entries: Vec<Op> = matrix.iter().flatten().copied().collect();
+                    statements.extend(printer.bind(&entries, &used, &|_| false));
+                    let rows = rows(&printer, matrix);
+                    let name = names.take("factor");
+                    statements.extend(
+                        quote!(let #name = __wzvi::prepared(__h, __wzvi::Factor::new([#(#rows),*]))?;),
+                    );
+                    factors.push((matrix.len(), name));
+                }
+                _ => {}
+            }
+        }
+        statements.extend(printer.bind(&read_by_step, &used, &|_| false));
+        let [numbers, flags] = [&constants, &truths].map(|ops| {
+            let values = ops.iter().map(|&op| printer.value(op));
+            quote!([#(#values),*])
+        });
+        let made = factors.iter().map(|(_, name)| quote!(#name)).collect();
+        let value = parts(&constants, numbers, &truths, flags, made);
+        let body = quote! {
+            #statements
+            __wzvi::Ok(#value)
+        };
+        let mut named = |ops: Vec<Op>| -> Vec<(Op, Ident)> {
+            ops.into_iter().map(|op| (op, names.take(&printer.wish_or_name(op)))).collect()
+        };
+        let (constants, truths) = (named(constants), named(truths));
+        Self { constants, truths, factors, body }
+    }
+
+    /// The type `__Prepared`.
+    pub(super) fn ty(&self) -> TokenStream {
+        let (f64, bool) = (f64_type(), quote!(__wzvi::bool));
+        let (constants, truths) = (count(self.constants.len()), count(self.truths.len()));
+        let factors = self.factors.iter().map(|(size, _)| {
+            let size = count(*size);
+            quote!(__wzvi::Factor<#f64, #size>)
+        });
+        let (numbers, flags) = (quote!([#f64; #constants]), quote!([#bool; #truths]));
+        parts(&self.constants, numbers, &self.truths, flags, factors.collect())
+    }
+
+    /// `let` for all parts: numbers by value, factors by reference.
+    pub(super) fn open(&self) -> TokenStream {
+        let [numbers, flags] = [&self.constants, &self.truths].map(|parts| {
+            let names = parts.iter().map(|(_, name)| name);
+            quote!([#(#names),*])
+        });
+        let factors: Vec<TokenStream> = self.factors.iter().map(|(_, name)| quote!(ref #name)).collect();
+        let pattern = parts(&self.constants, numbers, &self.truths, flags, factors);
+        match self.constants.is_empty() && self.truths.is_empty() && self.factors.is_empty() {
+            true => TokenStream::new(),
+            false => quote!(let #pattern = *__prepared;),
+        }
+    }
+}
+
+/// What is prepared, as a type, a value or a pattern: an array of numbers, and where there are others, a tuple of
+/// numbers, truths and factors.
+fn parts<T>(
+    constants: &[T],
+    numbers: TokenStream,
+    truths: &[T],
+    flags: TokenStream,
+    factors: Vec<TokenStream>,
+) -> TokenStream {
+    if truths.is_empty() && factors.is_empty() {
+        return numbers;
+    }
+    let numbers = (!constants.is_empty()).then_some(numbers);
+    let flags = (!truths.is_empty()).then_some(flags);
+    tuple(numbers.into_iter().chain(flags).chain(factors).collect())
+}
+
+pub(super) fn rows(printer: &Printer<'_>, matrix: &[Vec<Op>]) -> Vec<TokenStream> {
+    matrix
+        .iter()
+        .map(|row| {
+            let entries = row.iter().map(|&entry| printer.scalar_value(entry));
+            quote!([#(#entries),*])
+        })
+        .collect()
+}
