@@ -60,7 +60,7 @@ fn a_run_ends_when_its_error_is_small_enough() {
     // A block earlier it was not.
     let before = kubo(3).paths(paths - 512).run().unwrap();
     assert!(before.error_bound("q").unwrap() > 4e-3 || before.error_bound("p").unwrap() > 5e-3);
-    assert!(paths % 512 == 0 && paths > 10_000 && paths < 40_000, "{paths}");
+    assert!(paths.is_multiple_of(512) && paths > 10_000 && paths < 40_000, "{paths}");
     for threads in [1, 2, 5] {
         assert!(run().threads(threads).run().unwrap() == one);
     }
@@ -195,7 +195,7 @@ fn a_stopped_run_keeps_what_is_done() {
         let partial = run.stop_when(|| asked.fetch_add(1, Ordering::Relaxed) > 1000).run().unwrap();
         assert!(partial.is_partial());
         let paths = partial.last().unwrap().count();
-        assert!(paths % 512 == 0 && paths < 100_000, "{paths}");
+        assert!(paths.is_multiple_of(512) && paths < 100_000, "{paths}");
         let whole = kubo(2).paths(paths).run().unwrap();
         assert_eq!(whole.nodes(), partial.nodes());
         assert!(!whole.is_partial());

@@ -376,3 +376,17 @@ fn a_constant_is_not_certain() {
     assert!((5000..6100).contains(&estimate.levels()[0].paths()), "{estimate}");
     assert!(estimate.to_string().contains("the same on all paths"));
 }
+
+/// An ensemble that is asked for an error is the same run, and says what it cannot do in it.
+#[test]
+fn an_ensemble_becomes_a_multilevel_run() {
+    let ensemble = || {
+        let start = State::new([0.0], [1.0]);
+        KUBO.ensemble::<Midpoint>(0.25).start(start).seed(3).until(1.0).observe("q", |state| state.q[0])
+    };
+    let begun = ensemble().multilevel(0.02).run().unwrap();
+    let same = kubo(0.25, 0.02, 3).run().unwrap();
+    assert_eq!((begun.mean(), begun.standard_error()), (same.mean(), same.standard_error()));
+    let error = ensemble().antithetic().multilevel(0.02).run().unwrap_err().to_string();
+    assert!(error.contains("antithetic paths in a multilevel run"), "{error}");
+}

@@ -31,6 +31,7 @@ pub use estimate::{Level, LevelError, LevelFailure, MultilevelEstimate};
 use estimate::{Samples, bias, variance_bounds, variance_slope};
 use pairs::{Pairs, block_size};
 
+use super::Ensemble;
 use super::dispatch::InstructionSet;
 use super::halt::Halt;
 use super::job::{Job, Stop};
@@ -96,6 +97,8 @@ struct Setup<'a, H: Hamiltonian> {
     weak_order: f64,
     finest: u32,
     execution: Execution<'a>,
+    /// What an ensemble was told that means nothing here.
+    refused: Option<&'static str>,
 }
 
 impl<'a, H: Discretized<E>, E> Multilevel<'a, H, E> {
@@ -113,6 +116,7 @@ impl<'a, H: Discretized<E>, E> Multilevel<'a, H, E> {
             weak_order: 1.0,
             finest: MOST_LEVELS,
             execution: Execution::default(),
+            refused: None,
         };
         Self { setup, types: PhantomData }
     }
@@ -125,6 +129,38 @@ impl<'a, H: Discretized<E>, E> Multilevel<'a, H, E> {
     ) -> Multilevel<'a, H, E, Observed> {
         self.setup.observables.push(name.into(), observable);
         Multilevel { setup: self.setup, types: PhantomData }
+    }
+}
+
+impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
+    /// The mean of the one observable at the end, to a root mean square error of `target` (units of the observable), from
+    /// coupled paths: [`Integrate::multilevel`](crate::integrate::Integrate::multilevel) with what was said of start, end, seed,
+    /// observable, paths and threads.
+    pub fn multilevel(self, target: f64) -> Multilevel<'a, H, E, Observed> {
+        let super::Setup {
+            system,
+            h,
+            span,
+            paths,
+            source,
+            settings,
+            observables,
+            events,
+            wanted,
+            execution,
+            ..
+        } = self.setup;
+        let refused = [
+            (settings.is_antithetic, "antithetic paths"),
+            (!events.is_empty(), "first passages"),
+            (wanted.quantiles || !wanted.histograms.is_empty(), "quantiles and histograms"),
+            (wanted.most_bytes.is_some(), "kept paths"),
+        ];
+        let refused = refused.into_iter().find_map(|(is_asked, what)| is_asked.then_some(what));
+        let (seed, truncation) = (source.map(|source| source.seed()), settings.truncation);
+        let begun = Multilevel::<H, E>::new(system, h).setup;
+        let setup = Setup { span, observables, paths, execution, seed, truncation, refused, ..begun };
+        Multilevel { setup, types: PhantomData }.target(target)
     }
 }
 
@@ -221,7 +257,10 @@ where
 
     /// The target, of a run that makes sense.
     fn checked(&self) -> Result<f64, ConfigError> {
-        let Setup { target, weak_order, finest, paths, .. } = &self.setup;
+        let Setup { target, weak_order, finest, paths, refused, .. } = &self.setup;
+        if let Some(what) = refused {
+            return Err(wrong(format!("{what} in a multilevel run, where it has no meaning: leave it out")));
+        }
         let target = target.ok_or(ConfigError::Missing("an error to reach: add `.target(error)`"))?;
         let wrong = |what: String| Err(wrong(what));
         if !H::PLAN.consistent {
