@@ -13,6 +13,8 @@ mod generate;
     unused_parens,
     unused_variables,
     unused_braces,
+    unused_imports,
+    unused_macros,
     dead_code,
     clippy::all,
     reason = "written by a program"
