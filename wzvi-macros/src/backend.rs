@@ -25,7 +25,7 @@ pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts
         let is_swept =
             system.emission.is_none() && facts.noise == NoiseClass::None && scheme.is_cheaper_swept();
         steps.push(match is_swept {
-            false => Step::Inline(scheme),
+            false => Step::Inline(Box::new(scheme)),
             true => {
                 let strategy = model.lend(system, |system| strategy(system, None, facts, &embedding));
                 Step::Swept(embedding, strategy)
@@ -52,7 +52,7 @@ pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts
         false => model.lend(system, |system| elements::emit::steps(system, facts, &swept)),
     };
     let inline = steps.iter().zip(&texts.of_parts).filter_map(|(step, text)| match step {
-        Step::Inline(scheme) => Some((scheme, text.as_str())),
+        Step::Inline(scheme) => Some((&**scheme, text.as_str())),
         Step::Swept(..) => None,
     });
     emit(&mut model, facts, &inline.collect::<Vec<_>>(), beside, &texts)
@@ -60,7 +60,7 @@ pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts
 
 /// How a scheme of a system that is written out is emitted.
 enum Step {
-    Inline(Scheme),
+    Inline(Box<Scheme>),
     Swept(Embedding, Strategy),
 }
 
