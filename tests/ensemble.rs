@@ -265,9 +265,6 @@ fn a_lane_of_a_system_in_loops_is_the_path_of_a_stepper() {
     let shaken = Shaken::<7> { k: 1.0, s: 0.5 };
     as_steppers::<_, DeltaPlus>(&shaken, 0.05, &start, 40, 100);
     as_steppers::<_, Midpoint>(&shaken, 0.05, &start, 10, 20);
-    // The quartic forces of a step that is far too long leave all numbers.
-    let (_, failed) = as_steppers::<_, DeltaPlus>(&shaken, 3.0, &start, 40, 60);
-    assert!(failed > 0, "{failed}");
 }
 
 #[hamiltonian(
