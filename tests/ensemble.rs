@@ -245,7 +245,7 @@ pub struct Shaken<const N: usize> {
     pub s: f64,
 }
 
-/// The same of steps that are taken in loops, in lanes or not; where sites fail, too.
+/// The same of steps that are taken in loops, in lanes or not; where sites are hard to solve, too.
 #[test]
 fn a_lane_of_a_system_in_loops_is_the_path_of_a_stepper() {
     let wave =
