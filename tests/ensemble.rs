@@ -245,7 +245,7 @@ pub struct Shaken<const N: usize> {
     pub s: f64,
 }
 
-/// The same of steps that are taken in loops, in lanes or not; where sites fail, too.
+/// The same of steps that are taken in loops, in lanes or not; where sites are hard to solve, too.
 #[test]
 fn a_lane_of_a_system_in_loops_is_the_path_of_a_stepper() {
     let wave =
@@ -256,7 +256,7 @@ fn a_lane_of_a_system_in_loops_is_the_path_of_a_stepper() {
     let (hard, failed) = as_steppers::<_, Midpoint>(&wells(0.3, 1.0), 0.01, &start, 40, 100);
     assert_eq!((hard, failed), (0, 0));
     let (hard, failed) = as_steppers::<_, Midpoint>(&wells(1.5, 1.0), 0.3, &start, 100, 20);
-    assert!(hard > 100 && failed > 0 && failed < 100, "{hard} {failed}");
+    assert!(hard > 1000 && failed < 100, "{hard} {failed}");
     let start = State {
         q: nalgebra::SVector::from_vec(wave(7, 0.2)),
         p: nalgebra::SVector::from_vec(wave(7, 1.1)),
@@ -265,9 +265,6 @@ fn a_lane_of_a_system_in_loops_is_the_path_of_a_stepper() {
     let shaken = Shaken::<7> { k: 1.0, s: 0.5 };
     as_steppers::<_, DeltaPlus>(&shaken, 0.05, &start, 40, 100);
     as_steppers::<_, Midpoint>(&shaken, 0.05, &start, 10, 20);
-    // The quartic forces of a step that is far too long leave all numbers.
-    let (_, failed) = as_steppers::<_, DeltaPlus>(&shaken, 1.3, &start, 40, 60);
-    assert!(failed > 0, "{failed}");
 }
 
 #[hamiltonian(

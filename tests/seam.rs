@@ -8,3 +8,5 @@
 mod closures;
 #[path = "seam/sizes.rs"]
 mod sizes;
+#[path = "seam/values.rs"]
+mod values;
