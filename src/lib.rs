@@ -148,3 +148,9 @@ pub mod __private {
     /// constant.
     pub fn binding() {}
 }
+
+/// What the guide says compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/order.md")]
+#[derive(Debug)]
+pub struct OrderGuide;

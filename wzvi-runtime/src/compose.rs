@@ -43,7 +43,7 @@ pub struct Composed<E, W>(PhantomData<(E, W)>);
 /// Weights of a composition of steps of a symmetric scheme of order two.
 ///
 /// That they are a palindrome and their sum is 1 is checked when the program is compiled, and so is that the sums of their
-/// odd powers vanish which the order needs. The other conditions of the order are a matter of trust.
+/// odd powers vanish which the order needs. The other conditions of the order are a matter of trust. docs/order.md has an example.
 pub trait Weights {
     /// The order of the composition.
     const ORDER: u32;

@@ -58,7 +58,7 @@ pub(crate) fn parameter_names(names: &mut Names, graph: &Graph, parameters: &[Pa
     let wish = |Parameter { symbol, tokens }: &Parameter| {
         let name = graph.symbol_name(*symbol);
         let is_field = tokens.to_string().contains("self");
-        if is_field { name.to_owned() } else { name.to_lowercase() }
+        if is_field { name.to_owned() } else { format!("constant_{}", name.to_lowercase()) }
     };
     names.take_all(parameters.iter().map(wish))
 }
