@@ -1,7 +1,5 @@
 //! Systems whose sites are not coupled: the step of a small system, taken at each of them.
 
-#![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
-
 use std::fmt::Debug;
 
 use super::Elements;
