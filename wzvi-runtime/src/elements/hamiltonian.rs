@@ -24,7 +24,7 @@ fn part_of(term: usize) -> (usize, Range<usize>) {
     }
 }
 
-/// [`Hamiltonian::evaluate`]
+/// [`Hamiltonian::evaluate`](crate::system::Hamiltonian::evaluate)
 pub fn evaluate<H: Elements, S: Scalar>(system: &H, term: usize, q: &[S], p: &[S], t: f64) -> S {
     if term > system.noises() || !fits(system, q, p) {
         return S::from_f64(f64::NAN);
@@ -33,7 +33,7 @@ pub fn evaluate<H: Elements, S: Scalar>(system: &H, term: usize, q: &[S], p: &[S
     system.value(part, 1.0, &Point { q, p, t, h: 1.0, dw: &dw, acting })
 }
 
-/// [`Hamiltonian::differentiate`]
+/// [`Hamiltonian::differentiate`](crate::system::Hamiltonian::differentiate)
 pub fn differentiate<H: Elements, S: Scalar>(
     system: &H,
     term: usize,
@@ -54,7 +54,7 @@ pub fn differentiate<H: Elements, S: Scalar>(
     }
 }
 
-/// [`Hamiltonian::invariant`]
+/// [`Hamiltonian::invariant`](crate::system::Hamiltonian::invariant)
 pub fn invariant<H: Elements>(system: &H, number: usize, state: &State<H::Vector>) -> f64 {
     let (q, p) = (state.q.components(), state.p.components());
     if number >= system.invariants() || !fits(system, q, p) {

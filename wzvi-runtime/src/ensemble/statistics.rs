@@ -247,7 +247,7 @@ impl Statistics {
         }
     }
 
-    /// The quantile of an observable at the end, as [`Quantiles::at`].
+    /// The quantile of an observable at the end, as [`Quantiles::at`](super::quantiles::Quantiles::at).
     ///
     /// # Errors
     /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was not asked for quantiles.
