@@ -36,6 +36,7 @@ pub enum Method {
 /// What one step leaves for the starting value of the next.
 pub trait StepMemory: Clone + Debug + Default + Numbers {
     /// Forgets the steps before, and keeps what was allocated.
+    #[inline(always)]
     fn forget(&mut self) {
         *self = Self::default();
     }
