@@ -21,6 +21,7 @@
 //! The two paths of a difference have the normals `ξ_1, ξ_2` and `(ξ_1 + ξ_2)/√2`, each truncated with the bound of its own
 //! step size: `P_{l-1}` has the same law on both levels where it occurs, and the sum telescopes exactly.
 
+mod begin;
 mod estimate;
 mod pairs;
 
@@ -31,7 +32,6 @@ pub use estimate::{Level, LevelError, LevelFailure, MultilevelEstimate};
 use estimate::{Samples, bias, variance_bounds, variance_slope};
 use pairs::{Pairs, block_size};
 
-use super::Ensemble;
 use super::dispatch::InstructionSet;
 use super::halt::Halt;
 use super::job::{Job, Stop};
@@ -129,38 +129,6 @@ impl<'a, H: Discretized<E>, E> Multilevel<'a, H, E> {
     ) -> Multilevel<'a, H, E, Observed> {
         self.setup.observables.push(name.into(), observable);
         Multilevel { setup: self.setup, types: PhantomData }
-    }
-}
-
-impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
-    /// The mean of the one observable at the end, to a root mean square error of `target` (units of the observable), from
-    /// coupled paths: [`Integrate::multilevel`](crate::integrate::Integrate::multilevel) with what was said of start, end, seed,
-    /// observable, paths and threads.
-    pub fn multilevel(self, target: f64) -> Multilevel<'a, H, E, Observed> {
-        let super::Setup {
-            system,
-            h,
-            span,
-            paths,
-            source,
-            settings,
-            observables,
-            events,
-            wanted,
-            execution,
-            ..
-        } = self.setup;
-        let refused = [
-            (settings.is_antithetic, "antithetic paths"),
-            (!events.is_empty(), "first passages"),
-            (wanted.quantiles || !wanted.histograms.is_empty(), "quantiles and histograms"),
-            (wanted.most_bytes.is_some(), "kept paths"),
-        ];
-        let refused = refused.into_iter().find_map(|(is_asked, what)| is_asked.then_some(what));
-        let (seed, truncation) = (source.map(|source| source.seed()), settings.truncation);
-        let begun = Multilevel::<H, E>::new(system, h).setup;
-        let setup = Setup { span, observables, paths, execution, seed, truncation, refused, ..begun };
-        Multilevel { setup, types: PhantomData }.target(target)
     }
 }
 
