@@ -418,6 +418,48 @@ fn generated_steps_allocate_nothing() {
     assert_eq!(allocations::<Midpoint, _>(&Ring { k: 2.0 }, &[0.3, 0.1, 0.0], &[0.5, 0.0, 0.0]), [0; 2]);
 }
 
+#[hamiltonian(
+    drift = |[x, y], [px, py]| 0.5 * (1.0 + x * x) * px * px + 0.5 * py * py + 0.25 * (x * x + y * y).powi(2),
+    noise = [|[x, y], _| 0.2 * x * y],
+    embedding = [Midpoint, Verlet, Gauss<3>],
+)]
+struct Coupled;
+
+#[hamiltonian(drift = |q, p| 0.5 * p * p + 0.5 * 1e4 * q * q + q.powi(4), embedding = Gauss<4>)]
+struct StiffWell;
+
+#[hamiltonian(
+    drift = |q: [f64; N], p: [f64; N]| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+        + (0..N - 1).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2) + 0.25 * (q[i + 1] - q[i]).powi(4)).sum::<f64>(),
+    embedding = [Midpoint, Verlet, Gauss<4>],
+)]
+struct Chain<const N: usize>;
+
+/// Allocations of 100 steps after two from a new state: the first keeps a copy of what the steps before left, the second makes
+/// room for a copy of what the first one left.
+fn later_allocations<E, H: Discretized<E>>(system: &H, q: &[f64], p: &[f64], h: f64) -> u64 {
+    let mut stepper = system.stepper::<E>(h).unwrap();
+    let mut state = state::<H::Vector>(q, p);
+    let dw = vec![0.02; system.noises()];
+    (0..2).for_each(|_| assert!(stepper.step(&mut state, &dw).is_ok()));
+    measure(|| (0..100).for_each(|_| assert!(stepper.step(&mut state, &dw).is_ok()))).count_total
+}
+
+/// Also where a step has stages or parts, in loops, and where it is stiff.
+#[test]
+fn steps_of_high_order_allocate_nothing() {
+    let (q, p) = ([0.3, 0.1], [0.1, 0.2]);
+    assert_eq!(allocations::<Gauss<3>, _>(&Coupled, &q, &p)[0], 0);
+    assert_eq!(later_allocations::<Verlet, _>(&Coupled, &q, &p, 0.01), 0);
+    assert_eq!(later_allocations::<Composed<Midpoint, KahanLi6>, _>(&Coupled, &q, &p, 0.01), 0);
+    assert_eq!(later_allocations::<Composed<Gauss<3>, Yoshida4>, _>(&Coupled, &q, &p, 0.01), 0);
+    let (q, p) = (std::array::from_fn::<_, 40, _>(|i| 0.1 * (i as f64).sin()), [0.0; 40]);
+    assert_eq!(later_allocations::<Gauss<4>, _>(&Chain::<40>, &q, &p, 0.01), 0);
+    assert_eq!(later_allocations::<Verlet, _>(&Chain::<40>, &q, &p, 0.01), 0);
+    assert_eq!(later_allocations::<Composed<Midpoint, Suzuki4>, _>(&Chain::<40>, &q, &p, 0.01), 0);
+    assert_eq!(later_allocations::<Gauss<4>, _>(&StiffWell, &[1e-3], &[0.1], 0.5), 0);
+}
+
 #[test]
 fn time_is_start_plus_n_h_exactly() {
     for (t0, h) in [(0.0, 0.1), (0.3, 0.02), (-7.1, 1.0 / 3.0), (2.5, -0.07), (1e6, 1e-3)] {

@@ -51,6 +51,7 @@ where
         (0..first).map(|_| Discretized::<A>::memory(system)).collect(),
         (0..second).map(|_| Discretized::<B>::memory(system)).collect(),
     )
+    .with_room(system.degrees(), system.noises())
 }
 
 /// Prepares every part of a step of size `h`.

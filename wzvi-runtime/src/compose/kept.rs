@@ -93,7 +93,16 @@ impl<S, A, B> Memory<S, A, B> {
 }
 
 impl<S: Scalar, A: StepMemory, B: StepMemory> Memory<S, A, B> {
-    /// Room for the parts of a step, and a copy of everything that they will change. Allocates in the first step only.
+    /// With room for what the first step saves.
+    pub(super) fn with_room(mut self, degrees: usize, noises: usize) -> Self {
+        self.saved = (self.first.clone(), self.second.clone());
+        self.start.iter_mut().for_each(|list| list.reserve(degrees));
+        self.dw.reserve(noises);
+        self
+    }
+
+    /// Room for the parts of a step, and a copy of everything that they will change. Allocates in the first step only, and only
+    /// where the system does not know its size.
     #[inline(always)]
     pub(super) fn save<C: Carry<S>>(&mut self, parts: [usize; 2], q: &[S], p: &[S], dw: &[S], carry: &C) {
         if self.first.len() != parts[0] || self.second.len() != parts[1] {

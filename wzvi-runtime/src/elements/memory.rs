@@ -157,6 +157,15 @@ impl<S: Scalar> Clone for Memory<S> {
         let (iteration, known, prefers_newton) = (self.iteration, self.known, self.prefers_newton);
         Self { iteration, past, known, prefers_newton, ..Self::default() }
     }
+
+    /// Keeps what is allocated.
+    fn clone_from(&mut self, other: &Self) {
+        if other.known > 0 {
+            self.past.clone_from(&other.past);
+        }
+        (self.iteration, self.known, self.prefers_newton) =
+            (other.iteration, other.known, other.prefers_newton);
+    }
 }
 
 impl<S: Scalar> Numbers for Memory<S> {

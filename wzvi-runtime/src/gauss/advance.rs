@@ -37,6 +37,7 @@ pub fn memory<F: Field, const N: usize>(system: &F) -> Memory<f64, F::Shape, N> 
     let degrees = system.degrees();
     if degrees != 0 && system.check(degrees).is_ok() {
         memory.fit(degrees);
+        memory.scratch.reserve(degrees, system.noises());
     }
     memory
 }

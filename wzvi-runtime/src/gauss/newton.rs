@@ -29,6 +29,8 @@ pub(super) struct Newton<S> {
     right: Vec<S>,
     /// Second derivatives of `F` at one stage, by rows: `(q, p)` by `(q, p)`.
     hessian: Vec<f64>,
+    /// `h M⁻¹` by rows, in Nyström form.
+    inverse_mass: Vec<f64>,
     lists: [Vec<Dual<1>>; 4],
     dw: Vec<Dual<1>>,
 }
@@ -36,7 +38,14 @@ pub(super) struct Newton<S> {
 impl<S> Default for Newton<S> {
     fn default() -> Self {
         let lists = std::array::from_fn(|_| Vec::new());
-        Self { matrix: None, right: Vec::new(), hessian: Vec::new(), lists, dw: Vec::new() }
+        Self {
+            matrix: None,
+            right: Vec::new(),
+            hessian: Vec::new(),
+            inverse_mass: Vec::new(),
+            lists,
+            dw: Vec::new(),
+        }
     }
 }
 
@@ -125,7 +134,9 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
                 .ok_or(StepFailure::NonFinite)?,
         };
         matrix.reset();
-        let inverse_mass = if F::IS_NYSTROM { self.inverse_mass(newton) } else { Vec::new() };
+        if F::IS_NYSTROM {
+            self.invert_mass(newton);
+        }
         for j in 0..N {
             self.second_derivatives(newton, lists, j);
             let second = |row: usize, column: usize| newton.hessian[row * 2 * degrees + column];
@@ -136,7 +147,8 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
                             matrix.add(self.place(i, row, a), self.place(j, column, b), S::from_f64(value));
                         };
                         if F::IS_NYSTROM {
-                            let terms = (0..degrees).map(|k| inverse_mass[a * degrees + k] * second(k, b));
+                            let terms =
+                                (0..degrees).map(|k| newton.inverse_mass[a * degrees + k] * second(k, b));
                             let force: f64 = terms.sum();
                             add(0, 0, self.table.eta[j][i] * self.table.b[j] * force);
                         } else {
@@ -155,18 +167,16 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         factored
     }
 
-    /// `h M⁻¹` by rows: the slopes of a quadratic form at the unit momenta.
-    fn inverse_mass(&self, newton: &mut Newton<S>) -> Vec<f64> {
+    /// `h M⁻¹`: the slopes of a quadratic form at the unit momenta.
+    fn invert_mass(&self, newton: &mut Newton<S>) {
         let degrees = self.q.len();
-        let mut inverse = vec![0.0; degrees * degrees];
+        newton.inverse_mass.resize(degrees * degrees, 0.0);
         for column in 0..degrees {
-            let at = |_: usize| 0.0;
-            self.vary(newton, self.at.t, &|d| self.q[d].lane(0), &at, degrees + column);
+            self.vary(newton, self.at.t, &|d| self.q[d].lane(0), &|_| 0.0, degrees + column);
             for row in 0..degrees {
-                inverse[row * degrees + column] = newton.lists[3][row].derivative[0];
+                newton.inverse_mass[row * degrees + column] = newton.lists[3][row].derivative[0];
             }
         }
-        inverse
     }
 
     /// The second derivatives of `F` at one stage.

@@ -102,6 +102,14 @@ impl<S, T> Default for Scratch<S, T> {
     }
 }
 
+impl<S, T> Scratch<S, T> {
+    /// Makes room for so many degrees of freedom and noises.
+    pub(super) fn reserve(&mut self, degrees: usize, noises: usize) {
+        self.one.iter_mut().for_each(|list| list.reserve(degrees));
+        self.dw.reserve(noises);
+    }
+}
+
 /// Stage by stage.
 #[inline(always)]
 fn one_by_one<F: Field, S: Scalar, T: Stages<S, N>, const N: usize, const BY_Q: bool, const BY_P: bool>(
