@@ -48,7 +48,8 @@ const _: () = {
         self as wzvi, Block, Carry, Compensation, ConfigError, Discretized, Effort, Err,
         Extrapolation, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok,
         Option, Plain, Plan, Result, Rounded, SVector, Scalar, Segment, Solution, Solver,
-        State, StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        State, StepFailure, Vector, bool, f64, str, usize,
+        compose::{Composes, General, Structure},
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -267,10 +268,11 @@ const _: () = {
         }
     };
     wzvi::composition! {
-        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
-        Pendulum] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes <
-        Midpoint > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as
-        Composes < Midpoint > > ::substeps()
+        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
+        > > for Pendulum] Composed < Midpoint, W >, < General as Structure < Midpoint >>
+        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
+        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
+        ::substeps()
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{

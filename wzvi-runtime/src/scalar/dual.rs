@@ -169,6 +169,11 @@ impl<const N: usize> Scalar for Dual<N> {
         larger(self.value.relative_to(other.value), of_gradient)
     }
     #[inline]
+    fn is_identical(self, other: Self) -> bool {
+        let derivatives = self.derivative.iter().zip(&other.derivative);
+        self.value.is_identical(other.value) && derivatives.into_iter().all(|(a, b)| a.is_identical(*b))
+    }
+    #[inline]
     fn lane(self, _lane: usize) -> f64 {
         self.value
     }
