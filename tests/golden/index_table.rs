@@ -410,7 +410,7 @@ const _: () = {
             };
             const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..bonds.len() - 1) [bonds.2[i] (q[bonds.0[i]] - q[bonds.1[i]])²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    Σ_(i=0..bonds.len() - 1) [-bonds.2[i] h (q[bonds.0[i]] - q[bonds.1[i]])]   at point bonds.0[i]\n    Σ_(i=0..bonds.len() - 1) [bonds.2[i] h (q[bonds.0[i]] - q[bonds.1[i]])]   at point bonds.1[i]\n  p' = D2 L_d:  p'[i] = P[i]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
             const REMEMBERS: bool = false;
-            const IN_LANES: bool = false;
+            const IN_LANES: bool = true;
             type Prepared = ();
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = CompensationVec<S>;

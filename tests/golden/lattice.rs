@@ -388,7 +388,7 @@ const _: () = {
             };
             const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    -h (q[i][1] - q[((i + 1) mod N)][1])   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-h (q[((i + 1) mod N)][1] - q[i][1])]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
             const REMEMBERS: bool = false;
-            const IN_LANES: bool = false;
+            const IN_LANES: bool = true;
             type Prepared = ();
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = CompensationVec<S>;

@@ -59,11 +59,13 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                 self.kept[lane] = paths.begin();
             }
         }
-        let start = &self.job.start;
-        for ((before, passed), event) in self.before.iter_mut().zip(&mut self.passed).zip(&self.job.events) {
-            let value = event(start);
-            *before = [value; L];
-            *passed = [if value == 0.0 { start.t } else { f64::NAN }; L];
+        for lane in (0..L).filter(|_| !self.job.events.is_empty()) {
+            let start = group.state_at(lane, 0);
+            let memory = self.before.iter_mut().zip(&mut self.passed);
+            for ((before, passed), event) in memory.zip(&self.job.events) {
+                before[lane] = event(start);
+                passed[lane] = if before[lane] == 0.0 { start.t } else { f64::NAN };
+            }
         }
         self.record(group, 0)
     }

@@ -135,7 +135,7 @@ pub(super) fn sweep(
         plan: plan(model, facts, embedding, unknowns, is_linear),
         unknowns,
         is_linear,
-        in_lanes: !model.noise.is_empty() && unknowns == Unknowns::None,
+        in_lanes: unknowns == Unknowns::None,
         prepared: quote!(()),
         memory: quote!(#elements::Memory<__S>),
         new_memory: quote!(#elements::Memory::new(self, &__SCHEME)),
