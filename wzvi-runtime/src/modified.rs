@@ -166,10 +166,18 @@ impl<E: ModifiedBy> ModifiedHamiltonian<E> {
         if !energy.is_finite() {
             return f64::NAN;
         }
-        let mut contractions = Contractions::at(system, state);
+        if const { E::ORDER > 2 } {
+            energy + self.terms(Contractions::<H, true>::at(system, state))
+        } else {
+            energy + self.terms(Contractions::<H, false>::at(system, state))
+        }
+    }
+
+    /// The terms beside `H`.
+    fn terms<H: Hamiltonian, const DEEP: bool>(&self, mut contractions: Contractions<'_, H, DEEP>) -> f64 {
         let terms = self.coefficients.iter().zip(&Basis::get().trees);
         let terms = terms.filter(|(coefficient, _)| **coefficient != 0.0);
-        terms.fold(energy, |sum, (coefficient, (tree, _))| sum + coefficient * contractions.value(tree))
+        terms.map(|(coefficient, (tree, _))| coefficient * contractions.value(tree)).sum()
     }
 }
 

@@ -41,14 +41,15 @@ type Third = Dual<1, Second>;
 /// `∂_q` and `∂_p` of something.
 type Slopes = [Vec<f64>; 2];
 
-/// Contractions at one state; what is beyond each edge is evaluated once.
-pub(super) struct Contractions<'s, H: Hamiltonian> {
+/// Contractions at one state; what is beyond each edge is evaluated once. Trees of more than three vertices need second and
+/// third derivatives of the gradient, which are not compiled unless they are `DEEP`.
+pub(super) struct Contractions<'s, H: Hamiltonian, const DEEP: bool> {
     system: &'s H,
     state: &'s State<H::Vector>,
     known: BTreeMap<Tree, Slopes>,
 }
 
-impl<'s, H: Hamiltonian> Contractions<'s, H> {
+impl<'s, H: Hamiltonian, const DEEP: bool> Contractions<'s, H, DEEP> {
     pub(super) fn at(system: &'s H, state: &'s State<H::Vector>) -> Self {
         Self { system, state, known: BTreeMap::new() }
     }
@@ -87,6 +88,8 @@ impl<'s, H: Hamiltonian> Contractions<'s, H> {
         let slopes = match directions.len() {
             0 => self.along::<f64>(&directions),
             1 => self.along::<Dual<1>>(&directions),
+            // No value: trees of schemes that are not deep do not come here.
+            _ if const { !DEEP } => [(); 2].map(|()| vec![f64::NAN; self.state.q.components().len()]),
             2 => self.along::<Second>(&directions),
             _ => self.along::<Third>(&directions),
         };
