@@ -26,7 +26,7 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use crate::compose::{Base, Composed, Composes, Half, Verlet};
-use crate::embedding::{Corrected, DeltaMinus, DeltaPlus, Lambda, Midpoint, Uncorrected};
+use crate::embedding::{Corrected, DeltaMinus, DeltaPlus, Lambda, Midpoint, Mixed, Uncorrected};
 use crate::gauss::Gauss;
 use crate::state::State;
 use crate::system::{Discretized, Hamiltonian};
@@ -65,6 +65,11 @@ impl<const N: u32, const D: u32> QuadraturePoint for Lambda<N, D> {
 
 impl QuadraturePoint for Gauss<1> {
     const L: f64 = 0.5;
+}
+
+/// Without noise the first is the only one.
+impl<E: QuadraturePoint, Noise> QuadraturePoint for Mixed<E, Noise> {
+    const L: f64 = E::L;
 }
 
 /// Without noise there is nothing to correct.

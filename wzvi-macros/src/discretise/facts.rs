@@ -85,6 +85,7 @@ struct Hamiltonians {
 /// Facts about one system, shared by all its schemes.
 pub(crate) struct Facts {
     pub(crate) space: Space,
+    pub(crate) drift: Sum,
     pub(crate) noise: NoiseClass,
     /// Whether no element reads coordinates and momenta.
     pub(crate) is_separable: bool,
@@ -209,6 +210,7 @@ impl Facts {
                 .map(|declared| invariant(graph, &mut space, (&drift, &noise, t), declared))
                 .collect(),
             space,
+            drift,
         }
     }
 
