@@ -76,8 +76,8 @@ pub use wzvi_runtime::noise;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
-    calculus, compose, elements, embedding, error, increments, integrate, lanes, memory, numbers, plan,
-    retry, scalar, simulate, state, step, system, trajectory,
+    calculus, compose, elements, embedding, error, increments, integrate, lanes, memory, modified, numbers,
+    plan, retry, scalar, simulate, state, step, system, trajectory,
 };
 
 #[cfg(not(all(feature = "report", feature = "serde")))]
@@ -134,6 +134,7 @@ pub mod __private {
     pub use wzvi_runtime::elements;
     pub use wzvi_runtime::embedding;
     pub use wzvi_runtime::error::{ConfigError, StepFailure};
+    pub use wzvi_runtime::modified::Conservative;
     pub use wzvi_runtime::nalgebra::{DVector, SVector};
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scalar::{Mask, Rounded, Scalar};

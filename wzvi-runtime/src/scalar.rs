@@ -8,7 +8,7 @@ mod rounded;
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-pub use dual::Dual;
+pub use dual::{Dual, Part};
 pub use rounded::Rounded;
 
 use crate::gauss::Stages;
