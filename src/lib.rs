@@ -76,8 +76,8 @@ pub use wzvi_runtime::noise;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
-    calculus, compose, elements, embedding, error, increments, integrate, lanes, memory, modified, numbers,
-    plan, retry, scalar, simulate, state, step, system, trajectory,
+    calculus, compose, dense, elements, embedding, error, increments, integrate, lanes, memory, modified,
+    numbers, plan, retry, scalar, simulate, state, step, system, trajectory,
 };
 
 #[cfg(not(all(feature = "report", feature = "serde")))]

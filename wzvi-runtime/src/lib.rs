@@ -7,6 +7,7 @@ mod checksum;
 mod clock;
 pub mod compose;
 mod continuation;
+pub mod dense;
 pub mod elements;
 pub mod embedding;
 #[cfg(feature = "ensemble")]

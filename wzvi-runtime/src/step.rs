@@ -8,6 +8,7 @@ use std::marker::PhantomData;
 
 use crate::carry::{Carry, Plain};
 use crate::continuation::Hard;
+use crate::dense::{DenseOutput, copy};
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::memory::{Iteration, Method, StepMemory};
 use crate::plan::Solver;
@@ -216,6 +217,30 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         }
     }
 
+    /// [`Stepper::step`], and what lies between its nodes into `dense`: see [`crate::dense`]. Allocates nothing after the first step.
+    ///
+    /// # Errors
+    /// Those of [`Stepper::step`]; `dense` is then what it was, too.
+    pub fn step_densely(
+        &mut self,
+        state: &mut State<H::Vector>,
+        dw: &[f64],
+        dense: &mut DenseOutput<H::Vector>,
+    ) -> Result<StepInfo, StepError> {
+        let before = dense.lend(state);
+        let taken = self.step(state, dw);
+        if taken.is_ok() {
+            self.fill([&before, state], dw, dense);
+        }
+        dense.give_back(before);
+        taken
+    }
+
+    /// What lies between the nodes of the last step, which led from `before` to `after` with these increments.
+    pub(crate) fn fill(&self, nodes: [&State<H::Vector>; 2], dw: &[f64], dense: &mut DenseOutput<H::Vector>) {
+        dense.fill::<H, E>((self.system, &self.prepared, &self.memory), nodes, self.h, dw);
+    }
+
     #[inline(always)]
     fn arrive(&mut self, state: &mut State<H::Vector>, at: Clock) {
         self.clock = at;
@@ -291,17 +316,6 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         let is_good = cause.is_of_arguments() || inputs().all(|x| x.is_finite());
         let cause = if is_good { cause } else { StepFailure::NonFiniteInput };
         StepError { step: self.steps(), t: state.t, h: self.h, cause }
-    }
-}
-
-/// Copies without allocating, unless the length changes.
-#[inline(always)]
-fn copy<V: Vector>(into: &mut V, from: &V) {
-    let (old, new) = (into.components_mut(), from.components());
-    if old.len() == new.len() {
-        old.copy_from_slice(new);
-    } else {
-        into.clone_from(from);
     }
 }
 
