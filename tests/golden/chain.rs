@@ -177,6 +177,7 @@ const _: () = {
             }
             value
         }
+        #[inline(always)]
         fn slopes<S: Scalar>(
             &self,
             part: usize,

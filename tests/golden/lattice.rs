@@ -165,6 +165,7 @@ const _: () = {
             }
             value
         }
+        #[inline(always)]
         fn slopes<S: Scalar>(
             &self,
             part: usize,
@@ -413,11 +414,10 @@ const _: () = {
                 memory: &mut Self::Memory<S>,
                 carry: &mut C,
             ) -> Result<Effort, StepFailure> {
-                wzvi::elements::advance::<
+                wzvi::elements::advance_explicit::<
                     _,
                     S,
                     C,
-                    CAREFUL,
                 >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
             fn discrete_lagrangian(
