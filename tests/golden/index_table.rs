@@ -422,6 +422,7 @@ const _: () = {
             fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
                 wzvi::elements::prepare(self)
             }
+            #[inline(always)]
             fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
                 prepared: &Self::Prepared,

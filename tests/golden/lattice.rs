@@ -403,6 +403,7 @@ const _: () = {
                 }
                 wzvi::elements::prepare(self)
             }
+            #[inline(always)]
             fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
                 prepared: &Self::Prepared,

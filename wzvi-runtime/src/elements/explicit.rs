@@ -59,8 +59,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let zero = S::from_f64(0.0);
         by_q.fill(zero);
         u.fill(zero);
-        for stage in self.scheme.stages.iter().filter(|stage| stage.start != 0.0) {
-            self.slopes(stage, self.q, self.p, Slopes::BY_COORDINATES, by_q, by_p);
+        for stage in self.scheme.stages {
+            if stage.start != 0.0 {
+                self.slopes(stage, self.q, self.p, Slopes::BY_COORDINATES, by_q, by_p);
+            }
         }
         for (momentum, (&p, &force)) in momentum.iter_mut().zip(self.p.iter().zip(&*by_q)) {
             *momentum = p - force;

@@ -100,28 +100,36 @@ pub(super) fn largest<S: Scalar>(x: &[S]) -> f64 {
 /// `sums += base`, and whether every part of every sum is finite.
 #[inline(always)]
 pub(super) fn add<S: Scalar>(sums: &mut [S], base: &[S]) -> bool {
-    let mut poison = [S::from_f64(0.0); LANES];
+    let mut zeros = [S::from_f64(0.0); LANES];
     let (chunks, rest) = sums.as_chunks_mut::<LANES>();
     let (bases, other) = base.as_chunks::<LANES>();
     for (sum, base) in chunks.iter_mut().zip(bases) {
-        *sum = std::array::from_fn(|lane| base[lane] + sum[lane]);
-        poison = std::array::from_fn(|lane| poison[lane] + sum[lane] * 0.0);
+        let new = std::array::from_fn(|lane| base[lane] + sum[lane]);
+        *sum = new;
+        zeros = std::array::from_fn(|lane| zeros[lane] + new[lane] * 0.0);
     }
     for (sum, &base) in rest.iter_mut().zip(other) {
         *sum = base + *sum;
     }
-    poison.iter().chain(&*rest).all(|number| number.is_finite().all())
+    are_zero(zeros, rest)
 }
 
 /// Whether every part of every number is finite.
 #[inline(always)]
 pub(super) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
-    let mut poison = [S::from_f64(0.0); LANES];
+    let mut zeros = [S::from_f64(0.0); LANES];
     let (chunks, rest) = numbers.as_chunks::<LANES>();
     for chunk in chunks {
-        poison = std::array::from_fn(|lane| poison[lane] + chunk[lane] * 0.0);
+        zeros = std::array::from_fn(|lane| zeros[lane] + chunk[lane] * 0.0);
     }
-    poison.iter().chain(rest).all(|number| number.is_finite().all())
+    are_zero(zeros, rest)
+}
+
+/// Whether sums of products with zero are zero, and the rest finite: what is not finite times zero is NaN.
+#[inline(always)]
+fn are_zero<S: Scalar>([a, b, c, d]: [S; LANES], rest: &[S]) -> bool {
+    let zero = rest.iter().fold((a + b) + (c + d), |zero, &number| zero + number * 0.0);
+    zero.is_finite().all()
 }
 
 /// Unknowns, their corrections, the corrections before, and what the unknowns are increments of.

@@ -209,8 +209,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             MomentumUpdate::Multiple(1.0) => {}
             MomentumUpdate::Multiple(factor) => dp.iter_mut().for_each(|dp| *dp = *dp * factor),
             MomentumUpdate::Slopes => {
-                let ends = self.scheme.stages.iter().enumerate().filter(|(_, stage)| stage.end != 0.0);
-                for (s, stage) in ends {
+                for (s, stage) in self.scheme.stages.iter().enumerate() {
+                    if stage.end == 0.0 {
+                        continue;
+                    }
                     let (q, by_q) = stages.at_mut(s);
                     self.place(stage, q, by_q, u);
                     // Slopes with respect to momenta go where nobody looks.

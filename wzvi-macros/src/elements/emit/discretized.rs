@@ -147,7 +147,7 @@ pub(super) fn sweep(
             #nan_check
             #elements::prepare(self)
         },
-        inline: TokenStream::new(),
+        inline: if unknowns == Unknowns::None { quote!(#[inline(always)]) } else { TokenStream::new() },
         advance: quote! {
             #advance(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
         },
