@@ -194,6 +194,7 @@ const _: () = {
             }
             value
         }
+        #[inline(always)]
         fn slopes<S: Scalar>(
             &self,
             part: usize,
