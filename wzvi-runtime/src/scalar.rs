@@ -81,6 +81,8 @@ pub trait Scalar:
         let (own, other) = (self.abs(), other.abs());
         Self::select(own.less(other) | !other.equal(other), other, own)
     }
+    /// Whether both are the same to the last bit, in every part (derivatives, lanes).
+    fn is_identical(self, other: Self) -> bool;
     /// Where every part of the number is finite.
     fn is_finite(self) -> Self::Mask;
     /// Where every part of the first of each pair is finite.
@@ -191,6 +193,10 @@ impl Scalar for f64 {
     #[inline(always)]
     fn relative_to(self, other: Self) -> f64 {
         self.abs() / (other.abs() + f64::MIN_POSITIVE)
+    }
+    #[inline(always)]
+    fn is_identical(self, other: Self) -> bool {
+        self.to_bits() == other.to_bits()
     }
     #[inline(always)]
     fn is_finite(self) -> bool {

@@ -104,7 +104,8 @@ pub(super) fn add<S: Scalar>(sums: &mut [S], base: &[S]) -> bool {
 }
 
 /// Whether every part of every number is finite.
-pub(super) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
+#[inline(always)]
+pub(crate) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
     let mut poison = [S::from_f64(0.0); LANES];
     let (chunks, rest) = numbers.as_chunks::<LANES>();
     for chunk in chunks {

@@ -173,6 +173,11 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
         self.derivative.iter().fold(self.value.vanishes(), |all, d| all & d.vanishes())
     }
     #[inline]
+    fn is_identical(self, other: Self) -> bool {
+        let derivatives = self.derivative.iter().zip(&other.derivative);
+        self.value.is_identical(other.value) && derivatives.into_iter().all(|(a, b)| a.is_identical(*b))
+    }
+    #[inline]
     fn larger(self, other: Self) -> Self {
         Self {
             value: self.value.larger(other.value),
