@@ -54,6 +54,8 @@
 //!   [`Increments::from`](increments::Increments).
 //! * **The discrete calculus** behind it, time scales and the operators on them, is [`calculus`];
 //!   [`Trajectory::observable`](trajectory::Trajectory::observable) takes a path there.
+//! * **Is the step short enough?** `system.shadow_energy::<E>(&state, h)` is the [modified] energy that symplectic steps keep, to its first terms;
+//!   how far it drifts in a run says whether the theory behind them applies.
 //! * **How much error for how much time**: with the feature `report`, `report::WorkPrecision` measures schemes against
 //!   each other and writes tables, plots and one HTML page.
 //! * **Long runs**: with the feature `serde`, `checkpoint::Checkpoint` lets a run that was stopped go on, bit for bit.

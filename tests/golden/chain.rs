@@ -58,7 +58,7 @@ const _: () = {
         self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
         Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Option, Plain, Plan,
         Range, Result, Scalar, Segment, Solver, State, StepFailure, bool, f64, isize,
-        str, usize, compose::Composes,
+        str, usize, compose::{Composes, General, Structure},
         elements::{
             CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
             Slopes, Stage, Unknowns,
@@ -418,10 +418,11 @@ const _: () = {
         }
     };
     wzvi::composition! {
-        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
-        Chain] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes < Midpoint
-        > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as Composes <
-        Midpoint > > ::substeps()
+        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
+        > > for Chain] Composed < Midpoint, W >, < General as Structure < Midpoint >>
+        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
+        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
+        ::substeps()
     }
     #[automatically_derived]
     impl Conservative for Chain {}

@@ -57,7 +57,8 @@ const _: () = {
         self as wzvi, Carry, Compensation, ConfigError, Conservative, Discretized,
         Effort, Err, Factor, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok,
         Option, PhantomData, Plain, Plan, Result, SVector, Scalar, Segment, Solution,
-        Solver, State, StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        Solver, State, StepFailure, Vector, bool, f64, str, usize,
+        compose::{Composes, General, Structure},
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -246,10 +247,11 @@ const _: () = {
         }
     };
     wzvi::composition! {
-        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
-        Oscillators] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes <
-        Midpoint > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as
-        Composes < Midpoint > > ::substeps()
+        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
+        > > for Oscillators] Composed < Midpoint, W >, < General as Structure < Midpoint
+        >> ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
+        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
+        ::substeps()
     }
     #[automatically_derived]
     impl Conservative for Oscillators {}

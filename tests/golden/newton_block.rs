@@ -54,7 +54,8 @@ const _: () = {
         self as wzvi, Block, Carry, Compensation, ConfigError, Conservative, Discretized,
         Effort, Err, Extrapolation, Hamiltonian, Knowledge, LagrangianGradient,
         NoiseClass, Ok, Plain, Plan, Result, Rounded, SVector, Scalar, Segment, Solution,
-        Solver, State, StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        Solver, State, StepFailure, Vector, bool, f64, str, usize,
+        compose::{Composes, General, Structure},
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -303,10 +304,11 @@ const _: () = {
         }
     };
     wzvi::composition! {
-        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
-        HenonHeiles] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes <
-        Midpoint > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as
-        Composes < Midpoint > > ::substeps()
+        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
+        > > for HenonHeiles] Composed < Midpoint, W >, < General as Structure < Midpoint
+        >> ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
+        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
+        ::substeps()
     }
     #[automatically_derived]
     impl Conservative for HenonHeiles {}

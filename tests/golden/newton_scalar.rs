@@ -52,7 +52,8 @@ const _: () = {
         Effort, Err, Extrapolation, Hamiltonian, Knowledge, LagrangianGradient,
         NoiseClass, Ok, Option, Plain, Plan, Result, Rounded, SVector, Scalar, Segment,
         Solution, Solver, State, StepFailure, Vector, bool, f64, str, usize,
-        compose::Composes, embedding::{Composed, Midpoint},
+        compose::{Composes, General, Structure},
+        embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
     impl Hamiltonian for Pendulum {
@@ -270,10 +271,11 @@ const _: () = {
         }
     };
     wzvi::composition! {
-        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
-        Pendulum] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes <
-        Midpoint > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as
-        Composes < Midpoint > > ::substeps()
+        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
+        > > for Pendulum] Composed < Midpoint, W >, < General as Structure < Midpoint >>
+        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
+        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
+        ::substeps()
     }
     #[automatically_derived]
     impl Conservative for Pendulum {}

@@ -1,6 +1,6 @@
 //! From equations to Rust: the struct as written, its traits, and nothing that the scene does not use.
 
-mod compose;
+pub(crate) mod compose;
 pub(crate) mod discretized;
 mod gauss;
 mod lagrangian;

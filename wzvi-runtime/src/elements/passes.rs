@@ -116,7 +116,7 @@ pub(super) fn add<S: Scalar>(sums: &mut [S], base: &[S]) -> bool {
 
 /// Whether every part of every number is finite.
 #[inline(always)]
-pub(super) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
+pub(crate) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
     let mut zeros = [S::from_f64(0.0); LANES];
     let (chunks, rest) = numbers.as_chunks::<LANES>();
     for chunk in chunks {

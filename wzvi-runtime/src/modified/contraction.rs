@@ -4,12 +4,12 @@
 use std::collections::BTreeMap;
 
 use super::tree::{Branch, Half, Tree};
-use crate::scalar::{Dual, Part};
+use crate::scalar::{Dual, Scalar};
 use crate::state::{State, Vector};
 use crate::system::Hamiltonian;
 
 /// A number with as many infinitesimals, `ε_1, ε_2, ...` with `ε_k² = 0`, as it has levels.
-trait Infinitesimals: Part {
+trait Infinitesimals: Scalar {
     /// `value + Σ_k slopes_k ε_k`
     fn lift(value: f64, slopes: &[f64]) -> Self;
     /// The coefficient of the product of all of them.

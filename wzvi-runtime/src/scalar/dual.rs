@@ -12,40 +12,6 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::Scalar;
 use crate::numbers::{Numbers, Tape};
 
-/// What a [`Dual`] number is made of: `f64`, and dual numbers themselves.
-pub trait Part: Scalar<Mask = bool> {
-    /// Whether it is zero, and all its derivatives are.
-    fn vanishes(self) -> bool;
-    /// The larger absolute value, part by part; NaN where either is.
-    fn larger(self, other: Self) -> Self;
-}
-
-impl Part for f64 {
-    #[inline]
-    fn vanishes(self) -> bool {
-        self == 0.0
-    }
-    #[inline]
-    fn larger(self, other: f64) -> f64 {
-        let (a, b) = (self.abs(), other.abs());
-        if a >= b || a.is_nan() { a } else { b }
-    }
-}
-
-impl<const N: usize, S: Part> Part for Dual<N, S> {
-    #[inline]
-    fn vanishes(self) -> bool {
-        self.value.vanishes() && self.derivative.iter().all(|d| d.vanishes())
-    }
-    #[inline]
-    fn larger(self, other: Self) -> Self {
-        Self {
-            value: self.value.larger(other.value),
-            derivative: std::array::from_fn(|i| self.derivative[i].larger(other.derivative[i])),
-        }
-    }
-}
-
 /// A number with its partial derivatives in `N` directions.
 ///
 /// Comparisons, [`Scalar::min`] and [`Scalar::max`] go by value. Where a function has a kink, the derivative is that of
@@ -59,7 +25,7 @@ pub struct Dual<const N: usize, S = f64> {
     pub derivative: [S; N],
 }
 
-impl<const N: usize, S: Part> Dual<N, S> {
+impl<const N: usize, S: Scalar> Dual<N, S> {
     /// A number that depends on nothing.
     pub fn constant(value: S) -> Self {
         Self { value, derivative: [S::from_f64(0.0); N] }
@@ -93,11 +59,11 @@ impl<const N: usize, S: Part> Dual<N, S> {
 
 /// `derivative slope`, and 0 for what does not depend on the direction even where the slope is infinite or undefined.
 #[inline]
-fn weigh<S: Part>(derivative: S, slope: S) -> S {
-    if derivative.vanishes() { S::from_f64(0.0) } else { derivative * slope }
+fn weigh<S: Scalar>(derivative: S, slope: S) -> S {
+    S::select(derivative.vanishes(), S::from_f64(0.0), derivative * slope)
 }
 
-impl<const N: usize, S: Part> Neg for Dual<N, S> {
+impl<const N: usize, S: Scalar> Neg for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn neg(self) -> Self {
@@ -105,7 +71,7 @@ impl<const N: usize, S: Part> Neg for Dual<N, S> {
     }
 }
 
-impl<const N: usize, S: Part> Add for Dual<N, S> {
+impl<const N: usize, S: Scalar> Add for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn add(self, other: Self) -> Self {
@@ -113,7 +79,7 @@ impl<const N: usize, S: Part> Add for Dual<N, S> {
     }
 }
 
-impl<const N: usize, S: Part> Sub for Dual<N, S> {
+impl<const N: usize, S: Scalar> Sub for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn sub(self, other: Self) -> Self {
@@ -121,7 +87,7 @@ impl<const N: usize, S: Part> Sub for Dual<N, S> {
     }
 }
 
-impl<const N: usize, S: Part> Mul for Dual<N, S> {
+impl<const N: usize, S: Scalar> Mul for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
@@ -129,7 +95,7 @@ impl<const N: usize, S: Part> Mul for Dual<N, S> {
     }
 }
 
-impl<const N: usize, S: Part> Div for Dual<N, S> {
+impl<const N: usize, S: Scalar> Div for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn div(self, other: Self) -> Self {
@@ -138,7 +104,7 @@ impl<const N: usize, S: Part> Div for Dual<N, S> {
     }
 }
 
-impl<const N: usize, S: Part> Add<f64> for Dual<N, S> {
+impl<const N: usize, S: Scalar> Add<f64> for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn add(self, other: f64) -> Self {
@@ -146,7 +112,7 @@ impl<const N: usize, S: Part> Add<f64> for Dual<N, S> {
     }
 }
 
-impl<const N: usize, S: Part> Sub<f64> for Dual<N, S> {
+impl<const N: usize, S: Scalar> Sub<f64> for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn sub(self, other: f64) -> Self {
@@ -154,7 +120,7 @@ impl<const N: usize, S: Part> Sub<f64> for Dual<N, S> {
     }
 }
 
-impl<const N: usize, S: Part> Mul<f64> for Dual<N, S> {
+impl<const N: usize, S: Scalar> Mul<f64> for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn mul(self, other: f64) -> Self {
@@ -162,7 +128,7 @@ impl<const N: usize, S: Part> Mul<f64> for Dual<N, S> {
     }
 }
 
-impl<const N: usize, S: Part> Div<f64> for Dual<N, S> {
+impl<const N: usize, S: Scalar> Div<f64> for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn div(self, other: f64) -> Self {
@@ -171,20 +137,21 @@ impl<const N: usize, S: Part> Div<f64> for Dual<N, S> {
 }
 
 /// The largest component, part by part.
-fn norm<S: Part>(components: &[S]) -> S {
+fn norm<S: Scalar>(components: &[S]) -> S {
     components.iter().fold(S::from_f64(0.0), |largest, &x| x.larger(largest))
 }
 
-impl<const N: usize, S: Part> Numbers for Dual<N, S> {
+impl<const N: usize, S: Scalar> Numbers for Dual<N, S> {
     fn pass(&mut self, tape: &mut Tape) {
         self.value.pass(tape);
         self.derivative.pass(tape);
     }
 }
 
-impl<const N: usize, S: Part> Scalar for Dual<N, S> {
+impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     type Stages<const M: usize> = [Self; M];
-    type Mask = bool;
+    type Mask = S::Mask;
+    const LANES: usize = S::LANES;
     type Solver = crate::solve::Together;
 
     #[inline]
@@ -202,28 +169,47 @@ impl<const N: usize, S: Part> Scalar for Dual<N, S> {
         self.value.relative_to(other.value).larger(of_gradient)
     }
     #[inline]
+    fn vanishes(self) -> S::Mask {
+        self.derivative.iter().fold(self.value.vanishes(), |all, d| all & d.vanishes())
+    }
+    #[inline]
+    fn is_identical(self, other: Self) -> bool {
+        let derivatives = self.derivative.iter().zip(&other.derivative);
+        self.value.is_identical(other.value) && derivatives.into_iter().all(|(a, b)| a.is_identical(*b))
+    }
+    #[inline]
+    fn larger(self, other: Self) -> Self {
+        Self {
+            value: self.value.larger(other.value),
+            derivative: std::array::from_fn(|i| self.derivative[i].larger(other.derivative[i])),
+        }
+    }
+    #[inline]
     fn lane(self, lane: usize) -> f64 {
         self.value.lane(lane)
     }
     #[inline]
-    fn is_finite(self) -> bool {
-        self.value.is_finite() && self.derivative.iter().all(|d| d.is_finite())
+    fn is_finite(self) -> S::Mask {
+        self.derivative.iter().fold(self.value.is_finite(), |all, d| all & d.is_finite())
     }
     #[inline]
-    fn less(self, other: Self) -> bool {
+    fn less(self, other: Self) -> S::Mask {
         self.value.less(other.value)
     }
     #[inline]
-    fn less_equal(self, other: Self) -> bool {
+    fn less_equal(self, other: Self) -> S::Mask {
         self.value.less_equal(other.value)
     }
     #[inline]
-    fn equal(self, other: Self) -> bool {
+    fn equal(self, other: Self) -> S::Mask {
         self.value.equal(other.value)
     }
     #[inline]
-    fn select(mask: bool, then: Self, otherwise: Self) -> Self {
-        if mask { then } else { otherwise }
+    fn select(mask: S::Mask, then: Self, otherwise: Self) -> Self {
+        Self {
+            value: S::select(mask, then.value, otherwise.value),
+            derivative: std::array::from_fn(|i| S::select(mask, then.derivative[i], otherwise.derivative[i])),
+        }
     }
 
     fn recip(self) -> Self {
@@ -243,9 +229,9 @@ impl<const N: usize, S: Part> Scalar for Dual<N, S> {
         let (x, y) = (self.value, exponent.value);
         let value = x.powf(y);
         let zero = S::from_f64(0.0);
-        let by_base = if y.vanishes() { zero } else { y * x.powf(y - 1.0) };
+        let by_base = S::select(y.vanishes(), zero, y * x.powf(y - 1.0));
         // x^y ln x → 0 as x → 0 for y > 0.
-        let by_exponent = if value.equal(zero) && x.equal(zero) { zero } else { value * x.ln() };
+        let by_exponent = S::select(value.equal(zero) & x.equal(zero), zero, value * x.ln());
         self.chain2(exponent, value, [by_base, by_exponent])
     }
     fn sqrt(self) -> Self {
@@ -342,13 +328,15 @@ impl<const N: usize, S: Part> Scalar for Dual<N, S> {
         Self::constant(self.value.signum())
     }
     fn min(self, other: Self) -> Self {
-        let other_is_nan = !other.value.equal(other.value);
-        if self.value.less_equal(other.value) || other_is_nan { self } else { other }
+        Self::select(self.value.less_equal(other.value) | is_nan(other.value), self, other)
     }
     fn max(self, other: Self) -> Self {
-        let other_is_nan = !other.value.equal(other.value);
-        if other.value.less_equal(self.value) || other_is_nan { self } else { other }
+        Self::select(other.value.less_equal(self.value) | is_nan(other.value), self, other)
     }
+}
+
+fn is_nan<S: Scalar>(x: S) -> S::Mask {
+    !x.equal(x)
 }
 
 /// `1 - x²`, factored so that the difference from ±1 keeps its digits.
