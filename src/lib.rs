@@ -77,7 +77,7 @@ pub use wzvi_runtime::noise;
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
     calculus, compose, dense, elements, embedding, error, increments, integrate, lanes, memory, numbers,
-    plan, retry, scalar, simulate, state, step, system, trajectory,
+    plan, retry, scalar, section, simulate, state, step, system, trajectory,
 };
 
 #[cfg(not(all(feature = "report", feature = "serde")))]

@@ -6,7 +6,9 @@ use super::block::PATHS;
 use super::source::Source;
 use super::statistics::Wanted;
 use crate::options::Observable;
+use crate::recording::Recorded;
 use crate::retry::Retry;
+use crate::span::Grid;
 use crate::state::State;
 use crate::system::Discretized;
 
@@ -16,10 +18,11 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) prepared: H::Prepared,
     pub(super) h: f64,
     pub(super) start: State<H::Vector>,
+    pub(super) grid: Grid,
     pub(super) paths: u64,
     pub(super) steps: u64,
-    /// Steps before each recorded node: 0 first, all last.
-    pub(super) recorded: Vec<u64>,
+    /// The start first, the end last.
+    pub(super) recorded: Vec<Recorded>,
     pub(super) source: Source<'a>,
     pub(super) retry: Retry,
     pub(super) observables: Vec<Observable<'a, H::Vector>>,
