@@ -223,7 +223,7 @@ macro_rules! by_lane {
 
 impl<const L: usize> Numbers for Lanes<L> {
     fn pass(&mut self, tape: &mut Tape) {
-        self.0.pass(tape);
+        tape.lanes(&mut self.0);
     }
 }
 
