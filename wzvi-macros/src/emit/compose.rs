@@ -6,6 +6,7 @@ use syn::ItemStruct;
 
 use super::embedding_type;
 use super::plan::Plan;
+use super::system::count;
 use crate::describe::Texts;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
@@ -70,7 +71,7 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
             generated.extend(composition.emit(item, &item.generics, &scheme));
         }
         if embedding.is_symmetric() {
-            generated.extend(composed_of(item, &scheme, &structure, parted.is_some()));
+            generated.extend(composed_of(item, [&scheme, &structure], parted.is_some(), text));
         }
     }
     generated
@@ -79,27 +80,31 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
 /// `impl<W> Discretized<Composed<E, W>>`
 fn composed_of(
     item: &ItemStruct,
-    base: &TokenStream,
-    structure: &TokenStream,
+    [base, structure]: [&TokenStream; 2],
     is_parted: bool,
+    text: &str,
 ) -> TokenStream {
     let mut generics = item.generics.clone();
-    let (weights, sequence);
+    let parted = quote!(__wzvi::compose::Parted<#structure>);
+    let structure = if is_parted { &parted } else { structure };
+    let weights = quote!(__wzvi::compose::Composes<#base, #structure>);
+    let sequence;
     if is_parted {
         // The table says whether the parts take turns, or steps of the sum.
-        weights = quote!(__wzvi::compose::Composes<#base, __wzvi::compose::Parted<#structure>>);
         sequence = quote!(<__W as #weights>::Sequence);
         let filter = generics.make_where_clause();
         filter.predicates.push(syn::parse_quote!(#sequence: __wzvi::compose::Sequence<Self>));
     } else {
-        weights = quote!(__wzvi::compose::Composes<#base, #structure>);
         sequence = sequence_of(base, structure);
     }
     generics.params.push(syn::parse_quote!(__W: #weights));
+    let length = count(text.len());
     let composition = Composition {
         sequence,
         order: quote!(<__W as #weights>::ORDER),
-        text: quote!(<Self as __wzvi::Discretized<#base>>::EQUATIONS),
+        text: quote!(
+            __wzvi::compose::Equations::<Self, #base, #structure, __W, { #length + __wzvi::compose::ROOM }>::ALL
+        ),
         substeps: quote!(<__W as #weights>::substeps()),
     };
     composition.emit(item, &generics, &quote!(__wzvi::embedding::Composed<#base, __W>))
