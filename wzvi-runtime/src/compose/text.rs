@@ -123,8 +123,7 @@ impl<const N: usize> Text<N> {
     const fn push_number(&mut self, number: f64) {
         const UNIT: u128 = 10_u128.pow(16);
         let size = if number < 0.0 { -number } else { number };
-        // Also false of NaN.
-        if !(size < 1e15) {
+        if size.is_nan() || size >= 1e15 {
             return self.push("(no number)");
         }
         if number < 0.0 {
