@@ -4,6 +4,8 @@
 
 #[path = "between/dense.rs"]
 mod dense;
+#[path = "between/ensembles.rs"]
+mod ensembles;
 #[path = "between/kept.rs"]
 mod kept;
 #[path = "between/sections.rs"]
