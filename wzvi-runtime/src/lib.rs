@@ -26,6 +26,7 @@ mod interrupt;
 mod interrupt;
 pub mod lanes;
 pub mod memory;
+pub mod modified;
 #[cfg(any(feature = "ensemble", feature = "serde"))]
 mod names;
 #[cfg(feature = "noise")]

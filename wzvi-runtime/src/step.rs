@@ -7,7 +7,7 @@ mod resolution;
 use std::marker::PhantomData;
 
 use crate::carry::{Carry, Plain};
-use crate::continuation::{Hard, solve_by_continuation};
+use crate::continuation::Hard;
 use crate::dense::{DenseOutput, copy};
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::memory::{Iteration, Method, StepMemory};
@@ -15,7 +15,7 @@ use crate::plan::Solver;
 use crate::solve::Effort;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
-use resolution::ResolutionMonitor;
+pub(crate) use resolution::ResolutionMonitor;
 
 /// What one step took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -276,11 +276,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             dw,
             carry: self.carry.clone(),
         };
-        let solved = solve_by_continuation(hard, cause)?;
-        let from = State { q: state.q.clone(), p: state.p.clone(), t: state.t };
-        let to = State { q: solved.q, p: solved.p, t: state.t };
-        self.resolution = self.resolution.after::<H, E>(self.system, &from, &to, self.h, self.steps())?;
-        (state.q, state.p) = (to.q, to.p);
+        let solved = self.resolution.careful_step(hard, self.steps(), cause)?;
+        (state.q, state.p) = (solved.q, solved.p);
         self.memory.adopt(solved.memory);
         self.carry = solved.carry;
         Ok(solved.effort)

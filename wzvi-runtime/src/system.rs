@@ -291,9 +291,8 @@ pub trait Discretized<E>: Hamiltonian {
     const REMEMBERS: bool =
         matches!(Self::PLAN.noise, NoiseClass::None) && size_of::<Self::Memory<f64>>() != 0;
 
-    /// Whether paths run in lanes beside each other. Without noise the steps before help to solve the next one; what is
-    /// iterated on in loops goes for each path as far as it needs.
-    const IN_LANES: bool = !matches!(Self::PLAN.noise, NoiseClass::None);
+    /// Whether paths run in lanes beside each other: not where loops are iterated on, which go for each path as far as it needs.
+    const IN_LANES: bool = true;
 
     /// The order of the error inside a step: [`DenseOutput::order`](crate::dense::DenseOutput::order).
     const DENSE_ORDER: u32 = hermite_order(&Self::PLAN);

@@ -5,6 +5,7 @@ use super::job::{Job, Stop};
 use super::passage::Watch;
 use super::paths::Paths;
 use super::source::Source;
+use super::starts::{STARTS, Starts};
 use super::statistics::Wanted;
 use super::{Ensemble, Extras};
 use crate::error::{ConfigError, Error, UnknownName};
@@ -38,16 +39,25 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
     where
         'a: 's,
     {
-        let setup = self.setup;
+        let mut setup = self.setup;
         let (system, h) = (setup.system, setup.h);
         if !h.is_finite() || h == 0.0 {
             return Err(ConfigError::StepSize(h).into());
         }
+        let seed = setup.source.as_ref().map_or(0, Source::seed);
+        let starts = setup.starts.filter(|_| setup.span.start.is_none());
+        if let Some(starts) = &starts {
+            setup.span.start = starts.of(seed, 0);
+        }
         let (start, grid) = setup.span.checked::<H, E>(system, h)?;
         let steps = grid.steps;
-        let paths = setup.paths.ok_or(ConfigError::Missing(PATHS))?;
+        let listed = starts.as_ref().and_then(Starts::listed);
+        let paths = setup.paths.or(listed).ok_or(ConfigError::Missing(PATHS))?;
         if paths == 0 {
             return Err(ConfigError::Setting("0 paths: take at least 1".into()).into());
+        }
+        if listed.is_some_and(|listed| listed < paths) {
+            return Err(ConfigError::Missing(STARTS).into());
         }
         let end = grid.time(steps);
         if !end.is_finite() {
@@ -99,6 +109,8 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
             prepared: system.prepare(h)?,
             h,
             start,
+            starts,
+            seed,
             grid,
             paths,
             steps,

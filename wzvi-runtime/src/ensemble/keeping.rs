@@ -5,16 +5,18 @@ use super::block::PATHS;
 use super::job::Job;
 use super::statistics::{Statistics, Wanted};
 use crate::checkpoint::{self, Checkpoint, CheckpointError, Described, Extent, Keeping, Suits};
-use crate::error::Error;
+use crate::error::{ConfigError, Error};
 use crate::increments::{Identity, Noise};
 use crate::options::Observable;
-use crate::state::State;
+use crate::state::{State, Vector};
 use crate::step::Stepper;
 use crate::steps::{Account, Monitor, Single, TakeStep, take_steps};
 use crate::system::Discretized;
 
 /// Steps after which observables are compared.
 const COMPARED_STEPS: u64 = 3;
+/// Starts of paths that are compared where they are those of a function.
+const COMPARED_STARTS: u64 = 512;
 /// Recorded nodes that a file lists; of more it has the checksum.
 const MOST_LISTED: usize = 32;
 
@@ -97,6 +99,7 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Des
         ("the halvings allowed", job.retry.most().to_string()),
     ];
     let mut settings: Vec<(String, String)> = settings.map(|(name, value)| (name.to_owned(), value)).into();
+    settings.extend(starts(job)?);
     let inside = job.recorded.iter().filter(|recorded| recorded.is_inside);
     let inside: Vec<u64> = inside.map(|recorded| recorded.t.to_bits()).collect();
     if !inside.is_empty() {
@@ -109,6 +112,19 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Des
     settings.extend(checkpoint::between(&job.grid, &job.sections, &job.start));
     settings.extend(job.source.identity().map(Identity::into_settings).unwrap_or_default());
     Ok(Described::new(job.system, &job.prepared, job.h, &job.start, settings, &observed(job)?))
+}
+
+/// What tells starts apart: those of a list all, of a function the first.
+fn starts<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Option<(String, String)>, ConfigError> {
+    let Some(starts) = &job.starts else { return Ok(None) };
+    let compared = starts.listed().unwrap_or(COMPARED_STARTS).min(job.paths);
+    let mut bits = Vec::new();
+    for path in 0..compared {
+        let State { q, p, .. } = job.start_of(path)?;
+        bits.extend(q.components().iter().chain(p.components()).map(|x| x.to_bits()));
+    }
+    let name = format!("the first states of paths 0 to {} (checksum)", compared - 1);
+    Ok(Some((name, checkpoint::checksum(&bits))))
 }
 
 /// What tells functions apart that cannot be compared: their values at the start and at the first nodes of path 0, which the run

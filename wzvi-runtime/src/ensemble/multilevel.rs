@@ -40,7 +40,7 @@ use crate::error::{ConfigError, Error, InternalError};
 use crate::execution::Execution;
 use crate::increments::Noise as _;
 use crate::interrupt::Interrupt;
-use crate::noise::{StepNormals, Truncation};
+use crate::noise::{Paths as _, StepNormals, Truncation};
 use crate::options::{Observable, Observables, options};
 use crate::plan::NoiseClass;
 use crate::progress::Progress;
@@ -372,6 +372,8 @@ where
             prepared: system.prepare(h)?,
             h,
             start: start.clone(),
+            starts: None,
+            seed: normals.seed_number().unwrap_or(0),
             grid: Grid::of(start.t, h, steps),
             paths: u64::MAX,
             steps,

@@ -97,15 +97,17 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                 self.kept[lane] = paths.begin();
             }
         }
-        let start = &self.job.start;
-        for ((before, passed), event) in self.before.iter_mut().zip(&mut self.passed).zip(&self.job.events) {
-            let value = event(start);
-            *before = [value; L];
-            *passed = [if value == 0.0 { start.t } else { f64::NAN }; L];
+        for lane in (0..L).filter(|_| !self.job.events.is_empty()) {
+            let start = group.state_at(lane, 0);
+            let memory = self.before.iter_mut().zip(&mut self.passed);
+            for ((before, passed), event) in memory.zip(&self.job.events) {
+                before[lane] = event(start);
+                passed[lane] = if before[lane] == 0.0 { start.t } else { f64::NAN };
+            }
         }
-        for LaneInside { before, watch, counts, .. } in &mut self.lanes {
-            copy_state(before, start);
-            watch.begin(&self.job.sections, start);
+        for (lane, LaneInside { before, watch, counts, .. }) in self.lanes.iter_mut().enumerate() {
+            copy_state(before, group.state_at(lane, 0));
+            watch.begin(&self.job.sections, before);
             counts.fill(0);
         }
         for (first, crossings) in self.first_kept.iter_mut().zip(&self.statistics.crossings) {

@@ -46,15 +46,16 @@ where
             return Err(ConfigError::Setting(wrong).into());
         }
         let recording = recorded.checked(0, &job.grid)?;
-        let recorder = Recorder::new(&job.start, job.h, job.system.noises(), &recording, job.steps)?;
+        let start = job.start_of(path)?;
+        let recorder = Recorder::new(&start, job.h, job.system.noises(), &recording, job.steps)?;
         // Antithetic paths come in pairs.
         let (first, lane) = (path - path % 2, (path % 2) as usize);
         let mut group = Group::<H, E, 2>::new(&job);
         group.begin(first, job.paths)?;
         let looks_inside = !job.sections.is_empty() || !recording.between.is_empty();
-        let looks = looks_inside.then(|| Between::new(&job.sections, &job.start));
-        let (reached, dense) = (job.start.clone(), DenseOutput::of(&job.start));
-        let mut lane = Lane { path, lane, recorder, reached, looks, dense };
+        let looks = looks_inside.then(|| Between::new(&job.sections, &start));
+        let dense = DenseOutput::of(&start);
+        let mut lane = Lane { path, lane, recorder, reached: start, looks, dense };
         let error = take_steps(&mut group, 0..job.steps, &mut lane).err();
         Ok((lane.recorder.finish(lane.reached), error))
     }

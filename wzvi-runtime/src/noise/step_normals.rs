@@ -149,11 +149,6 @@ impl StepNormals {
     }
 
     #[cfg(feature = "ensemble")]
-    pub(crate) fn seed_number(&self) -> u64 {
-        self.seed
-    }
-
-    #[cfg(feature = "ensemble")]
     pub(crate) fn is_antithetic(&self) -> bool {
         self.is_antithetic
     }
@@ -277,6 +272,10 @@ impl Paths for StepNormals {
 
     fn step_normals(&self) -> Option<StepNormals> {
         Some(self.clone())
+    }
+
+    fn seed_number(&self) -> Option<u64> {
+        Some(self.seed)
     }
 }
 

@@ -245,4 +245,8 @@ impl Paths for Wiener {
         self.path = path;
         self.cursors.iter_mut().chain(self.distant.values_mut()).for_each(|cursor| cursor.set_path(path));
     }
+
+    fn seed_number(&self) -> Option<u64> {
+        Some(self.seed)
+    }
 }

@@ -275,4 +275,8 @@ impl Paths for WongZakai {
         self.early.set_path(path);
         self.late.set_path(path);
     }
+
+    fn seed_number(&self) -> Option<u64> {
+        self.early.seed_number()
+    }
 }

@@ -23,10 +23,12 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             sections,
             wanted,
             execution,
+            starts,
             ..
         } = self.setup;
         let refused = [
             (settings.is_antithetic, "antithetic paths"),
+            (starts.is_some() && span.start.is_none(), "paths that start at states of their own"),
             (!events.is_empty(), "first passages"),
             (!sections.is_empty(), "sections"),
             (span.is_exact, "an exact end"),
