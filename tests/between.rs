@@ -1,6 +1,6 @@
 //! Between the nodes: dense output, recorded times, ends and sections.
 
-#![allow(clippy::unwrap_used, reason = "a test may stop")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may stop")]
 
 #[path = "between/dense.rs"]
 mod dense;
