@@ -22,6 +22,7 @@ macro_rules! __gauss {
                 <<Self as $crate::gauss::Field>::Shape as $crate::gauss::Shape>::Compensation<__S>;
             type Carry<__S: $crate::scalar::Scalar> = Self::Compensated<__S>;
 
+            const HAS_POLYNOMIAL: $crate::core::primitive::bool = $stages > 1;
             const DENSE_ORDER: $crate::core::primitive::u32 = $crate::gauss::dense_order(
                 $stages,
                 &<Self as $crate::system::Discretized<$crate::gauss::Gauss<$stages>>>::PLAN,
@@ -35,7 +36,7 @@ macro_rules! __gauss {
                 __h: $crate::core::primitive::f64,
                 __dw: &[$crate::core::primitive::f64],
                 __slopes: &mut $crate::dense::Slopes,
-            ) -> $crate::core::primitive::bool {
+            ) {
                 $crate::gauss::slopes_between(self, __prepared, __memory, __before, __h, __dw, __slopes)
             }
 
