@@ -46,8 +46,10 @@ pub trait Field: Hamiltonian {
     const IS_NYSTROM: bool;
     /// Whether all stages can be evaluated at once although their times differ.
     const IN_LANES: bool;
-    /// Lists of one number per degree of freedom.
+    /// Lists of one entry per degree of freedom.
     type Shape: Shape;
+    /// Lists of one entry per noise.
+    type Noises: Shape;
 
     /// `∂F/∂q` and `∂F/∂p`, as far as they are wanted. Slices have the degrees of freedom and the noises of the system.
     #[expect(
@@ -57,7 +59,7 @@ pub trait Field: Hamiltonian {
     fn slopes<S: Scalar, const BY_Q: bool, const BY_P: bool>(
         &self,
         t: S,
-        h: f64,
+        h: S,
         q: &[S],
         p: &[S],
         dw: &[S],

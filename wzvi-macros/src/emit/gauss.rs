@@ -7,7 +7,6 @@ use quote::{format_ident, quote};
 
 use super::names::Names;
 use super::plan::Plan;
-use super::print::f64_type;
 use super::program::Level;
 use super::step::increment_names;
 use super::system::{Body, Inputs, Letters, body, count};
@@ -58,17 +57,17 @@ fn field(model: &mut Model) -> TokenStream {
     let of_state =
         model.phase.q.iter().zip(q).chain(model.phase.p.iter().zip(p)).chain(slopes.dw.iter().zip(&dw));
     let mut names: Vec<_> = of_state.map(|(&symbol, name)| (symbol, name.clone(), Level::State)).collect();
-    // Stages have times of their own.
+    // Stages have times and weights of their own.
     names.push((model.phase.t, format_ident!("__t"), Level::State));
-    names.push((slopes.h, format_ident!("__h"), Level::Prepared));
+    names.push((slopes.h, format_ident!("__h"), Level::State));
     let inputs = Inputs { names, definitions: HashMap::new() };
     let roots = [slopes.by_q.as_slice(), slopes.by_p.as_slice()].concat();
     let Body { statements, values } = body(model, &letters, &inputs, &quote!(__S), &roots);
     let (by_q, by_p) = values.split_at(degrees);
-    let degrees = count(degrees);
+    let (degrees, noises) = (count(degrees), count(dw.len()));
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let (f64, bool) = (f64_type(), quote!(__wzvi::bool));
+    let bool = quote!(__wzvi::bool);
     let is_nystrom = slopes.is_nystrom;
     quote! {
         #[automatically_derived]
@@ -76,12 +75,13 @@ fn field(model: &mut Model) -> TokenStream {
             const IS_NYSTROM: #bool = #is_nystrom;
             const IN_LANES: #bool = true;
             type Shape = __wzvi::gauss::Fixed<#degrees>;
+            type Noises = __wzvi::gauss::Fixed<#noises>;
 
             #[inline(always)]
             fn slopes<__S: __wzvi::Scalar, const __BY_Q: #bool, const __BY_P: #bool>(
                 &self,
                 __t: __S,
-                __h: #f64,
+                __h: __S,
                 __q: &[__S],
                 __p: &[__S],
                 __dw: &[__S],

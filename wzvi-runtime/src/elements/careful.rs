@@ -7,7 +7,7 @@ use super::step::Step;
 use super::{Elements, Memory, Unknowns};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
-use crate::solve::{Effort, Problem, astray, damped};
+use crate::solve::{Effort, Problem, Room, astray, damped};
 
 /// Residual of linear equations that are solved by iteration: below what a convergence that is nearly quadratic shows.
 const TOLERANCE: f64 = 1e-10;
@@ -25,8 +25,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let Memory { work, linear, rounding, .. } = memory;
         let Some(linear) = linear else { return Err(astray(0, f64::INFINITY)) };
         let start = work.x.clone();
-        let (x, effort) = damped(&mut Sweep { step: self, work, linear, rounding }, &start, is_guess)?;
-        work.x.copy_from_slice(&x);
+        let mut room = Room::of(&start);
+        let effort = damped(&mut Sweep { step: self, work, linear, rounding }, &mut room, &start, is_guess)?;
+        work.x.copy_from_slice(room.solution());
         self.refresh(work);
         Ok(effort)
     }

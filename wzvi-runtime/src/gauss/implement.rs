@@ -17,7 +17,12 @@ macro_rules! __gauss {
             const IN_LANES: $crate::core::primitive::bool = false;
             type Prepared = $crate::gauss::Prepared<$stages>;
             type Memory<__S: $crate::scalar::Scalar> =
-                $crate::gauss::Memory<__S, <Self as $crate::gauss::Field>::Shape, $stages>;
+                $crate::gauss::Memory<
+                    __S,
+                    <Self as $crate::gauss::Field>::Shape,
+                    <Self as $crate::gauss::Field>::Noises,
+                    $stages,
+                >;
             type Compensated<__S: $crate::scalar::Scalar> =
                 <<Self as $crate::gauss::Field>::Shape as $crate::gauss::Shape>::Compensation<__S>;
             type Carry<__S: $crate::scalar::Scalar> = Self::Compensated<__S>;
