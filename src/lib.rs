@@ -54,6 +54,8 @@
 //!   [`Increments::from`](increments::Increments).
 //! * **The discrete calculus** behind it, time scales and the operators on them, is [`calculus`];
 //!   [`Trajectory::observable`](trajectory::Trajectory::observable) takes a path there.
+//! * **Is the step short enough?** `system.shadow_energy::<E>(&state, h)` is the [modified] energy that symplectic steps keep, to its first terms;
+//!   how far it drifts in a run says whether the theory behind them applies.
 //! * **How much error for how much time**: with the feature `report`, `report::WorkPrecision` measures schemes against
 //!   each other and writes tables, plots and one HTML page.
 //! * **Long runs**: with the feature `serde`, `checkpoint::Checkpoint` lets a run that was stopped go on, bit for bit.
@@ -76,8 +78,8 @@ pub use wzvi_runtime::noise;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
-    calculus, compose, elements, embedding, error, increments, integrate, lanes, memory, numbers, plan,
-    retry, scalar, simulate, state, step, system, trajectory,
+    calculus, compose, dense, elements, embedding, error, increments, integrate, lanes, memory, modified,
+    numbers, plan, retry, scalar, section, simulate, state, step, system, trajectory,
 };
 
 #[cfg(not(all(feature = "report", feature = "serde")))]
@@ -134,6 +136,7 @@ pub mod __private {
     pub use wzvi_runtime::elements;
     pub use wzvi_runtime::embedding;
     pub use wzvi_runtime::error::{ConfigError, StepFailure};
+    pub use wzvi_runtime::modified::Conservative;
     pub use wzvi_runtime::nalgebra::{DVector, SVector};
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scalar::{Mask, Rounded, Scalar};

@@ -2,6 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may stop")]
 
+#[path = "composition/counted.rs"]
+mod counted;
+#[path = "composition/flows.rs"]
+mod flows;
+
 use serde_json::Value;
 use wzvi::prelude::*;
 use wzvi::state::Vector;
@@ -124,18 +129,6 @@ fn orders_are_those_of_the_plan() {
         Composed<Midpoint, SuzukiUmeno8>, 8, 5;
         Composed<Verlet, SuzukiUmeno8>, 8, 5;
     }
-}
-
-#[test]
-fn verlet_is_its_two_halves() {
-    let h = 0.1;
-    let start = State::new([0.12, 0.1], [0.3, -0.25]);
-    let mut whole = start;
-    HenonHeiles.stepper::<Verlet>(h).unwrap().step(&mut whole, &[]).unwrap();
-    let mut halves = start;
-    HenonHeiles.stepper::<DeltaPlus>(0.5 * h).unwrap().step(&mut halves, &[]).unwrap();
-    HenonHeiles.stepper::<DeltaMinus>(0.5 * h).unwrap().step(&mut halves, &[]).unwrap();
-    assert_eq!((whole.q, whole.p), (halves.q, halves.p));
 }
 
 /// The discrete Lagrangian of any segment by its definition: its gradient by central differences, whose error is of the

@@ -268,7 +268,7 @@ fn a_lane_of_a_system_in_loops_is_the_path_of_a_stepper() {
 }
 
 #[hamiltonian(
-    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) - 1.0 / x.hypot(y),
+    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) - 1.0 / (x * x + y * y).sqrt(),
     embedding = [Midpoint],
 )]
 pub struct Kepler;

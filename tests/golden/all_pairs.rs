@@ -37,6 +37,10 @@ Step
 
 Facts
   H0 is a first integral: kept by the step nearly, within O(h)
+  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)
+    H_p·H_q = Σ_(i=0..n - 1) Σ_(j=0..i - 1) [g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g mass[i] mass[j] p[j][0] (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g mass[i] mass[j] p[j][1] (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2))]
+    H_pp(H_q,H_q) = Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=0..i - 1) [g² mass[i]² mass[j] mass[k] (q[i][0] - q[j][0]) (q[i][0] - q[k][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[i][1] - q[k][1])² + (q[i][0] - q[k][0])²)^(3/2)) + g² mass[i]² mass[j] mass[k] (q[i][1] - q[j][1]) (q[i][1] - q[k][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[i][1] - q[k][1])² + (q[i][0] - q[k][0])²)^(3/2))] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=0..j - 1) [2 g² mass[i] mass[j]² mass[k] (q[j][0] - q[i][0]) (q[j][0] - q[k][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[j][1] - q[k][1])² + (q[j][0] - q[k][0])²)^(3/2)) + 2 g² mass[i] mass[j]² mass[k] (q[j][1] - q[i][1]) (q[j][1] - q[k][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[j][1] - q[k][1])² + (q[j][0] - q[k][0])²)^(3/2))] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=j + 1..n - 1) [g² mass[i] mass[j]² mass[k] (q[j][0] - q[i][0]) (q[j][0] - q[k][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[k][1] - q[j][1])² + (q[k][0] - q[j][0])²)^(3/2)) + g² mass[i] mass[j]² mass[k] (q[j][1] - q[i][1]) (q[j][1] - q[k][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[k][1] - q[j][1])² + (q[k][0] - q[j][0])²)^(3/2))]
+    H_qq(H_p,H_p) = Σ_(i=0..n - 1) Σ_(j=0..i - 1) [p[i][0] (g p[i][0] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0])²/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[i][0] - q[j][0]) (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - g mass[i] mass[j] p[j][0]/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][0] - q[j][0]) (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][1] (q[i][0] - q[j][0]) (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)))/mass[i] + p[j][0] (g mass[i] mass[j] p[j][0]/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - g p[i][0] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0]) (q[j][0] - q[i][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[j][0] - q[i][0])²/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1]) (q[j][0] - q[i][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][1] (q[j][0] - q[i][0]) (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)))/mass[j] + p[i][1] (g p[i][1] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0]) (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[i][1] - q[j][1]) (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1])²/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g + …)/mass[i] + …]
 
 ```
 */
@@ -54,9 +58,10 @@ pub struct Bodies {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
-        Knowledge, LagrangianGradient, NoiseClass, Option, Plain, Plan, Range, Result,
-        Scalar, Segment, Solver, State, StepFailure, bool, f64, isize, str, usize,
+        self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
+        Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Option, Plain, Plan,
+        Range, Result, Scalar, Segment, Solver, State, StepFailure, bool, f64, isize,
+        str, usize,
         elements::{
             CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
             Slopes, Stage, Unknowns,
@@ -271,6 +276,7 @@ const _: () = {
             }
             value
         }
+        #[inline(always)]
         fn slopes<S: Scalar>(
             &self,
             part: usize,
@@ -547,9 +553,9 @@ const _: () = {
                 conserves_energy: Knowledge::Proven,
                 commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][0] - q[j][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][0] - q[i][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][1] - q[j][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][1] - q[i][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n";
+            const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][0] - q[j][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][0] - q[i][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][1] - q[j][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][1] - q[i][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..n - 1) Σ_(j=0..i - 1) [g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g mass[i] mass[j] p[j][0] (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g mass[i] mass[j] p[j][1] (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2))]\n    H_pp(H_q,H_q) = Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=0..i - 1) [g² mass[i]² mass[j] mass[k] (q[i][0] - q[j][0]) (q[i][0] - q[k][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[i][1] - q[k][1])² + (q[i][0] - q[k][0])²)^(3/2)) + g² mass[i]² mass[j] mass[k] (q[i][1] - q[j][1]) (q[i][1] - q[k][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[i][1] - q[k][1])² + (q[i][0] - q[k][0])²)^(3/2))] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=0..j - 1) [2 g² mass[i] mass[j]² mass[k] (q[j][0] - q[i][0]) (q[j][0] - q[k][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[j][1] - q[k][1])² + (q[j][0] - q[k][0])²)^(3/2)) + 2 g² mass[i] mass[j]² mass[k] (q[j][1] - q[i][1]) (q[j][1] - q[k][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[j][1] - q[k][1])² + (q[j][0] - q[k][0])²)^(3/2))] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=j + 1..n - 1) [g² mass[i] mass[j]² mass[k] (q[j][0] - q[i][0]) (q[j][0] - q[k][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[k][1] - q[j][1])² + (q[k][0] - q[j][0])²)^(3/2)) + g² mass[i] mass[j]² mass[k] (q[j][1] - q[i][1]) (q[j][1] - q[k][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[k][1] - q[j][1])² + (q[k][0] - q[j][0])²)^(3/2))]\n    H_qq(H_p,H_p) = Σ_(i=0..n - 1) Σ_(j=0..i - 1) [p[i][0] (g p[i][0] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0])²/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[i][0] - q[j][0]) (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - g mass[i] mass[j] p[j][0]/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][0] - q[j][0]) (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][1] (q[i][0] - q[j][0]) (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)))/mass[i] + p[j][0] (g mass[i] mass[j] p[j][0]/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - g p[i][0] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0]) (q[j][0] - q[i][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[j][0] - q[i][0])²/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1]) (q[j][0] - q[i][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][1] (q[j][0] - q[i][0]) (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)))/mass[j] + p[i][1] (g p[i][1] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0]) (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[i][1] - q[j][1]) (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1])²/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g + …)/mass[i] + …]\n";
             const REMEMBERS: bool = false;
-            const IN_LANES: bool = false;
+            const IN_LANES: bool = true;
             type Prepared = ();
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = CompensationVec<S>;
@@ -563,6 +569,7 @@ const _: () = {
                 }
                 wzvi::elements::prepare(self)
             }
+            #[inline(always)]
             fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
                 prepared: &Self::Prepared,
@@ -574,11 +581,10 @@ const _: () = {
                 memory: &mut Self::Memory<S>,
                 carry: &mut C,
             ) -> Result<Effort, StepFailure> {
-                wzvi::elements::advance::<
+                wzvi::elements::advance_explicit::<
                     _,
                     S,
                     C,
-                    CAREFUL,
                 >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
             fn discrete_lagrangian(
@@ -606,6 +612,8 @@ const _: () = {
             }
         }
     };
+    #[automatically_derived]
+    impl Conservative for Bodies {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as after, binding as at, binding as at_index, binding as b0,

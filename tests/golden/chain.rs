@@ -36,6 +36,9 @@ Step
 
 Facts
   H0 is a first integral: kept by the step nearly, within O(h²)
+  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)
+    H_pp(H_q,H_q) = (q[0] + beta q[0]³)² + (where min(1, n - 1) > 0) [2 (q[0] + beta q[0]³) (q[0] - q[1] - beta (q[1] - q[0])³)] + Σ_(i=0..n - 2) [(q[i + 1] - q[i] + beta (q[i + 1] - q[i])³)² + (q[i] - q[i + 1] - beta (q[i + 1] - q[i])³)²] + Σ_(i=0..n - 3) [2 (q[i + 1] - q[i] + beta (q[i + 1] - q[i])³) (q[i + 1] - q[i + 2] - beta (q[i + 2] - q[i + 1])³)]
+    H_qq(H_p,H_p) = p[0]² (1 + 3 beta q[0]²) + Σ_(i=0..n - 2) [p[i + 1] (p[i + 1] (1 + 3 beta (q[i + 1] - q[i])²) + p[i] (-3 beta (q[i + 1] - q[i])² - 1)) + p[i] (p[i + 1] (-3 beta (q[i + 1] - q[i])² - 1) + p[i] (1 + 3 beta (q[i + 1] - q[i])²))]
 
 ```
 */
@@ -52,10 +55,10 @@ pub struct Chain {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
-        Knowledge, LagrangianGradient, NoiseClass, Option, Plain, Plan, Range, Result,
-        Scalar, Segment, Solver, State, StepFailure, bool, f64, isize, str, usize,
-        compose::Composes,
+        self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
+        Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Option, Plain, Plan,
+        Range, Result, Scalar, Segment, Solver, State, StepFailure, bool, f64, isize,
+        str, usize, compose::{Composes, General, Structure},
         elements::{
             CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
             Slopes, Stage, Unknowns,
@@ -177,6 +180,7 @@ const _: () = {
             }
             value
         }
+        #[inline(always)]
         fn slopes<S: Scalar>(
             &self,
             part: usize,
@@ -354,7 +358,7 @@ const _: () = {
                 conserves_energy: Knowledge::Proven,
                 commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n";
+            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (q[0] + beta q[0]³)² + (where min(1, n - 1) > 0) [2 (q[0] + beta q[0]³) (q[0] - q[1] - beta (q[1] - q[0])³)] + Σ_(i=0..n - 2) [(q[i + 1] - q[i] + beta (q[i + 1] - q[i])³)² + (q[i] - q[i + 1] - beta (q[i + 1] - q[i])³)²] + Σ_(i=0..n - 3) [2 (q[i + 1] - q[i] + beta (q[i + 1] - q[i])³) (q[i + 1] - q[i + 2] - beta (q[i + 2] - q[i + 1])³)]\n    H_qq(H_p,H_p) = p[0]² (1 + 3 beta q[0]²) + Σ_(i=0..n - 2) [p[i + 1] (p[i + 1] (1 + 3 beta (q[i + 1] - q[i])²) + p[i] (-3 beta (q[i + 1] - q[i])² - 1)) + p[i] (p[i + 1] (-3 beta (q[i + 1] - q[i])² - 1) + p[i] (1 + 3 beta (q[i + 1] - q[i])²))]\n";
             const REMEMBERS: bool = false;
             const IN_LANES: bool = false;
             type Prepared = ();
@@ -414,11 +418,14 @@ const _: () = {
         }
     };
     wzvi::composition! {
-        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
-        Chain] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes < Midpoint
-        > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as Composes <
-        Midpoint > > ::substeps()
+        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
+        > > for Chain] Composed < Midpoint, W >, < General as Structure < Midpoint >>
+        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
+        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
+        ::substeps()
     }
+    #[automatically_derived]
+    impl Conservative for Chain {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as after, binding as ahead, binding as at, binding as at1, binding as b0,

@@ -34,6 +34,9 @@ Step
 
 Facts
   H0 is a first integral: kept by the step nearly, within O(h²)
+  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)
+    H_pp(H_q,H_q) = (x + 2 x y)² + (y + x² - y²)²
+    H_qq(H_p,H_p) = px (px (1 + 2 y) + 2 x py) + py (2 x px + py (1 - 2 y))
 
 ```
 */
@@ -48,10 +51,11 @@ pub struct HenonHeiles;
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Block, Carry, Compensation, ConfigError, Discretized, Effort, Err,
-        Extrapolation, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Plain,
-        Plan, Result, Rounded, SVector, Scalar, Segment, Solution, Solver, State,
-        StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        self as wzvi, Block, Carry, Compensation, ConfigError, Conservative, Discretized,
+        Effort, Err, Extrapolation, Hamiltonian, Knowledge, LagrangianGradient,
+        NoiseClass, Ok, Plain, Plan, Result, Rounded, SVector, Scalar, Segment, Solution,
+        Solver, State, StepFailure, Vector, bool, f64, str, usize,
+        compose::{Composes, General, Structure},
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -211,7 +215,7 @@ const _: () = {
                 conserves_energy: Knowledge::Proven,
                 commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (py² + px² + x² + y²)/2 + x² y - y³/3\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}² + P_{px}² + x_{i+1/2}² + y_{i+1/2}²)/2 + x_{i+1/2}² y_{i+1/2} - y_{i+1/2}³/3) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (x_{i+1/2} + 2 x_{i+1/2} y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (y_{i+1/2} + x_{i+1/2}² - y_{i+1/2}²)/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: Newton, symmetric Jacobian (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n";
+            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (py² + px² + x² + y²)/2 + x² y - y³/3\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}² + P_{px}² + x_{i+1/2}² + y_{i+1/2}²)/2 + x_{i+1/2}² y_{i+1/2} - y_{i+1/2}³/3) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (x_{i+1/2} + 2 x_{i+1/2} y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (y_{i+1/2} + x_{i+1/2}² - y_{i+1/2}²)/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: Newton, symmetric Jacobian (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (x + 2 x y)² + (y + x² - y²)²\n    H_qq(H_p,H_p) = px (px (1 + 2 y) + 2 x py) + py (2 x px + py (1 - 2 y))\n";
             type Prepared = Prepared;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 2>;
@@ -300,11 +304,14 @@ const _: () = {
         }
     };
     wzvi::composition! {
-        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
-        HenonHeiles] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes <
-        Midpoint > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as
-        Composes < Midpoint > > ::substeps()
+        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
+        > > for HenonHeiles] Composed < Midpoint, W >, < General as Structure < Midpoint
+        >> ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
+        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
+        ::substeps()
     }
+    #[automatically_derived]
+    impl Conservative for HenonHeiles {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as after, binding as before, binding as by_p, binding as by_q,

@@ -29,6 +29,9 @@ Step
 
 Facts
   H0 is a first integral: kept by the step nearly, within O(h²)
+  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)
+    H_pp(H_q,H_q) = omega^4 sin(q)²
+    H_qq(H_p,H_p) = p² omega² cos(q)
 
 ```
 */
@@ -45,10 +48,11 @@ pub struct Pendulum {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Block, Carry, Compensation, ConfigError, Discretized, Effort, Err,
-        Extrapolation, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok,
-        Option, Plain, Plan, Result, Rounded, SVector, Scalar, Segment, Solution, Solver,
-        State, StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        self as wzvi, Block, Carry, Compensation, ConfigError, Conservative, Discretized,
+        Effort, Err, Extrapolation, Hamiltonian, Knowledge, LagrangianGradient,
+        NoiseClass, Ok, Option, Plain, Plan, Result, Rounded, SVector, Scalar, Segment,
+        Solution, Solver, State, StepFailure, Vector, bool, f64, str, usize,
+        compose::{Composes, General, Structure},
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -183,7 +187,7 @@ const _: () = {
                 conserves_energy: Knowledge::Proven,
                 commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_{i+1/2}))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_{i+1/2})/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n";
+            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_{i+1/2}))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_{i+1/2})/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = omega^4 sin(q)²\n    H_qq(H_p,H_p) = p² omega² cos(q)\n";
             type Prepared = Prepared;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 1>;
@@ -267,11 +271,14 @@ const _: () = {
         }
     };
     wzvi::composition! {
-        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
-        Pendulum] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes <
-        Midpoint > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as
-        Composes < Midpoint > > ::substeps()
+        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
+        > > for Pendulum] Composed < Midpoint, W >, < General as Structure < Midpoint >>
+        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
+        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
+        ::substeps()
     }
+    #[automatically_derived]
+    impl Conservative for Pendulum {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as after, binding as before, binding as by_p, binding as by_q,

@@ -81,7 +81,8 @@ const _: () = {
         self as wzvi, Carry, Compensation, ConfigError, Discretized, Effort, Err,
         Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option, PhantomData,
         Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver, State,
-        StepFailure, Vector, bool, f64, str, usize, compose::Composes,
+        StepFailure, Vector, bool, f64, str, usize,
+        compose::{Composes, General, Structure},
         embedding::{Composed, DeltaPlus, Midpoint, Uncorrected},
     };
     #[automatically_derived]
@@ -392,10 +393,11 @@ const _: () = {
         }
     };
     wzvi::composition! {
-        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
-        Kubo] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes < Midpoint
-        > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as Composes <
-        Midpoint > > ::substeps()
+        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
+        > > for Kubo] Composed < Midpoint, W >, < General as Structure < Midpoint >>
+        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
+        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
+        ::substeps()
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{

@@ -55,7 +55,8 @@ const _: () = {
         self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
         Knowledge, LagrangianGradient, NoiseClass, None, Ok, Option, Ord, PhantomData,
         Plain, Plan, Range, Result, Scalar, Segment, Solution, Solver, Some, State,
-        StepFailure, bool, f64, i128, isize, str, usize, compose::Composes,
+        StepFailure, bool, f64, i128, isize, str, usize,
+        compose::{Composes, General, Structure},
         elements::{
             CompensationVec, Curvature, Elements, MomentumUpdate, Point, Scheme, Slopes,
             Stage, Unknowns,
@@ -194,6 +195,7 @@ const _: () = {
             }
             value
         }
+        #[inline(always)]
         fn slopes<S: Scalar>(
             &self,
             part: usize,
@@ -481,10 +483,11 @@ const _: () = {
         }
     };
     wzvi::composition! {
-        [impl < W : Composes < Midpoint > > Discretized < Composed < Midpoint, W > > for
-        Bath] Composed < Midpoint, W >, [Midpoint, Midpoint], < W as Composes < Midpoint
-        > > ::ORDER, < Self as Discretized < Midpoint >> ::EQUATIONS, < W as Composes <
-        Midpoint > > ::substeps()
+        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
+        > > for Bath] Composed < Midpoint, W >, < General as Structure < Midpoint >>
+        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
+        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
+        ::substeps()
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use proc_macro2::TokenStream;
 
-use crate::describe::{Texts, derived};
+use crate::describe::{Texts, derived, stepped};
 use crate::discretise::describe::{describe, properties};
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::{Facts, NoiseClass};
@@ -13,6 +13,7 @@ use crate::discretise::gauss::{self, StepSlopes};
 use crate::discretise::sites::Site;
 use crate::discretise::{Scheme, discretise};
 use crate::elements;
+use crate::elements::flows::Flows;
 use crate::elements::plan::{Strategy, strategy};
 use crate::emit::{Beside, emit};
 use crate::model::{Located, Model, System};
@@ -21,6 +22,8 @@ use crate::model::{Located, Model, System};
 /// straight-line code.
 pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts) -> TokenStream {
     let listed = values(&model.embeddings);
+    let flows = model.lend(system, |system| Flows::of(system, facts, &listed));
+    let is_stepped = |embedding: &Embedding| stepped(&listed, flows).contains(embedding);
     let mut steps = Vec::new();
     for embedding in derived(&listed) {
         let scheme = discretise(&mut model, facts, &embedding);
@@ -49,13 +52,16 @@ pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts
         .collect();
     let texts = Texts::new(
         &listed,
+        flows,
         of_parts,
         |embedding| staged.get(&embedding.stages().unwrap_or(1)).cloned().unwrap_or_default(),
         |embedding, text| properties(&mut model.graph, facts, embedding, text),
     );
     let swept = steps.iter().zip(&texts.of_parts).filter_map(|(step, text)| match step {
         Step::Inline(_) => None,
-        Step::Swept(embedding, strategy) => Some((embedding, strategy, text.as_str())),
+        Step::Swept(embedding, strategy) => {
+            is_stepped(embedding).then_some((embedding, strategy, text.as_str()))
+        }
     });
     let swept: Vec<_> = swept.collect();
     let beside = match swept.is_empty() {
@@ -66,7 +72,7 @@ pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts
         }),
     };
     let inline = steps.iter().zip(&texts.of_parts).filter_map(|(step, text)| match step {
-        Step::Inline(scheme) => Some((&**scheme, text.as_str())),
+        Step::Inline(scheme) => is_stepped(&scheme.embedding).then_some((&**scheme, text.as_str())),
         Step::Swept(..) => None,
     });
     emit(&mut model, facts, &inline.collect::<Vec<_>>(), beside, &texts)
@@ -81,6 +87,7 @@ enum Step {
 /// [`straight_line`], with all of it in loops.
 pub(crate) fn in_loops(system: &mut System, facts: &Facts) -> TokenStream {
     let listed = values(&system.embeddings);
+    let flows = Flows::of(system, facts, &listed);
     let site = Site::of(system).map(Rc::new);
     let schemes: Vec<(Embedding, Strategy)> = derived(&listed)
         .into_iter()
@@ -94,11 +101,14 @@ pub(crate) fn in_loops(system: &mut System, facts: &Facts) -> TokenStream {
         stages(&listed).map(|stages| (stages, elements::staged::describe(system, stages))).collect();
     let texts = Texts::new(
         &listed,
+        flows,
         of_parts,
         |embedding| staged.get(&embedding.stages().unwrap_or(1)).cloned().unwrap_or_default(),
         |embedding, text| properties(&mut system.graph, facts, embedding, text),
     );
+    let stepped = stepped(&listed, flows);
     let steps = schemes.iter().zip(&texts.of_parts).map(|((e, s), text)| (e, s, text.as_str()));
+    let steps = steps.filter(|(embedding, ..)| stepped.contains(embedding));
     elements::emit::emit(system, facts, &steps.collect::<Vec<_>>(), &texts)
 }
 

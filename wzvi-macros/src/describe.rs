@@ -1,6 +1,7 @@
 //! The texts of the schemes that were listed, from those of the schemes that were derived.
 
 use crate::discretise::embedding::Embedding;
+use crate::elements::flows::Flows;
 
 /// What `EQUATIONS` and the documentation say.
 pub(crate) struct Texts {
@@ -8,6 +9,14 @@ pub(crate) struct Texts {
     pub(crate) of_parts: Vec<String>,
     /// Of every scheme that was listed.
     pub(crate) listed: Vec<(Embedding, String)>,
+    /// The flows that `Verlet` and its compositions are made of.
+    pub(crate) flows: Option<Flows>,
+}
+
+/// Those of the derived schemes whose steps are taken: halves of `Verlet` are not where it is made of flows.
+pub(crate) fn stepped(listed: &[Embedding], flows: Option<Flows>) -> Vec<Embedding> {
+    let is_stepped = |embedding: &&Embedding| flows.is_none() || **embedding != Embedding::Verlet;
+    derived(&listed.iter().filter(is_stepped).cloned().collect::<Vec<_>>())
 }
 
 /// The schemes with one quadrature point to derive, each once, for those that were listed.
@@ -31,6 +40,7 @@ impl Texts {
     /// `facts_of` says what is known of a scheme that is none of the parts.
     pub(crate) fn new(
         listed: &[Embedding],
+        flows: Option<Flows>,
         of_parts: Vec<String>,
         mut staged: impl FnMut(&Embedding) -> String,
         mut facts_of: impl FnMut(&Embedding, &mut String),
@@ -56,11 +66,22 @@ impl Texts {
                     text.push('\n');
                     text.push_str(derivation);
                 }
+                if flows.is_some() {
+                    text.push_str(FLOWS);
+                }
                 facts_of(embedding, &mut text);
                 text
             }
         };
         let listed = listed.iter().map(|embedding| (embedding.clone(), text(embedding))).collect();
-        Self { of_parts, listed }
+        Self { of_parts, listed, flows }
     }
 }
+
+/// How a step of `Verlet` is taken of `T(p) + V(q, t)`.
+const FLOWS: &str = "
+Step, by the flows of H = T(p) + V(q), which are exact
+  kick of h/2 at t:      p <- p - h/2 ∂V/∂q
+  drift of h:            q <- q + h ∂T/∂p
+  kick of h/2 at t + h:  p <- p - h/2 ∂V/∂q, whose force is that of the first kick of the next step
+";

@@ -10,29 +10,37 @@
 //! the adjoint pair of [`Verlet`] (R. I. McLachlan, "On the numerical integration of ordinary differential equations by symmetric
 //! composition methods", SIAM J. Sci. Comput. 16, 1995).
 
-mod advance;
+mod checks;
+mod flows;
 mod implement;
 mod kept;
 mod lagrangian;
+mod pair;
+mod sequence;
+mod structure;
 mod tables;
 
 use std::marker::PhantomData;
 
 use crate::embedding::{DeltaMinus, DeltaPlus, Midpoint, Uncorrected};
 use crate::gauss::Gauss;
-use crate::plan::{Plan, Solver};
+use checks::{has_order, has_sum_one, is_palindrome};
 
 #[doc(hidden)]
-pub use advance::{Prepared, advance, memory, prepare};
-#[doc(hidden)]
-pub use kept::Memory;
+pub use flows::{Flows, Splitting};
 #[doc(hidden)]
 pub use lagrangian::{gradient, value};
+#[doc(hidden)]
+pub use pair::Pair;
+#[doc(hidden)]
+pub use sequence::{Half, Sequence, Substep, plan};
+#[doc(hidden)]
+pub use structure::{General, Nystrom, Separable, Structure};
 pub use tables::{BlanesMoan4, BlanesMoan6, KahanLi6, KahanLi8, Suzuki4, SuzukiUmeno8, Yoshida4, Yoshida6};
 
 /// [`DeltaPlus`] of half the step, then [`DeltaMinus`] of the other half: the Störmer-Verlet scheme, symmetric and of order
-/// two. Explicit for `T(p) + V(q)`, generalised Störmer-Verlet for any other Hamiltonian. Half of the increments
-/// goes into each half, which makes it consistent with every Stratonovich system.
+/// two. Explicit for `T(p) + V(q, t)`: kick, drift, kick, with one evaluation of the force for each step. Generalised
+/// Störmer-Verlet for any other Hamiltonian. Half of the increments goes into each half, which makes it consistent with every Stratonovich system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Verlet;
 
@@ -72,18 +80,6 @@ impl Symmetric for Midpoint {}
 impl Symmetric for Verlet {}
 impl<const S: usize> Symmetric for Gauss<S> {}
 
-/// Which of the two schemes a part of a step is taken by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Half {
-    /// [`Base::First`]
-    First,
-    /// [`Base::Second`]
-    Second,
-}
-
-/// A part of a step: by which scheme, and what fraction of the step.
-pub type Substep = (Half, f64);
-
 /// The schemes that a composition of `Self` is made of.
 pub trait Base {
     /// The scheme itself, or the first half of it.
@@ -118,20 +114,20 @@ impl Base for Verlet {
     }
 }
 
-/// Weights that can compose `E`.
+/// Weights that can compose `E` for a system of the [structure](Structure) `K`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot compose `{E}`",
     label = "not for `{E}`",
     note = "partitioned tables (`BlanesMoan4`, ...) compose `Verlet` only; palindromes (`Yoshida4`, ..., your own `Weights`) compose `Midpoint`, `Verlet` and `Gauss<S>`"
 )]
-pub trait Composes<E> {
+pub trait Composes<E, K: Structure<E> = General> {
     /// The order that they give.
     const ORDER: u32;
     /// The parts of a step, in their order.
     fn substeps() -> Vec<Substep>;
 }
 
-impl<E: Symmetric + Base, W: Weights> Composes<E> for W {
+impl<E: Symmetric, W: Weights, K: Structure<E>> Composes<E, K> for W {
     const ORDER: u32 = W::ORDER;
 
     fn substeps() -> Vec<Substep> {
@@ -144,34 +140,28 @@ impl<E: Symmetric + Base, W: Weights> Composes<E> for W {
             );
         }
         let mut substeps = Vec::new();
-        W::GAMMA.iter().for_each(|&weight| E::substeps(weight, &mut substeps));
+        W::GAMMA.iter().for_each(|&weight| K::step(weight, &mut substeps));
         substeps
     }
 }
 
-/// `z_1 = x_1`, `z_{i+1} = x_{i+1} - z_i` for the coefficients `x`, without the last: steps of the pair in turn. A drift comes
-/// first in [`DeltaMinus`], a kick in [`DeltaPlus`].
-fn pair<W: Partitioned>() -> Vec<Substep> {
+/// The parts of a step by a partitioned table.
+fn of_table<W: Partitioned, K: Structure<Verlet>>() -> Vec<Substep> {
     const {
         assert!(is_palindrome(W::SEQUENCE), "the coefficients of a splitting must be a palindrome");
         assert!(W::SEQUENCE.len() % 2 == 1, "a splitting starts and ends with the same part");
     }
-    let halves = if W::STARTS_WITH_DRIFT { [Half::Second, Half::First] } else { [Half::First, Half::Second] };
-    let mut rest = 0.0;
-    let coefficients = W::SEQUENCE.split_last().map_or(&[][..], |(_, coefficients)| coefficients);
-    let steps = coefficients.iter().zip(halves.iter().cycle()).map(|(x, &half)| {
-        rest = x - rest;
-        (half, rest)
-    });
-    steps.collect()
+    let halves = if W::STARTS_WITH_DRIFT { [Half::First, Half::Second] } else { [Half::Second, Half::First] };
+    let sequence = W::SEQUENCE.iter().zip(halves.into_iter().cycle());
+    K::splitting(&sequence.map(|(&weight, half)| (half, weight)).collect::<Vec<_>>())
 }
 
 macro_rules! partitioned {
     ($($table:ty),+) => {$(
-        impl Composes<Verlet> for $table {
+        impl<K: Structure<Verlet>> Composes<Verlet, K> for $table {
             const ORDER: u32 = <$table as Partitioned>::ORDER;
             fn substeps() -> Vec<Substep> {
-                pair::<$table>()
+                of_table::<$table, K>()
             }
         }
     )+};
@@ -179,76 +169,9 @@ macro_rules! partitioned {
 
 partitioned!(BlanesMoan4, BlanesMoan6);
 
-/// Whether a list reads the same backwards, to the last bit.
-const fn is_palindrome(list: &[f64]) -> bool {
-    let mut i = 0;
-    while i < list.len() {
-        if list[i].to_bits() != list[list.len() - 1 - i].to_bits() {
-            return false;
-        }
-        i += 1;
-    }
-    !list.is_empty()
-}
-
-/// `Σ γ^power` and `Σ |γ|^power`.
-const fn power_sums(list: &[f64], power: u32) -> (f64, f64) {
-    let (mut sum, mut size) = (0.0, 0.0);
-    let mut i = 0;
-    while i < list.len() {
-        let mut term = 1.0;
-        let mut k = 0;
-        while k < power {
-            term *= list[i];
-            k += 1;
-        }
-        sum += term;
-        size += if term < 0.0 { -term } else { term };
-        i += 1;
-    }
-    (sum, size)
-}
-
-/// What rounding of `length` weights, of their powers and of their sum can make, per unit of their sizes.
-const fn rounding(length: usize, power: u32) -> f64 {
-    (length as f64 + 2.0 * power as f64) * f64::EPSILON
-}
-
-const fn has_sum_one(list: &[f64]) -> bool {
-    let (sum, size) = power_sums(list, 1);
-    let error = if sum < 1.0 { 1.0 - sum } else { sum - 1.0 };
-    error <= rounding(list.len(), 1) * size
-}
-
-/// `Σ γ^3 = 0` for order 4, `Σ γ^5 = 0` as well for order 6, and so on.
-const fn has_order(list: &[f64], order: u32) -> bool {
-    let mut power = 3;
-    while power < order {
-        let (sum, size) = power_sums(list, power);
-        let error = if sum < 0.0 { -sum } else { sum };
-        if error > rounding(list.len(), power) * size {
-            return false;
-        }
-        power += 2;
-    }
-    order >= 1
-}
-
-/// The plan of steps that are made of those of two plans, one after the other: symmetric, and therefore consistent.
-pub const fn plan(first: Plan, second: Plan, order: u32) -> Plan {
-    let hardest = match (first.solver, second.solver) {
-        (Solver::Newton, _) | (_, Solver::Newton) => Solver::Newton,
-        (Solver::Linear, _) | (_, Solver::Linear) => Solver::Linear,
-        _ => Solver::Explicit,
-    };
-    let unknowns = if first.unknowns > second.unknowns { first.unknowns } else { second.unknowns };
-    let order = if order > first.order { order } else { first.order };
-    Plan { solver: hardest, unknowns, order, consistent: true, ..first }
-}
-
 /// The parts of one step of `E`.
-pub fn of_one<E: Base>() -> Vec<Substep> {
+pub fn of_one<E, K: Structure<E>>() -> Vec<Substep> {
     let mut substeps = Vec::new();
-    E::substeps(1.0, &mut substeps);
+    K::step(1.0, &mut substeps);
     substeps
 }

@@ -49,7 +49,7 @@ pub(crate) struct Continued<V, M, C> {
     pub(crate) effort: Effort,
 }
 
-type Taken<H, E, C> = Continued<<H as Hamiltonian>::Vector, <H as Discretized<E>>::Memory<f64>, C>;
+pub(crate) type Taken<H, E, C> = Continued<<H as Hamiltonian>::Vector, <H as Discretized<E>>::Memory<f64>, C>;
 type Outcome<H, E, C> = Result<Taken<H, E, C>, StepFailure>;
 
 /// Takes a step that failed for `cause`.

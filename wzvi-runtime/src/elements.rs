@@ -23,6 +23,7 @@
 //! products with the Jacobian, which is never stored ([`Method::Krylov`]: lattices, random graphs, all pairs).
 
 mod careful;
+mod explicit;
 mod hamiltonian;
 mod iterate;
 mod jacobian;
@@ -37,10 +38,12 @@ mod scheme;
 pub mod sites;
 mod step;
 
+pub use explicit::advance_explicit;
 pub use hamiltonian::{differentiate, evaluate, invariant};
 pub use iterate::advance;
 pub use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::{CompensationVec, Memory};
+pub(crate) use passes::are_finite;
 pub use scheme::{MomentumUpdate, Scheme, Stage, Unknowns};
 
 use std::ops::Range;
@@ -182,6 +185,26 @@ pub fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     if BY_P {
         by_p.iter_mut().for_each(|slope| *slope = *slope * h);
     }
+    if !dw.is_empty() {
+        system.slopes(NOISE, 1.0, &at, wanted, by_q, by_p);
+    }
+}
+
+/// Adds the slopes of a step Hamiltonian `T(p) + V(q)` by coordinates, which are `state`, or by momenta, which are it.
+#[inline(always)]
+pub fn add_slopes<H: Elements, S: Scalar>(
+    system: &H,
+    t: f64,
+    h: f64,
+    state: &[S],
+    dw: &[S],
+    wanted: Slopes,
+    into: &mut [S],
+) {
+    // Elements of one half of the phase space read nothing of the other.
+    let at = Point { q: state, p: state, t, h, dw, acting: 0..dw.len() };
+    let (by_q, by_p) = if wanted.by_q { (into, &mut [][..]) } else { (&mut [][..], into) };
+    system.slopes(DRIFT, 1.0, &at, wanted, by_q, by_p);
     if !dw.is_empty() {
         system.slopes(NOISE, 1.0, &at, wanted, by_q, by_p);
     }

@@ -44,6 +44,7 @@ mod paths;
 mod quantiles;
 mod replay;
 mod source;
+mod starts;
 mod statistics;
 mod table;
 
@@ -63,6 +64,8 @@ pub use passage::Passages;
 pub use paths::Paths;
 pub use quantiles::Quantiles;
 use source::{Settings, Source};
+pub use starts::Draw;
+use starts::Starts;
 pub use statistics::{PathFailure, Statistics, StatisticsNode, TargetStatus};
 
 use crate::checkpoint::Keeping;
@@ -97,6 +100,8 @@ struct Setup<'a, H: Hamiltonian> {
     system: &'a H,
     h: f64,
     span: Span<H::Vector>,
+    /// Of each path its own, unless `span` has one that was said later.
+    starts: Option<Starts<'a, H::Vector>>,
     paths: Option<u64>,
     source: Option<Source<'a>>,
     settings: Settings,
@@ -131,6 +136,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             system,
             h,
             span: Span::default(),
+            starts: None,
             paths: None,
             source: None,
             settings: Settings::default(),
@@ -168,6 +174,27 @@ impl<'a, H: Discretized<E>, E, R> Ensemble<'a, H, E, StepNormals, R> {
 
 impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
     options!(start, end, record, observe, execution, instructions);
+
+    /// The first state of each path, at one time for all: that of [`Draw::path`], or drawn at random by the seed of the ensemble (0 if it has
+    /// none). It is called once for each path, from several threads, and has to depend on nothing but its argument.
+    ///
+    /// ```ignore
+    /// // A Gaussian cloud of path after path, whatever the scheme and the step size.
+    /// let starts = |draw: &mut Draw| State::new([0.1 * draw.normal()], [1.0]);
+    /// pendulum.ensemble::<Midpoint>(0.1).starts(starts).paths(10_000).seed(7).until(50.0).run()?
+    /// ```
+    pub fn starts(mut self, start: impl Fn(&mut Draw) -> State<H::Vector> + Send + Sync + 'a) -> Self {
+        (self.setup.span.start, self.setup.starts) = (None, Some(Starts::Drawn(Box::new(start))));
+        self
+    }
+
+    /// The first state of each path, in the order of their numbers, at one time for all. There are as many paths as states, unless
+    /// [`Ensemble::paths`] says fewer.
+    pub fn starts_from(mut self, states: impl IntoIterator<Item = State<H::Vector>>) -> Self {
+        let states = Starts::Listed(states.into_iter().collect());
+        (self.setup.span.start, self.setup.starts) = (None, Some(states));
+        self
+    }
 
     /// How many paths; with [`Ensemble::until_error`], how many at most.
     pub fn paths(mut self, paths: u64) -> Self {

@@ -173,6 +173,13 @@ pub enum ConfigError {
     },
     /// The start has the wrong number of components, or one of them is not finite.
     Start(StepFailure),
+    /// The start of a path of an ensemble has the wrong number of components, or one of them is not finite.
+    PathStart {
+        /// Number of the path, from 0.
+        path: u64,
+        /// What is wrong.
+        cause: StepFailure,
+    },
     /// A setting of a noise or a builder that makes no sense, with what to do.
     Setting(String),
 }
@@ -201,6 +208,7 @@ impl fmt::Display for ConfigError {
                 )
             }
             Self::Start(cause) => write!(f, "the start is not usable: {cause}"),
+            Self::PathStart { path, cause } => write!(f, "the start of path {path} is not usable: {cause}"),
             Self::Setting(what) => f.write_str(what),
         }
     }

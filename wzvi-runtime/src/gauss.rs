@@ -16,6 +16,7 @@
 
 mod action;
 mod advance;
+mod dense;
 mod implement;
 mod kept;
 mod newton;
@@ -31,6 +32,7 @@ use crate::system::Hamiltonian;
 
 pub use action::value;
 pub use advance::{Prepared, advance, memory, prepare};
+pub use dense::{dense_order, slopes_between};
 pub use kept::Memory;
 pub use shape::{Dynamic, Fixed, Shape};
 pub use stages::{At, Scratch, Stages};

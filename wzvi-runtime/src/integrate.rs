@@ -3,9 +3,11 @@
 #[cfg(feature = "ensemble")]
 use crate::ensemble::{Ensemble, Multilevel};
 use crate::error::ConfigError;
+use crate::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
 #[cfg(feature = "report")]
 use crate::report::WorkPrecision;
 use crate::simulate::Simulation;
+use crate::state::State;
 use crate::step::Stepper;
 use crate::system::{Discretized, Hamiltonian};
 
@@ -20,6 +22,19 @@ pub trait Integrate: Hamiltonian {
         Self: Discretized<E> + Sized,
     {
         Stepper::new(self, h)
+    }
+
+    /// The modified energy of a state for steps of size `h`, in units of energy: the energy that steps of the scheme keep nearly
+    /// exactly, to its first terms in `h` ([`ModifiedHamiltonian`], which serves many states). NaN where the energy is.
+    ///
+    /// A run whose modified energy drifts much less than its energy is one to which the theory of symplectic methods applies; where both
+    /// drift alike the step is too long for it.
+    fn shadow_energy<E>(&self, state: &State<Self::Vector>, h: f64) -> f64
+    where
+        Self: Discretized<E> + Conservative + Sized,
+        E: ModifiedBy,
+    {
+        ModifiedHamiltonian::<E>::new(h).energy(self, state)
     }
 
     /// One path in steps of size `h` (time units of the Hamiltonian; negative runs backwards). Whatever is wrong with

@@ -223,7 +223,7 @@ macro_rules! by_lane {
 
 impl<const L: usize> Numbers for Lanes<L> {
     fn pass(&mut self, tape: &mut Tape) {
-        self.0.pass(tape);
+        tape.lanes(&mut self.0);
     }
 }
 
@@ -252,6 +252,14 @@ impl<const L: usize> Scalar for Lanes<L> {
     #[inline(always)]
     fn lane(self, lane: usize) -> f64 {
         self.0[lane]
+    }
+    #[inline(always)]
+    fn is_identical(self, other: Self) -> bool {
+        let mut is_same = true;
+        for i in 0..L {
+            is_same &= self.0[i].to_bits() == other.0[i].to_bits();
+        }
+        is_same
     }
     /// Zero times a finite number is zero, and NaN otherwise.
     #[inline(always)]

@@ -1,5 +1,6 @@
 //! Runtime of `wzvi`. Users depend on the facade crate `wzvi`; see there for the tour.
 
+mod between;
 pub mod calculus;
 pub mod carry;
 mod checksum;
@@ -7,6 +8,7 @@ mod checksum;
 mod clock;
 pub mod compose;
 mod continuation;
+pub mod dense;
 pub mod elements;
 pub mod embedding;
 #[cfg(feature = "ensemble")]
@@ -24,6 +26,7 @@ mod interrupt;
 mod interrupt;
 pub mod lanes;
 pub mod memory;
+pub mod modified;
 #[cfg(any(feature = "ensemble", feature = "serde"))]
 mod names;
 #[cfg(feature = "noise")]
@@ -41,6 +44,7 @@ pub mod retry;
 pub mod scalar;
 #[cfg(feature = "ensemble")]
 mod schedule;
+pub mod section;
 pub mod simulate;
 pub mod solve;
 mod span;

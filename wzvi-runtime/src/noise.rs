@@ -42,6 +42,12 @@ pub trait Paths: Noise {
     fn step_normals(&self) -> Option<StepNormals> {
         None
     }
+
+    /// The seed, of a noise that has one.
+    #[doc(hidden)]
+    fn seed_number(&self) -> Option<u64> {
+        None
+    }
 }
 
 /// A noise of any type that every thread can have a copy of.

@@ -80,39 +80,105 @@ pub enum Tape {
         /// Whether it was shown more than was taken down, or what was makes no sense.
         short: bool,
     },
+    /// Takes down one lane of what it is shown, as that lane would be taken down alone.
+    Splitting {
+        /// Which one.
+        lane: usize,
+        /// What was taken down.
+        words: Vec<u64>,
+    },
+    /// Replaces every lane of what it is shown. What is no matter of lanes has to be the same in all of them.
+    Joining {
+        /// What was taken down, by lane.
+        lanes: Vec<std::vec::IntoIter<u64>>,
+        /// As for reading, or whether the lanes differ where they must not.
+        short: bool,
+    },
 }
 
 impl Tape {
     /// The words of everything that `pass` shows.
-    #[cfg(any(test, feature = "serde", feature = "mpi"))]
+    #[cfg(any(test, feature = "serde", feature = "mpi", feature = "ensemble"))]
     pub(crate) fn write(pass: impl FnOnce(&mut Self)) -> Vec<u64> {
         let mut tape = Self::Writing(Vec::new());
         pass(&mut tape);
         match tape {
-            Self::Writing(words) => words,
+            Self::Writing(words) | Self::Splitting { words, .. } => words,
             Self::Reading { words, .. } => words.collect(),
+            Self::Joining { .. } => Vec::new(),
         }
     }
 
     /// Replaces everything that `pass` shows by the words; `None` if there are more or fewer of them.
-    #[cfg(any(test, feature = "serde", feature = "mpi"))]
+    #[cfg(any(test, feature = "serde", feature = "mpi", feature = "ensemble"))]
     pub(crate) fn read(words: Vec<u64>, pass: impl FnOnce(&mut Self)) -> Option<()> {
         let mut tape = Self::Reading { words: words.into_iter(), short: false };
         pass(&mut tape);
         match tape {
             Self::Reading { words, short } => (!short && words.len() == 0).then_some(()),
-            Self::Writing(_) => None,
+            _ => None,
+        }
+    }
+
+    /// The words of one lane of everything that `pass` shows.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn split(lane: usize, pass: impl FnOnce(&mut Self)) -> Vec<u64> {
+        let mut tape = Self::Splitting { lane, words: Vec::new() };
+        pass(&mut tape);
+        match tape {
+            Self::Splitting { words, .. } => words,
+            _ => Vec::new(),
+        }
+    }
+
+    /// Replaces all lanes of everything that `pass` shows by the words of each; `None` if they do not fit, or not each other.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn join(lanes: Vec<Vec<u64>>, pass: impl FnOnce(&mut Self)) -> Option<()> {
+        let lanes = lanes.into_iter().map(Vec::into_iter).collect();
+        let mut tape = Self::Joining { lanes, short: false };
+        pass(&mut tape);
+        match tape {
+            Self::Joining { lanes, short } => {
+                (!short && lanes.iter().all(|words| words.len() == 0)).then_some(())
+            }
+            _ => None,
         }
     }
 
     /// Takes down or replaces a word.
     pub fn word(&mut self, word: &mut u64) {
         match self {
-            Self::Writing(words) => words.push(*word),
+            Self::Writing(words) | Self::Splitting { words, .. } => words.push(*word),
             Self::Reading { words, short } => match words.next() {
                 Some(read) => *word = read,
                 None => *short = true,
             },
+            Self::Joining { lanes, short } => {
+                let mut read = lanes.iter_mut().map(Iterator::next);
+                match read.next().flatten() {
+                    Some(first) if read.all(|other| other == Some(first)) => *word = first,
+                    _ => *short = true,
+                }
+            }
+        }
+    }
+
+    /// Takes down or replaces a number of each lane.
+    pub fn lanes(&mut self, numbers: &mut [f64]) {
+        match self {
+            Self::Writing(_) | Self::Reading { .. } => self.numbers(numbers),
+            Self::Splitting { lane, words } => {
+                words.extend(numbers.get(*lane).map(|number| number.to_bits()))
+            }
+            Self::Joining { lanes, short } => {
+                *short |= lanes.len() != numbers.len();
+                for (words, number) in lanes.iter_mut().zip(numbers) {
+                    match words.next() {
+                        Some(read) => *number = f64::from_bits(read),
+                        None => *short = true,
+                    }
+                }
+            }
         }
     }
 
@@ -120,24 +186,26 @@ impl Tape {
     pub fn length(&mut self, length: usize) -> usize {
         let mut word = length as u64;
         self.word(&mut word);
-        match self {
-            Self::Writing(_) => length,
-            Self::Reading { words, short } => {
-                let read = usize::try_from(word).ok().filter(|&read| read <= words.len());
-                *short |= read.is_none();
-                read.unwrap_or(0)
+        let (left, short) = match self {
+            Self::Writing(_) | Self::Splitting { .. } => return length,
+            Self::Reading { words, short } => (words.len(), short),
+            Self::Joining { lanes, short } => {
+                (lanes.iter().map(ExactSizeIterator::len).min().unwrap_or(0), short)
             }
-        }
+        };
+        let read = usize::try_from(word).ok().filter(|&read| read <= left);
+        *short |= read.is_none();
+        read.unwrap_or(0)
     }
 
     /// Whether it replaces what it is shown.
     pub fn is_reading(&self) -> bool {
-        matches!(self, Self::Reading { .. })
+        matches!(self, Self::Reading { .. } | Self::Joining { .. })
     }
 
     /// What was read makes no sense: reading gives nothing.
     pub fn refuse(&mut self) {
-        if let Self::Reading { short, .. } = self {
+        if let Self::Reading { short, .. } | Self::Joining { short, .. } = self {
             *short = true;
         }
     }
@@ -234,6 +302,33 @@ mod tests {
         assert_eq!(Tape::read(words, |tape| assert_eq!(tape.length(1), 0)), None);
         assert_eq!(Tape::read(vec![0], |tape| assert_eq!(tape.length(1), 0)), Some(()));
         assert_eq!(Tape::read(vec![], Tape::refuse), None);
+    }
+
+    /// Lanes come apart and together again if what they count is the same.
+    #[cfg(feature = "ensemble")]
+    #[test]
+    fn lanes_split_and_join() {
+        use crate::lanes::Lanes;
+        let mut together = Extrapolation::<Lanes<3>, 1>::default();
+        let mut alone: [Extrapolation<Lanes<1>, 1>; 3] = Default::default();
+        for x in [0.5, -0.25, 4.0] {
+            together.record::<true>([Lanes::new([x, 2.0 * x, -x])]);
+            for (memory, factor) in alone.iter_mut().zip([1.0, 2.0, -1.0]) {
+                memory.record::<true>([Lanes::new([factor * x])]);
+            }
+        }
+        for (lane, memory) in alone.iter_mut().enumerate() {
+            assert_eq!(Tape::split(lane, |tape| together.pass(tape)), words(memory));
+        }
+        let apart = || alone.map(|mut memory| words(&mut memory)).to_vec();
+        let mut joined = Extrapolation::<Lanes<3>, 1>::default();
+        assert_eq!(Tape::join(apart(), |tape| joined.pass(tape)), Some(()));
+        assert_eq!(words(&mut joined), words(&mut together));
+        // One lane knows fewer steps, or one is missing.
+        let mut fewer = apart();
+        fewer[1] = words(&mut Extrapolation::<Lanes<1>, 1>::default());
+        assert_eq!(Tape::join(fewer, |tape| joined.pass(tape)), None);
+        assert_eq!(Tape::join(apart().split_off(1), |tape| joined.pass(tape)), None);
     }
 
     #[test]

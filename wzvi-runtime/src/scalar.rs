@@ -70,6 +70,19 @@ pub trait Scalar:
     /// that vanishes; NaN if any part is. `f64::MIN_POSITIVE` is added to what is divided by: a number that is nearest to
     /// another differs from it by `ε (|x| + MIN_POSITIVE)` at most, subnormal or not.
     fn relative_to(self, other: Self) -> f64;
+    /// Where every part of the number is zero.
+    #[inline(always)]
+    fn vanishes(self) -> Self::Mask {
+        self.equal(Self::from_f64(0.0))
+    }
+    /// The larger absolute value, part by part; NaN where either is.
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        let (own, other) = (self.abs(), other.abs());
+        Self::select(own.less(other) | !other.equal(other), other, own)
+    }
+    /// Whether both are the same to the last bit, in every part (derivatives, lanes).
+    fn is_identical(self, other: Self) -> bool;
     /// Where every part of the number is finite.
     fn is_finite(self) -> Self::Mask;
     /// Where every part of the first of each pair is finite.
@@ -180,6 +193,10 @@ impl Scalar for f64 {
     #[inline(always)]
     fn relative_to(self, other: Self) -> f64 {
         self.abs() / (other.abs() + f64::MIN_POSITIVE)
+    }
+    #[inline(always)]
+    fn is_identical(self, other: Self) -> bool {
+        self.to_bits() == other.to_bits()
     }
     #[inline(always)]
     fn is_finite(self) -> bool {

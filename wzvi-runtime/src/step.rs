@@ -7,14 +7,15 @@ mod resolution;
 use std::marker::PhantomData;
 
 use crate::carry::{Carry, Plain};
-use crate::continuation::{Hard, solve_by_continuation};
+use crate::continuation::Hard;
+use crate::dense::{DenseOutput, copy};
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::memory::{Iteration, Method, StepMemory};
 use crate::plan::Solver;
 use crate::solve::Effort;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
-use resolution::ResolutionMonitor;
+pub(crate) use resolution::ResolutionMonitor;
 
 /// What one step took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -216,6 +217,30 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         }
     }
 
+    /// [`Stepper::step`], and what lies between its nodes into `dense`: see [`crate::dense`]. Allocates nothing after the first step.
+    ///
+    /// # Errors
+    /// Those of [`Stepper::step`]; `dense` is then what it was, too.
+    pub fn step_densely(
+        &mut self,
+        state: &mut State<H::Vector>,
+        dw: &[f64],
+        dense: &mut DenseOutput<H::Vector>,
+    ) -> Result<StepInfo, StepError> {
+        let before = dense.lend(state);
+        let taken = self.step(state, dw);
+        if taken.is_ok() {
+            self.fill([&before, state], dw, dense);
+        }
+        dense.give_back(before);
+        taken
+    }
+
+    /// What lies between the nodes of the last step, which led from `before` to `after` with these increments.
+    pub(crate) fn fill(&self, nodes: [&State<H::Vector>; 2], dw: &[f64], dense: &mut DenseOutput<H::Vector>) {
+        dense.fill::<H, E>((self.system, &self.prepared, &self.memory), nodes, self.h, dw);
+    }
+
     #[inline(always)]
     fn arrive(&mut self, state: &mut State<H::Vector>, at: Clock) {
         self.clock = at;
@@ -250,11 +275,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             dw,
             carry: self.carry.clone(),
         };
-        let solved = solve_by_continuation(hard, cause)?;
-        let from = State { q: state.q.clone(), p: state.p.clone(), t: state.t };
-        let to = State { q: solved.q, p: solved.p, t: state.t };
-        self.resolution = self.resolution.after::<H, E>(self.system, &from, &to, self.h, self.steps())?;
-        (state.q, state.p) = (to.q, to.p);
+        let solved = self.resolution.careful_step(hard, self.steps(), cause)?;
+        (state.q, state.p) = (solved.q, solved.p);
         self.memory.adopt(solved.memory);
         self.carry = solved.carry;
         Ok(solved.effort)
@@ -294,17 +316,6 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         let is_good = cause.is_of_arguments() || inputs().all(|x| x.is_finite());
         let cause = if is_good { cause } else { StepFailure::NonFiniteInput };
         StepError { step: self.steps(), t: state.t, h: self.h, cause }
-    }
-}
-
-/// Copies without allocating, unless the length changes.
-#[inline(always)]
-fn copy<V: Vector>(into: &mut V, from: &V) {
-    let (old, new) = (into.components_mut(), from.components());
-    if old.len() == new.len() {
-        old.copy_from_slice(new);
-    } else {
-        into.clone_from(from);
     }
 }
 

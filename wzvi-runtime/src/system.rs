@@ -5,6 +5,7 @@ use std::fmt::Debug;
 use nalgebra::SVector;
 
 use crate::carry::{Carry, Plain};
+use crate::dense::{Slopes, hermite_order};
 use crate::error::{ConfigError, StepFailure};
 use crate::memory::StepMemory;
 use crate::plan::{NoiseClass, Plan};
@@ -290,9 +291,26 @@ pub trait Discretized<E>: Hamiltonian {
     const REMEMBERS: bool =
         matches!(Self::PLAN.noise, NoiseClass::None) && size_of::<Self::Memory<f64>>() != 0;
 
-    /// Whether paths run in lanes beside each other. Without noise the steps before help to solve the next one; what is
-    /// iterated on in loops goes for each path as far as it needs.
-    const IN_LANES: bool = !matches!(Self::PLAN.noise, NoiseClass::None);
+    /// Whether paths run in lanes beside each other: not where loops are iterated on, which go for each path as far as it needs.
+    const IN_LANES: bool = true;
+
+    /// The order of the error inside a step: [`DenseOutput::order`](crate::dense::DenseOutput::order).
+    const DENSE_ORDER: u32 = hermite_order(&Self::PLAN);
+
+    /// The slopes of the scheme's own polynomial between the nodes of the step that was the last to leave something in `memory`, into
+    /// `slopes`; `false`, and nothing done, where it has none.
+    fn slopes_between(
+        &self,
+        prepared: &Self::Prepared,
+        memory: &Self::Memory<f64>,
+        before: &State<Self::Vector>,
+        h: f64,
+        dw: &[f64],
+        slopes: &mut Slopes,
+    ) -> bool {
+        let _ = (prepared, memory, before, h, dw, slopes);
+        false
+    }
 
     /// The memory of a new stepper: all that its steps will need, where the system knows its size.
     fn memory(&self) -> Self::Memory<f64> {

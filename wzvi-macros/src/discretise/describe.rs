@@ -8,6 +8,7 @@ use crate::discretise::embedding::Embedding;
 use crate::discretise::equations::MomentumUpdate;
 use crate::discretise::facts::{Facts, Knowledge, NoiseClass};
 use crate::discretise::lagrangian::StepSymbols;
+use crate::discretise::modified;
 use crate::discretise::structure::{Block, Solution, Unknown};
 use crate::model::Model;
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
@@ -146,6 +147,7 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
         }
     }
     energy(facts, embedding, text);
+    text.extend(modified::text(graph, facts, embedding));
     crossings(facts, text);
     for invariant in &facts.invariants {
         let is_kept = invariant.form.is_kept(embedding, has_noise);

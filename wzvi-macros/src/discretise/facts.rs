@@ -85,6 +85,7 @@ struct Hamiltonians {
 /// Facts about one system, shared by all its schemes.
 pub(crate) struct Facts {
     pub(crate) space: Space,
+    pub(crate) drift: Sum,
     pub(crate) noise: NoiseClass,
     /// Whether no element reads coordinates and momenta.
     pub(crate) is_separable: bool,
@@ -102,6 +103,8 @@ pub(crate) struct Facts {
     /// `{H_k, H_0}` per noise or family.
     pub(crate) energy_rates: Vec<Sum>,
     pub(crate) conserves_energy: Knowledge,
+    /// Whether there is no noise, and the drift does not read the time: then symplectic steps keep a modified energy.
+    pub(crate) is_conservative: bool,
     /// Of the drift.
     pub(crate) energy_form: Form,
     /// Where branches of the drift and of each noise meet.
@@ -171,6 +174,7 @@ impl Facts {
 
         let explicit_rate = space.partial(graph, &drift, t);
         let mut conserves_energy = vec![space.vanishes(graph, &explicit_rate, Increments::Each)];
+        let is_conservative = noise.is_empty() && matches!(conserves_energy[..], [Knowledge::Proven]);
         let mut energy_rates = Vec::new();
         for one in &noise {
             let rate = Rate::of(space.bracket(graph, one, &drift));
@@ -194,6 +198,7 @@ impl Facts {
             counter_term,
             counter_term_is_constant,
             conserves_energy: all(conserves_energy),
+            is_conservative,
             energy_form: Form::of(graph, &drift),
             boundaries,
             energy_rates,
@@ -205,6 +210,7 @@ impl Facts {
                 .map(|declared| invariant(graph, &mut space, (&drift, &noise, t), declared))
                 .collect(),
             space,
+            drift,
         }
     }
 

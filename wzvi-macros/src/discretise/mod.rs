@@ -12,6 +12,7 @@ pub(crate) mod equations;
 pub(crate) mod facts;
 pub(crate) mod gauss;
 pub(crate) mod lagrangian;
+pub(crate) mod modified;
 pub(crate) mod quadrature;
 pub(crate) mod sites;
 pub(crate) mod structure;

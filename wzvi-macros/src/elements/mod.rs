@@ -20,6 +20,7 @@
 pub(crate) mod collect;
 pub(crate) mod describe;
 pub(crate) mod emit;
+pub(crate) mod flows;
 pub(crate) mod parts;
 pub(crate) mod plan;
 pub(crate) mod staged;

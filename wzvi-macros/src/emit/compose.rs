@@ -1,48 +1,82 @@
-//! `impl Discretized<E>` of schemes that are steps of others, one after the other.
+//! `impl Discretized<E>` of schemes that are steps of others, or flows, one after the other.
 
 use proc_macro2::TokenStream;
 use quote::quote;
 use syn::ItemStruct;
 
 use super::embedding_type;
+use super::plan::Plan;
 use crate::describe::Texts;
 use crate::discretise::embedding::Embedding;
+use crate::discretise::facts::Facts;
+use crate::elements::flows::Flows;
+
+/// The plan of `Verlet` where it is made of flows, and what the run time reads of them.
+pub(crate) fn flows(item: &ItemStruct, flows: Flows, facts: &Facts, in_place: &TokenStream) -> TokenStream {
+    let plan = Plan {
+        solver: quote!(Explicit),
+        unknowns: quote!(0),
+        order: 2,
+        noise: facts.noise,
+        consistent: true,
+        conserves_energy: &facts.conserves_energy,
+        commuting: &facts.commuting,
+    }
+    .emit();
+    let name = &item.ident;
+    let (generics, arguments, filter) = item.generics.split_for_impl();
+    let (reads_time, is_in_place) = (flows.force_reads_time, !in_place.is_empty());
+    quote! {
+        #[automatically_derived]
+        impl #generics __wzvi::compose::Flows for #name #arguments #filter {
+            const PLAN: __wzvi::Plan = #plan;
+            const FORCE_READS_TIME: __wzvi::bool = #reads_time;
+            const IN_PLACE: __wzvi::bool = #is_in_place;
+            #in_place
+        }
+    }
+}
 
 /// Everything that is composed of the schemes that were listed.
 pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
     let mut generated = TokenStream::new();
     for (embedding, text) in &texts.listed {
-        let parts = embedding.parts();
-        let is_itself = parts.as_slice() == [embedding.clone()];
-        if let (Some(first), Some(second), false) = (parts.first(), parts.last(), is_itself) {
-            let scheme = embedding_type(embedding, &quote!(__wzvi));
+        let scheme = embedding_type(embedding, &quote!(__wzvi));
+        let flows = texts.flows.filter(|_| *embedding == Embedding::Verlet);
+        let structure = match flows {
+            None => quote!(__wzvi::compose::General),
+            Some(Flows { is_nystrom: false, .. }) => quote!(__wzvi::compose::Separable),
+            Some(Flows { is_nystrom: true, .. }) => quote!(__wzvi::compose::Nystrom),
+        };
+        // `Gauss<1>` is a step of `Midpoint`.
+        let whole = match embedding.parts().as_slice() {
+            [] => None,
+            [whole] => (whole != embedding).then(|| embedding_type(whole, &quote!(__wzvi))),
+            _ => Some(scheme.clone()),
+        };
+        if let Some(whole) = whole {
             let composition = Composition {
-                parts: [first, second],
+                structure: [&whole, &structure],
                 order: quote!(2),
                 text: quote!(#text),
-                substeps: quote!(__wzvi::compose::of_one::<#scheme>()),
+                substeps: quote!(__wzvi::compose::of_one::<#whole, #structure>()),
             };
             generated.extend(composition.emit(item, &item.generics, &scheme));
         }
         if embedding.is_symmetric() {
-            let base = embedding_type(embedding, &quote!(__wzvi));
-            let whole = [embedding.clone()];
-            let parts = if parts.is_empty() { &whole } else { parts.as_slice() };
-            if let (Some(first), Some(second)) = (parts.first(), parts.last()) {
-                generated.extend(composed_of(item, &base, [first, second]));
-            }
+            generated.extend(composed_of(item, &scheme, &structure));
         }
     }
     generated
 }
 
 /// `impl<W> Discretized<Composed<E, W>>`
-fn composed_of(item: &ItemStruct, base: &TokenStream, parts: [&Embedding; 2]) -> TokenStream {
-    let weights = quote!(__wzvi::compose::Composes<#base>);
+fn composed_of(item: &ItemStruct, base: &TokenStream, structure: &TokenStream) -> TokenStream {
+    let weights = quote!(__wzvi::compose::Composes<#base, #structure>);
     let mut generics = item.generics.clone();
     generics.params.push(syn::parse_quote!(__W: #weights));
     let composition = Composition {
-        parts,
+        structure: [base, structure],
         order: quote!(<__W as #weights>::ORDER),
         text: quote!(<Self as __wzvi::Discretized<#base>>::EQUATIONS),
         substeps: quote!(<__W as #weights>::substeps()),
@@ -50,9 +84,10 @@ fn composed_of(item: &ItemStruct, base: &TokenStream, parts: [&Embedding; 2]) ->
     composition.emit(item, &generics, &quote!(__wzvi::embedding::Composed<#base, __W>))
 }
 
-/// A scheme of two kinds of parts, which may be one.
+/// A scheme whose steps are a sequence of parts.
 struct Composition<'e> {
-    parts: [&'e Embedding; 2],
+    /// The scheme that it composes, and the structure of the system.
+    structure: [&'e TokenStream; 2],
     order: TokenStream,
     text: TokenStream,
     substeps: TokenStream,
@@ -61,15 +96,15 @@ struct Composition<'e> {
 impl Composition<'_> {
     /// The implementation of `scheme`, whose parameters are `generics`.
     fn emit(&self, item: &ItemStruct, generics: &syn::Generics, scheme: &TokenStream) -> TokenStream {
-        let Self { parts, order, text, substeps } = self;
-        let [first, second] = parts.map(|part| embedding_type(part, &quote!(__wzvi)));
+        let Self { structure: [base, structure], order, text, substeps } = self;
         let name = &item.ident;
         let (_, arguments, filter) = item.generics.split_for_impl();
         let (parameters, ..) = generics.split_for_impl();
+        let sequence = quote!(<#structure as __wzvi::compose::Structure<#base>>::Sequence);
         quote! {
             __wzvi::composition! {
                 [impl #parameters __wzvi::Discretized<#scheme> for #name #arguments #filter]
-                #scheme, [#first, #second], #order, #text, #substeps
+                #scheme, #sequence, #order, #text, #substeps
             }
         }
     }

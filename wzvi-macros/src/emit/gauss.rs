@@ -1,10 +1,12 @@
-//! `impl Discretized<Gauss<S>>`: the slopes of the step Hamiltonian, once for all numbers of stages.
+//! The slopes of the step Hamiltonian, once for all numbers of stages, and what reads them: `impl Discretized<Gauss<S>>`, and the
+//! flows that `Verlet` and its compositions are made of.
 
 use std::collections::HashMap;
 
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
+use super::compose;
 use super::names::Names;
 use super::plan::Plan;
 use super::program::Level;
@@ -15,13 +17,16 @@ use crate::discretise::facts::Facts;
 use crate::discretise::gauss::StepSlopes;
 use crate::model::Model;
 
-/// Every `Gauss<S>` that was listed.
+/// Every `Gauss<S>` that was listed, and the flows.
 pub(super) fn emit(model: &mut Model, facts: &Facts, texts: &Texts) -> TokenStream {
     let staged: Vec<(u32, &String)> = texts.staged().collect();
-    if staged.is_empty() {
+    if staged.is_empty() && texts.flows.is_none() {
         return TokenStream::new();
     }
     let mut generated = field(model);
+    if let Some(flows) = texts.flows {
+        generated.extend(compose::flows(&model.item, flows, facts, &TokenStream::new()));
+    }
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let degrees = count(model.phase.q.len());

@@ -1,6 +1,6 @@
 //! From equations to Rust: the struct as written, its traits, and nothing that the scene does not use.
 
-mod compose;
+pub(crate) mod compose;
 pub(crate) mod discretized;
 mod gauss;
 mod lagrangian;
@@ -55,17 +55,19 @@ pub(crate) fn emit(
         ),
         spelled: &model.type_checks,
     };
-    wrapped(&model.item, generated, &surroundings, texts)
+    wrapped(&model.item, facts, generated, &surroundings, texts)
 }
 
 /// The struct as it was written, documented, and `generated` in a scope of its own.
 pub(crate) fn wrapped(
     item: &syn::ItemStruct,
+    facts: &Facts,
     mut generated: TokenStream,
     surroundings: &Surroundings<'_>,
     texts: &Texts,
 ) -> TokenStream {
     generated.extend(compose::emit(item, texts));
+    generated.extend(facts.is_conservative.then(|| conservative(item)));
     let (doc, type_checks) = (documentation(texts), surroundings.spelled);
     let generated = readable(generated, surroundings);
     quote! {
@@ -76,6 +78,16 @@ pub(crate) fn wrapped(
             #generated
         };
         #type_checks
+    }
+}
+
+/// `impl Conservative`, which says that there is a modified energy.
+fn conservative(item: &syn::ItemStruct) -> TokenStream {
+    let name = &item.ident;
+    let (parameters, arguments, filter) = item.generics.split_for_impl();
+    quote! {
+        #[automatically_derived]
+        impl #parameters __wzvi::Conservative for #name #arguments #filter {}
     }
 }
 

@@ -67,6 +67,8 @@ impl Stubs {
             const _: () = {
                 #[allow(warnings)]
                 impl #parameters #wzvi::system::Hamiltonian for #system { #hamiltonian }
+                #[allow(warnings)]
+                impl #parameters #wzvi::modified::Conservative for #system {}
                 #(
                     #[allow(warnings)]
                     impl #with_scheme #wzvi::system::Discretized<#schemes> for #system { #discretized }

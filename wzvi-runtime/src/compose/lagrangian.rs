@@ -11,46 +11,25 @@
 //! whose discrete Euler-Lagrange equations say that `q_{i+1} = Q` and that the momenta of a node agree: `P = p_i` is the
 //! momentum with which the step starts.
 
-use super::{Half, Substep};
+use super::sequence::{Followed, Sequence, Substep};
 use crate::scalar::{Dual, Scalar};
-use crate::state::{State, Vector};
-use crate::system::{Discretized, LagrangianGradient, Segment};
+use crate::state::Vector;
+use crate::system::{Discretized, Hamiltonian, LagrangianGradient, Segment};
 
 /// `L_d`; NaN where a part of the step has no solution.
-pub fn value<H, A, B>(system: &H, segment: &Segment<H::Vector>, dw: &[f64], substeps: &[Substep]) -> f64
-where
-    H: Discretized<A> + Discretized<B>,
-{
+pub fn value<H: Hamiltonian, T: Sequence<H>>(
+    system: &H,
+    segment: &Segment<H::Vector>,
+    dw: &[f64],
+    substeps: &[Substep],
+) -> f64 {
     if segment.q0.components().len() != segment.p.components().len() || dw.len() != system.noises() {
         return f64::NAN;
     }
-    let mut state = State { q: segment.q0.clone(), p: segment.p.clone(), t: segment.t };
-    let (mut action, mut start) = (0.0, 0.0);
-    for &(half, weight) in substeps {
-        state.t = segment.t + start * segment.h;
-        let own_dw: Vec<f64> = dw.iter().map(|dw| weight * dw).collect();
-        let h = weight * segment.h;
-        action += match half {
-            Half::First => part::<H, A>(system, &mut state, h, &own_dw),
-            Half::Second => part::<H, B>(system, &mut state, h, &own_dw),
-        };
-        start += weight;
+    match T::follow(system, segment, dw, substeps) {
+        Some(Followed { q, p, action }) => action + dot(&p, &difference(&segment.q1, &q)),
+        None => f64::NAN,
     }
-    action + dot(&state.p, &difference(&segment.q1, &state.q))
-}
-
-/// Moves the state by one part, and gives its discrete Lagrangian.
-fn part<H: Discretized<E>, E>(system: &H, state: &mut State<H::Vector>, h: f64, dw: &[f64]) -> f64 {
-    let before = state.clone();
-    let Ok(prepared) = system.prepare(h) else { return f64::NAN };
-    let mut memory = H::Memory::<f64>::default();
-    let (q, p) = (state.q.components_mut(), state.p.components_mut());
-    if system.advance::<f64>(&prepared, before.t, h, q, p, dw, &mut memory).is_err() {
-        return f64::NAN;
-    }
-    let momentum = system.step_momentum(&before, state, h, dw);
-    let segment = Segment { q0: before.q, q1: state.q.clone(), p: momentum, t: before.t, h };
-    system.discrete_lagrangian(&segment, dw)
 }
 
 /// The gradient of `L_d`, by dual numbers; NaN where the step has no solution.

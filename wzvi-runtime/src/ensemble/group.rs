@@ -4,15 +4,17 @@ use super::increments::LaneIncrements;
 use super::job::Job;
 use super::statistics::PathFailure;
 use crate::carry::Plain;
-use crate::continuation::{Hard, solve_by_continuation};
-use crate::error::{Error, StepError, StepFailure};
+use crate::continuation::Hard;
+use crate::error::{Error, InternalError, StepError, StepFailure};
 use crate::increments::Interval;
 use crate::lanes::Lanes;
+use crate::memory::StepMemory;
+use crate::numbers::{Numbers, Tape};
 use crate::plan::Solver;
 use crate::retry::{Subdivision, is_curable};
 use crate::scalar::Scalar;
 use crate::state::{State, Vector};
-use crate::step::Stepper;
+use crate::step::{ResolutionMonitor, Stepper};
 use crate::steps::Advance;
 use crate::system::Discretized;
 
@@ -22,8 +24,12 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     path: u64,
     q: Vec<Lanes<L>>,
     p: Vec<Lanes<L>>,
-    /// What steps in lanes allocate once. With noise none reads what the ones before left.
+    /// What the steps before left, and what steps in lanes allocate once.
     memory: H::Memory<Lanes<L>>,
+    /// The same by lane, between a step that not all lanes could take the short way and the first after which all remember as much;
+    /// then, and where nothing is remembered, there are none.
+    apart: Vec<H::Memory<Lanes<1>>>,
+    resolution: [ResolutionMonitor; L],
     pub(super) increments: LaneIncrements<'j, L>,
     /// Lanes that are paths of this run; others only keep the vector full.
     counts: [bool; L],
@@ -52,6 +58,8 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             q: vec![zero; d],
             p: vec![zero; d],
             memory: Default::default(),
+            apart: Vec::new(),
+            resolution: [ResolutionMonitor::default(); L],
             increments: LaneIncrements::new(&job.source, processes, job.h),
             counts: [false; L],
             failed: [false; L],
@@ -76,15 +84,16 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     /// Those of a stepper that cannot be made.
     pub(super) fn begin(&mut self, path: u64, end: u64) -> Result<(), Error> {
         self.path = path;
-        let start = &self.job.start;
-        for (to, from) in self.q.iter_mut().zip(start.q.components()) {
-            *to = Lanes::from_f64(*from);
-        }
-        for (to, from) in self.p.iter_mut().zip(start.p.components()) {
-            *to = Lanes::from_f64(*from);
-        }
         self.counts = std::array::from_fn(|lane| path + (lane as u64) < end);
+        for lane in 0..L {
+            // A lane without a path follows the first.
+            let start = self.job.start_of(path + if self.counts[lane] { lane as u64 } else { 0 })?;
+            self.put(lane, &start.q, &start.p);
+        }
         (self.failed, self.any_failed) = ([false; L], false);
+        self.memory.forget();
+        self.apart.clear();
+        self.resolution = [ResolutionMonitor::default(); L];
         self.increments.begin(path);
         if Self::IS_STEPPED {
             let stepper = |_| Stepper::new(self.job.system, self.job.h).map(Stepper::plain);
@@ -125,6 +134,9 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             return Ok(());
         }
         let t = self.time(step);
+        if !self.apart.is_empty() {
+            return self.one_by_one(step, t);
+        }
         let (q, p, memory) = (&mut self.q, &mut self.p, &mut self.memory);
         let dw = self.increments.of(step);
         let outcome = job.system.advance_carrying::<Lanes<L>, Plain, false>(
@@ -176,14 +188,18 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     #[cold]
     #[inline(never)]
     fn one_by_one(&mut self, step: u64, t: f64) -> Result<(), Error> {
+        self.split()?;
         for lane in 0..L {
             if self.failed[lane] {
                 continue;
             }
-            if let Err(cause) = self.single(lane, step, t) {
-                self.halve_or_fail(lane, step, StepError { step, t, h: self.job.h, cause })?;
+            match self.single(lane, step, t) {
+                Ok(()) => {}
+                Err(Error::Step(error)) => self.halve_or_fail(lane, step, error)?,
+                Err(error) => return Err(error),
             }
         }
+        self.join();
         Ok(())
     }
 
@@ -194,7 +210,13 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     fn halve_or_fail(&mut self, lane: usize, step: u64, error: StepError) -> Result<(), Error> {
         let is_tried = self.job.retry.most() > 0 && is_curable(error.cause) && self.counts[lane];
         match if is_tried { self.halve(lane, step, error) } else { Err(error.into()) } {
-            Ok(state) => self.put(lane, &state.q, &state.p),
+            Ok(state) => {
+                self.put(lane, &state.q, &state.p);
+                self.resolution[lane] = ResolutionMonitor::default();
+                if let Some(memory) = self.apart.get_mut(lane) {
+                    memory.forget();
+                }
+            }
             Err(Error::Step(error)) => self.fail(lane, error),
             // A step that is too short to be prepared: the path ends with what made it necessary.
             Err(Error::Config(_)) => self.fail(lane, error),
@@ -208,7 +230,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         let mut state = self.state_of(lane, error.t);
         let subdivision = match &mut self.subdivision {
             Some(subdivision) => subdivision,
-            none => none.insert(Subdivision::new(job.system, job.h, job.retry, !H::IN_LANES)?),
+            none => none.insert(Subdivision::new(job.system, job.h, job.retry, true)?),
         };
         let mut noise = (!self.alone.is_empty()).then(|| job.source.path(self.path + lane as u64));
         let interval = Interval { start: job.start.t, h: job.h, step };
@@ -250,10 +272,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     }
 
     /// One lane, as it goes alone: the short way, then the careful one of a [`Stepper`].
-    fn single(&mut self, lane: usize, step: u64, t: f64) -> Result<(), StepFailure> {
+    fn single(&mut self, lane: usize, step: u64, t: f64) -> Result<(), Error> {
         let job = self.job;
         let alone = |lanes: &[Lanes<L>]| -> Vec<_> { lanes.iter().map(|x| Lanes::new([x[lane]])).collect() };
         let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(self.increments.of(step)));
+        let mut forgetful = H::Memory::default();
         let outcome = job.system.advance_carrying::<Lanes<1>, Plain, false>(
             &job.prepared,
             t,
@@ -261,7 +284,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             &mut q,
             &mut p,
             &dw,
-            &mut Default::default(),
+            self.apart.get_mut(lane).unwrap_or(&mut forgetful),
             &mut Plain,
         );
         match outcome {
@@ -269,18 +292,58 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
                 for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(q.iter().chain(&p)) {
                     to.set(lane, from[0]);
                 }
+                Ok(())
             }
-            Err(cause) if !matches!(H::PLAN.solver, Solver::Newton) => return Err(cause),
-            Err(cause) => {
-                let State { q, p, t } = self.state_of(lane, t);
-                let dw: Vec<f64> = dw.iter().map(|dw| dw[0]).collect();
-                let (system, h, prepared) = (job.system, job.h, job.prepared.clone());
-                let hard = Hard { system, prepared, t, h, q, p, dw: &dw, carry: Plain };
-                let solved = solve_by_continuation(hard, cause)?;
-                self.put(lane, &solved.q, &solved.p);
-            }
+            Err(cause) if matches!(H::PLAN.solver, Solver::Newton) => self.careful(lane, step, &dw, cause),
+            Err(cause) => Err(StepError { step, t, h: job.h, cause }.into()),
+        }
+    }
+
+    /// The careful way, of one lane.
+    fn careful(&mut self, lane: usize, step: u64, dw: &[Lanes<1>], cause: StepFailure) -> Result<(), Error> {
+        let (job, t) = (self.job, self.time(step));
+        let State { q, p, t } = self.state_of(lane, t);
+        let dw: Vec<f64> = dw.iter().map(|dw| dw[0]).collect();
+        let (system, h, prepared) = (job.system, job.h, job.prepared.clone());
+        let hard = Hard { system, prepared, t, h, q, p, dw: &dw, carry: Plain };
+        let solved = self.resolution[lane].careful_step(hard, step, cause);
+        let mut solved = solved.map_err(|cause| StepError { step, t, h, cause })?;
+        self.put(lane, &solved.q, &solved.p);
+        if let Some(memory) = self.apart.get_mut(lane) {
+            let words = Tape::write(|tape| solved.memory.pass(tape));
+            Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
         }
         Ok(())
+    }
+
+    /// From now on, each lane remembers by itself.
+    fn split(&mut self) -> Result<(), InternalError> {
+        if !H::REMEMBERS || !self.apart.is_empty() {
+            return Ok(());
+        }
+        for lane in 0..L {
+            let words = Tape::split(lane, |tape| self.memory.pass(tape));
+            let mut memory = H::Memory::default();
+            Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
+            self.apart.push(memory);
+        }
+        Ok(())
+    }
+
+    /// Lanes go on together if what they remember is of the same shape. One that has failed remembers what the path does that it follows.
+    fn join(&mut self) {
+        let Some(living) = (0..L).find(|&lane| !self.failed[lane]) else { return };
+        if self.apart.is_empty() {
+            return;
+        }
+        let words = |lane: usize| {
+            let lane = if self.failed[lane] { living } else { lane };
+            Tape::write(|tape| self.apart[lane].pass(tape))
+        };
+        let words = (0..L).map(words).collect();
+        if Tape::join(words, |tape| self.memory.pass(tape)).is_some() {
+            self.apart.clear();
+        }
     }
 
     /// The state of a lane at a node that all have reached.
@@ -335,6 +398,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         failures.sort_unstable_by_key(|failure| failure.path);
         failures
     }
+}
+
+/// What one scheme leaves has the same shape for every number.
+fn other_memory() -> InternalError {
+    InternalError::new("what a step leaves is the same for lanes and alone", "a group of paths")
 }
 
 impl<H: Discretized<E>, E, const L: usize> Advance for Group<'_, '_, H, E, L> {

@@ -4,10 +4,14 @@ use std::ops::Range;
 
 use super::block::PATHS;
 use super::source::Source;
+use super::starts::{self, STARTS, Starts};
 use super::statistics::Wanted;
+use crate::error::ConfigError;
 use crate::options::Observable;
+use crate::recording::Recorded;
 use crate::retry::Retry;
-use crate::state::State;
+use crate::span::Grid;
+use crate::state::{State, Vector};
 use crate::system::Discretized;
 
 /// A run of paths that are known by their numbers.
@@ -15,11 +19,16 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) system: &'a H,
     pub(super) prepared: H::Prepared,
     pub(super) h: f64,
+    /// The start of all paths, or of path 0.
     pub(super) start: State<H::Vector>,
+    /// Those of all paths, if each has its own.
+    pub(super) starts: Option<Starts<'a, H::Vector>>,
+    pub(super) seed: u64,
+    pub(super) grid: Grid,
     pub(super) paths: u64,
     pub(super) steps: u64,
-    /// Steps before each recorded node: 0 first, all last.
-    pub(super) recorded: Vec<u64>,
+    /// The start first, the end last.
+    pub(super) recorded: Vec<Recorded>,
     pub(super) source: Source<'a>,
     pub(super) retry: Retry,
     pub(super) observables: Vec<Observable<'a, H::Vector>>,
@@ -36,6 +45,17 @@ pub(super) type Inspector<'a, V> = Box<dyn Fn(u64, &State<V>) + Send + Sync + 'a
 pub(super) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
 impl<H: Discretized<E>, E> Job<'_, H, E> {
+    /// The start of a path.
+    ///
+    /// # Errors
+    /// If it is none.
+    pub(super) fn start_of(&self, path: u64) -> Result<State<H::Vector>, ConfigError> {
+        let Some(starts) = &self.starts else { return Ok(self.start.clone()) };
+        let start = starts.of(self.seed, path).ok_or(ConfigError::Missing(STARTS))?;
+        starts::check(self.system, &start, path, (self.start.q.components().len(), self.start.t))?;
+        Ok(start)
+    }
+
     /// The numbers of all blocks: block `n` has the paths from `n PATHS` on.
     pub(super) fn blocks(&self) -> Range<u64> {
         0..self.paths.div_ceil(PATHS)

@@ -5,16 +5,18 @@ use super::block::PATHS;
 use super::job::Job;
 use super::statistics::{Statistics, Wanted};
 use crate::checkpoint::{self, Checkpoint, CheckpointError, Described, Extent, Keeping, Suits};
-use crate::error::Error;
+use crate::error::{ConfigError, Error};
 use crate::increments::{Identity, Noise};
 use crate::options::Observable;
-use crate::state::State;
+use crate::state::{State, Vector};
 use crate::step::Stepper;
 use crate::steps::{Account, Monitor, Single, TakeStep, take_steps};
 use crate::system::Discretized;
 
 /// Steps after which observables are compared.
 const COMPARED_STEPS: u64 = 3;
+/// Starts of paths that are compared where they are those of a function.
+const COMPARED_STARTS: u64 = 512;
 /// Recorded nodes that a file lists; of more it has the checksum.
 const MOST_LISTED: usize = 32;
 
@@ -70,9 +72,10 @@ impl BlockKeeper {
 /// What makes this run another than others.
 pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Described, Error> {
     let Wanted { names, quantiles, histograms, watches, keeps_paths, has_covariances, .. } = &job.wanted;
-    let listed = match job.recorded.len() {
-        0..=MOST_LISTED => format!("{:?}", job.recorded),
-        nodes => format!("{nodes} (checksum {})", checkpoint::checksum(&job.recorded)),
+    let nodes: Vec<u64> = job.recorded.iter().map(|recorded| recorded.node).collect();
+    let listed = match nodes.len() {
+        0..=MOST_LISTED => format!("{nodes:?}"),
+        count => format!("{count} (checksum {})", checkpoint::checksum(&nodes)),
     };
     let events: Vec<&str> = watches.iter().map(|watch| watch.name.as_str()).collect();
     let histograms: Vec<String> = histograms
@@ -96,8 +99,22 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Des
         ("the halvings allowed", job.retry.most().to_string()),
     ];
     let mut settings: Vec<(String, String)> = settings.map(|(name, value)| (name.to_owned(), value)).into();
+    settings.extend(starts(job)?);
     settings.extend(job.source.identity().map(Identity::into_settings).unwrap_or_default());
     Ok(Described::new(job.system, &job.prepared, job.h, &job.start, settings, &observed(job)?))
+}
+
+/// What tells starts apart: those of a list all, of a function the first.
+fn starts<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Option<(String, String)>, ConfigError> {
+    let Some(starts) = &job.starts else { return Ok(None) };
+    let compared = starts.listed().unwrap_or(COMPARED_STARTS).min(job.paths);
+    let mut bits = Vec::new();
+    for path in 0..compared {
+        let State { q, p, .. } = job.start_of(path)?;
+        bits.extend(q.components().iter().chain(p.components()).map(|x| x.to_bits()));
+    }
+    let name = format!("the first states of paths 0 to {} (checksum)", compared - 1);
+    Ok(Some((name, checkpoint::checksum(&bits))))
 }
 
 /// What tells functions apart that cannot be compared: their values at the start and at the first nodes of path 0, which the run

@@ -40,13 +40,13 @@ use crate::error::{ConfigError, Error, InternalError};
 use crate::execution::Execution;
 use crate::increments::Noise as _;
 use crate::interrupt::Interrupt;
-use crate::noise::{StepNormals, Truncation};
+use crate::noise::{Paths as _, StepNormals, Truncation};
 use crate::options::{Observable, Observables, options};
 use crate::plan::NoiseClass;
 use crate::progress::Progress;
 use crate::retry::Retry;
 use crate::schedule::in_order;
-use crate::span::{End, MOST_STEPS, Span};
+use crate::span::{End, Grid, MOST_STEPS, Span};
 use crate::state::State;
 use crate::system::{Discretized, Hamiltonian};
 
@@ -201,7 +201,8 @@ where
             return Err(ConfigError::StepSize(h).into());
         }
         let end = span.end;
-        let (start, steps) = span.checked::<H, E>(system, h)?;
+        let (start, grid) = span.checked::<H, E>(system, h)?;
+        let steps = grid.steps;
         check_end(end, start.t, h, steps)?;
         let seed = setup.seed.ok_or(ConfigError::Missing("a seed for its noise: add `.seed(number)`"))?;
         let (_, functions) = setup.observables.checked("observables")?;
@@ -370,6 +371,9 @@ where
             prepared: system.prepare(h)?,
             h,
             start: start.clone(),
+            starts: None,
+            seed: normals.seed_number().unwrap_or(0),
+            grid: Grid::of(start.t, h, steps),
             paths: u64::MAX,
             steps,
             recorded: Vec::new(),

@@ -59,11 +59,13 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                 self.kept[lane] = paths.begin();
             }
         }
-        let start = &self.job.start;
-        for ((before, passed), event) in self.before.iter_mut().zip(&mut self.passed).zip(&self.job.events) {
-            let value = event(start);
-            *before = [value; L];
-            *passed = [if value == 0.0 { start.t } else { f64::NAN }; L];
+        for lane in (0..L).filter(|_| !self.job.events.is_empty()) {
+            let start = group.state_at(lane, 0);
+            let memory = self.before.iter_mut().zip(&mut self.passed);
+            for ((before, passed), event) in memory.zip(&self.job.events) {
+                before[lane] = event(start);
+                passed[lane] = if before[lane] == 0.0 { start.t } else { f64::NAN };
+            }
         }
         self.record(group, 0)
     }
@@ -164,7 +166,7 @@ impl<'g, 'j, 'a, H: Discretized<E>, E, const L: usize> Monitor<Group<'g, 'a, H, 
 
     #[inline(always)]
     fn next(&self, _group: &Group<'g, 'a, H, E, L>, node: u64) -> u64 {
-        let recorded = self.job.recorded.get(self.next).copied().unwrap_or(u64::MAX);
+        let recorded = self.job.recorded.get(self.next).map_or(u64::MAX, |recorded| recorded.node);
         let watched = if self.job.events.is_empty() { u64::MAX } else { node + 1 };
         recorded.min(watched).min(node.saturating_add(self.pace.left()))
     }
@@ -176,7 +178,7 @@ impl<'g, 'j, 'a, H: Discretized<E>, E, const L: usize> Monitor<Group<'g, 'a, H, 
         if !self.job.events.is_empty() {
             self.watch(group, node);
         }
-        if self.job.recorded.get(self.next) == Some(&node) {
+        if self.job.recorded.get(self.next).is_some_and(|recorded| recorded.node == node) {
             self.record(group, node)?;
         }
         Ok(())

@@ -29,7 +29,7 @@ impl Origin {
             h: job.h,
             start: job.start.t,
             steps: job.steps,
-            seed: job.source.seed(),
+            seed: job.seed,
             noise: job.source.in_words(),
             paths: job.paths,
         }

@@ -42,13 +42,14 @@ where
             let wrong = format!("path {path} of {}: they are numbered from 0", job.paths);
             return Err(ConfigError::Setting(wrong).into());
         }
-        let recording = recorded.checked(0, (job.start.t, job.h, job.steps))?;
-        let recorder = Recorder::new(&job.start, job.h, job.system.noises(), &recording, job.steps)?;
+        let recording = recorded.checked(0, &job.grid)?;
+        let start = job.start_of(path)?;
+        let recorder = Recorder::new(&start, job.h, job.system.noises(), &recording, job.steps)?;
         // Antithetic paths come in pairs.
         let (first, lane) = (path - path % 2, (path % 2) as usize);
         let mut group = Group::<H, E, 2>::new(&job);
         group.begin(first, job.paths)?;
-        let mut lane = Lane { path, lane, recorder, reached: job.start.clone() };
+        let mut lane = Lane { path, lane, recorder, reached: start };
         let error = take_steps(&mut group, 0..job.steps, &mut lane).err();
         Ok((lane.recorder.finish(lane.reached), error))
     }

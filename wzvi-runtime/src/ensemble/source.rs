@@ -77,9 +77,13 @@ impl<'a> Source<'a> {
         self.normals().map_or(f64::INFINITY, |normals| normals.clip(h))
     }
 
-    /// The seed of the normals; 0 of other noises, which [`Source::in_words`] has.
+    /// The seed; 0 of a noise that has none.
     pub(super) fn seed(&self) -> u64 {
-        self.normals().map_or(0, StepNormals::seed_number)
+        let seed = match self {
+            Self::Normals(normals) => normals.seed_number(),
+            Self::Paths(noise) => noise.seed_number(),
+        };
+        seed.unwrap_or(0)
     }
 
     /// What it is, for people.

@@ -127,10 +127,9 @@ impl<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool> Kern
         };
         if let Ok(Solved { prefers_newton, .. }) = &finished {
             memory.prefers_newton = *prefers_newton;
-            if dw.is_empty() {
-                std::mem::swap(&mut memory.past, &mut lists.slopes);
-                memory.is_known = true;
-            }
+            // With noise it is no guide to the next step, but it says what lies between the nodes.
+            std::mem::swap(&mut memory.past, &mut lists.slopes);
+            memory.is_known = dw.is_empty();
             q.copy_from_slice(lists.next[0].as_ref());
             p.copy_from_slice(lists.next[1].as_ref());
             if C::CARRIES {

@@ -27,6 +27,23 @@ macro_rules! __gauss {
                 <<Self as $crate::gauss::Field>::Shape as $crate::gauss::Shape>::Compensation<__S>;
             type Carry<__S: $crate::scalar::Scalar> = Self::Compensated<__S>;
 
+            const DENSE_ORDER: $crate::core::primitive::u32 = $crate::gauss::dense_order(
+                $stages,
+                &<Self as $crate::system::Discretized<$crate::gauss::Gauss<$stages>>>::PLAN,
+            );
+
+            fn slopes_between(
+                &self,
+                __prepared: &Self::Prepared,
+                __memory: &Self::Memory<$crate::core::primitive::f64>,
+                __before: &$crate::state::State<Self::Vector>,
+                __h: $crate::core::primitive::f64,
+                __dw: &[$crate::core::primitive::f64],
+                __slopes: &mut $crate::dense::Slopes,
+            ) -> $crate::core::primitive::bool {
+                $crate::gauss::slopes_between(self, __prepared, __memory, __before, __h, __dw, __slopes)
+            }
+
             fn memory(&self) -> Self::Memory<$crate::core::primitive::f64> {
                 $crate::gauss::memory(self)
             }

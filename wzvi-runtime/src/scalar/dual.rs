@@ -2,6 +2,9 @@
 //!
 //! With `N` infinitesimals at once, `f(x + ε) = f(x) + f'(x) ε` carries a whole gradient through one run. A part that is
 //! exactly zero stays zero through every function, also where the slope is infinite: constants are constants.
+//!
+//! The parts of a dual number may be dual numbers themselves: `Dual<1, Dual<1>>` carries a second derivative, in the
+//! direction of each.
 
 use std::f64::consts::{LN_2, LN_10};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -15,38 +18,38 @@ use crate::numbers::{Numbers, Tape};
 /// the branch that `f64` takes (`|x|` at 0 has slope `signum(0.0) = 1`); at the origin `hypot` and `atan2` have none,
 /// and the derivative is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dual<const N: usize> {
+pub struct Dual<const N: usize, S = f64> {
     /// The number.
-    pub value: f64,
+    pub value: S,
     /// Its partial derivatives.
-    pub derivative: [f64; N],
+    pub derivative: [S; N],
 }
 
-impl<const N: usize> Dual<N> {
+impl<const N: usize, S: Scalar> Dual<N, S> {
     /// A number that depends on nothing.
-    pub const fn constant(value: f64) -> Self {
-        Self { value, derivative: [0.0; N] }
+    pub fn constant(value: S) -> Self {
+        Self { value, derivative: [S::from_f64(0.0); N] }
     }
 
     /// Independent variable `index`, with derivative 1 in that direction; a constant if there is no such direction.
-    pub fn variable(value: f64, index: usize) -> Self {
-        Self { value, derivative: std::array::from_fn(|i| if i == index { 1.0 } else { 0.0 }) }
+    pub fn variable(value: S, index: usize) -> Self {
+        Self { value, derivative: std::array::from_fn(|i| S::from_f64(f64::from(i == index))) }
     }
 
     /// The point `values`, each component its own independent variable.
-    pub fn variables(values: [f64; N]) -> [Self; N] {
+    pub fn variables(values: [S; N]) -> [Self; N] {
         std::array::from_fn(|i| Self::variable(values[i], i))
     }
 
     /// `f(self)` from `f(value)` and `f'(value)`.
     #[inline]
-    fn chain(self, value: f64, slope: f64) -> Self {
+    fn chain(self, value: S, slope: S) -> Self {
         Self { value, derivative: self.derivative.map(|d| weigh(d, slope)) }
     }
 
     /// `f(self, other)` from its value and its two partial derivatives.
     #[inline]
-    fn chain2(self, other: Self, value: f64, slopes: [f64; 2]) -> Self {
+    fn chain2(self, other: Self, value: S, slopes: [S; 2]) -> Self {
         let derivative = std::array::from_fn(|i| {
             weigh(self.derivative[i], slopes[0]) + weigh(other.derivative[i], slopes[1])
         });
@@ -56,11 +59,11 @@ impl<const N: usize> Dual<N> {
 
 /// `derivative slope`, and 0 for what does not depend on the direction even where the slope is infinite or undefined.
 #[inline]
-fn weigh(derivative: f64, slope: f64) -> f64 {
-    if derivative == 0.0 { 0.0 } else { derivative * slope }
+fn weigh<S: Scalar>(derivative: S, slope: S) -> S {
+    S::select(derivative.vanishes(), S::from_f64(0.0), derivative * slope)
 }
 
-impl<const N: usize> Neg for Dual<N> {
+impl<const N: usize, S: Scalar> Neg for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn neg(self) -> Self {
@@ -68,23 +71,23 @@ impl<const N: usize> Neg for Dual<N> {
     }
 }
 
-impl<const N: usize> Add for Dual<N> {
+impl<const N: usize, S: Scalar> Add for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn add(self, other: Self) -> Self {
-        self.chain2(other, self.value + other.value, [1.0, 1.0])
+        self.chain2(other, self.value + other.value, [S::from_f64(1.0); 2])
     }
 }
 
-impl<const N: usize> Sub for Dual<N> {
+impl<const N: usize, S: Scalar> Sub for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn sub(self, other: Self) -> Self {
-        self.chain2(other, self.value - other.value, [1.0, -1.0])
+        self.chain2(other, self.value - other.value, [S::from_f64(1.0), S::from_f64(-1.0)])
     }
 }
 
-impl<const N: usize> Mul for Dual<N> {
+impl<const N: usize, S: Scalar> Mul for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
@@ -92,16 +95,16 @@ impl<const N: usize> Mul for Dual<N> {
     }
 }
 
-impl<const N: usize> Div for Dual<N> {
+impl<const N: usize, S: Scalar> Div for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn div(self, other: Self) -> Self {
         let quotient = self.value / other.value;
-        self.chain2(other, quotient, [1.0 / other.value, -quotient / other.value])
+        self.chain2(other, quotient, [other.value.recip(), -quotient / other.value])
     }
 }
 
-impl<const N: usize> Add<f64> for Dual<N> {
+impl<const N: usize, S: Scalar> Add<f64> for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn add(self, other: f64) -> Self {
@@ -109,7 +112,7 @@ impl<const N: usize> Add<f64> for Dual<N> {
     }
 }
 
-impl<const N: usize> Sub<f64> for Dual<N> {
+impl<const N: usize, S: Scalar> Sub<f64> for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn sub(self, other: f64) -> Self {
@@ -117,80 +120,96 @@ impl<const N: usize> Sub<f64> for Dual<N> {
     }
 }
 
-impl<const N: usize> Mul<f64> for Dual<N> {
+impl<const N: usize, S: Scalar> Mul<f64> for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn mul(self, other: f64) -> Self {
-        self.chain(self.value * other, other)
+        self.chain(self.value * other, S::from_f64(other))
     }
 }
 
-impl<const N: usize> Div<f64> for Dual<N> {
+impl<const N: usize, S: Scalar> Div<f64> for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn div(self, other: f64) -> Self {
-        self.chain(self.value / other, 1.0 / other)
+        self.chain(self.value / other, S::from_f64(1.0 / other))
     }
 }
 
-/// The larger of two; NaN if either is, unlike `f64::max`.
-fn larger(a: f64, b: f64) -> f64 {
-    if a >= b || a.is_nan() { a } else { b }
+/// The largest component, part by part.
+fn norm<S: Scalar>(components: &[S]) -> S {
+    components.iter().fold(S::from_f64(0.0), |largest, &x| x.larger(largest))
 }
 
-fn norm(components: &[f64]) -> f64 {
-    components.iter().fold(0.0, |largest, x| larger(x.abs(), largest))
-}
-
-impl<const N: usize> Numbers for Dual<N> {
+impl<const N: usize, S: Scalar> Numbers for Dual<N, S> {
     fn pass(&mut self, tape: &mut Tape) {
         self.value.pass(tape);
         self.derivative.pass(tape);
     }
 }
 
-impl<const N: usize> Scalar for Dual<N> {
+impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     type Stages<const M: usize> = [Self; M];
-    type Mask = bool;
+    type Mask = S::Mask;
+    const LANES: usize = S::LANES;
     type Solver = crate::solve::Together;
 
     #[inline]
     fn from_f64(value: f64) -> Self {
-        Self::constant(value)
+        Self::constant(S::from_f64(value))
     }
     #[inline]
     fn magnitude(self) -> f64 {
-        self.value.abs()
+        self.value.magnitude()
     }
     /// The value against the values, the gradient against the gradients (in the largest norm).
     #[inline]
     fn relative_to(self, other: Self) -> f64 {
         let of_gradient = norm(&self.derivative).relative_to(norm(&other.derivative));
-        larger(self.value.relative_to(other.value), of_gradient)
+        self.value.relative_to(other.value).larger(of_gradient)
     }
     #[inline]
-    fn lane(self, _lane: usize) -> f64 {
-        self.value
+    fn vanishes(self) -> S::Mask {
+        self.derivative.iter().fold(self.value.vanishes(), |all, d| all & d.vanishes())
     }
     #[inline]
-    fn is_finite(self) -> bool {
-        self.value.is_finite() && self.derivative.iter().all(|d| d.is_finite())
+    fn is_identical(self, other: Self) -> bool {
+        let derivatives = self.derivative.iter().zip(&other.derivative);
+        self.value.is_identical(other.value) && derivatives.into_iter().all(|(a, b)| a.is_identical(*b))
     }
     #[inline]
-    fn less(self, other: Self) -> bool {
-        self.value < other.value
+    fn larger(self, other: Self) -> Self {
+        Self {
+            value: self.value.larger(other.value),
+            derivative: std::array::from_fn(|i| self.derivative[i].larger(other.derivative[i])),
+        }
     }
     #[inline]
-    fn less_equal(self, other: Self) -> bool {
-        self.value <= other.value
+    fn lane(self, lane: usize) -> f64 {
+        self.value.lane(lane)
     }
     #[inline]
-    fn equal(self, other: Self) -> bool {
-        self.value == other.value
+    fn is_finite(self) -> S::Mask {
+        self.derivative.iter().fold(self.value.is_finite(), |all, d| all & d.is_finite())
     }
     #[inline]
-    fn select(mask: bool, then: Self, otherwise: Self) -> Self {
-        if mask { then } else { otherwise }
+    fn less(self, other: Self) -> S::Mask {
+        self.value.less(other.value)
+    }
+    #[inline]
+    fn less_equal(self, other: Self) -> S::Mask {
+        self.value.less_equal(other.value)
+    }
+    #[inline]
+    fn equal(self, other: Self) -> S::Mask {
+        self.value.equal(other.value)
+    }
+    #[inline]
+    fn select(mask: S::Mask, then: Self, otherwise: Self) -> Self {
+        Self {
+            value: S::select(mask, then.value, otherwise.value),
+            derivative: std::array::from_fn(|i| S::select(mask, then.derivative[i], otherwise.derivative[i])),
+        }
     }
 
     fn recip(self) -> Self {
@@ -199,28 +218,29 @@ impl<const N: usize> Scalar for Dual<N> {
     }
     fn powi(self, exponent: i32) -> Self {
         let slope = match exponent {
-            0 => 0.0,
-            1 => 1.0,
+            0 => S::from_f64(0.0),
+            1 => S::from_f64(1.0),
             // Saturating: the one exponent that it changes is out of reach of f64 in any case.
-            _ => f64::from(exponent) * self.value.powi(exponent.saturating_sub(1)),
+            _ => self.value.powi(exponent.saturating_sub(1)) * f64::from(exponent),
         };
         self.chain(self.value.powi(exponent), slope)
     }
     fn powf(self, exponent: Self) -> Self {
         let (x, y) = (self.value, exponent.value);
         let value = x.powf(y);
-        let by_base = if y == 0.0 { 0.0 } else { y * x.powf(y - 1.0) };
+        let zero = S::from_f64(0.0);
+        let by_base = S::select(y.vanishes(), zero, y * x.powf(y - 1.0));
         // x^y ln x → 0 as x → 0 for y > 0.
-        let by_exponent = if value == 0.0 && x == 0.0 { 0.0 } else { value * x.ln() };
+        let by_exponent = S::select(value.equal(zero) & x.equal(zero), zero, value * x.ln());
         self.chain2(exponent, value, [by_base, by_exponent])
     }
     fn sqrt(self) -> Self {
         let value = self.value.sqrt();
-        self.chain(value, 0.5 / value)
+        self.chain(value, S::from_f64(0.5) / value)
     }
     fn cbrt(self) -> Self {
         let value = self.value.cbrt();
-        self.chain(value, 1.0 / (3.0 * value * value))
+        self.chain(value, (value * 3.0 * value).recip())
     }
     fn hypot(self, other: Self) -> Self {
         let value = self.value.hypot(other.value);
@@ -232,7 +252,7 @@ impl<const N: usize> Scalar for Dual<N> {
     }
     fn exp2(self) -> Self {
         let value = self.value.exp2();
-        self.chain(value, LN_2 * value)
+        self.chain(value, value * LN_2)
     }
     fn exp_m1(self) -> Self {
         self.chain(self.value.exp_m1(), self.value.exp())
@@ -241,13 +261,13 @@ impl<const N: usize> Scalar for Dual<N> {
         self.chain(self.value.ln(), self.value.recip())
     }
     fn ln_1p(self) -> Self {
-        self.chain(self.value.ln_1p(), (1.0 + self.value).recip())
+        self.chain(self.value.ln_1p(), (self.value + 1.0).recip())
     }
     fn log2(self) -> Self {
-        self.chain(self.value.log2(), (LN_2 * self.value).recip())
+        self.chain(self.value.log2(), (self.value * LN_2).recip())
     }
     fn log10(self) -> Self {
-        self.chain(self.value.log10(), (LN_10 * self.value).recip())
+        self.chain(self.value.log10(), (self.value * LN_10).recip())
     }
     fn sin(self) -> Self {
         let (sin, cos) = self.value.sin_cos();
@@ -263,7 +283,7 @@ impl<const N: usize> Scalar for Dual<N> {
     }
     fn tan(self) -> Self {
         let value = self.value.tan();
-        self.chain(value, 1.0 + value * value)
+        self.chain(value, value * value + 1.0)
     }
     fn asin(self) -> Self {
         self.chain(self.value.asin(), arc_slope(self.value))
@@ -272,7 +292,7 @@ impl<const N: usize> Scalar for Dual<N> {
         self.chain(self.value.acos(), -arc_slope(self.value))
     }
     fn atan(self) -> Self {
-        self.chain(self.value.atan(), (1.0 + self.value * self.value).recip())
+        self.chain(self.value.atan(), (self.value * self.value + 1.0).recip())
     }
     fn atan2(self, other: Self) -> Self {
         let (y, x) = (self.value, other.value);
@@ -291,7 +311,7 @@ impl<const N: usize> Scalar for Dual<N> {
         self.chain(self.value.tanh(), secant * secant)
     }
     fn asinh(self) -> Self {
-        self.chain(self.value.asinh(), self.value.hypot(1.0).recip())
+        self.chain(self.value.asinh(), self.value.hypot(S::from_f64(1.0)).recip())
     }
     fn acosh(self) -> Self {
         let x = self.value;
@@ -299,7 +319,7 @@ impl<const N: usize> Scalar for Dual<N> {
     }
     fn atanh(self) -> Self {
         let x = self.value;
-        self.chain(x.atanh(), ((1.0 - x) * (1.0 + x)).recip())
+        self.chain(x.atanh(), one_minus_square(x).recip())
     }
     fn abs(self) -> Self {
         self.chain(self.value.abs(), self.value.signum())
@@ -308,16 +328,25 @@ impl<const N: usize> Scalar for Dual<N> {
         Self::constant(self.value.signum())
     }
     fn min(self, other: Self) -> Self {
-        if self.value <= other.value || other.value.is_nan() { self } else { other }
+        Self::select(self.value.less_equal(other.value) | is_nan(other.value), self, other)
     }
     fn max(self, other: Self) -> Self {
-        if self.value >= other.value || other.value.is_nan() { self } else { other }
+        Self::select(other.value.less_equal(self.value) | is_nan(other.value), self, other)
     }
 }
 
-/// `1/√(1 - x²)`, factored so that the difference from ±1 keeps its digits.
-fn arc_slope(x: f64) -> f64 {
-    ((1.0 - x) * (1.0 + x)).sqrt().recip()
+fn is_nan<S: Scalar>(x: S) -> S::Mask {
+    !x.equal(x)
+}
+
+/// `1 - x²`, factored so that the difference from ±1 keeps its digits.
+fn one_minus_square<S: Scalar>(x: S) -> S {
+    (-x + 1.0) * (x + 1.0)
+}
+
+/// `1/√(1 - x²)`
+fn arc_slope<S: Scalar>(x: S) -> S {
+    one_minus_square(x).sqrt().recip()
 }
 
 #[cfg(test)]
@@ -421,6 +450,39 @@ mod tests {
         }
         assert!(!D::variable(0.0, 0).sqrt().is_finite());
         assert_eq!(zero.powf(D::variable(2.0, 0)).derivative, [0.0; 2]);
+    }
+
+    /// `d²f/dxdy` of `f(x y)` at `x = at / 2`, `y = 2` is `f'(at) + at f''(at)`, with `f''` as the difference of `f'`.
+    #[test]
+    fn dual_numbers_of_dual_numbers_have_second_derivatives() {
+        type Second = Dual<1, Dual<1>>;
+        #[rustfmt::skip]
+        const FUNCTIONS: &[fn(Second) -> Second] = &[
+            |x| -x, |x| x + 3.0, |x| x - 3.0, |x| x * 3.0, |x| x / 3.0, Second::recip, |x| x.powi(5), |x| x.powi(1),
+            |x| x.powi(0), |x| x.powi(-2), |x| x.powf(Second::from_f64(1.3)), |x| Second::from_f64(2.0).powf(x),
+            Second::sqrt, Second::cbrt, Second::exp, Second::exp2, Second::exp_m1, Second::ln, Second::ln_1p, Second::log2,
+            Second::log10, Second::sin, Second::cos, |x| x.sin_cos().0, |x| x.sin_cos().1, Second::tan, Second::asin,
+            Second::acos, Second::atan, Second::sinh, Second::cosh, Second::tanh, Second::asinh, Second::acosh,
+            Second::atanh, Second::abs, Second::signum, |x| x.min(Second::from_f64(3.0)), |x| x.max(Second::from_f64(3.0)),
+            |x| Second::from_f64(2.0) / x, |x| x.hypot(Second::from_f64(2.0)), |x| x.atan2(Second::from_f64(-2.0)),
+            |x| Second::from_f64(2.0).atan2(x),
+        ];
+        assert_eq!(FUNCTIONS.len(), CASES.len());
+        for (&(name, _, _, derivative, at), function) in CASES.iter().zip(FUNCTIONS) {
+            let x = Dual { value: Dual::constant(at / 2.0), derivative: [Dual::constant(1.0)] };
+            let y = Dual { value: Dual::variable(2.0, 0), derivative: [Dual::constant(0.0)] };
+            let z = function(x * y);
+            // The step is as long as rounding and the truncation of the difference weigh the same: 1e-16^(1/3).
+            let step = 6e-6 * at.abs();
+            let curvature =
+                if at == 0.0 { 0.0 } else { (derivative(at + step) - derivative(at - step)) / (2.0 * step) };
+            let exact = derivative(at) + at * curvature;
+            let mixed = z.derivative[0].derivative[0];
+            assert!((mixed - exact).abs() < 1e-8 * (1.0 + exact.abs()), "{name}: {mixed} instead of {exact}");
+            assert!(z.is_finite() && !z.vanishes(), "{name}");
+        }
+        let zero = Dual::<1, Dual<1>>::from_f64(0.0);
+        assert!(zero.sqrt().vanishes() && zero.hypot(zero).vanishes());
     }
 
     #[test]

@@ -140,6 +140,9 @@ impl Scalar for Rounded {
     fn relative_to(self, other: Self) -> f64 {
         self.value.relative_to(other.value)
     }
+    fn is_identical(self, other: Self) -> bool {
+        self.value.is_identical(other.value) && self.error.is_identical(other.error)
+    }
     fn lane(self, _lane: usize) -> f64 {
         self.value
     }

@@ -12,6 +12,8 @@
 //! start by more than a quarter of the largest `|P · Δq / h|` and by more than the rounding of its own terms. It costs
 //! nothing until a step is hard.
 
+use crate::carry::Carry;
+use crate::continuation::{Continued, Hard, Taken, solve_by_continuation};
 use crate::error::StepFailure;
 use crate::plan::{Knowledge, NoiseClass};
 use crate::scalar::Rounded;
@@ -25,7 +27,7 @@ const HARMFUL: f64 = 0.25;
 
 /// What was seen of the hard steps of a run.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ResolutionMonitor {
+pub(crate) struct ResolutionMonitor {
     is_ignored: bool,
     /// Hard steps in a row, and the number of the last.
     pattern: u64,
@@ -59,13 +61,31 @@ impl ResolutionMonitor {
         Self { is_ignored: self.is_ignored, ..Self::default() }
     }
 
+    /// Takes step number `step`, which failed for `cause` in the short way, from zero and with care.
+    ///
+    /// # Errors
+    /// Those of [`solve_by_continuation`], and [`StepFailure::Unresolved`] where it does harm.
+    pub(crate) fn careful_step<H: Discretized<E>, E, C: Carry<f64>>(
+        &mut self,
+        hard: Hard<'_, H, E, C>,
+        step: u64,
+        cause: StepFailure,
+    ) -> Result<Taken<H, E, C>, StepFailure> {
+        let (system, h, t) = (hard.system, hard.h, hard.t);
+        let from = State { q: hard.q.clone(), p: hard.p.clone(), t };
+        let solved = solve_by_continuation(hard, cause)?;
+        let to = State { q: solved.q, p: solved.p, t };
+        *self = self.after::<H, E>(system, &from, &to, h, step)?;
+        Ok(Continued { q: to.q, p: to.p, ..solved })
+    }
+
     /// With the hard step number `step` from `from` to `to`.
     ///
     /// # Errors
     /// [`StepFailure::Unresolved`] if it does harm; only where the energy is known to be kept by the continuous system.
     #[cold]
     #[inline(never)]
-    pub(super) fn after<H: Discretized<E>, E>(
+    fn after<H: Discretized<E>, E>(
         mut self,
         system: &H,
         from: &State<H::Vector>,

@@ -62,6 +62,7 @@ impl Half {
 }
 
 /// The size of the phase space and the variables of its slots: one symbol for each slot.
+#[derive(Clone)]
 pub(crate) struct Space {
     /// The number of points.
     size: Index,

@@ -1,4 +1,5 @@
-//! `impl Discretized<Gauss<S>>` of a system of elements.
+//! The slopes of the step Hamiltonian of a system of elements, and what reads them: `impl Discretized<Gauss<S>>`, and the
+//! flows that `Verlet` and its compositions are made of.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
@@ -9,12 +10,13 @@ use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::elements::plan::Unknowns;
 use crate::elements::staged::is_nystrom;
+use crate::emit::compose;
 use crate::model::System;
 
-/// Every `Gauss<S>` that was listed.
+/// Every `Gauss<S>` that was listed, and the flows.
 pub(super) fn emit(model: &mut System, facts: &Facts, texts: &Texts) -> TokenStream {
     let staged: Vec<(u32, &String)> = texts.staged().collect();
-    if staged.is_empty() {
+    if staged.is_empty() && texts.flows.is_none() {
         return TokenStream::new();
     }
     let is_nystrom = is_nystrom(model, facts);
@@ -50,6 +52,9 @@ pub(super) fn emit(model: &mut System, facts: &Facts, texts: &Texts) -> TokenStr
             }
         }
     };
+    if let Some(flows) = texts.flows {
+        generated.extend(compose::flows(&model.item, flows, facts, &in_place()));
+    }
     for (stages, text) in staged {
         let stages = Literal::u32_unsuffixed(stages);
         generated.extend(quote! {
@@ -60,4 +65,36 @@ pub(super) fn emit(model: &mut System, facts: &Facts, texts: &Texts) -> TokenStr
         });
     }
     generated
+}
+
+/// Flows that add the slopes of elements to the state itself.
+fn in_place() -> TokenStream {
+    let f64 = quote!(__wzvi::f64);
+    quote! {
+        #[inline(always)]
+        fn add_force<__S: __wzvi::Scalar>(
+            &self,
+            __t: #f64,
+            __h: #f64,
+            __q: &[__S],
+            __dw: &[__S],
+            __p: &mut [__S],
+        ) {
+            let __wanted = __wzvi::elements::Slopes::BY_COORDINATES;
+            __wzvi::elements::add_slopes(self, __t, __h, __q, __dw, __wanted, __p)
+        }
+
+        #[inline(always)]
+        fn add_velocity<__S: __wzvi::Scalar>(
+            &self,
+            __t: #f64,
+            __h: #f64,
+            __p: &[__S],
+            __dw: &[__S],
+            __q: &mut [__S],
+        ) {
+            let __wanted = __wzvi::elements::Slopes::BY_MOMENTA;
+            __wzvi::elements::add_slopes(self, __t, __h, __p, __dw, __wanted, __q)
+        }
+    }
 }

@@ -46,7 +46,7 @@ pub(crate) fn emit(model: &mut System, facts: &Facts, schemes: &[Step<'_>], text
         tokens: with_header(&model.item, user_tokens(model).iter()),
         spelled: &model.type_checks,
     };
-    wrapped(&model.item, generated, &surroundings, texts)
+    wrapped(&model.item, facts, generated, &surroundings, texts)
 }
 
 /// The elements and what steps them.
@@ -286,6 +286,7 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
                 __value
             }
 
+            #[inline(always)]
             fn slopes<__S: __wzvi::Scalar>(
                 &self,
                 __part: #usize,

@@ -22,10 +22,12 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             events,
             wanted,
             execution,
+            starts,
             ..
         } = self.setup;
         let refused = [
             (settings.is_antithetic, "antithetic paths"),
+            (starts.is_some() && span.start.is_none(), "paths that start at states of their own"),
             (!events.is_empty(), "first passages"),
             (wanted.quantiles || !wanted.histograms.is_empty(), "quantiles and histograms"),
             (wanted.most_bytes.is_some(), "kept paths"),

@@ -1,0 +1,14 @@
+//! Between the nodes: dense output, recorded times, ends and sections.
+
+#![allow(clippy::unwrap_used, reason = "a test may stop")]
+
+#[path = "between/dense.rs"]
+mod dense;
+#[path = "between/kept.rs"]
+mod kept;
+#[path = "between/sections.rs"]
+mod sections;
+#[path = "between/systems.rs"]
+mod systems;
+#[path = "between/times.rs"]
+mod times;

@@ -1,0 +1,334 @@
+//! Kicks and drifts: how often they evaluate forces, that reuse is not to be seen, and that they are the steps of the adjoint pair.
+
+use wzvi::prelude::*;
+use wzvi::scalar::{Dual, Scalar};
+use wzvi::state::Vector;
+use wzvi::system::Segment;
+
+use super::counted::{Counted, sines};
+use super::{HenonHeiles, Pendulum, vector};
+
+/// Separable, with time in the force, with noises of both kinds.
+#[hamiltonian(
+    drift = |[x, y], [px, py], t| 0.5 * px * px + py.cosh() + 0.25 * (x * x + y * y).powi(2) + 0.3 * x * (1.7 * t).sin(),
+    noise = [|[x, y], _| 0.4 * x * y, |_, [px, py]| 0.3 * px * py],
+    embedding = [Verlet, DeltaPlus, DeltaMinus],
+)]
+struct Forced;
+
+#[hamiltonian(
+    drift = |q, p, t| 0.5 * p * p + 0.25 * q.powi(4) + 0.3 * q * (1.7 * t).sin(),
+    embedding = [Verlet, DeltaPlus, DeltaMinus],
+)]
+struct Duffing;
+
+/// Masses change with time: no flow is known, but the halves of `Verlet` are.
+#[hamiltonian(
+    drift = |q, p, t| 0.5 * p * p * (1.0 + 0.1 * t) + 0.25 * q.powi(4),
+    embedding = [Verlet, DeltaPlus, DeltaMinus],
+)]
+struct Heavier;
+
+/// Evaluations of the force in each of ten steps after the first.
+fn evaluations<E>() -> [u32; 2]
+where
+    Pendulum: Discretized<E>,
+{
+    let (h, mut q, mut p) = (0.1, [Counted(0.3)], [Counted(0.2)]);
+    let prepared = Discretized::<E>::prepare(&Pendulum, h).unwrap();
+    let mut memory = Default::default();
+    let mut step = |n: u32| {
+        let t = f64::from(n) * h;
+        Discretized::<E>::advance(&Pendulum, &prepared, t, h, &mut q, &mut p, &[], &mut memory).unwrap();
+    };
+    sines();
+    step(0);
+    let first = sines();
+    (1..11).for_each(&mut step);
+    let later = sines();
+    assert_eq!(later % 10, 0);
+    [first, later / 10]
+}
+
+#[test]
+fn forces_at_shared_nodes_are_evaluated_once() {
+    assert_eq!(evaluations::<Verlet>(), [2, 1]);
+    assert_eq!(evaluations::<Composed<Verlet, Yoshida4>>(), [4, 3]);
+    assert_eq!(evaluations::<Composed<Verlet, Suzuki4>>(), [6, 5]);
+    assert_eq!(evaluations::<Composed<Verlet, KahanLi6>>(), [10, 9]);
+    assert_eq!(evaluations::<Composed<Verlet, KahanLi8>>(), [18, 17]);
+    // These start and end with a drift.
+    assert_eq!(evaluations::<Composed<Verlet, BlanesMoan4>>(), [6, 6]);
+    assert_eq!(evaluations::<Composed<Verlet, BlanesMoan6>>(), [10, 10]);
+}
+
+/// The same steps, with a stepper for all of them and with a new one for each.
+fn check_reuse<E, H: Discretized<E>>(system: &H, [q, p]: [&[f64]; 2]) {
+    let h = 0.05;
+    let mut stepper = system.stepper::<E>(h).unwrap();
+    let mut state = State { q: vector::<H>(q), p: vector::<H>(p), t: 0.3 };
+    for n in 0..20 {
+        let mut anew = state.clone();
+        stepper.step(&mut state, &[]).unwrap();
+        system.stepper::<E>(h).unwrap().step(&mut anew, &[]).unwrap();
+        assert_eq!((&state.q, &state.p), (&anew.q, &anew.p));
+        // A state that the caller moved, by a bit, or to another time.
+        match n {
+            5 => state.q.components_mut()[0] = state.q.components()[0].next_up(),
+            10 => state.p.components_mut()[0] += 0.1,
+            15 => state.t += 0.25,
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn reuse_is_not_to_be_seen() {
+    check_reuse::<Verlet, _>(&Pendulum, [&[0.3], &[0.2]]);
+    check_reuse::<Verlet, _>(&Duffing, [&[0.3], &[0.2]]);
+    check_reuse::<Composed<Verlet, KahanLi6>, _>(&HenonHeiles, [&[0.3, 0.1], &[0.2, 0.0]]);
+    check_reuse::<Verlet, _>(&sweep::Chain::<7>, [&[0.1, 0.2, 0.3, 0.1, 0.0, -0.1, -0.2], &[0.1; 7]]);
+}
+
+/// `Verlet` is its two halves; where it is made of flows, up to the rounding of few operations with numbers below 2.
+fn check_halves<H: Discretized<Verlet> + Discretized<DeltaPlus> + Discretized<DeltaMinus>>(
+    system: &H,
+    [q, p]: [&[f64]; 2],
+    dw: &[f64],
+    rounding: f64,
+) {
+    let (h, half): (f64, Vec<f64>) = (0.1, dw.iter().map(|dw| 0.5 * dw).collect());
+    let start = State { q: vector::<H>(q), p: vector::<H>(p), t: 0.7 };
+    let (mut whole, mut halves) = (start.clone(), start);
+    system.stepper::<Verlet>(h).unwrap().step(&mut whole, dw).unwrap();
+    system.stepper::<DeltaPlus>(0.5 * h).unwrap().step(&mut halves, &half).unwrap();
+    system.stepper::<DeltaMinus>(0.5 * h).unwrap().step(&mut halves, &half).unwrap();
+    for (a, b) in [(&whole.q, &halves.q), (&whole.p, &halves.p)] {
+        for (a, b) in a.components().iter().zip(b.components()) {
+            assert!((a - b).abs() <= rounding, "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn verlet_is_its_two_halves() {
+    check_halves(&HenonHeiles, [&[0.12, 0.1], &[0.3, -0.25]], &[], 4.0 * f64::EPSILON);
+    check_halves(&Duffing, [&[0.4], &[0.3]], &[], 4.0 * f64::EPSILON);
+    check_halves(&Forced, [&[0.4, 0.2], &[0.3, 0.1]], &[0.2, -0.1], 4.0 * f64::EPSILON);
+    check_halves(&Heavier, [&[0.4], &[0.3]], &[], 0.0);
+}
+
+macro_rules! chain {
+    ($strategy:ident) => {
+        pub(super) mod $strategy {
+            use wzvi::prelude::*;
+
+            /// With noise on every site.
+            #[hamiltonian(
+                __strategy = $strategy,
+                drift = |q: [f64; N], p: [f64; N]| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+                    + (0..N - 1).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2) + 0.25 * (q[i + 1] - q[i]).powi(4)).sum::<f64>(),
+                embedding = Verlet,
+            )]
+            pub(crate) struct Chain<const N: usize>;
+
+            #[hamiltonian(
+                __strategy = $strategy,
+                drift = |q: [f64; 5], p: [f64; 5], t| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+                    + (0..4).map(|i| 0.25 * (q[i + 1] - q[i]).powi(4)).sum::<f64>() + q[0] * t.sin(),
+                noise = [|q, _| 0.3 * q[1] * q[2], |_, p| 0.2 * p[3]],
+                embedding = Verlet,
+            )]
+            pub(crate) struct Noisy;
+        }
+    };
+}
+
+mod sweep_of {
+    chain!(sweep);
+    chain!(inline);
+}
+use sweep_of::{inline, sweep};
+
+/// The steps of elements and of straight-line code.
+#[test]
+fn loops_are_what_they_would_be_written_out() {
+    fn check<E>()
+    where
+        inline::Noisy: Discretized<E>,
+        sweep::Noisy: Discretized<E>,
+    {
+        let (q, p) = ([0.1, 0.3, -0.2, 0.4, 0.0], [0.2, -0.1, 0.3, 0.1, -0.4]);
+        let mut a = State { q: vector::<inline::Noisy>(&q), p: vector::<inline::Noisy>(&p), t: 0.1 };
+        let mut b = State { q: vector::<sweep::Noisy>(&q), p: vector::<sweep::Noisy>(&p), t: 0.1 };
+        let mut first = inline::Noisy.stepper::<E>(0.1).unwrap().compensated();
+        let (mut second, mut third) =
+            (sweep::Noisy.stepper::<E>(0.1).unwrap(), sweep::Noisy.stepper::<E>(0.1).unwrap().compensated());
+        let mut c = b;
+        for n in 0..10 {
+            let dw = [0.1 * f64::from(n % 3), -0.07];
+            first.step(&mut a, &dw).unwrap();
+            second.step(&mut b, &dw).unwrap();
+            third.step(&mut c, &dw).unwrap();
+        }
+        let all = |state: &State<_>| [state.q, state.p].concat_all();
+        for ((a, b), c) in all(&a).iter().zip(all(&b)).zip(all(&c)) {
+            // Roundings of some hundred operations with numbers below 1.
+            assert!((a - b).abs() < 1e-14 && (a - c).abs() < 1e-14, "{a} {b} {c}");
+        }
+    }
+    check::<Verlet>();
+    check::<Composed<Verlet, BlanesMoan6>>();
+}
+
+trait Concat {
+    fn concat_all(&self) -> Vec<f64>;
+}
+
+impl<V: Vector> Concat for [V; 2] {
+    fn concat_all(&self) -> Vec<f64> {
+        self.iter().flat_map(|vector| vector.components().to_vec()).collect()
+    }
+}
+
+/// `dq' ∧ dp' = dq ∧ dp` by dual numbers, and the way back.
+#[test]
+fn steps_are_symplectic_and_symmetric() {
+    fn check<E>()
+    where
+        Duffing: Discretized<E>,
+    {
+        let h = 0.3;
+        let forth = Discretized::<E>::prepare(&Duffing, h).unwrap();
+        let back = Discretized::<E>::prepare(&Duffing, -h).unwrap();
+        let mut q = [Dual { value: 0.4, derivative: [1.0, 0.0] }];
+        let mut p = [Dual { value: 0.3, derivative: [0.0, 1.0] }];
+        let mut memory = Default::default();
+        Discretized::<E>::advance(&Duffing, &forth, 0.2, h, &mut q, &mut p, &[], &mut memory).unwrap();
+        let ([a, b], [c, d]) = (q[0].derivative, p[0].derivative);
+        assert!((a * d - b * c - 1.0).abs() < 1e-14, "{:e}", a * d - b * c - 1.0);
+        Discretized::<E>::advance(&Duffing, &back, 0.2 + h, -h, &mut q, &mut p, &[], &mut memory).unwrap();
+        assert!((q[0].value - 0.4).abs() < 2e-15 && (p[0].value - 0.3).abs() < 2e-15, "{q:?} {p:?}");
+    }
+    check::<Verlet>();
+    check::<Composed<Verlet, KahanLi8>>();
+    check::<Composed<Verlet, BlanesMoan6>>();
+}
+
+#[test]
+fn a_step_that_fails_changes_nothing() {
+    fn check<E, H: Discretized<E>>(system: &H, degrees: usize) {
+        let mut stepper = system.stepper::<E>(0.1).unwrap().compensated();
+        let mut q = vec![0.3; degrees];
+        let p = vec![0.1; degrees];
+        let mut state = State { q: vector::<H>(&q), p: vector::<H>(&p), t: 0.0 };
+        stepper.step(&mut state, &[]).unwrap();
+        q[0] = 1e200;
+        let good = state.clone();
+        let bad = State { q: vector::<H>(&q), p: vector::<H>(&p), t: good.t };
+        let mut failed = bad.clone();
+        let error = stepper.step(&mut failed, &[]).unwrap_err();
+        assert!(matches!(error.cause, wzvi::error::StepFailure::NonFinite), "{error}");
+        assert_eq!((&failed.q, &failed.p, failed.t), (&bad.q, &bad.p, bad.t));
+        let mut other = good.clone();
+        stepper.step(&mut state, &[]).unwrap();
+        let mut anew = system.stepper::<E>(0.1).unwrap().compensated();
+        anew.step(&mut other, &[]).unwrap();
+        let gap = |a: &H::Vector, b: &H::Vector| (a.components()[0] - b.components()[0]).abs();
+        assert!(gap(&state.q, &other.q) <= f64::EPSILON, "what was carried is all that differs");
+        let dimension = stepper.step(&mut State { p: H::Vector::zeros(degrees), ..state }, &[1.0]);
+        assert!(dimension.is_err());
+    }
+    check::<Verlet, _>(&Duffing, 1);
+    check::<Composed<Verlet, BlanesMoan4>, _>(&sweep::Chain::<40>, 40);
+}
+
+/// The gradient of the discrete Lagrangian against central differences, as in the other tests of compositions.
+#[test]
+fn the_discrete_lagrangian_is_that_of_its_parts() {
+    fn check<E>()
+    where
+        Duffing: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
+    {
+        let at = |q0: f64, q1: f64, p: f64| Segment {
+            q0: [q0].into(),
+            q1: [q1].into(),
+            p: [p].into(),
+            t: 0.3,
+            h: 0.25,
+        };
+        let value = |q0, q1, p| Discretized::<E>::discrete_lagrangian(&Duffing, &at(q0, q1, p), &[]);
+        let (q0, q1, p, d) = (0.5, 0.7, 0.4, 1e-5);
+        let gradient = Discretized::<E>::discrete_lagrangian_gradient(&Duffing, &at(q0, q1, p), &[]);
+        let slopes = [
+            (value(q0 + d, q1, p) - value(q0 - d, q1, p)) / (2.0 * d),
+            (value(q0, q1 + d, p) - value(q0, q1 - d, p)) / (2.0 * d),
+            (value(q0, q1, p + d) - value(q0, q1, p - d)) / (2.0 * d),
+        ];
+        for (slope, exact) in slopes.iter().zip([gradient.q0[0], gradient.q1[0], gradient.p[0]]) {
+            assert!((slope - exact).abs() < 1e-9, "{slope} {exact}");
+        }
+    }
+    check::<Verlet>();
+    check::<Composed<Verlet, BlanesMoan4>>();
+    // The halves have the discrete Lagrangian of the whole, at the segment that each of them makes.
+    let start = State::new([0.5], [0.4]);
+    let mut between = start;
+    Duffing.stepper::<DeltaPlus>(0.125).unwrap().step(&mut between, &[]).unwrap();
+    let mut end = between;
+    Duffing.stepper::<DeltaMinus>(0.125).unwrap().step(&mut end, &[]).unwrap();
+    let part = |q0, q1, p, t| Segment { q0, q1, p, t, h: 0.125 };
+    let sum = Discretized::<DeltaPlus>::discrete_lagrangian(
+        &Duffing,
+        &part(start.q, between.q, between.p, 0.0),
+        &[],
+    ) + Discretized::<DeltaMinus>::discrete_lagrangian(
+        &Duffing,
+        &part(between.q, end.q, between.p, 0.125),
+        &[],
+    );
+    let whole = Segment { q0: start.q, q1: end.q, p: start.p, t: 0.0, h: 0.25 };
+    let ours = Discretized::<Verlet>::discrete_lagrangian(&Duffing, &whole, &[]);
+    assert!((ours - sum).abs() < 4.0 * f64::EPSILON, "{ours} {sum}");
+}
+
+/// Paths of an ensemble are those that its noise drives alone.
+#[test]
+fn ensembles_take_flows_side_by_side() {
+    macro_rules! check {
+        ($scheme:ty) => {
+            let start = State::new([0.4, 0.1], [0.3, 0.2]);
+            let ensemble = Forced.ensemble::<$scheme>(0.05).start(start).paths(20).seed(7).until(1.0);
+            let statistics = ensemble.observe("x", |state| state.q[0]).run().unwrap();
+            let alone = |path| {
+                let noise = StepNormals::seed(7).path(path);
+                Forced.simulate::<$scheme>(0.05).start(start).noise(noise).until(1.0).run().unwrap().last().q
+                    [0]
+            };
+            let mean = (0..20).map(alone).sum::<f64>() / 20.0;
+            assert!((mean - statistics.mean("x").unwrap()).abs() < 1e-14);
+        };
+    }
+    check!(Verlet);
+    check!(Composed<Verlet, BlanesMoan4>);
+}
+
+#[test]
+fn plans_and_equations_say_that_it_is_explicit() {
+    let plan = <Pendulum as Discretized<Composed<Verlet, KahanLi8>>>::PLAN;
+    assert_eq!((plan.solver, plan.unknowns, plan.order, plan.consistent), (Solver::Explicit, 0, 8, true));
+    assert!(<Pendulum as Discretized<Verlet>>::EQUATIONS.contains("kick of h/2 at t + h"));
+    assert!(!<Heavier as Discretized<Verlet>>::EQUATIONS.contains("kick"));
+}
+
+/// The step of NaN parameters is refused, not taken.
+#[test]
+fn parameters_are_checked() {
+    #[hamiltonian(drift = |q, p| 0.5 * p * p + 0.5 * k * q * q, embedding = Verlet)]
+    struct Spring {
+        k: f64,
+    }
+    assert!(Spring { k: f64::NAN }.stepper::<Verlet>(0.1).is_err());
+    let doubled = Scalar::is_identical(0.0, -0.0);
+    assert!(!doubled, "zeros of both signs are two numbers");
+}

@@ -1,0 +1,203 @@
+//! Ensembles whose paths start at states of their own, with noise and without: each path is the one that it is alone.
+
+#![cfg(feature = "ensemble")]
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says what it expects")]
+#![allow(missing_docs, reason = "test systems")]
+
+use std::sync::Mutex;
+
+use wzvi::ensemble::{Draw, InstructionSet};
+use wzvi::error::{ConfigError, Error, StepFailure};
+use wzvi::nalgebra::SVector;
+use wzvi::prelude::*;
+use wzvi::system::Discretized;
+
+/// Hénon and Heiles: arithmetic only, so that lanes and a stepper agree to the last bit.
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v + x * x + y * y) + x * x * y - y * y * y / 3.0,
+    embedding = [Midpoint, Verlet, Gauss<2>],
+)]
+pub struct HenonHeiles;
+
+/// Stiff enough that some steps in the middle of a path are hard.
+#[hamiltonian(drift = |q, p| 0.5 * p * p + k * (q * q - 1.0).powi(2), embedding = [Midpoint])]
+pub struct Well {
+    pub k: f64,
+}
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * (q * q + p * p),
+    noise = [|q, p| sigma * q],
+    embedding = [DeltaPlus],
+)]
+pub struct Driven {
+    pub sigma: f64,
+}
+
+/// A drift that has no value for negative `q`.
+#[hamiltonian(drift = |q, p| 0.5 * p * p + q * q.sqrt(), embedding = [DeltaPlus])]
+pub struct Edge;
+
+type Plane = SVector<f64, 2>;
+
+fn cloud(draw: &mut Draw) -> State<Plane> {
+    let mut number = || 0.12 * draw.normal();
+    State::new([number(), number()], [number(), number()])
+}
+
+/// The last states of an ensemble, by path.
+macro_rules! ends {
+    ($run:expr, $paths:expr, $steps:expr) => {{
+        let ends = Mutex::new(vec![None; $paths]);
+        let statistics = $run
+            .inspect(|path, state| ends.lock().unwrap()[path as usize] = Some(state.clone()))
+            .paths($paths as u64)
+            .steps($steps)
+            .run()
+            .unwrap();
+        let ends: Vec<_> = ends.into_inner().unwrap().into_iter().map(Option::unwrap).collect();
+        (ends, statistics)
+    }};
+}
+
+/// Every path of a cloud is the one that a stepper takes from its start, and the statistics do not depend on how the run is split.
+fn paths_are_those_of_steppers<E>()
+where
+    HenonHeiles: Discretized<E, Vector = Plane>,
+    <HenonHeiles as Discretized<E>>::Prepared: Send + Sync,
+{
+    const PATHS: usize = 75;
+    let run = || HenonHeiles.ensemble::<E>(0.2).starts(cloud).seed(11);
+    let (ends, reference) = ends!(run(), PATHS, 60);
+    for (path, end) in ends.iter().enumerate() {
+        let (replayed, error) = run().paths(PATHS as u64).steps(60).replay(path as u64).unwrap();
+        assert_eq!(error, None);
+        let mut state = replayed.states()[0];
+        let mut stepper = HenonHeiles.stepper::<E>(0.2).unwrap().plain();
+        for _ in 0..60 {
+            stepper.step(&mut state, &[]).unwrap();
+        }
+        assert_eq!((state.q, state.p), (end.q, end.p), "path {path}");
+        assert_eq!(replayed.last(), end);
+    }
+    for set in [InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512] {
+        for threads in [1, 2] {
+            let run = run().paths(PATHS as u64).steps(60).instructions(set).threads(threads);
+            assert!(run.run().unwrap() == reference, "{set:?}, {threads} threads");
+        }
+        let narrow = run().paths(PATHS as u64).steps(60).instructions(set).run_in::<1>().unwrap();
+        assert!(narrow == reference, "{set:?}, one lane");
+    }
+}
+
+#[test]
+fn paths_of_a_cloud_are_those_of_steppers() {
+    paths_are_those_of_steppers::<Midpoint>();
+    paths_are_those_of_steppers::<Verlet>();
+    paths_are_those_of_steppers::<Gauss<2>>();
+    paths_are_those_of_steppers::<Composed<Midpoint, Yoshida4>>();
+}
+
+/// Steps that the short way does not take come at different times on different paths, and leave different numbers of steps to
+/// remember: every width still takes the same ones, and they are a stepper's. Some paths do not resolve the motion, and end
+/// where the stepper does.
+#[test]
+fn hard_steps_keep_their_lane_to_themselves() {
+    const PATHS: u64 = 40;
+    let well = Well { k: 2.0 };
+    let start = |draw: &mut Draw| State::new([0.05 * draw.path() as f64 - 1.0], [0.3 * draw.normal()]);
+    let run = || well.ensemble::<Midpoint>(0.6).starts(start).seed(3).paths(PATHS).allow_losses(1.0);
+    let ends = Mutex::new(vec![None; PATHS as usize]);
+    let see = |path: u64, state: &State<_>| ends.lock().unwrap()[path as usize] = Some(*state);
+    let reference = run().steps(200).inspect(see).run().unwrap();
+    let ends = ends.into_inner().unwrap();
+    let mut hard = 0;
+    for path in 0..PATHS {
+        let mut stepper = well.stepper::<Midpoint>(0.6).unwrap().plain();
+        let mut state = *run().steps(0).replay(path).unwrap().0.last();
+        let error = (0..200).find_map(|step| match stepper.step(&mut state, &[]) {
+            Ok(info) => {
+                hard += u32::from(info.is_hard && step > 0);
+                None
+            }
+            Err(error) => Some(error),
+        });
+        let failure = reference.failures().iter().find(|failure| failure.path == path);
+        assert_eq!(failure.map(|failure| failure.error), error, "path {path}");
+        if error.is_none() {
+            assert_eq!(ends[path as usize], Some(state), "path {path}");
+        }
+    }
+    assert!(hard > 100, "{hard} hard steps: too few to test anything");
+    assert!((1..PATHS).contains(&reference.failed()), "{} failures", reference.failed());
+    let narrow = run().steps(200).run_in::<1>().unwrap();
+    let wide = run().steps(200).run_in::<32>().unwrap();
+    assert!(narrow == reference && wide == reference);
+}
+
+/// A path that ends does not disturb its neighbours, with and without memory.
+#[test]
+fn a_path_that_fails_ends_alone() {
+    let start = |draw: &mut Draw| State::new([if draw.path() == 3 { 0.01 } else { 50.0 }], [-0.5]);
+    let run = || Edge.ensemble::<DeltaPlus>(0.1).starts(start).paths(9).allow_losses(1.0).steps(20);
+    let statistics = run().run().unwrap();
+    assert_eq!(statistics.failures().iter().map(|failure| failure.path).collect::<Vec<_>>(), [3]);
+    assert!(run().run_in::<1>().unwrap() == statistics);
+    let alone = Edge.simulate::<DeltaPlus>(0.1).start(State::new([50.0], [-0.5])).steps(20).run().unwrap();
+    let end = statistics.last().unwrap();
+    assert_eq!(end.count(), 8);
+    assert!((end.mean(0) - alone.last().q[0]).abs() < 1e-14);
+}
+
+/// Variance of the end of a harmonic oscillator after a quarter of a turn: that of the momentum at the start, and what the noise adds.
+/// 40 000 paths: 4 standard errors of the variance, `√(2/n)` of it.
+#[test]
+fn starts_and_noise_are_independent() {
+    let driven = Driven { sigma: 0.5 };
+    let (h, steps) = (std::f64::consts::FRAC_PI_2 / 200.0, 200);
+    let start = |draw: &mut Draw| State::new([0.0], [0.7 * draw.normal()]);
+    let run = || driven.ensemble::<DeltaPlus>(h).starts(start).paths(40_000).seed(5).steps(steps);
+    let end = run().run().unwrap();
+    // q(T) = p_0 sin T - σ ∫ sin(T - s) dW, of variance 0.49 + σ² π/4; the scheme adds O(h).
+    let exact = 0.49 + 0.25 * std::f64::consts::FRAC_PI_4;
+    let variance = end.last().unwrap().variance(0);
+    let allowed = 4.0 * exact * (2.0 / 40_000_f64).sqrt() + h * exact;
+    assert!((variance - exact).abs() < allowed, "{variance} against {exact} within {allowed}");
+}
+
+/// A list is taken in its order; seeds, step sizes and schemes do not change where a sampler starts.
+#[test]
+fn starts_are_those_that_were_asked_for() {
+    let list: Vec<_> = (0..37).map(|k| State::new([0.01 * f64::from(k), 0.0], [0.0, 0.1])).collect();
+    let run = || HenonHeiles.ensemble::<Verlet>(0.1).starts_from(list.clone());
+    let ends = Mutex::new(vec![None; 37]);
+    let see = |path: u64, state: &State<Plane>| ends.lock().unwrap()[path as usize] = Some(*state);
+    run().inspect(see).steps(0).run().unwrap();
+    assert_eq!(ends.into_inner().unwrap().into_iter().map(Option::unwrap).collect::<Vec<_>>(), list);
+    assert_eq!(run().paths(5).steps(1).run().unwrap().last().unwrap().count(), 5);
+
+    let at = |h: f64, seed: u64| ends!(HenonHeiles.ensemble::<Midpoint>(h).starts(cloud).seed(seed), 8, 0).0;
+    assert_eq!(at(0.1, 4), at(0.025, 4));
+    assert_ne!(at(0.1, 4), at(0.1, 5));
+    // A later start replaces them.
+    let same = HenonHeiles.ensemble::<Verlet>(0.1).starts(cloud).start(State::new([0.1, 0.2], [0.0, 0.0]));
+    let (ends, _) = ends!(same, 3, 0);
+    assert!(ends.iter().all(|end| end.q[0] == 0.1));
+}
+
+#[test]
+fn starts_that_are_none_are_refused() {
+    let run = |start: fn(&mut Draw) -> State<Plane>| {
+        HenonHeiles.ensemble::<Verlet>(0.1).starts(start).paths(100).steps(1).run().unwrap_err()
+    };
+    let nan = run(|draw| State::new([0.0, if draw.path() == 77 { f64::NAN } else { 0.0 }], [0.0, 0.0]));
+    let expected = ConfigError::PathStart { path: 77, cause: StepFailure::NonFiniteInput };
+    assert_eq!(nan, Error::Config(expected));
+    let late = run(|draw| State { t: draw.path() as f64, ..State::new([0.0, 0.0], [0.0, 0.0]) });
+    assert!(late.to_string().contains("path 1 starts at t = 1"), "{late}");
+    let list = vec![State::new([0.0, 0.0], [0.0, 0.1]); 4];
+    let short = HenonHeiles.ensemble::<Verlet>(0.1).starts_from(list).paths(5).steps(1).run().unwrap_err();
+    assert!(short.to_string().contains("a start for each path"), "{short}");
+    let none = HenonHeiles.ensemble::<Verlet>(0.1).starts_from([]).steps(1).run().unwrap_err();
+    assert!(matches!(none, Error::Config(ConfigError::Missing(_) | ConfigError::Setting(_))), "{none}");
+}

@@ -1,0 +1,111 @@
+//! The first terms of the modified Hamiltonian, as text: what steps without noise and explicit time follow (backward error analysis; E. Hairer,
+//! C. Lubich, G. Wanner, *Geometric Numerical Integration*, chapter IX; the run time finds the same terms for compositions).
+//!
+//! ```text
+//! H~ = H + h a H_p · H_q + h² (b H_pp(H_q, H_q) + c H_qq(H_p, H_p) + d H_pq(H_q, H_p))
+//! one quadrature point l:  a = l - 1/2,  b = c = 1/12 - l (1 - l)/2,  d = 1/3 - l (1 - l)
+//! Verlet:                  a = 0,  b = -1/24,  c = d = 1/12
+//! ```
+//!
+//! With `K = H_p · H_q` and `T(p) + V(q)` the last one vanishes, and the other two are `K_p · H_q` and `K_q · H_p`.
+
+use super::embedding::Embedding;
+use super::facts::Facts;
+use super::sums::{Half, Increments};
+use crate::symbolic::{Graph, Rational};
+
+/// `a`, and `b`, `c`, `d`.
+#[derive(Debug, PartialEq)]
+struct Terms {
+    first: Rational,
+    second: [Rational; 3],
+}
+
+impl Terms {
+    /// `None` for schemes with several stages.
+    fn of(embedding: &Embedding) -> Option<Self> {
+        let fraction = |numerator, denominator| Rational::new(numerator, denominator);
+        if *embedding == Embedding::Verlet {
+            let twelfth = fraction(1, 12)?;
+            return Some(Self { first: Rational::ZERO, second: [fraction(-1, 24)?, twelfth, twelfth] });
+        }
+        if embedding.stages().is_some() {
+            return None;
+        }
+        let l = embedding.quadrature().0;
+        let product = l.multiply(Rational::ONE.add(l.negate())?)?.negate();
+        let alike = fraction(1, 12)?.add(product.multiply(Rational::HALF)?)?;
+        let second = [alike, alike, Rational::THIRD.add(product)?];
+        Some(Self { first: l.add(Rational::HALF.negate())?, second })
+    }
+}
+
+const FIRST: &str = "H_p·H_q";
+const SECOND: [&str; 3] = ["H_pp(H_q,H_q)", "H_qq(H_p,H_p)", "H_pq(H_q,H_p)"];
+
+/// The formula, and for `T(p) + V(q)` what its terms are; `None` where there is no modified Hamiltonian, or none is known.
+pub(crate) fn text(graph: &mut Graph, facts: &Facts, embedding: &Embedding) -> Option<String> {
+    let Terms { first, second } = Terms::of(embedding).filter(|_| facts.is_conservative)?;
+    let mut formula = "H0".to_owned();
+    if !first.is_zero() {
+        signed(&mut formula, first, &format!("h {FIRST}"));
+    }
+    let terms = SECOND.iter().zip(second).take(if facts.is_separable { 2 } else { 3 });
+    let mut sum = String::new();
+    terms.for_each(|(name, factor)| signed(&mut sum, factor, name));
+    formula.push_str(&format!(" + h² ({sum})"));
+    let order = if first.is_zero() { "O(h⁴)" } else { "O(h³)" };
+    let mut text = format!("  modified energy, kept within {order}: {formula}\n");
+    if facts.is_separable {
+        let (mut space, drift) = (facts.space.clone(), &facts.drift);
+        let (q, p) = (Half::Coordinates, Half::Momenta);
+        let together = space.contract(graph, (drift, p), (drift, q), Increments::Each)?;
+        let by_p = space.contract(graph, (&together, p), (drift, q), Increments::Each)?;
+        let by_q = space.contract(graph, (&together, q), (drift, p), Increments::Each)?;
+        let edge = (FIRST, &together, !first.is_zero());
+        for (name, value, is_there) in [edge, (SECOND[0], &by_p, true), (SECOND[1], &by_q, true)] {
+            if is_there {
+                let value = space.display(graph, value, Rational::ONE);
+                text.push_str(&format!("    {name} = {value}\n"));
+            }
+        }
+    }
+    Some(text)
+}
+
+/// Adds `factor term` to a sum.
+fn signed(sum: &mut String, factor: Rational, term: &str) {
+    let size = if factor.is_negative() { factor.negate() } else { factor };
+    let sign = match (sum.is_empty(), factor.is_negative()) {
+        (true, false) => "",
+        (true, true) => "-",
+        (false, false) => " + ",
+        (false, true) => " - ",
+    };
+    let (over, under) = (size.numerator(), size.denominator());
+    let over = if over == 1 { String::new() } else { format!("{over} ") };
+    let under = if under == 1 { String::new() } else { format!("/{under}") };
+    sum.push_str(&format!("{sign}{over}{term}{under}"));
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop")]
+
+    use super::*;
+
+    #[test]
+    fn terms_are_those_of_known_schemes() {
+        let of = |numbers: [(i128, i128); 4]| {
+            let [a, b, c, d] = numbers.map(|(over, under)| Rational::new(over, under).unwrap());
+            Some(Terms { first: a, second: [b, c, d] })
+        };
+        // Hairer, Lubich, Wanner, example IX.3.4 (for the symplectic Euler method) and exercises.
+        assert_eq!(Terms::of(&Embedding::DeltaPlus), of([(-1, 2), (1, 12), (1, 12), (1, 3)]));
+        assert_eq!(Terms::of(&Embedding::DeltaMinus), of([(1, 2), (1, 12), (1, 12), (1, 3)]));
+        assert_eq!(Terms::of(&Embedding::Midpoint), of([(0, 1), (-1, 24), (-1, 24), (1, 12)]));
+        assert_eq!(Terms::of(&Embedding::Verlet), of([(0, 1), (-1, 24), (1, 12), (1, 12)]));
+        assert_eq!(Terms::of(&Embedding::Gauss(1)), Terms::of(&Embedding::Midpoint));
+        assert_eq!(Terms::of(&Embedding::Gauss(2)), None);
+    }
+}

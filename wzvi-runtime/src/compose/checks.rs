@@ -1,0 +1,57 @@
+//! What is checked of weights when a program is compiled.
+
+/// Whether a list reads the same backwards, to the last bit.
+pub(super) const fn is_palindrome(list: &[f64]) -> bool {
+    let mut i = 0;
+    while i < list.len() {
+        if list[i].to_bits() != list[list.len() - 1 - i].to_bits() {
+            return false;
+        }
+        i += 1;
+    }
+    !list.is_empty()
+}
+
+/// `Σ γ^power` and `Σ |γ|^power`.
+const fn power_sums(list: &[f64], power: u32) -> (f64, f64) {
+    let (mut sum, mut size) = (0.0, 0.0);
+    let mut i = 0;
+    while i < list.len() {
+        let mut term = 1.0;
+        let mut k = 0;
+        while k < power {
+            term *= list[i];
+            k += 1;
+        }
+        sum += term;
+        size += if term < 0.0 { -term } else { term };
+        i += 1;
+    }
+    (sum, size)
+}
+
+/// What rounding of `length` weights, of their powers and of their sum can make, per unit of their sizes.
+const fn rounding(length: usize, power: u32) -> f64 {
+    (length as f64 + 2.0 * power as f64) * f64::EPSILON
+}
+
+/// Whether the sum is 1 but for rounding.
+pub(super) const fn has_sum_one(list: &[f64]) -> bool {
+    let (sum, size) = power_sums(list, 1);
+    let error = if sum < 1.0 { 1.0 - sum } else { sum - 1.0 };
+    error <= rounding(list.len(), 1) * size
+}
+
+/// `Σ γ^3 = 0` for order 4, `Σ γ^5 = 0` as well for order 6, and so on.
+pub(super) const fn has_order(list: &[f64], order: u32) -> bool {
+    let mut power = 3;
+    while power < order {
+        let (sum, size) = power_sums(list, power);
+        let error = if sum < 0.0 { -sum } else { sum };
+        if error > rounding(list.len(), power) * size {
+            return false;
+        }
+        power += 2;
+    }
+    order >= 1
+}

@@ -1,0 +1,104 @@
+//! What a step of a composition is a sequence of.
+
+use std::fmt::Debug;
+
+use crate::carry::Carry;
+use crate::error::{ConfigError, StepFailure};
+use crate::memory::StepMemory;
+use crate::plan::{Plan, Solver};
+use crate::scalar::Scalar;
+use crate::solve::Effort;
+use crate::system::{Hamiltonian, Segment};
+
+/// Which of the two kinds of parts of a step: which scheme of a pair, or which flow of a splitting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Half {
+    /// The first scheme; the drift, which is the flow of `T(p)`.
+    First,
+    /// The second scheme; the kick, which is the flow of `V(q)`.
+    Second,
+}
+
+/// A part of a step: of which kind, and what fraction of the step.
+pub type Substep = (Half, f64);
+
+/// A way to take the parts of a step of `H`, one after the other.
+pub trait Sequence<H: Hamiltonian> {
+    /// The plan of a step of order two.
+    const PLAN: Plan;
+    /// As `Discretized::REMEMBERS`.
+    const REMEMBERS: bool;
+    /// As `Discretized::IN_LANES`.
+    const IN_LANES: bool;
+    /// What is computed once for all steps of one size.
+    type Prepared: Clone + Debug;
+    /// What a step leaves for the next.
+    type Memory<S: Scalar>: StepMemory;
+    /// Compensated sums.
+    type Compensated<S: Scalar>: Carry<S>;
+    /// How increments are added unless the user chooses.
+    type Carry<S: Scalar>: Carry<S>;
+
+    /// The memory of a new stepper.
+    fn memory(system: &H, substeps: &[Substep]) -> Self::Memory<f64>;
+
+    /// Prepares every part of a step of size `h`.
+    ///
+    /// # Errors
+    /// That of the first part that has one.
+    fn prepare(system: &H, h: f64, substeps: &[Substep]) -> Result<Self::Prepared, ConfigError>;
+
+    /// All parts of a step, one after the other. On `Err`, `q`, `p`, `memory` and `carry` are as they were.
+    ///
+    /// # Errors
+    /// That of the first part that has one.
+    #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        system: &H,
+        prepared: &Self::Prepared,
+        t: f64,
+        h: f64,
+        q: &mut [S],
+        p: &mut [S],
+        dw: &[S],
+        memory: &mut Self::Memory<S>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure>;
+
+    /// Where the parts lead to from the start of a segment, and the sum of their discrete Lagrangians; `None` where a part
+    /// has no solution.
+    fn follow(
+        system: &H,
+        segment: &Segment<H::Vector>,
+        dw: &[f64],
+        substeps: &[Substep],
+    ) -> Option<Followed<H::Vector>>;
+}
+
+/// The end of a sequence of parts.
+#[derive(Clone, Debug)]
+pub struct Followed<V> {
+    /// `Q`
+    pub q: V,
+    /// `R`
+    pub p: V,
+    /// `A`
+    pub action: f64,
+}
+
+/// The plan of a composition of this order; `of_step` is that of a step of order two, symmetric and therefore consistent.
+pub const fn plan(of_step: Plan, order: u32) -> Plan {
+    let order = if order > of_step.order { order } else { of_step.order };
+    Plan { order, consistent: true, ..of_step }
+}
+
+/// The plan of steps that are made of those of two plans.
+pub(super) const fn joint_plan(first: Plan, second: Plan) -> Plan {
+    let solver = match (first.solver, second.solver) {
+        (Solver::Newton, _) | (_, Solver::Newton) => Solver::Newton,
+        (Solver::Linear, _) | (_, Solver::Linear) => Solver::Linear,
+        _ => Solver::Explicit,
+    };
+    let unknowns = if first.unknowns > second.unknowns { first.unknowns } else { second.unknowns };
+    Plan { solver, unknowns, ..first }
+}

@@ -1,0 +1,69 @@
+//! What the compiler has proven of a Hamiltonian, and what compositions are made of for it.
+
+use super::flows::Splitting;
+use super::pair::Pair;
+use super::sequence::{Half, Substep};
+use super::{Base, Verlet};
+
+/// The structure of a system, as far as steps of `E` take advantage of it.
+pub trait Structure<E> {
+    /// How the parts of a step are taken.
+    type Sequence;
+    /// What a step of `E` with this weight is made of.
+    fn step(weight: f64, into: &mut Vec<Substep>);
+    /// What a sequence of drifts (the first half) and kicks (the second), which take turns, is made of.
+    fn splitting(sequence: &[Substep]) -> Vec<Substep>;
+}
+
+/// Any Hamiltonian.
+#[derive(Clone, Copy, Debug)]
+pub struct General;
+
+/// `T(p) + V(q, t)`
+#[derive(Clone, Copy, Debug)]
+pub struct Separable;
+
+/// `T(p) + V(q, t)` where `T` is a quadratic form with constant coefficients.
+#[derive(Clone, Copy, Debug)]
+pub struct Nystrom;
+
+impl<E: Base> Structure<E> for General {
+    type Sequence = Pair<E::First, E::Second>;
+
+    fn step(weight: f64, into: &mut Vec<Substep>) {
+        E::substeps(weight, into);
+    }
+
+    /// `z_1 = x_1`, `z_{i+1} = x_{i+1} - z_i` for the coefficients `x`, without the last: steps of the adjoint pair in turn. A drift
+    /// comes first in `DeltaMinus`, a kick in `DeltaPlus`.
+    fn splitting(sequence: &[Substep]) -> Vec<Substep> {
+        let mut rest = 0.0;
+        let coefficients = sequence.split_last().map_or(&[][..], |(_, coefficients)| coefficients);
+        let steps = coefficients.iter().map(|&(part, coefficient)| {
+            rest = coefficient - rest;
+            let half = if part == Half::First { Half::Second } else { Half::First };
+            (half, rest)
+        });
+        steps.collect()
+    }
+}
+
+macro_rules! by_flows {
+    ($($structure:ty),+) => {$(
+        impl Structure<Verlet> for $structure {
+            type Sequence = Splitting;
+
+            /// Kick and drift in `DeltaPlus`, drift and kick in `DeltaMinus`.
+            fn step(weight: f64, into: &mut Vec<Substep>) {
+                let kick = (Half::Second, 0.5 * weight);
+                into.extend([kick, (Half::First, weight), kick]);
+            }
+
+            fn splitting(sequence: &[Substep]) -> Vec<Substep> {
+                sequence.to_vec()
+            }
+        }
+    )+};
+}
+
+by_flows!(Separable, Nystrom);

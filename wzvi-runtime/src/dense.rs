@@ -1,0 +1,186 @@
+//! Between the nodes: the dense output of a step.
+//!
+//! A step leads from `z_0 = (q, p)` at `t` to `z_1` at `t + h`. Between them, with `t + θh` and `0 ≤ θ ≤ 1`, stands a polynomial `u(θ)` with
+//! `u(0) = z_0` and `u(1) = z_1`, both to the last bit:
+//!
+//! * [`Gauss<S>`](crate::gauss::Gauss) with two stages or more: the collocation polynomial `u'(c_i) = J∇F(U_i)` of its stages, of degree `S`
+//!   (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, section II.1.2). It costs no evaluation.
+//! * all other schemes: the cubic with the rates `u'(0) = J∇F(z_0)` and `u'(1) = J∇F(z_1)` (Hermite), one gradient per step. Where the order of the
+//!   scheme is 4 or more, the rates at the Lobatto points inside are then evaluated on the polynomial that there is, and interpolated by the next
+//!   one, until the error of the polynomial is of higher order than that of the scheme (W. H. Enright, K. R. Jackson, S. P. Nørsett,
+//!   P. G. Thomsen, "Interpolants for Runge-Kutta formulas", ACM Trans. Math. Softw. 12, 1986): 2, 9 and 20 gradients more for order 4, 6 and 8.
+//!
+//! `F = h H_0 + Σ_k ΔW_k H_k` is the step Hamiltonian with the increments of the step, so that with noise the polynomial follows the flow of the
+//! frozen step Hamiltonian: the interpolation of Wong and Zakai, in which each `W_k` is a straight line from node to node. The path of the
+//! stochastic equation is not smooth there, and no polynomial follows it.
+
+mod hermite;
+mod slopes;
+
+use crate::plan::{NoiseClass, Plan};
+use crate::state::{State, Vector};
+use crate::system::Discretized;
+use hermite::Hermite;
+pub use slopes::Slopes;
+pub(crate) use slopes::legendre;
+
+/// The most that [`DenseOutput::order`] is for schemes without a polynomial of their own.
+const MOST_HERMITE_ORDER: u32 = 9;
+
+/// The order of the polynomial through both nodes and their rates, by what the plan says of the scheme.
+pub const fn hermite_order(plan: &Plan) -> u32 {
+    // With noise the order of paths is 1 at most, which the cubic is beyond.
+    if plan.order < 4 || !matches!(plan.noise, NoiseClass::None) {
+        4
+    } else if plan.order < MOST_HERMITE_ORDER {
+        plan.order + 1
+    } else {
+        MOST_HERMITE_ORDER
+    }
+}
+
+/// The path between the two nodes of the last step.
+///
+/// [`Stepper::step_densely`](crate::step::Stepper::step_densely) fills it in, and allocates nothing:
+///
+/// ```ignore
+/// let mut dense = DenseOutput::of(&state);
+/// stepper.step_densely(&mut state, &[], &mut dense)?;
+/// let middle = dense.at(0.5);
+/// ```
+#[derive(Clone, Debug)]
+pub struct DenseOutput<V> {
+    /// Both nodes.
+    ends: [State<V>; 2],
+    h: f64,
+    order: u32,
+    slopes: Slopes,
+    hermite: Hermite<V>,
+    /// Room for a state while a step is taken.
+    room: Option<State<V>>,
+}
+
+impl<V: Vector> DenseOutput<V> {
+    /// For steps of states like this one: as long as there is no step, it rests there.
+    pub fn of(state: &State<V>) -> Self {
+        Self {
+            ends: [state.clone(), state.clone()],
+            h: 0.0,
+            order: 0,
+            slopes: Slopes::default(),
+            hermite: Hermite::of(state),
+            room: Some(state.clone()),
+        }
+    }
+
+    /// The order in `h` of the largest error inside a step, apart from that of the nodes: `S + 1` for `Gauss<S>` with two stages or more, else 4,
+    /// and one more than the order of the scheme from 4 on, up to 9. 0 before the first step. With noise it is the order in the size of the step
+    /// Hamiltonian, `h` and the increments together.
+    pub fn order(&self) -> u32 {
+        self.order
+    }
+
+    /// Where the step began.
+    pub fn start(&self) -> &State<V> {
+        &self.ends[0]
+    }
+
+    /// Where it ended.
+    pub fn end(&self) -> &State<V> {
+        &self.ends[1]
+    }
+
+    /// The state at `t + θh`; outside of `0 ≤ θ ≤ 1` the polynomial goes on.
+    pub fn at(&self, theta: f64) -> State<V> {
+        let mut state = self.ends[0].clone();
+        self.write(theta, &mut state);
+        state
+    }
+
+    /// [`DenseOutput::at`] into a state that is there.
+    pub fn write(&self, theta: f64, into: &mut State<V>) {
+        let [start, end] = &self.ends;
+        // From the nearer node, so that rounding grows from both.
+        let (node, part) = if theta <= 0.5 { (start, theta) } else { (end, theta - 1.0) };
+        into.t = node.t + part * self.h;
+        copy(&mut into.q, &node.q);
+        copy(&mut into.p, &node.p);
+        self.slopes.add(theta, part, [into.q.components_mut(), into.p.components_mut()]);
+    }
+
+    /// A copy of a state, to give back.
+    pub(crate) fn lend(&mut self, state: &State<V>) -> State<V> {
+        match self.room.take() {
+            Some(mut room) => {
+                copy_state(&mut room, state);
+                room
+            }
+            None => state.clone(),
+        }
+    }
+
+    pub(crate) fn give_back(&mut self, room: State<V>) {
+        self.room = Some(room);
+    }
+
+    /// `θ` at a time.
+    pub(crate) fn fraction(&self, t: f64) -> f64 {
+        let [start, end] = &self.ends;
+        let (from_start, from_end) = ((t - start.t) / self.h, (t - end.t) / self.h);
+        if from_start <= 0.5 { from_start } else { 1.0 + from_end }
+    }
+
+    /// A straight line between two states.
+    #[cfg(test)]
+    pub(crate) fn straight(ends: [State<V>; 2]) -> Self {
+        let mut dense = Self::of(&ends[0]);
+        let degrees = ends[0].q.components().len();
+        dense.slopes.resize(1, degrees);
+        for d in 0..degrees {
+            dense.slopes.row_mut(0)[d] = ends[1].q.components()[d] - ends[0].q.components()[d];
+            dense.slopes.row_mut(0)[degrees + d] = ends[1].p.components()[d] - ends[0].p.components()[d];
+        }
+        (dense.h, dense.ends) = (ends[1].t - ends[0].t, ends);
+        dense
+    }
+
+    /// How many numbers describe the slope of a component.
+    pub(crate) fn rows(&self) -> usize {
+        self.slopes.rows()
+    }
+
+    /// Of the step with these increments that led from `before` to `after`, the last one that left something in `memory`.
+    pub(crate) fn fill<H: Discretized<E, Vector = V>, E>(
+        &mut self,
+        (system, prepared, memory): (&H, &H::Prepared, &H::Memory<f64>),
+        [before, after]: [&State<V>; 2],
+        h: f64,
+        dw: &[f64],
+    ) {
+        let follows = before == &self.ends[1] && dw.is_empty();
+        for (end, state) in self.ends.iter_mut().zip([before, after]) {
+            copy_state(end, state);
+        }
+        (self.h, self.order) = (h, H::DENSE_ORDER);
+        if !system.slopes_between(prepared, memory, before, h, dw, &mut self.slopes) {
+            self.hermite.fill(system, &self.ends, h, dw, follows, self.order, &mut self.slopes);
+        }
+    }
+}
+
+/// Copies without allocating, unless the length changes.
+pub(crate) fn copy<V: Vector>(into: &mut V, from: &V) {
+    let (old, new) = (into.components_mut(), from.components());
+    if old.len() == new.len() {
+        old.copy_from_slice(new);
+    } else {
+        into.clone_from(from);
+    }
+}
+
+/// Likewise.
+pub(crate) fn copy_state<V: Vector>(into: &mut State<V>, from: &State<V>) {
+    into.t = from.t;
+    copy(&mut into.q, &from.q);
+    copy(&mut into.p, &from.p);
+}

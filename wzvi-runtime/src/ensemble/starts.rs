@@ -1,0 +1,167 @@
+//! Where the paths of an ensemble start: all at one state, or each at its own.
+
+use crate::error::{ConfigError, StepFailure};
+use crate::noise::chacha;
+use crate::noise::normal::pair;
+use crate::state::{State, Vector};
+use crate::system::Discretized;
+
+/// A function from the generator of a path to its start.
+pub(super) type Sampler<'a, V> = Box<dyn Fn(&mut Draw) -> State<V> + Send + Sync + 'a>;
+
+/// The first states, by path.
+pub(super) enum Starts<'a, V> {
+    Listed(Vec<State<V>>),
+    Drawn(Sampler<'a, V>),
+}
+
+impl<V: Clone> Starts<'_, V> {
+    /// How many there are, if they are listed.
+    pub(super) fn listed(&self) -> Option<u64> {
+        match self {
+            Self::Listed(states) => Some(states.len() as u64),
+            Self::Drawn(_) => None,
+        }
+    }
+
+    /// The start of a path; `None` beyond the end of a list.
+    pub(super) fn of(&self, seed: u64, path: u64) -> Option<State<V>> {
+        match self {
+            Self::Listed(states) => usize::try_from(path).ok().and_then(|path| states.get(path)).cloned(),
+            Self::Drawn(sampler) => Some(sampler(&mut Draw::new(seed, path))),
+        }
+    }
+}
+
+/// What a list that is too short is told.
+pub(super) const STARTS: &str =
+    "a start for each path: give `.starts_from(states)` as many as there are paths";
+
+/// Whether `state` can be where path `path` starts, at the time `t` of the others.
+///
+/// # Errors
+/// [`ConfigError::PathStart`] and [`ConfigError::Setting`].
+pub(super) fn check<H: Discretized<E>, E>(
+    system: &H,
+    state: &State<H::Vector>,
+    path: u64,
+    (degrees, t): (usize, f64),
+) -> Result<(), ConfigError> {
+    let (q, p) = (state.q.components(), state.p.components());
+    let wrong = |cause| Err(ConfigError::PathStart { path, cause });
+    if let Some(&got) = [q.len(), p.len()].iter().find(|&&got| got != degrees) {
+        return wrong(StepFailure::Dimension { expected: degrees, got });
+    }
+    if !q.iter().chain(p).chain([&state.t]).all(|x| x.is_finite()) {
+        return wrong(StepFailure::NonFiniteInput);
+    }
+    if state.t != t {
+        return Err(ConfigError::Setting(format!(
+            "path {path} starts at t = {}, path 0 at {t}: the paths of an ensemble have their nodes at the same times",
+            state.t
+        )));
+    }
+    system.check(degrees).map_err(|cause| ConfigError::PathStart { path, cause })
+}
+
+/// Random numbers for the start of one path, by the seed of the ensemble and the number of the path.
+///
+/// They are those of ChaCha8 under a key that no increment is drawn with, so that starts and noise are independent, and they depend on
+/// neither the step size nor the scheme: two ensembles of the same seed start at the same states.
+#[derive(Clone, Debug)]
+pub struct Draw {
+    key: [u32; 8],
+    path: u64,
+    /// Triples of words that were used.
+    used: u64,
+    block: [u32; 16],
+    spare: Option<f64>,
+}
+
+/// The version of this layout of the key, which no other layout has (`noise::step_normals`).
+const VERSION: u32 = 0x8000_0003;
+/// Triples of words in a block.
+const TRIPLES: u64 = 5;
+
+impl Draw {
+    fn new(seed: u64, path: u64) -> Self {
+        let key = [seed as u32, (seed >> 32) as u32, 0, 0, 0, 0, VERSION, 0];
+        Self { key, path, used: 0, block: [0; 16], spare: None }
+    }
+
+    /// The number of the path, from 0.
+    pub fn path(&self) -> u64 {
+        self.path
+    }
+
+    /// A number from the standard normal distribution.
+    pub fn normal(&mut self) -> f64 {
+        match self.spare.take() {
+            Some(normal) => normal,
+            None => {
+                let [normal, spare] = pair(self.words());
+                self.spare = Some(spare);
+                normal
+            }
+        }
+    }
+
+    /// A number from the uniform distribution on `(0, 1)`: the middle of one of `2^53` equal parts.
+    pub fn uniform(&mut self) -> f64 {
+        let [high, low, _] = self.words();
+        let part = ((u64::from(high) << 32) | u64::from(low)) >> 11;
+        // Below 1 for the last part as well, whose middle rounds to even.
+        (part as f64 + 0.5).min((1_u64 << 53) as f64 - 1.0) / (1_u64 << 53) as f64
+    }
+
+    fn words(&mut self) -> [u32; 3] {
+        let (block, place) = (self.used / TRIPLES, 3 * (self.used % TRIPLES) as usize);
+        if place == 0 {
+            self.block = chacha::block(&self.key, self.path, block);
+        }
+        self.used += 1;
+        [self.block[place], self.block[place + 1], self.block[place + 2]]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Draw;
+    use crate::noise::step_normals;
+
+    /// 20 000 of each: mean and variance of both distributions within five standard errors; no two paths or seeds alike.
+    #[test]
+    fn draws_have_their_distributions() {
+        let n = 20_000;
+        let sample = |draw: fn(&mut Draw) -> f64, seed, path| {
+            let mut generator = Draw::new(seed, path);
+            (0..n).map(|_| draw(&mut generator)).collect::<Vec<f64>>()
+        };
+        let count = f64::from(n);
+        let moments = |x: &[f64]| {
+            let mean = x.iter().sum::<f64>() / count;
+            (mean, x.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / count)
+        };
+        let (normals, uniforms) = (sample(Draw::normal, 7, 3), sample(Draw::uniform, 7, 3));
+        let (mean, variance) = moments(&normals);
+        assert!(mean.abs() < 5.0 / count.sqrt(), "{mean}");
+        assert!((variance - 1.0).abs() < 5.0 * (2.0 / count).sqrt(), "{variance}");
+        let (mean, variance) = moments(&uniforms);
+        assert!((mean - 0.5).abs() < 5.0 / (12.0 * count).sqrt(), "{mean}");
+        // The fourth central moment is 1/80: the variance has the variance (1/80 - 1/144)/n.
+        assert!((variance - 1.0 / 12.0).abs() < 5.0 * (1.0 / 180.0 / count).sqrt(), "{variance}");
+        assert!(uniforms.iter().all(|x| 0.0 < *x && *x < 1.0));
+        for (seed, path) in [(7, 4), (8, 3), (3, 7)] {
+            let other = sample(Draw::normal, seed, path);
+            let product = normals.iter().zip(&other).map(|(x, y)| x * y).sum::<f64>() / count;
+            assert!(product.abs() < 5.0 / count.sqrt(), "{seed} {path}: {product}");
+        }
+        assert_eq!(normals, sample(Draw::normal, 7, 3));
+    }
+
+    /// Keys of increments differ from those of starts, whatever seed, process, step size and level.
+    #[test]
+    fn starts_have_a_key_of_their_own() {
+        assert_ne!(Draw::new(1, 0).key[6], step_normals::key(1, 0, 0.1, 0)[6]);
+    }
+}

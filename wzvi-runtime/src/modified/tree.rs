@@ -1,0 +1,168 @@
+//! Contractions of derivatives of one function `H(q, p)`, as trees.
+//!
+//! A vertex stands for `H`, an edge for `Σ_i (∂/∂p_i of one end) (∂/∂q_i of the other)`: one vertex is `H` itself, an edge
+//! `H_p · H_q`, and a vertex with two coordinates towards its neighbours `H_qq(H_p, H_p)`. (E. Hairer, C. Lubich,
+//! G. Wanner, *Geometric Numerical Integration*, section IX.10: elementary Hamiltonians.)
+
+use std::iter::once;
+
+/// By which half of the phase space an end of an edge is differentiated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Half {
+    Coordinates,
+    Momenta,
+}
+
+impl Half {
+    pub(super) fn other(self) -> Self {
+        match self {
+            Self::Coordinates => Self::Momenta,
+            Self::Momenta => Self::Coordinates,
+        }
+    }
+}
+
+/// An edge with what is beyond it: the half by which its near end is differentiated, and the tree at its far end.
+pub(super) type Branch = (Half, Tree);
+
+/// A tree seen from one of its vertices, its root. Branches are sorted, so that equal trees compare equal.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Tree {
+    pub(super) branches: Vec<Branch>,
+}
+
+impl Tree {
+    pub(super) fn new(mut branches: Vec<Branch>) -> Self {
+        branches.sort();
+        Self { branches }
+    }
+
+    /// The number of vertices.
+    #[cfg(test)]
+    pub(super) fn size(&self) -> usize {
+        1 + self.branches.iter().map(|(_, tree)| tree.size()).sum::<usize>()
+    }
+
+    fn with(&self, branch: Branch) -> Self {
+        Self::new(self.branches.iter().cloned().chain(once(branch)).collect())
+    }
+
+    /// The same tree seen from each of its vertices.
+    pub(super) fn rootings(&self) -> Vec<Self> {
+        let mut rootings = vec![self.clone()];
+        for (at, (half, beyond)) in self.branches.iter().enumerate() {
+            let mut rest = self.branches.clone();
+            rest.remove(at);
+            // What is on this side becomes a branch of every vertex on the other side.
+            let stub = (half.other(), Self { branches: rest });
+            rootings.extend(beyond.rooted_with(&stub));
+        }
+        rootings
+    }
+
+    /// The tree with one branch more, seen from each of the vertices that it had without.
+    fn rooted_with(&self, stub: &Branch) -> Vec<Self> {
+        let whole = self.with(stub.clone());
+        let mut rootings = vec![whole];
+        for (at, (half, beyond)) in self.branches.iter().enumerate() {
+            let mut rest = self.branches.clone();
+            rest.remove(at);
+            let near = Self { branches: rest }.with(stub.clone());
+            rootings.extend(beyond.rooted_with(&(half.other(), near)));
+        }
+        rootings
+    }
+
+    /// The one of its rootings that stands for all: that of the least depth, the first of them.
+    pub(super) fn free(&self) -> Self {
+        let rootings = self.rootings();
+        rootings.into_iter().min_by(|a, b| (a.depth(), a).cmp(&(b.depth(), b))).unwrap_or_default()
+    }
+
+    fn depth(&self) -> usize {
+        self.branches.iter().map(|(_, tree)| 1 + tree.depth()).max().unwrap_or(0)
+    }
+
+    /// Two trees with an edge between their roots, of which the first is differentiated by `half`.
+    pub(super) fn joined(&self, half: Half, other: &Self) -> Self {
+        self.with((half, other.clone()))
+    }
+}
+
+/// All rooted trees of each size below `sizes`, from 0, whose branches have these factors, each with the product of the factors
+/// over its symmetries: the terms of `H(w)` for `w = z + h (c_q H_p(w), c_p H_q(w))` with the factors `[c_q, c_p]` of
+/// branches by coordinates and by momenta.
+pub(super) fn rooted(sizes: usize, factors: [f64; 2]) -> Vec<Vec<(Tree, f64)>> {
+    let mut trees: Vec<Vec<(Tree, f64)>> = vec![Vec::new()];
+    for size in 1..sizes {
+        let branches: Vec<(Branch, usize, f64)> = [Half::Coordinates, Half::Momenta]
+            .into_iter()
+            .zip(factors)
+            .flat_map(|(half, factor)| {
+                trees.iter().enumerate().flat_map(move |(size, trees)| {
+                    trees.iter().map(move |(tree, weight)| ((half, tree.clone()), size, factor * weight))
+                })
+            })
+            .collect();
+        let mut of_size = Vec::new();
+        grow(&branches, size - 1, Vec::new(), 1.0, &mut of_size);
+        trees.push(of_size);
+    }
+    trees
+}
+
+/// Adds the trees whose branches are those of `chosen` and `left` vertices more from `branches`.
+fn grow(
+    branches: &[(Branch, usize, f64)],
+    left: usize,
+    chosen: Vec<Branch>,
+    weight: f64,
+    into: &mut Vec<(Tree, f64)>,
+) {
+    if left == 0 {
+        into.push((Tree::new(chosen), weight));
+        return;
+    }
+    let Some(((branch, size, factor), rest)) = branches.split_first() else { return };
+    let (mut chosen, mut weight, mut left) = (chosen, weight, left);
+    for times in 1.. {
+        grow(rest, left, chosen.clone(), weight, into);
+        if *size > left {
+            break;
+        }
+        left -= size;
+        weight *= factor / f64::from(times);
+        chosen.push(branch.clone());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_are_as_many_trees_as_are_counted() {
+        // Rooted and free trees with oriented edges: sequences A000151 and A000238 of the encyclopedia of integer sequences.
+        let trees = rooted(6, [1.0, 1.0]);
+        let rooted: Vec<usize> = trees.iter().map(Vec::len).collect();
+        assert_eq!(rooted, [0, 1, 2, 7, 26, 107]);
+        let free = |trees: &Vec<(Tree, f64)>| {
+            let mut free: Vec<Tree> = trees.iter().map(|(tree, _)| tree.free()).collect();
+            free.sort();
+            free.dedup();
+            free.len()
+        };
+        assert_eq!(trees.iter().map(free).collect::<Vec<_>>(), [0, 1, 1, 3, 8, 27]);
+    }
+
+    #[test]
+    fn a_tree_is_the_same_from_every_vertex() {
+        for (tree, _) in rooted(6, [1.0, 1.0]).into_iter().flatten() {
+            let rootings = tree.rootings();
+            assert_eq!(rootings.len(), tree.size());
+            for other in rootings {
+                assert_eq!((other.size(), other.free()), (tree.size(), tree.free()));
+            }
+        }
+    }
+}
