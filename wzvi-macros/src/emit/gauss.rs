@@ -9,6 +9,7 @@ use quote::{format_ident, quote};
 use super::compose;
 use super::names::Names;
 use super::plan::Plan;
+use super::print::f64_type;
 use super::program::Level;
 use super::step::increment_names;
 use super::system::{Body, Inputs, Letters, body, count};
@@ -16,6 +17,7 @@ use crate::describe::Texts;
 use crate::discretise::facts::Facts;
 use crate::discretise::gauss::StepSlopes;
 use crate::model::Model;
+use crate::symbolic::Expr;
 
 /// Every `Gauss<S>` that was listed, and the flows.
 pub(super) fn emit(model: &mut Model, facts: &Facts, texts: &Texts) -> TokenStream {
@@ -70,6 +72,7 @@ fn field(model: &mut Model) -> TokenStream {
     let Body { statements, values } = body(model, &letters, &inputs, &quote!(__S), &roots);
     let (by_q, by_p) = values.split_at(degrees);
     let (degrees, noises) = (count(degrees), count(dw.len()));
+    let stiffness = stiffness(model, &slopes);
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let bool = quote!(__wzvi::bool);
@@ -81,6 +84,8 @@ fn field(model: &mut Model) -> TokenStream {
             const IN_LANES: #bool = true;
             type Shape = __wzvi::gauss::Fixed<#degrees>;
             type Noises = __wzvi::gauss::Fixed<#noises>;
+
+            #stiffness
 
             #[inline(always)]
             fn slopes<__S: __wzvi::Scalar, const __BY_Q: #bool, const __BY_P: #bool>(
@@ -104,6 +109,29 @@ fn field(model: &mut Model) -> TokenStream {
                     __by_p.copy_from_slice(&[#(#by_p),*]);
                 }
             }
+        }
+    }
+}
+
+/// The matrix of the linear part of the force, where there is one.
+fn stiffness(model: &mut Model, slopes: &StepSlopes) -> TokenStream {
+    if slopes.stiffness.is_empty() {
+        return TokenStream::new();
+    }
+    let letters = Letters::of(model, Names::beside(&["k"]));
+    let inputs = Inputs { names: Vec::new(), definitions: HashMap::new() };
+    let roots: Vec<Expr> = slopes.stiffness.iter().map(|&(.., value)| value).collect();
+    let f64 = f64_type();
+    let Body { statements, values } = body(model, &letters, &inputs, &f64, &roots);
+    let degrees = model.phase.q.len();
+    let places =
+        slopes.stiffness.iter().map(|(row, column, _)| Literal::usize_unsuffixed(row * degrees + column));
+    quote! {
+        const IS_STIFF: __wzvi::bool = true;
+
+        fn stiffness(&self, __k: &mut [#f64]) {
+            #statements
+            #(__k[#places] = #values;)*
         }
     }
 }

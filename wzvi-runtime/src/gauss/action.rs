@@ -29,7 +29,7 @@ pub fn value<F: Field, const N: usize>(
     let table = prepared.table();
     let (mut given, mut lists) = (memory.given.take(), memory.lists.take());
     given.read(table, q, p, dw, &Plain);
-    let step = given.step(system, table, segment.t, segment.h);
+    let step = given.step(system, prepared, segment.t, segment.h);
     if step.solve::<true>(&mut lists, &mut memory).is_err()
         || step.finish([q, p], dw, &mut lists, &Plain).is_err()
     {

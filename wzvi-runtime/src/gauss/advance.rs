@@ -4,6 +4,7 @@ use super::Field;
 use super::kept::{Given, Lists, Memory};
 use super::shape::Shape;
 use super::stages::{At, Observer, Scratch, Stages};
+use super::stiff::Modes;
 use super::sweep::Solved;
 use super::table::Table;
 use crate::carry::Carry;
@@ -13,23 +14,27 @@ use crate::memory::Iteration;
 use crate::scalar::{Mask, Scalar};
 use crate::solve::Effort;
 
-/// The coefficients, and the instructions that this machine has.
+/// What is made once for a step size.
 #[derive(Clone, Debug)]
 pub struct Prepared<const N: usize> {
     table: Table<N>,
+    /// The linear part of a stiff force.
+    modes: Option<Modes<N>>,
     instructions: InstructionSet,
 }
 
-/// Prepares a step of `N` stages.
+/// Prepares a step of size `h` with `N` stages.
 ///
 /// # Errors
 /// [`ConfigError::Parameter`] if a parameter is not a number.
-pub fn prepare<F: Field, const N: usize>(system: &F) -> Result<Prepared<N>, ConfigError> {
+pub fn prepare<F: Field, const N: usize>(system: &F, h: f64) -> Result<Prepared<N>, ConfigError> {
     let mut parameters = (0..).map_while(|index| system.parameter(index));
     if parameters.any(|(_, value)| value.is_nan()) {
         return Err(ConfigError::Parameter);
     }
-    Ok(Prepared { table: Table::get(), instructions: InstructionSet::best() })
+    let table = Table::get();
+    let modes = Modes::new(system, &table, h);
+    Ok(Prepared { table, modes, instructions: InstructionSet::best() })
 }
 
 /// The memory of a new stepper: all that its steps will need, where the system knows its size.
@@ -39,6 +44,7 @@ pub fn memory<F: Field, const N: usize>(system: &F) -> Memory<f64, F::Shape, F::
     if degrees != 0 && system.check(degrees).is_ok() {
         memory.fit(degrees, system.noises());
         memory.scratch.reserve(degrees, system.noises());
+        memory.modal.reserve(degrees);
     }
     memory
 }
@@ -73,7 +79,7 @@ pub fn advance<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: 
     if dw.len() != system.noises() {
         return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
     }
-    let run = Run::<F, S, C, N, CAREFUL> { system, table: &prepared.table, t, h, q, p, dw, memory, carry };
+    let run = Run::<F, S, C, N, CAREFUL> { system, prepared, t, h, q, p, dw, memory, carry };
     // Other numbers than `f64` are not side by side.
     if size_of::<S>() == size_of::<f64>() { prepared.instructions.run(run) } else { run.run::<1>() }
 }
@@ -82,12 +88,16 @@ impl<const N: usize> Prepared<N> {
     pub(super) fn table(&self) -> &Table<N> {
         &self.table
     }
+
+    pub(super) fn modes(&self) -> Option<&Modes<N>> {
+        self.modes.as_ref()
+    }
 }
 
 /// The equations of a step, `Y = φ(Y)`.
 pub(super) struct Step<'a, F, S: Scalar, const N: usize> {
     pub(super) system: &'a F,
-    pub(super) table: &'a Table<N>,
+    pub(super) prepared: &'a Prepared<N>,
     pub(super) t: f64,
     pub(super) h: f64,
     /// The stages, each weighted by its `b_i`: `h b_i` and `b_i ΔW_k`.
@@ -99,7 +109,7 @@ pub(super) struct Step<'a, F, S: Scalar, const N: usize> {
 /// A step to take.
 struct Run<'a, F: Field, S: Scalar, C, const N: usize, const CAREFUL: bool> {
     system: &'a F,
-    table: &'a Table<N>,
+    prepared: &'a Prepared<N>,
     t: f64,
     h: f64,
     q: &'a mut [S],
@@ -116,10 +126,10 @@ impl<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool> Kern
 
     #[inline(always)]
     fn run<const L: usize>(self) -> Self::Output {
-        let Self { system, table, t, h, q, p, dw, memory, carry } = self;
+        let Self { system, prepared, t, h, q, p, dw, memory, carry } = self;
         let mut given = memory.given.take();
-        given.read(table, q, p, dw, carry);
-        let step = given.step(system, table, t, h);
+        given.read(&prepared.table, q, p, dw, carry);
+        let step = given.step(system, prepared, t, h);
         let mut lists = memory.lists.take();
         let finished = match step.solve::<CAREFUL>(&mut lists, memory) {
             Ok(solved) => step.finish([q, p], dw, &mut lists, carry).map(|()| solved),
@@ -163,14 +173,15 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
     pub(super) fn step<'a, F>(
         &'a self,
         system: &'a F,
-        table: &'a Table<N>,
+        prepared: &'a Prepared<N>,
         t: f64,
         h: f64,
     ) -> Step<'a, F, S, N> {
+        let table = &prepared.table;
         let all = |number: f64| S::Stages::<N>::splat(S::from_f64(number));
         let at =
             At { t: all(h).times(&table.c).plus(all(t)), h: all(h).times(&table.b), dw: self.dw.as_ref() };
-        Step { system, table, t, h, at, start: [self.start[0].as_ref(), self.start[1].as_ref()] }
+        Step { system, prepared, t, h, at, start: [self.start[0].as_ref(), self.start[1].as_ref()] }
     }
 }
 
@@ -200,7 +211,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         let Placement { at: [q, p], by_p, by_q, spare } = into;
         if F::IS_NYSTROM {
             for (d, momenta) in p.iter_mut().enumerate() {
-                let unforced = S::Stages::splat(self.start[1][d]).times(&self.table.c);
+                let unforced = S::Stages::splat(self.start[1][d]).times(&self.prepared.table.c);
                 *momenta = match by_q {
                     Some(by_q) => unforced.minus(by_q[d].product(twice)),
                     None => unforced,
@@ -245,7 +256,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
             by_q: if from_past { Some(by_q.as_ref()) } else { None },
             spare: spare.as_mut(),
         };
-        self.place(into, [&self.table.nu, &self.table.kappa], &mut memory.scratch, &mut ());
+        self.place(into, [&self.prepared.table.nu, &self.prepared.table.kappa], &mut memory.scratch, &mut ());
     }
 
     /// `b_i ∂F/∂p` and `b_i ∂F/∂q` at the stages.
@@ -275,7 +286,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         let (lost_q, lost_p) = (lost_q.as_mut(), lost_p.as_mut());
         if F::IS_NYSTROM {
             let mut rest = [0.0; N];
-            for (rest, c) in rest.iter_mut().zip(&self.table.c) {
+            for (rest, c) in rest.iter_mut().zip(&self.prepared.table.c) {
                 *rest = 1.0 - c;
             }
             for (d, momentum) in next_p.iter_mut().enumerate() {
@@ -314,7 +325,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         };
         self.guess(lists, memory, from_past);
         if !newton {
-            match self.sweeps(lists, &mut memory.scratch) {
+            match self.sweeps(lists, &mut memory.scratch, &mut memory.modal) {
                 Err(StepFailure::NonFinite) => return Err(StepFailure::NonFinite),
                 Err(failure) if memory.iteration == Iteration::FixedPoint => return Err(failure),
                 Err(_) => self.guess(lists, memory, from_past),

@@ -50,9 +50,9 @@ macro_rules! __gauss {
 
             fn prepare(
                 &self,
-                _: $crate::core::primitive::f64,
+                __h: $crate::core::primitive::f64,
             ) -> $crate::core::result::Result<Self::Prepared, $crate::error::ConfigError> {
-                $crate::gauss::prepare(self)
+                $crate::gauss::prepare(self, __h)
             }
 
             #[inline(always)]
@@ -81,7 +81,7 @@ macro_rules! __gauss {
                 __segment: &$crate::system::Segment<Self::Vector>,
                 __dw: &[$crate::core::primitive::f64],
             ) -> $crate::core::primitive::f64 {
-                $crate::gauss::prepare::<Self, $stages>(self).map_or(
+                $crate::gauss::prepare::<Self, $stages>(self, __segment.h).map_or(
                     $crate::core::primitive::f64::NAN,
                     |__prepared| $crate::gauss::value(self, &__prepared, __segment, __dw),
                 )

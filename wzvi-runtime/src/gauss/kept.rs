@@ -3,6 +3,7 @@
 use super::newton::Newton;
 use super::shape::Shape;
 use super::stages::{Changes, Scratch, Stages};
+use super::stiff::Modal;
 use crate::memory::{Iteration, StepMemory};
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::{Mask, Scalar};
@@ -22,6 +23,7 @@ pub struct Memory<S: Scalar, H: Shape, W: Shape, const N: usize> {
     pub(super) given: Given<S, H, W, N>,
     pub(super) lists: Lists<S, H, N>,
     pub(super) scratch: Scratch<S>,
+    pub(super) modal: Modal<S::Stages<N>>,
     pub(super) newton: Newton<S>,
 }
 
@@ -153,6 +155,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Memory<S, H, W, 
             given: Given::of_length(0, 0),
             lists: Lists::of_length(0),
             scratch: Scratch::default(),
+            modal: Modal::default(),
             newton: Newton::default(),
         }
     }

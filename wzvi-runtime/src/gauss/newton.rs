@@ -234,9 +234,9 @@ impl<F: Field, S: Scalar, const N: usize> Problem for Equations<'_, '_, F, S, N>
                         matrix.add(row, column, S::from_f64(value));
                     };
                     if F::IS_NYSTROM {
-                        add(0, 0, self.step.table.eta[j][i] * force);
+                        add(0, 0, self.step.prepared.table().eta[j][i] * force);
                     } else {
-                        let weight = self.step.table.mu[j][i];
+                        let weight = self.step.prepared.table().mu[j][i];
                         for column in 0..2 {
                             add(0, column, -weight * second(degrees + a, column * degrees + b));
                             add(1, column, weight * second(a, column * degrees + b));
@@ -261,7 +261,7 @@ impl<F: Field, S: Scalar, const N: usize> Problem for Equations<'_, '_, F, S, N>
         let are_settled = &mut self.jacobian.are_settled;
         are_settled.clear();
         are_settled.resize(unknowns, true);
-        self.step.residuals(self.lists, |kind, d, residual| {
+        self.step.residuals(self.lists, self.scratch, |kind, d, residual| {
             for (i, residual) in residual.iter().enumerate() {
                 are_settled[Self::place(degrees, i, kind, d)] = residual.is_below(roundings);
             }

@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use super::Field;
 use crate::lanes::Lanes;
 use crate::numbers::Numbers;
-use crate::scalar::Scalar;
+use crate::scalar::{Rounded, Scalar};
 
 /// Where the slopes of all stages are taken, and by what they are weighted.
 #[derive(Clone, Copy, Debug)]
@@ -162,15 +162,22 @@ fn in_pairs<T: Copy, const N: usize>(mut list: [T; N], join: impl Fn(T, T) -> T)
 pub struct Scratch<S> {
     one: [Vec<S>; 4],
     dw: Vec<S>,
+    /// The same for numbers that know their rounding, made where it is needed first.
+    rounded: Option<Box<Scratch<Rounded>>>,
 }
 
 impl<S> Default for Scratch<S> {
     fn default() -> Self {
-        Self { one: std::array::from_fn(|_| Vec::new()), dw: Vec::new() }
+        Self { one: std::array::from_fn(|_| Vec::new()), dw: Vec::new(), rounded: None }
     }
 }
 
 impl<S> Scratch<S> {
+    /// That of numbers that know their rounding.
+    pub(super) fn rounded(&mut self) -> &mut Scratch<Rounded> {
+        self.rounded.get_or_insert_default()
+    }
+
     /// Makes room for so many degrees of freedom and noises.
     pub(super) fn reserve(&mut self, degrees: usize, noises: usize) {
         self.one.iter_mut().for_each(|list| list.reserve(degrees));
@@ -188,7 +195,7 @@ fn one_by_one<F: Field, S: Scalar, T: Stages<S, N>, const N: usize, const BY_Q: 
     by_p: &mut [T],
     scratch: &mut Scratch<S>,
 ) {
-    let Scratch { one: [own_q, own_p, own_by_q, own_by_p], dw: own_dw } = scratch;
+    let Scratch { one: [own_q, own_p, own_by_q, own_by_p], dw: own_dw, .. } = scratch;
     let zero = S::from_f64(0.0);
     for own in [&mut *own_q, own_p, own_by_q, own_by_p] {
         own.resize(q.len(), zero);

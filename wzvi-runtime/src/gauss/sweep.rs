@@ -4,6 +4,7 @@ use super::Field;
 use super::advance::{Placement, Step};
 use super::kept::{Given, Lists};
 use super::stages::{Changes, Observer, Scratch, Stages};
+use super::stiff::{Modal, Modes};
 use crate::error::StepFailure;
 use crate::scalar::{Rounded, Scalar};
 use crate::solve::Effort;
@@ -57,7 +58,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
             by_q: Some(by_q.as_ref()),
             spare: spare.as_mut(),
         };
-        self.place(into, [&self.table.mu, &self.table.eta], scratch, observer);
+        self.place(into, [&self.prepared.table().mu, &self.prepared.table().eta], scratch, observer);
     }
 
     /// Sweeps from the stages that are there.
@@ -69,6 +70,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         &self,
         lists: &mut Lists<S, F::Shape, N>,
         scratch: &mut Scratch<S>,
+        modal: &mut Modal<S::Stages<N>>,
     ) -> Result<Solved, StepFailure> {
         // Nothing is known of the contraction before the second sweep.
         let (mut last, mut before_last) = (0.0, 0.0);
@@ -77,7 +79,19 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
             sweeps += 1;
             self.field(lists, scratch);
             let mut relative = Relative { start: self.start, changes: Changes::default() };
-            self.follow(lists, scratch, &mut relative);
+            match self.prepared.modes() {
+                Some(modes) if F::IS_STIFF => {
+                    modal.remember(lists.at[0].as_ref());
+                    self.follow(lists, scratch, &mut ());
+                    modes.filter::<S>(lists.at[0].as_mut(), modal);
+                    for (d, (old, new)) in
+                        Modes::<N>::before(modal).iter().zip(lists.at[0].as_ref()).enumerate()
+                    {
+                        relative.see(0, d, *old, *new);
+                    }
+                }
+                _ => self.follow(lists, scratch, &mut relative),
+            }
             // Stored stage beside stage, they are found in lanes.
             lists.changes = relative.changes;
             let (change, is_tiny) = lists.changes.largest(SMALL);
@@ -86,7 +100,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
             }
             let contracts = change < 0.5 * last;
             let is_small = is_tiny || (contracts && change * change <= UNSEEN * ROUNDING * last);
-            let is_settled = is_small || (!contracts && sweeps > 2 && self.is_rounding(lists));
+            let is_settled = is_small || (!contracts && sweeps > 2 && self.is_rounding(lists, scratch));
             if is_settled {
                 self.follow_derivatives(sweeps, lists, scratch);
                 return Ok(Solved { effort: Effort::fast(sweeps), prefers_newton: false });
@@ -114,9 +128,9 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
     /// Whether the stages solve their equations to the rounding of the terms of these.
     #[cold]
     #[inline(never)]
-    fn is_rounding(&self, lists: &Lists<S, F::Shape, N>) -> bool {
+    fn is_rounding(&self, lists: &Lists<S, F::Shape, N>, scratch: &mut Scratch<S>) -> bool {
         let mut all = true;
-        self.residuals(lists, |_, _, residual| {
+        self.residuals(lists, scratch, |_, _, residual| {
             all &= residual.iter().all(|residual| residual.is_below(1.0));
         });
         all
@@ -127,6 +141,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
     pub(super) fn residuals(
         &self,
         lists: &Lists<S, F::Shape, N>,
+        scratch: &mut Scratch<S>,
         mut seen: impl FnMut(usize, usize, [Rounded; N]),
     ) {
         let degrees = self.start[0].len();
@@ -142,7 +157,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         for (exact, dw) in given.dw.as_mut().iter_mut().zip(self.at.dw) {
             *exact = nearest(dw);
         }
-        let step = given.step(self.system, self.table, self.t, self.h);
+        let step = given.step(self.system, self.prepared, self.t, self.h);
         let mut exact = Lists::<Rounded, F::Shape, N>::of_length(degrees);
         for (exact, stages) in exact.at.iter_mut().zip(&lists.at) {
             exact
@@ -151,9 +166,9 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
                 .zip(stages.as_ref())
                 .for_each(|(exact, stages)| *exact = nearest(stages));
         }
-        let mut scratch = Scratch::default();
-        step.field(&mut exact, &mut scratch);
+        let scratch = scratch.rounded();
+        step.field(&mut exact, scratch);
         let mut observer = (|half, d, old: [Rounded; N], new| seen(half, d, old.minus(new)),);
-        step.follow(&mut exact, &mut scratch, &mut observer);
+        step.follow(&mut exact, scratch, &mut observer);
     }
 }
