@@ -24,10 +24,11 @@ pub const fn dense_order(stages: u32, plan: &Plan) -> u32 {
 }
 
 /// The slopes of the collocation polynomial of the last step.
+#[expect(clippy::needless_range_loop, reason = "indices as in the formula")]
 pub fn slopes_between<F: Field, const N: usize>(
     system: &F,
     prepared: &Prepared<N>,
-    memory: &Memory<f64, F::Shape, N>,
+    memory: &Memory<f64, F::Shape, F::Noises, N>,
     before: &State<F::Vector>,
     h: f64,
     dw: &[f64],
@@ -50,9 +51,9 @@ pub fn slopes_between<F: Field, const N: usize>(
     for (k, factors) in factors.iter().enumerate() {
         let (of_q, of_p) = slopes.row_mut(k).split_at_mut(degrees);
         for d in 0..degrees {
-            of_p[d] = by_q[d].total(factors);
+            of_p[d] = -by_q[d].times(factors).total();
             if !F::IS_NYSTROM {
-                of_q[d] = by_p[d].total(factors);
+                of_q[d] = by_p[d].times(factors).total();
             }
         }
     }

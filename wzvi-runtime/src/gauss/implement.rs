@@ -17,7 +17,12 @@ macro_rules! __gauss {
             const IN_LANES: $crate::core::primitive::bool = false;
             type Prepared = $crate::gauss::Prepared<$stages>;
             type Memory<__S: $crate::scalar::Scalar> =
-                $crate::gauss::Memory<__S, <Self as $crate::gauss::Field>::Shape, $stages>;
+                $crate::gauss::Memory<
+                    __S,
+                    <Self as $crate::gauss::Field>::Shape,
+                    <Self as $crate::gauss::Field>::Noises,
+                    $stages,
+                >;
             type Compensated<__S: $crate::scalar::Scalar> =
                 <<Self as $crate::gauss::Field>::Shape as $crate::gauss::Shape>::Compensation<__S>;
             type Carry<__S: $crate::scalar::Scalar> = Self::Compensated<__S>;
@@ -46,9 +51,9 @@ macro_rules! __gauss {
 
             fn prepare(
                 &self,
-                _: $crate::core::primitive::f64,
+                __h: $crate::core::primitive::f64,
             ) -> $crate::core::result::Result<Self::Prepared, $crate::error::ConfigError> {
-                $crate::gauss::prepare(self)
+                $crate::gauss::prepare(self, __h)
             }
 
             #[inline(always)]
@@ -77,7 +82,7 @@ macro_rules! __gauss {
                 __segment: &$crate::system::Segment<Self::Vector>,
                 __dw: &[$crate::core::primitive::f64],
             ) -> $crate::core::primitive::f64 {
-                $crate::gauss::prepare::<Self, $stages>(self).map_or(
+                $crate::gauss::prepare::<Self, $stages>(self, __segment.h).map_or(
                     $crate::core::primitive::f64::NAN,
                     |__prepared| $crate::gauss::value(self, &__prepared, __segment, __dw),
                 )
