@@ -5,7 +5,7 @@ use super::job::Job;
 use super::statistics::PathFailure;
 use crate::carry::Plain;
 use crate::continuation::Hard;
-use crate::error::{Error, InternalError, StepError, StepFailure};
+use crate::error::{ConfigError, Error, InternalError, StepError, StepFailure};
 use crate::increments::Interval;
 use crate::lanes::Lanes;
 use crate::memory::StepMemory;
@@ -41,10 +41,10 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     state: State<H::Vector>,
     /// Increments of one lane.
     alone: Vec<f64>,
-    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]): one stepper for each.
-    steppers: Vec<Stepper<'a, H, E, Plain>>,
+    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]), or each path has its own system: one stepper for each.
+    steppers: Vec<Stepper<'j, H, E, Plain>>,
     /// Halves steps, once one has to be.
-    subdivision: Option<Subdivision<'a, H, E, Plain>>,
+    subdivision: Option<Subdivision<'j, H, E, Plain>>,
 }
 
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
@@ -86,8 +86,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         self.path = path;
         self.counts = std::array::from_fn(|lane| path + (lane as u64) < end);
         for lane in 0..L {
-            // A lane without a path follows the first.
-            let start = self.job.start_of(path + if self.counts[lane] { lane as u64 } else { 0 })?;
+            let start = self.job.start_of(self.source_of(lane))?;
             self.put(lane, &start.q, &start.p);
         }
         (self.failed, self.any_failed) = ([false; L], false);
@@ -95,15 +94,30 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         self.apart.clear();
         self.resolution = [ResolutionMonitor::default(); L];
         self.increments.begin(path);
-        if Self::IS_STEPPED {
-            let stepper = |_| Stepper::new(self.job.system, self.job.h).map(Stepper::plain);
+        if self.is_stepped() {
+            let stepper = |lane| {
+                let path = self.source_of(lane);
+                let stepper = Stepper::new(self.job.system_of(path), self.job.h).map(Stepper::plain);
+                stepper.map_err(|cause| match self.job.systems.is_empty() {
+                    true => cause,
+                    false => ConfigError::PathSystem { path, cause: Box::new(cause) },
+                })
+            };
             self.steppers = (0..L).map(stepper).collect::<Result<_, _>>()?;
         }
         Ok(())
     }
 
+    /// The path whose start and system a lane has: one without a path has those of the first.
+    fn source_of(&self, lane: usize) -> u64 {
+        self.path + if self.counts[lane] { lane as u64 } else { 0 }
+    }
+
     /// Whether each path has a stepper of its own.
-    const IS_STEPPED: bool = !H::IN_LANES;
+    #[inline(always)]
+    fn is_stepped(&self) -> bool {
+        !H::IN_LANES || !self.job.systems.is_empty()
+    }
 
     fn time(&self, step: u64) -> f64 {
         self.job.start.t + step as f64 * self.job.h
@@ -127,7 +141,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     #[inline(always)]
     pub(super) fn step(&mut self, step: u64) -> Result<(), Error> {
         let job = self.job;
-        if Self::IS_STEPPED {
+        if self.is_stepped() {
             return self.by_steppers(step);
         }
         if self.any_failed && !self.mirror(step) {
@@ -229,8 +243,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         let job = self.job;
         let mut state = self.state_of(lane, error.t);
         let subdivision = match &mut self.subdivision {
-            Some(subdivision) => subdivision,
-            none => none.insert(Subdivision::new(job.system, job.h, job.retry, true)?),
+            Some(subdivision) if job.systems.is_empty() => subdivision,
+            other => {
+                let system = job.system_of(self.path + lane as u64);
+                other.insert(Subdivision::new(system, job.h, job.retry, true)?)
+            }
         };
         let mut noise = (!self.alone.is_empty()).then(|| job.source.path(self.path + lane as u64));
         let interval = Interval { start: job.start.t, h: job.h, step };
