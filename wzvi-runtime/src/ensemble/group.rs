@@ -6,7 +6,7 @@ use super::statistics::PathFailure;
 use crate::carry::Plain;
 use crate::continuation::Hard;
 use crate::dense::DenseOutput;
-use crate::error::{Error, InternalError, StepError, StepFailure};
+use crate::error::{ConfigError, Error, InternalError, StepError, StepFailure};
 use crate::increments::Interval;
 use crate::lanes::Lanes;
 use crate::memory::StepMemory;
@@ -45,10 +45,10 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     state: State<H::Vector>,
     /// Increments of one lane.
     alone: Vec<f64>,
-    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]): one stepper for each.
-    steppers: Vec<Stepper<'a, H, E, Plain>>,
+    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]), or each path has its own system: one stepper for each.
+    steppers: Vec<Stepper<'j, H, E, Plain>>,
     /// Halves steps, once one has to be.
-    subdivision: Option<Subdivision<'a, H, E, Plain>>,
+    subdivision: Option<Subdivision<'j, H, E, Plain>>,
     /// The last step of each lane that was halved, and how often.
     halved: [(u64, u32); L],
     /// Whether the last step, which is shorter, has been taken: by steppers.
@@ -96,8 +96,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         self.path = path;
         self.counts = std::array::from_fn(|lane| path + (lane as u64) < end);
         for lane in 0..L {
-            // A lane without a path follows the first.
-            let start = self.job.start_of(path + if self.counts[lane] { lane as u64 } else { 0 })?;
+            let start = self.job.start_of(self.source_of(lane))?;
             self.put(lane, &start.q, &start.p);
         }
         (self.failed, self.any_failed) = ([false; L], false);
@@ -106,15 +105,30 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         self.apart.clear();
         self.resolution = [ResolutionMonitor::default(); L];
         self.increments.begin(path);
-        if Self::IS_STEPPED {
-            let stepper = |_| Stepper::new(self.job.system, self.job.h).map(Stepper::plain);
+        if self.is_stepped() {
+            let stepper = |lane| {
+                let path = self.source_of(lane);
+                let stepper = Stepper::new(self.job.system_of(path), self.job.h).map(Stepper::plain);
+                stepper.map_err(|cause| match self.job.systems.is_empty() {
+                    true => cause,
+                    false => ConfigError::PathSystem { path, cause: Box::new(cause) },
+                })
+            };
             self.steppers = (0..L).map(stepper).collect::<Result<_, _>>()?;
         }
         Ok(())
     }
 
+    /// The path whose start and system a lane has: one without a path has those of the first.
+    fn source_of(&self, lane: usize) -> u64 {
+        self.path + if self.counts[lane] { lane as u64 } else { 0 }
+    }
+
     /// Whether each path has a stepper of its own.
-    const IS_STEPPED: bool = !H::IN_LANES;
+    #[inline(always)]
+    fn is_stepped(&self) -> bool {
+        !H::IN_LANES || !self.job.systems.is_empty()
+    }
 
     fn time(&self, step: u64) -> f64 {
         self.job.grid.time(step)
@@ -138,7 +152,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     #[inline(always)]
     pub(super) fn step(&mut self, step: u64) -> Result<(), Error> {
         let job = self.job;
-        if Self::IS_STEPPED {
+        if self.is_stepped() {
             return self.by_steppers(step);
         }
         if self.any_failed && !self.mirror(step) {
@@ -191,7 +205,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     fn finish(&mut self, step: u64, h: f64) -> Result<(), Error> {
         let (job, t) = (self.job, self.time(step));
         let interval = Interval { start: job.start.t, h: job.h, step };
-        let stepper = |_| Stepper::new(job.system, h).map(Stepper::plain);
+        let stepper = |lane| Stepper::new(job.system_of(self.source_of(lane)), h).map(Stepper::plain);
         let mut steppers: Vec<_> = (0..L).map(stepper).collect::<Result<_, _>>()?;
         for (lane, stepper) in steppers.iter_mut().enumerate() {
             if !self.counts[lane] || self.failed[lane] {
@@ -231,10 +245,12 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         self.state_at(lane, node);
         self.increments_of(lane, step);
         let nodes = [before, &self.state];
-        if let (Some(subdivision), (halved, halvings)) = (&self.subdivision, self.halved[lane])
+        if let (halved, halvings) = self.halved[lane]
             && halved == step
         {
-            let mut noise = (!self.alone.is_empty()).then(|| job.source.path(self.path(lane)));
+            let path = self.path(lane);
+            let subdivision = subdivision_of(&mut self.subdivision, job, path)?;
+            let mut noise = (!self.alone.is_empty()).then(|| job.source.path(path));
             let interval = Interval { start: job.start.t, h: job.h, step };
             let mut parts = 1_u64 << halvings;
             return subdivision.revisit(
@@ -250,7 +266,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             );
         }
         match self.steppers.get(lane) {
-            Some(stepper) if Self::IS_STEPPED || self.is_over => stepper.fill(nodes, &self.alone, dense),
+            Some(stepper) if self.is_stepped() || self.is_over => stepper.fill(nodes, &self.alone, dense),
             // What the scheme knows between its nodes is not kept by lanes: the step again.
             _ if H::HAS_POLYNOMIAL => {
                 let mut stepper = Stepper::<H, E>::new(job.system, job.h)?.plain();
@@ -319,10 +335,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     fn halve(&mut self, lane: usize, step: u64, error: StepError) -> Result<State<H::Vector>, Error> {
         let job = self.job;
         let mut state = self.state_of(lane, error.t);
-        let subdivision = match &mut self.subdivision {
-            Some(subdivision) => subdivision,
-            none => none.insert(Subdivision::new(job.system, job.h, job.retry, true)?),
-        };
+        let subdivision = subdivision_of(&mut self.subdivision, job, self.path + lane as u64)?;
         let mut noise = (!self.alone.is_empty()).then(|| job.source.path(self.path + lane as u64));
         let interval = Interval { start: job.start.t, h: job.h, step };
         let noise = &mut noise.as_deref_mut();
@@ -490,6 +503,21 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         let mut failures = std::mem::take(&mut self.failures);
         failures.sort_unstable_by_key(|failure| failure.path);
         failures
+    }
+}
+
+/// What halves the steps of a path: made when it is first needed, and anew for each path that has its own system.
+fn subdivision_of<'s, 'j, H: Discretized<E>, E>(
+    kept: &'s mut Option<Subdivision<'j, H, E, Plain>>,
+    job: &'j Job<'_, H, E>,
+    path: u64,
+) -> Result<&'s mut Subdivision<'j, H, E, Plain>, ConfigError> {
+    if !job.systems.is_empty() {
+        *kept = None;
+    }
+    match kept {
+        Some(subdivision) => Ok(subdivision),
+        none => Ok(none.insert(Subdivision::new(job.system_of(path), job.h, job.retry, true)?)),
     }
 }
 
