@@ -162,18 +162,29 @@ pub trait Elements: Hamiltonian {
 pub fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     system: &H,
     t: S,
-    h: f64,
+    h: S,
     q: &[S],
     p: &[S],
     dw: &[S],
     by_q: &mut [S],
     by_p: &mut [S],
 ) {
-    by_q.fill(S::from_f64(0.0));
-    by_p.fill(S::from_f64(0.0));
-    let at = Point { q, p, t: t.lane(0), h, dw, acting: 0..dw.len() };
+    let at = Point { q, p, t: t.lane(0), h: 1.0, dw, acting: 0..dw.len() };
     let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
+    if BY_Q {
+        by_q.fill(S::from_f64(0.0));
+    }
+    if BY_P {
+        by_p.fill(S::from_f64(0.0));
+    }
     system.slopes(DRIFT, 1.0, &at, wanted, by_q, by_p);
+    // Weights of stages differ from lane to lane.
+    if BY_Q {
+        by_q.iter_mut().for_each(|slope| *slope = *slope * h);
+    }
+    if BY_P {
+        by_p.iter_mut().for_each(|slope| *slope = *slope * h);
+    }
     if !dw.is_empty() {
         system.slopes(NOISE, 1.0, &at, wanted, by_q, by_p);
     }
@@ -221,6 +232,45 @@ pub fn slopes_of_part<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool
 /// The value of a numbered part of the drift.
 pub fn value_of_part<H: Elements>(system: &H, number: usize, t: f64, q: &[f64], p: &[f64]) -> f64 {
     system.value(number, 1.0, &Point { q, p, t, h: 1.0, dw: &[], acting: 0..0 })
+}
+
+/// Whether scratch for `ready` degrees of freedom is for a state of `got`, which the system was checked for then.
+#[inline(always)]
+fn is_sized<H: Elements>(system: &H, ready: usize, got: usize) -> bool {
+    let known = system.degrees();
+    ready == got && got != 0 && (known == 0 || known == got)
+}
+
+/// Coordinates, which fit the system, and momenta, as long as what is known of it says: loops over both check nothing.
+///
+/// # Errors
+/// [`StepFailure::Dimension`] if there are not as many momenta.
+#[inline(always)]
+fn sized_mut<'a, H: Elements, S>(
+    system: &H,
+    [q, p]: [&'a mut [S]; 2],
+) -> Result<[&'a mut [S]; 2], StepFailure> {
+    let degrees = match system.degrees() {
+        0 => q.len(),
+        known => known,
+    };
+    if p.len() != degrees {
+        return Err(StepFailure::Dimension { expected: degrees, got: p.len() });
+    }
+    Ok([&mut q[..degrees], &mut p[..degrees]])
+}
+
+/// The increments of a step, one for each noise.
+///
+/// # Errors
+/// [`StepFailure::Increments`] if there are not as many.
+#[inline(always)]
+fn increments<'a, H: Elements, S>(system: &H, dw: &'a [S]) -> Result<&'a [S], StepFailure> {
+    let expected = system.noises();
+    if dw.len() != expected {
+        return Err(StepFailure::Increments { expected, got: dw.len() });
+    }
+    Ok(&dw[..expected])
 }
 
 /// Whether a state of `got` degrees of freedom fits the system.

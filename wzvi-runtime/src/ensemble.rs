@@ -22,6 +22,7 @@ pub mod cluster;
 #[cfg(feature = "columnar")]
 mod columnar;
 mod control;
+mod crossings;
 mod draws;
 mod error;
 mod group;
@@ -54,6 +55,7 @@ use crate::lanes::instructions as dispatch;
 use account::Account;
 use block::Block;
 use control::Control;
+pub use crossings::{Crossings, PathCrossing};
 pub use dispatch::{InstructionSet, Kernel};
 pub use draws::Normals;
 pub use error::{LossError, StatisticsError};
@@ -64,8 +66,8 @@ pub use passage::Passages;
 pub use paths::Paths;
 pub use quantiles::Quantiles;
 use source::{Settings, Source};
+use starts::ByPath;
 pub use starts::Draw;
-use starts::Starts;
 pub use statistics::{PathFailure, Statistics, StatisticsNode, TargetStatus};
 
 use crate::checkpoint::Keeping;
@@ -80,6 +82,7 @@ pub use crate::persist::table::{Column, Table};
 use crate::recording::Request;
 use crate::retry::{Halved, Retry, Serves, Whole};
 use crate::schedule::in_order;
+use crate::section::Sections;
 use crate::span::Span;
 use crate::state::State;
 use crate::system::{Discretized, Hamiltonian};
@@ -101,13 +104,15 @@ struct Setup<'a, H: Hamiltonian> {
     h: f64,
     span: Span<H::Vector>,
     /// Of each path its own, unless `span` has one that was said later.
-    starts: Option<Starts<'a, H::Vector>>,
+    starts: Option<ByPath<'a, State<H::Vector>>>,
+    systems: Option<ByPath<'a, H>>,
     paths: Option<u64>,
     source: Option<Source<'a>>,
     settings: Settings,
     recorded: Request,
     observables: Observables<'a, H::Vector>,
     events: Observables<'a, H::Vector>,
+    sections: Sections<'a, H::Vector>,
     wanted: Extras,
     inspector: Option<Inspector<'a, H::Vector>>,
     execution: Execution<'a>,
@@ -127,6 +132,8 @@ struct Extras {
     histograms: Vec<(String, [f64; 2], usize)>,
     /// Bytes of memory for the paths, if they are kept.
     most_bytes: Option<u64>,
+    /// Crossings that are kept, of each path and section.
+    most_crossings: u64,
 }
 
 impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
@@ -137,13 +144,21 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             h,
             span: Span::default(),
             starts: None,
+            systems: None,
             paths: None,
             source: None,
             settings: Settings::default(),
             recorded: Request::default(),
             observables: Observables::default(),
             events: Observables::default(),
-            wanted: Extras { quantiles: false, covariances: true, histograms: Vec::new(), most_bytes: None },
+            sections: Sections::default(),
+            wanted: Extras {
+                quantiles: false,
+                covariances: true,
+                histograms: Vec::new(),
+                most_bytes: None,
+                most_crossings: 0,
+            },
             inspector: None,
             execution: Execution::default(),
             keeping: Keeping::default(),
@@ -173,7 +188,7 @@ impl<'a, H: Discretized<E>, E, R> Ensemble<'a, H, E, StepNormals, R> {
 }
 
 impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
-    options!(start, end, record, observe, execution, instructions);
+    options!(start, end, exact, record, observe, section, execution, instructions);
 
     /// The first state of each path, at one time for all: that of [`Draw::path`], or drawn at random by the seed of the ensemble (0 if it has
     /// none). It is called once for each path, from several threads, and has to depend on nothing but its argument.
@@ -184,15 +199,37 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
     /// pendulum.ensemble::<Midpoint>(0.1).starts(starts).paths(10_000).seed(7).until(50.0).run()?
     /// ```
     pub fn starts(mut self, start: impl Fn(&mut Draw) -> State<H::Vector> + Send + Sync + 'a) -> Self {
-        (self.setup.span.start, self.setup.starts) = (None, Some(Starts::Drawn(Box::new(start))));
+        (self.setup.span.start, self.setup.starts) = (None, Some(ByPath::Drawn(Box::new(start))));
         self
     }
 
     /// The first state of each path, in the order of their numbers, at one time for all. There are as many paths as states, unless
     /// [`Ensemble::paths`] says fewer.
     pub fn starts_from(mut self, states: impl IntoIterator<Item = State<H::Vector>>) -> Self {
-        let states = Starts::Listed(states.into_iter().collect());
+        let states = ByPath::Listed(states.into_iter().collect());
         (self.setup.span.start, self.setup.starts) = (None, Some(states));
+        self
+    }
+
+    /// The system of each path, in the place of the one that began the ensemble: of the parameters that belong to [`Draw::path`], or drawn at
+    /// random by the seed of the ensemble, independently of the starts. They have the same number of degrees of freedom and of noises.
+    ///
+    /// ```ignore
+    /// // 21 × 21 parameters.
+    /// let system = |draw: &mut Draw| Duffing { a: 0.1 * (draw.path() % 21) as f64, b: 0.1 * (draw.path() / 21) as f64 };
+    /// duffing.ensemble::<Midpoint>(0.1).systems(system).start(start).paths(441).keep_paths(1 << 20).until(50.0).run()?
+    /// ```
+    ///
+    /// What is observed by default is then the energy of the path's own system. Each path goes through a stepper of its own.
+    pub fn systems(mut self, system: impl Fn(&mut Draw) -> H + Send + Sync + 'a) -> Self {
+        self.setup.systems = Some(ByPath::Drawn(Box::new(system)));
+        self
+    }
+
+    /// The system of each path, in the order of their numbers, as with [`Ensemble::systems`]. There are as many paths as systems, unless
+    /// [`Ensemble::paths`] says fewer.
+    pub fn systems_from(mut self, systems: impl IntoIterator<Item = H>) -> Self {
+        self.setup.systems = Some(ByPath::Listed(systems.into_iter().collect()));
         self
     }
 
@@ -244,7 +281,7 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
     }
 
     /// When does `event`, a function of the state, cross zero for the first time? It is asked at every node; what that
-    /// means for the times is in [`Passages`]. More than one may be asked.
+    /// means for the times is in [`Passages`]. All crossings are found by [`Ensemble::section`]. More than one may be asked.
     pub fn first_passage(
         mut self,
         name: impl Into<String>,
@@ -276,6 +313,13 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
     /// Keeps all observables of every path at every recorded time, if that takes `bytes` of memory at most.
     pub fn keep_paths(mut self, bytes: u64) -> Self {
         self.setup.wanted.most_bytes = Some(bytes);
+        self
+    }
+
+    /// Keeps the first `most` crossings of each path and section with their states; if this is not called, they are counted only
+    /// ([`Crossings`]).
+    pub fn keep_crossings(mut self, most: u64) -> Self {
+        self.setup.wanted.most_crossings = most;
         self
     }
 

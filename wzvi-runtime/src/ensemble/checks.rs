@@ -5,7 +5,7 @@ use super::job::{Job, Stop};
 use super::passage::Watch;
 use super::paths::Paths;
 use super::source::Source;
-use super::starts::{STARTS, Starts};
+use super::starts::{self, ByPath, Drawn, STARTS, SYSTEMS};
 use super::statistics::Wanted;
 use super::{Ensemble, Extras};
 use crate::error::{ConfigError, Error, UnknownName};
@@ -47,18 +47,26 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
         let seed = setup.source.as_ref().map_or(0, Source::seed);
         let starts = setup.starts.filter(|_| setup.span.start.is_none());
         if let Some(starts) = &starts {
-            setup.span.start = starts.of(seed, 0);
+            setup.span.start = starts.of(Drawn::Start, seed, 0);
         }
         let (start, grid) = setup.span.checked::<H, E>(system, h)?;
         let steps = grid.steps;
-        let listed = starts.as_ref().and_then(Starts::listed);
-        let paths = setup.paths.or(listed).ok_or(ConfigError::Missing(PATHS))?;
+        let listed = [
+            (starts.as_ref().and_then(ByPath::listed), STARTS),
+            (setup.systems.as_ref().and_then(ByPath::listed), SYSTEMS),
+        ];
+        let fewest = listed.iter().filter_map(|(number, _)| *number).min();
+        let paths = setup.paths.or(fewest).ok_or(ConfigError::Missing(PATHS))?;
         if paths == 0 {
             return Err(ConfigError::Setting("0 paths: take at least 1".into()).into());
         }
-        if listed.is_some_and(|listed| listed < paths) {
-            return Err(ConfigError::Missing(STARTS).into());
+        if let Some((_, what)) = listed.iter().find(|(number, _)| number.is_some_and(|number| number < paths))
+        {
+            return Err(ConfigError::Missing(what).into());
         }
+        let systems = setup.systems.map(|systems| systems.into_list(Drawn::System, seed, paths));
+        let systems = systems.unwrap_or_default();
+        starts::check_systems::<H, E>(&systems, system, start.q.components().len())?;
         let end = grid.time(steps);
         if !end.is_finite() {
             return Err(ConfigError::End { start: start.t, end, h }.into());
@@ -70,24 +78,19 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
             _ => Source::new(StepNormals::seed(0)),
         };
         let first = Interval { start: start.t, h, step: 0 };
-        let source = source.prepared(setup.settings, &H::PLAN, first, (processes, steps))?;
+        let source = source.prepared(setup.settings, &H::PLAN, first, (processes, grid.whole()))?;
         let has_pairs = source.is_antithetic();
         if has_pairs && paths % 2 == 1 {
             return Err(ConfigError::Setting(format!("{paths} antithetic paths: they come in pairs")).into());
         }
         let recorded = setup.recorded.checked(0, &grid)?;
-        if let Some(moment) = recorded.between.first() {
-            return Err(
-                ConfigError::Setting(format!("recorded at t = {}, which is no node", moment.t)).into()
-            );
-        }
         let recorded = recorded.all(&grid, MOST_NODES)?;
-        let observables = if setup.observables.is_empty() {
-            standard(system, start.q.components().len())
-        } else {
-            setup.observables
-        };
+        let is_standard = setup.observables.is_empty();
+        let observables =
+            if is_standard { standard(system, start.q.components().len()) } else { setup.observables };
         let (names, observables) = observables.checked("observables")?;
+        // The last one of those that nobody asked for.
+        let own_energy = (is_standard && !systems.is_empty()).then(|| names.len() - 1);
         let (event_names, events) = setup.events.checked("events")?;
         if has_pairs && !events.is_empty() {
             return Err(ConfigError::Setting(
@@ -96,15 +99,27 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
             )
             .into());
         }
+        if has_pairs && !setup.sections.is_empty() {
+            let wrong = "sections of antithetic paths: their errors would be those of independent ones; leave out one of the two";
+            return Err(ConfigError::Setting(wrong.into()).into());
+        }
         let times: Vec<f64> = recorded.iter().map(|recorded| recorded.t).collect();
         let watches = watches(event_names, &grid)?;
-        let wanted = setup.wanted.checked(names, times, watches, has_pairs, paths)?;
+        let mut wanted = setup.wanted.checked(names, times, watches, has_pairs, paths)?;
+        (wanted.sections, wanted.degrees) = (setup.sections.len(), start.q.components().len());
+        if let Some(shorter) = grid.shorter.filter(|_| processes > 0) {
+            // What has no increments for the last step says so before the run.
+            let last = Interval { step: grid.whole(), ..first };
+            source.path(0).increments_of_part(&last, shorter, &mut vec![0.0; processes])?;
+        }
         Ok(Job {
             system,
             prepared: system.prepare(h)?,
             h,
             start,
             starts,
+            systems,
+            own_energy,
             seed,
             grid,
             paths,
@@ -114,6 +129,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
             retry: setup.retry,
             observables,
             events,
+            sections: setup.sections,
             inspector: setup.inspector,
             wanted,
             stop,
@@ -146,8 +162,18 @@ impl Extras {
         }
         let (quantiles, has_covariances) = (self.quantiles, self.covariances);
         let keeps_paths = self.most_bytes.is_some();
-        let wanted =
-            Wanted { names, times, quantiles, histograms, watches, keeps_paths, has_pairs, has_covariances };
+        let wanted = Wanted {
+            names,
+            times,
+            quantiles,
+            histograms,
+            watches,
+            keeps_paths,
+            has_pairs,
+            has_covariances,
+            most_crossings: self.most_crossings,
+            ..Wanted::default()
+        };
         match wanted.bytes() {
             bytes if bytes > MOST_BYTES => wrong(format!(
                 "the statistics take {bytes} bytes for each block of paths, and {MOST_BYTES} are the most: leave covariances out with \

@@ -5,7 +5,8 @@ use super::job::Job;
 use super::statistics::PathFailure;
 use crate::carry::Plain;
 use crate::continuation::Hard;
-use crate::error::{Error, InternalError, StepError, StepFailure};
+use crate::dense::DenseOutput;
+use crate::error::{ConfigError, Error, InternalError, StepError, StepFailure};
 use crate::increments::Interval;
 use crate::lanes::Lanes;
 use crate::memory::StepMemory;
@@ -17,6 +18,9 @@ use crate::state::{State, Vector};
 use crate::step::{ResolutionMonitor, Stepper};
 use crate::steps::Advance;
 use crate::system::Discretized;
+
+/// No step was halved.
+const NEVER: (u64, u32) = (u64::MAX, 0);
 
 /// `L` paths that run beside each other.
 pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
@@ -41,10 +45,14 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     state: State<H::Vector>,
     /// Increments of one lane.
     alone: Vec<f64>,
-    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]): one stepper for each.
-    steppers: Vec<Stepper<'a, H, E, Plain>>,
+    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]), or each path has its own system: one stepper for each.
+    steppers: Vec<Stepper<'j, H, E, Plain>>,
     /// Halves steps, once one has to be.
-    subdivision: Option<Subdivision<'a, H, E, Plain>>,
+    subdivision: Option<Subdivision<'j, H, E, Plain>>,
+    /// The last step of each lane that was halved, and how often.
+    halved: [(u64, u32); L],
+    /// Whether the last step, which is shorter, has been taken: by steppers.
+    is_over: bool,
 }
 
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
@@ -69,6 +77,8 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             alone: vec![0.0; processes],
             steppers: Vec::new(),
             subdivision: None,
+            halved: [NEVER; L],
+            is_over: false,
         }
     }
 
@@ -86,27 +96,42 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         self.path = path;
         self.counts = std::array::from_fn(|lane| path + (lane as u64) < end);
         for lane in 0..L {
-            // A lane without a path follows the first.
-            let start = self.job.start_of(path + if self.counts[lane] { lane as u64 } else { 0 })?;
+            let start = self.job.start_of(self.source_of(lane))?;
             self.put(lane, &start.q, &start.p);
         }
         (self.failed, self.any_failed) = ([false; L], false);
+        (self.halved, self.is_over) = ([NEVER; L], false);
         self.memory.forget();
         self.apart.clear();
         self.resolution = [ResolutionMonitor::default(); L];
         self.increments.begin(path);
-        if Self::IS_STEPPED {
-            let stepper = |_| Stepper::new(self.job.system, self.job.h).map(Stepper::plain);
+        if self.is_stepped() {
+            let stepper = |lane| {
+                let path = self.source_of(lane);
+                let stepper = Stepper::new(self.job.system_of(path), self.job.h).map(Stepper::plain);
+                stepper.map_err(|cause| match self.job.systems.is_empty() {
+                    true => cause,
+                    false => ConfigError::PathSystem { path, cause: Box::new(cause) },
+                })
+            };
             self.steppers = (0..L).map(stepper).collect::<Result<_, _>>()?;
         }
         Ok(())
     }
 
+    /// The path whose start and system a lane has: one without a path has those of the first.
+    fn source_of(&self, lane: usize) -> u64 {
+        self.path + if self.counts[lane] { lane as u64 } else { 0 }
+    }
+
     /// Whether each path has a stepper of its own.
-    const IS_STEPPED: bool = !H::IN_LANES;
+    #[inline(always)]
+    fn is_stepped(&self) -> bool {
+        !H::IN_LANES || !self.job.systems.is_empty()
+    }
 
     fn time(&self, step: u64) -> f64 {
-        self.job.start.t + step as f64 * self.job.h
+        self.job.grid.time(step)
     }
 
     /// Draws the increments of a step.
@@ -127,7 +152,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     #[inline(always)]
     pub(super) fn step(&mut self, step: u64) -> Result<(), Error> {
         let job = self.job;
-        if Self::IS_STEPPED {
+        if self.is_stepped() {
             return self.by_steppers(step);
         }
         if self.any_failed && !self.mirror(step) {
@@ -168,6 +193,88 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             }
         }
         self.steppers = steppers;
+        Ok(())
+    }
+
+    /// The last step, where it is shorter than the others: it is that of a stepper, and is not halved.
+    ///
+    /// # Errors
+    /// Those of a stepper that cannot be made, and of a noise that has no increments.
+    #[cold]
+    #[inline(never)]
+    fn finish(&mut self, step: u64, h: f64) -> Result<(), Error> {
+        let (job, t) = (self.job, self.time(step));
+        let interval = Interval { start: job.start.t, h: job.h, step };
+        let stepper = |lane| Stepper::new(job.system_of(self.source_of(lane)), h).map(Stepper::plain);
+        let mut steppers: Vec<_> = (0..L).map(stepper).collect::<Result<_, _>>()?;
+        for (lane, stepper) in steppers.iter_mut().enumerate() {
+            if !self.counts[lane] || self.failed[lane] {
+                continue;
+            }
+            if !self.alone.is_empty() {
+                job.source.path(self.path(lane)).increments_of_part(&interval, h, &mut self.alone)?;
+                for (to, from) in self.increments.of_mut(step).iter_mut().zip(&self.alone) {
+                    to.set(lane, *from);
+                }
+            }
+            self.look(lane);
+            self.state.t = t;
+            match stepper.step(&mut self.state, &self.alone) {
+                Ok(_) => self.keep(lane),
+                Err(error) => self.fail(lane, StepError { step, ..error }),
+            }
+        }
+        (self.steppers, self.is_over) = (steppers, true);
+        Ok(())
+    }
+
+    /// Shows `see` the dense output of the step of a lane that led from `before` to this node, part by part if it was halved, its increments, and
+    /// whether it is the last part.
+    ///
+    /// # Errors
+    /// Those of steps that have been taken before, and of a noise that had increments for them: never.
+    pub(super) fn look_inside(
+        &mut self,
+        lane: usize,
+        node: u64,
+        before: &State<H::Vector>,
+        dense: &mut DenseOutput<H::Vector>,
+        mut see: impl FnMut(&DenseOutput<H::Vector>, &[f64], bool),
+    ) -> Result<(), Error> {
+        let (job, step) = (self.job, node - 1);
+        self.state_at(lane, node);
+        self.increments_of(lane, step);
+        let nodes = [before, &self.state];
+        if let (halved, halvings) = self.halved[lane]
+            && halved == step
+        {
+            let path = self.path(lane);
+            let subdivision = subdivision_of(&mut self.subdivision, job, path)?;
+            let mut noise = (!self.alone.is_empty()).then(|| job.source.path(path));
+            let interval = Interval { start: job.start.t, h: job.h, step };
+            let mut parts = 1_u64 << halvings;
+            return subdivision.revisit(
+                before,
+                &interval,
+                &mut noise.as_deref_mut(),
+                halvings,
+                |stepper, nodes, dw| {
+                    parts -= 1;
+                    stepper.fill(nodes, dw, dense);
+                    see(dense, dw, parts == 0);
+                },
+            );
+        }
+        match self.steppers.get(lane) {
+            Some(stepper) if self.is_stepped() || self.is_over => stepper.fill(nodes, &self.alone, dense),
+            // What the scheme knows between its nodes is not kept by lanes: the step again.
+            _ if H::HAS_POLYNOMIAL => {
+                let mut stepper = Stepper::<H, E>::new(job.system, job.h)?.plain();
+                stepper.step_densely(&mut before.clone(), &self.alone, dense)?;
+            }
+            _ => dense.fill_by_rates::<H, E>(job.system, nodes, job.h, &self.alone),
+        }
+        see(dense, &self.alone, true);
         Ok(())
     }
 
@@ -228,13 +335,12 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     fn halve(&mut self, lane: usize, step: u64, error: StepError) -> Result<State<H::Vector>, Error> {
         let job = self.job;
         let mut state = self.state_of(lane, error.t);
-        let subdivision = match &mut self.subdivision {
-            Some(subdivision) => subdivision,
-            none => none.insert(Subdivision::new(job.system, job.h, job.retry, true)?),
-        };
+        let subdivision = subdivision_of(&mut self.subdivision, job, self.path + lane as u64)?;
         let mut noise = (!self.alone.is_empty()).then(|| job.source.path(self.path + lane as u64));
         let interval = Interval { start: job.start.t, h: job.h, step };
-        subdivision.subdivide(&mut state, &interval, &mut noise.as_deref_mut(), &mut self.alone, 1)?;
+        let noise = &mut noise.as_deref_mut();
+        let info = subdivision.subdivide(&mut state, &interval, noise, &mut self.alone, 1)?;
+        self.halved[lane] = (step, info.halvings);
         Ok(state)
     }
 
@@ -400,6 +506,21 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     }
 }
 
+/// What halves the steps of a path: made when it is first needed, and anew for each path that has its own system.
+fn subdivision_of<'s, 'j, H: Discretized<E>, E>(
+    kept: &'s mut Option<Subdivision<'j, H, E, Plain>>,
+    job: &'j Job<'_, H, E>,
+    path: u64,
+) -> Result<&'s mut Subdivision<'j, H, E, Plain>, ConfigError> {
+    if !job.systems.is_empty() {
+        *kept = None;
+    }
+    match kept {
+        Some(subdivision) => Ok(subdivision),
+        none => Ok(none.insert(Subdivision::new(job.system_of(path), job.h, job.retry, true)?)),
+    }
+}
+
 /// What one scheme leaves has the same shape for every number.
 fn other_memory() -> InternalError {
     InternalError::new("what a step leaves is the same for lanes and alone", "a group of paths")
@@ -410,6 +531,9 @@ impl<H: Discretized<E>, E, const L: usize> Advance for Group<'_, '_, H, E, L> {
 
     #[inline(always)]
     fn advance(&mut self, step: u64) -> Result<(), Error> {
+        if let (Some(h), true) = (self.job.grid.shorter, step + 1 == self.job.steps) {
+            return self.finish(step, h);
+        }
         self.draw(step)?;
         self.step(step)
     }

@@ -46,6 +46,7 @@ use crate::plan::NoiseClass;
 use crate::progress::Progress;
 use crate::retry::Retry;
 use crate::schedule::in_order;
+use crate::section::Sections;
 use crate::span::{End, Grid, MOST_STEPS, Span};
 use crate::state::State;
 use crate::system::{Discretized, Hamiltonian};
@@ -372,6 +373,8 @@ where
             h,
             start: start.clone(),
             starts: None,
+            systems: Vec::new(),
+            own_energy: None,
             seed: normals.seed_number().unwrap_or(0),
             grid: Grid::of(start.t, h, steps),
             paths: u64::MAX,
@@ -381,6 +384,7 @@ where
             retry: Retry::never(),
             observables: Vec::new(),
             events: Vec::new(),
+            sections: Sections::default(),
             inspector: None,
             wanted: Default::default(),
             stop: *stop,

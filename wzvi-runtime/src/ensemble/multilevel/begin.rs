@@ -20,15 +20,20 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             settings,
             observables,
             events,
+            sections,
             wanted,
             execution,
             starts,
+            systems,
             ..
         } = self.setup;
         let refused = [
             (settings.is_antithetic, "antithetic paths"),
+            (systems.is_some(), "paths that have systems of their own"),
             (starts.is_some() && span.start.is_none(), "paths that start at states of their own"),
             (!events.is_empty(), "first passages"),
+            (!sections.is_empty(), "sections"),
+            (span.is_exact, "an exact end"),
             (wanted.quantiles || !wanted.histograms.is_empty(), "quantiles and histograms"),
             (wanted.most_bytes.is_some(), "kept paths"),
         ];
