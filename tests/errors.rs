@@ -429,6 +429,15 @@ struct Coupled;
 struct StiffWell;
 
 #[hamiltonian(
+    drift = [
+        |q: [f64; 4], p: [f64; 4]| (0..4).map(|i| 0.5 * p[i] * p[i] + 0.5 * q[i] * q[i]).sum::<f64>(),
+        |q, _| 0.1 * (q[0] * q[1] + q[2] * q[3]).cos(),
+    ],
+    embedding = Verlet,
+)]
+struct Parted;
+
+#[hamiltonian(
     drift = |q: [f64; N], p: [f64; N]| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
         + (0..N - 1).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2) + 0.25 * (q[i + 1] - q[i]).powi(4)).sum::<f64>(),
     embedding = [Midpoint, Verlet, Gauss<4>],
@@ -457,6 +466,8 @@ fn steps_of_high_order_allocate_nothing() {
     assert_eq!(later_allocations::<Gauss<4>, _>(&Chain::<40>, &q, &p, 0.01), 0);
     assert_eq!(later_allocations::<Verlet, _>(&Chain::<40>, &q, &p, 0.01), 0);
     assert_eq!(later_allocations::<Composed<Midpoint, Suzuki4>, _>(&Chain::<40>, &q, &p, 0.01), 0);
+    assert_eq!(allocations::<Composed<Verlet, Srkn6>, _>(&Chain::<40>, &q, &p), [0; 2]);
+    assert_eq!(allocations::<Composed<Verlet, Aba864>, _>(&Parted, &q[..4], &p[..4]), [0; 2]);
     assert_eq!(later_allocations::<Gauss<4>, _>(&StiffWell, &[1e-3], &[0.1], 0.5), 0);
 }
 

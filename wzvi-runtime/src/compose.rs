@@ -9,6 +9,10 @@
 //! coefficients of a splitting in drifts and kicks ([`Partitioned`]), which also serve Hamiltonians that do not split, by
 //! the adjoint pair of [`Verlet`] (R. I. McLachlan, "On the numerical integration of ordinary differential equations by symmetric
 //! composition methods", SIAM J. Sci. Comput. 16, 1995).
+//!
+//! What the parts of a step are depends on the [`Structure`] of the system, which the compiler has proven: steps of the scheme and its
+//! adjoint for any Hamiltonian ([`Pair`]), kicks and drifts for `T(p) + V(q, t)` ([`KickDrift`]), the flows of two parts for
+//! `drift = [H_A, H_B]` with the tables that are made for these ([`PartFlows`]).
 
 mod checks;
 mod flows;

@@ -6,8 +6,8 @@
 //!
 //! What stands beside its like is one (an adjoint pair `DeltaPlus(b)`, `DeltaMinus(a)` is kick, drift, drift, kick), so that
 //! every kick evaluates the force at a node of its own, once. Where a step ends with a kick the next one starts with the same force: it is
-//! kept with the node, and taken if node, time and step size are the same to the last bit. Reuse is not to be seen in the
-//! numbers, and checkpoints need not know of it.
+//! kept with the node, and taken if node, step size, and the time if the force reads it, are the same to the last bit. Reuse is not to be
+//! seen in the numbers, and checkpoints need not know of it.
 //!
 //! What a flow reads of the system is [`Field::slopes`]. Another kind of part (a kick by a modified potential, say) is a variant
 //! of [`Half`], an arm of `take` and a method of [`Flows`].
@@ -31,6 +31,7 @@ pub trait Flows: Field {
     const FORCE_READS_TIME: bool;
     /// Whether [`Flows::add_force`] and [`Flows::add_velocity`] add without room of their own.
     const IN_PLACE: bool;
+
     /// `p ← p + ∂F/∂q`, only where it is [`Flows::IN_PLACE`].
     fn add_force<S: Scalar>(&self, t: f64, h: f64, q: &[S], dw: &[S], p: &mut [S]) {
         let _ = (t, h, q, dw, p);
