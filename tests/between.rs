@@ -4,3 +4,11 @@
 
 #[path = "between/dense.rs"]
 mod dense;
+#[path = "between/kept.rs"]
+mod kept;
+#[path = "between/sections.rs"]
+mod sections;
+#[path = "between/systems.rs"]
+mod systems;
+#[path = "between/times.rs"]
+mod times;

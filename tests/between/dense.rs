@@ -87,7 +87,7 @@ fn the_collocation_polynomial_has_order_s_plus_one() {
             }
         )+};
     }
-    check!(2, 0.1; 4, 0.2; 8, 0.4);
+    check!(2, 0.1; 4, 0.2; 8, 0.3);
     let start = State::new(vec![0.4, -0.2, 0.9], vec![0.1, 0.5, -0.3]);
     let (measured, said) = order::<Gauss<4>, _>(&Chain, &start, 0.2);
     assert!(said == 5 && (measured - 5.0).abs() < 0.35, "chain: {measured}");

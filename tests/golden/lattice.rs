@@ -169,6 +169,7 @@ const _: () = {
             }
             value
         }
+        #[inline(always)]
         fn slopes<S: Scalar>(
             &self,
             part: usize,
@@ -406,6 +407,7 @@ const _: () = {
                 }
                 wzvi::elements::prepare(self)
             }
+            #[inline(always)]
             fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
                 prepared: &Self::Prepared,
@@ -417,11 +419,10 @@ const _: () = {
                 memory: &mut Self::Memory<S>,
                 carry: &mut C,
             ) -> Result<Effort, StepFailure> {
-                wzvi::elements::advance::<
+                wzvi::elements::advance_explicit::<
                     _,
                     S,
                     C,
-                    CAREFUL,
                 >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
             fn discrete_lagrangian(

@@ -130,6 +130,20 @@ impl<V: Vector> DenseOutput<V> {
         if from_start <= 0.5 { from_start } else { 1.0 + from_end }
     }
 
+    /// A straight line between two states.
+    #[cfg(test)]
+    pub(crate) fn straight(ends: [State<V>; 2]) -> Self {
+        let mut dense = Self::of(&ends[0]);
+        let degrees = ends[0].q.components().len();
+        dense.slopes.resize(1, degrees);
+        for d in 0..degrees {
+            dense.slopes.row_mut(0)[d] = ends[1].q.components()[d] - ends[0].q.components()[d];
+            dense.slopes.row_mut(0)[degrees + d] = ends[1].p.components()[d] - ends[0].p.components()[d];
+        }
+        (dense.h, dense.ends) = (ends[1].t - ends[0].t, ends);
+        dense
+    }
+
     /// How many numbers describe the slope of a component.
     pub(crate) fn rows(&self) -> usize {
         self.slopes.rows()

@@ -23,6 +23,7 @@
 //! products with the Jacobian, which is never stored ([`Method::Krylov`]: lattices, random graphs, all pairs).
 
 mod careful;
+mod explicit;
 mod hamiltonian;
 mod iterate;
 mod jacobian;
@@ -37,6 +38,7 @@ mod scheme;
 pub mod sites;
 mod step;
 
+pub use explicit::advance_explicit;
 pub use hamiltonian::{differentiate, evaluate, invariant};
 pub use iterate::advance;
 pub use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};

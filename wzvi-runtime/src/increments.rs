@@ -63,6 +63,19 @@ pub trait Noise {
     /// [`NoiseError`]; the run ends there and keeps what it has.
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError>;
 
+    /// Writes the increments of a last step that is shorter than the others: of size `h`, from the start of the step `interval` on.
+    ///
+    /// # Errors
+    /// [`NoiseError`]; a source that keeps this default has none.
+    fn increments_of_part(&mut self, interval: &Interval, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+        let _ = (h, dw);
+        Err(NoiseError::Setting(format!(
+            "a last step that is shorter than {}, for which this noise has no increments: implement `Noise::increments_of_part`, or leave \
+             `.exactly()` out",
+            interval.h
+        )))
+    }
+
     /// What this source is, asked for after [`Noise::prepare`]. To answer is to promise that the increments of a step
     /// depend on the identity and the [`Interval`] alone, to the last bit, whatever was asked for before: then a run
     /// that was interrupted can go on with another source of the same identity.
@@ -94,6 +107,10 @@ impl<N: Noise + ?Sized> Noise for &mut N {
 
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
         (**self).increments(interval, dw)
+    }
+
+    fn increments_of_part(&mut self, interval: &Interval, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+        (**self).increments_of_part(interval, h, dw)
     }
 
     fn identity(&self) -> Option<Identity> {
@@ -178,6 +195,11 @@ impl Noise for Increments {
             }
             _ => Err(NoiseError::Exhausted { step: interval.step, available: self.steps }),
         }
+    }
+
+    /// Those of the row of the step, which are given for a step of that size.
+    fn increments_of_part(&mut self, interval: &Interval, _h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+        self.increments(interval, dw)
     }
 
     /// By a checksum of the numbers.

@@ -1,5 +1,6 @@
 //! Runtime of `wzvi`. Users depend on the facade crate `wzvi`; see there for the tour.
 
+mod between;
 pub mod calculus;
 pub mod carry;
 mod checksum;
@@ -43,6 +44,7 @@ pub mod retry;
 pub mod scalar;
 #[cfg(feature = "ensemble")]
 mod schedule;
+pub mod section;
 pub mod simulate;
 pub mod solve;
 mod span;

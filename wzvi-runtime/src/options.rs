@@ -80,6 +80,36 @@ macro_rules! options {
             self
         }
     };
+    (@ exact) => {
+        /// Ends exactly at the time of `until`, with a last step that is shorter than the others where the time is not that of a node.
+        ///
+        /// The last step is prepared once, as the others are, and is not halved ([`crate::retry`]). Its increments are those of its own interval: of
+        /// `Wiener` and `WongZakai` those of the path, of `StepNormals` and seeds of ensembles normals of their own, of `Increments` the last
+        /// row. Another noise has them, or the run does not start
+        /// ([`Noise::increments_of_part`](crate::increments::Noise::increments_of_part)).
+        pub fn exactly(mut self) -> Self {
+            self.setup.span.is_exact = true;
+            self
+        }
+    };
+    (@ section) => {
+        /// Finds the crossings of the section on which `value`, a function of the state, is zero, to both sides: see [`crate::section`]. More than one
+        /// may be asked for; they are numbered from 0.
+        pub fn section(mut self, value: impl Fn(&crate::state::State<H::Vector>) -> f64 + Send + Sync + 'a) -> Self {
+            self.setup.sections.push(None, value);
+            self
+        }
+
+        /// The same, of crossings to one side only.
+        pub fn section_towards(
+            mut self,
+            direction: crate::section::Direction,
+            value: impl Fn(&crate::state::State<H::Vector>) -> f64 + Send + Sync + 'a,
+        ) -> Self {
+            self.setup.sections.push(Some(direction), value);
+            self
+        }
+    };
     (@ record) => {
         /// Records every `stride`-th node, besides the start and the last one; with 0 only these two. If neither this nor `record_at` is
         /// called, a single path records all nodes, and an ensemble the start and the last one.
@@ -88,8 +118,9 @@ macro_rules! options {
             self
         }
 
-        /// Records the nodes at these times, too: each the first node at or beyond it. Without `record_every`, only these, the start
-        /// and the last one.
+        /// Records the states at these times, too: a time that is that of a node up to rounding is the node, others are on the dense output of their
+        /// step ([`crate::dense`]). They come in the order of the run, each once. Without `record_every`, only these, the start and the
+        /// end.
         pub fn record_at(mut self, times: impl IntoIterator<Item = f64>) -> Self {
             self.setup.recorded.times.extend(times);
             self

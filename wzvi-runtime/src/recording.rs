@@ -1,57 +1,93 @@
-//! Which nodes of a run are recorded.
+//! What of a run is recorded: some of its nodes, and times between them.
 
 use crate::error::ConfigError;
-use crate::span::steps_between;
+use crate::span::{Grid, Place};
 
-/// The nodes to record, as the user says them.
+/// What to record, as the user says it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Request {
     /// Every so many steps; 0 for none.
     pub(crate) every: Option<u64>,
-    /// At the first nodes at or beyond these times.
+    /// At these times.
     pub(crate) times: Vec<f64>,
 }
 
 impl Request {
-    /// Those of a run of so many steps of size `h` from the time `start`; every `default` steps if nothing was said.
+    /// That of a run with these nodes; every `default` steps if nothing was said.
     ///
     /// # Errors
-    /// [`ConfigError::Setting`] for a time that the run does not get to.
-    pub(crate) fn checked(
-        &self,
-        default: u64,
-        (start, h, steps): (f64, f64, u64),
-    ) -> Result<Recording, ConfigError> {
+    /// [`ConfigError::Setting`] for a time that the run does not get to, or that does not come after the one before.
+    pub(crate) fn checked(&self, default: u64, grid: &Grid) -> Result<Recording, ConfigError> {
         let every = self.every.unwrap_or(if self.times.is_empty() { default } else { 0 });
-        Ok(Recording { every, chosen: chosen_steps(&self.times, start, h, steps)? })
+        let mut recording = Recording { every, ..Recording::default() };
+        let mut before = f64::NAN;
+        for &t in &self.times {
+            let place = grid.place(t).ok_or_else(|| {
+                let [start, end] = [0, grid.steps].map(|node| grid.time(node));
+                ConfigError::Setting(format!("recorded at t = {t}, which is not between {start} and {end}"))
+            })?;
+            if (t - before) / grid.h <= 0.0 {
+                let wrong = format!(
+                    "recorded at t = {t} after t = {before}: give the times in the order of the run, each once"
+                );
+                return Err(ConfigError::Setting(wrong));
+            }
+            before = t;
+            match place {
+                Place::Node(node) if recording.chosen.last() == Some(&node) => {}
+                Place::Node(node) => recording.chosen.push(node),
+                Place::Inside(step) => recording.between.push(Moment { step, t }),
+            }
+        }
+        Ok(recording)
     }
 }
 
-/// Which nodes a run records, besides the start and the end.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// A time inside a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Moment {
+    /// The number of the step.
+    pub(crate) step: u64,
+    pub(crate) t: f64,
+}
+
+/// What a run records, besides the start and the end.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Recording {
     /// Every so many steps; 0 for none.
     pub(crate) every: u64,
     /// After so many steps, in order.
     pub(crate) chosen: Vec<u64>,
+    /// Inside steps, in order.
+    pub(crate) between: Vec<Moment>,
 }
 
 impl Recording {
-    /// All recorded nodes of a run of so many steps: 0, those asked for, the last.
+    /// All recorded times of a run, in order: the start, those asked for, the end.
     ///
     /// # Errors
     /// [`ConfigError::Setting`] if there are more than `most`.
     #[cfg(feature = "ensemble")]
-    pub(crate) fn all(&self, steps: u64, most: u64) -> Result<Vec<u64>, ConfigError> {
+    pub(crate) fn all(&self, grid: &Grid, most: u64) -> Result<Vec<Recorded>, ConfigError> {
+        let steps = grid.steps;
         let every = if self.every == 0 { steps.max(1) } else { self.every };
-        let nodes = steps.div_ceil(every).saturating_add(self.chosen.len() as u64);
+        let asked = (self.chosen.len() + self.between.len()) as u64;
+        let nodes = steps.div_ceil(every).saturating_add(asked);
         if nodes > most {
             let wrong = format!("statistics at {nodes} nodes: take a larger `record_every`");
             return Err(ConfigError::Setting(wrong));
         }
-        let mut all: Vec<u64> = (0..=steps.div_ceil(every)).map(|node| steps.min(node * every)).collect();
-        all.extend(&self.chosen);
-        all.sort_unstable();
+        let regular = (0..=steps.div_ceil(every)).map(|node| steps.min(node * every));
+        let nodes = regular.chain(self.chosen.iter().copied());
+        let mut all: Vec<Recorded> =
+            nodes.map(|node| Recorded { node, t: grid.time(node), is_inside: false }).collect();
+        all.extend(self.between.iter().map(|moment| Recorded {
+            node: moment.step + 1,
+            t: moment.t,
+            is_inside: true,
+        }));
+        // Before its end comes what is inside of a step, in the order that it has.
+        all.sort_by_key(|recorded| (recorded.node, !recorded.is_inside));
         all.dedup();
         Ok(all)
     }
@@ -59,7 +95,7 @@ impl Recording {
     /// Whether a run adds nodes before its end.
     #[cfg(feature = "serde")]
     pub(crate) fn adds(&self) -> bool {
-        self.every > 0 || !self.chosen.is_empty()
+        self.every > 0 || !self.chosen.is_empty() || !self.between.is_empty()
     }
 
     /// Chosen nodes up to this step that are not recorded anyway.
@@ -69,10 +105,16 @@ impl Recording {
         extra.count() as u64
     }
 
-    /// Nodes after the start that are recorded when this step has been taken, the end not counted.
+    /// Times inside of the first so many steps.
+    #[cfg(feature = "serde")]
+    pub(crate) fn inside(&self, steps: u64) -> usize {
+        self.between.partition_point(|moment| moment.step < steps)
+    }
+
+    /// What is recorded after the start when this step has been taken, the end not counted.
     #[cfg(feature = "serde")]
     pub(crate) fn nodes(&self, step: u64) -> u64 {
-        step.checked_div(self.every).unwrap_or(0) + self.extra(step)
+        step.checked_div(self.every).unwrap_or(0) + self.extra(step) + self.inside(step) as u64
     }
 
     /// The next step, after this one, whose node is recorded; the largest number if there is none.
@@ -83,18 +125,12 @@ impl Recording {
     }
 }
 
-/// The steps before the nodes at these times, in order: each the first at or beyond it.
-fn chosen_steps(times: &[f64], start: f64, h: f64, steps: u64) -> Result<Vec<u64>, ConfigError> {
-    let step = |&time: &f64| match steps_between(start, time, h) {
-        Some(step) if step <= steps => Ok(step),
-        _ => {
-            let end = start + steps as f64 * h;
-            let wrong = format!("recorded at t = {time}, which is not between {start} and {end}");
-            Err(ConfigError::Setting(wrong))
-        }
-    };
-    let mut chosen: Vec<u64> = times.iter().map(step).collect::<Result<_, _>>()?;
-    chosen.sort_unstable();
-    chosen.dedup();
-    Ok(chosen)
+/// A recorded time of a run.
+#[cfg(feature = "ensemble")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Recorded {
+    /// The node, or that at the end of the step that has it inside.
+    pub(crate) node: u64,
+    pub(crate) t: f64,
+    pub(crate) is_inside: bool,
 }

@@ -12,7 +12,7 @@ use crate::error::{ConfigError, Error, StepError, StepFailure};
 use crate::increments::{Divisible, Interval, Noise};
 use crate::state::State;
 use crate::step::{StepInfo, Stepper};
-use crate::steps::{Account, Single, TakeStep, Unmonitored, take_steps};
+use crate::steps::{Account, Monitor, Single, TakeStep, Unmonitored, take_steps};
 use crate::system::Discretized;
 
 /// How often steps may be halved: never, unless asked for, because it breaks the uniform step that the long-time
@@ -58,15 +58,25 @@ pub trait Serves<R> {}
 impl<N: Noise> Serves<Whole> for N {}
 impl<N: Divisible> Serves<Halved> for N {}
 
+/// How the steps of a run are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// As they are, and in halves only where they fail.
+    Whole,
+    /// All in `2^halvings` parts at least.
+    Halved(u32),
+    /// The last one, which is shorter.
+    Last,
+}
+
 /// Takes the steps of a run, subdividing those that it has to and may.
 pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f64>> {
     system: &'a H,
     h: f64,
     retry: Retry,
     is_watched: bool,
-    /// Halvings of every step of this run.
-    base: u32,
-    /// Takes the steps of `base`.
+    way: Way,
+    /// Takes the steps of that way.
     pub(crate) stepper: Stepper<'a, H, E, C>,
     /// Increments of a part of a step.
     part: Vec<f64>,
@@ -75,7 +85,7 @@ pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = <H as Discretized<E>
 impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
     pub(crate) fn new(system: &'a H, h: f64, retry: Retry, is_watched: bool) -> Result<Self, ConfigError> {
         let stepper = Self::stepper(system, h, is_watched)?;
-        Ok(Self { system, h, retry, is_watched, base: 0, stepper, part: vec![0.0; system.noises()] })
+        Ok(Self { system, h, retry, is_watched, way: Way::Whole, stepper, part: vec![0.0; system.noises()] })
     }
 
     fn stepper(system: &'a H, h: f64, is_watched: bool) -> Result<Stepper<'a, H, E, C>, ConfigError> {
@@ -87,12 +97,52 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
     pub(crate) fn refine(&mut self, error: &Error) -> Result<bool, ConfigError> {
         let is_unresolved =
             matches!(error, Error::Step(StepError { cause: StepFailure::Unresolved { .. }, .. }));
-        let may = is_unresolved && self.base < self.retry.most;
+        let base = self.base();
+        let may = is_unresolved && base < self.retry.most && self.way != Way::Last;
         if may {
-            self.base += 1;
-            self.stepper = Self::stepper(self.system, part_of(self.h, self.base), self.is_watched)?;
+            self.way = Way::Halved(base + 1);
+            self.stepper = Self::stepper(self.system, part_of(self.h, base + 1), self.is_watched)?;
         }
         Ok(may)
+    }
+
+    /// Halvings of every step of this run.
+    fn base(&self) -> u32 {
+        match self.way {
+            Way::Halved(halvings) => halvings,
+            Way::Whole | Way::Last => 0,
+        }
+    }
+
+    /// Goes on with a last step of another size, which is not halved.
+    pub(crate) fn finish_with(&mut self, h: f64) -> Result<(), ConfigError> {
+        (self.stepper, self.way) = (Self::stepper(self.system, h, self.is_watched)?, Way::Last);
+        Ok(())
+    }
+
+    /// The parts of a step that was halved so often, once more: `see` is shown the stepper, the nodes, and the increments of each.
+    #[cold]
+    pub(crate) fn revisit<N: Noise>(
+        &self,
+        before: &State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        halvings: u32,
+        see: impl FnMut(&Stepper<'a, H, E, C>, [&State<H::Vector>; 2], &[f64]),
+    ) -> Result<(), Error> {
+        let mut stepper = Self::stepper(self.system, part_of(self.h, halvings), self.is_watched)?;
+        let (mut state, mut part) = (before.clone(), self.part.clone());
+        let mut path = Single {
+            stepper: &mut stepper,
+            state: &mut state,
+            noise,
+            dw: &mut part,
+            start: interval.start,
+            h: part_of(interval.h, halvings),
+            account: &mut (),
+        };
+        let parts = parts_of(interval.step, halvings).unwrap_or(0..0);
+        take_steps(&mut path, parts, &mut EachPart { before: before.clone(), see })
     }
 
     /// The step in `2^from` parts, or as many more as it takes.
@@ -108,7 +158,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         let mut level = from;
         loop {
             let mut end = state.clone();
-            let outcome = if level == self.base {
+            let outcome = if self.way == Way::Halved(level) {
                 self.parts(None, &mut end, interval, noise, dw, level)
             } else {
                 let mut finer = Self::stepper(self.system, part_of(self.h, level), self.is_watched)?;
@@ -125,6 +175,21 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
                 Err(error) => return Err(error),
             }
         }
+    }
+
+    /// The last step.
+    #[cold]
+    fn last<N: Noise>(
+        &mut self,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+    ) -> Result<StepInfo, Error> {
+        if let Some(noise) = noise {
+            noise.increments_of_part(interval, self.stepper.step_size(), dw)?;
+        }
+        Ok(self.stepper.step(state, dw).map_err(|error| StepError { step: interval.step, ..error })?)
     }
 
     /// The `2^level` parts of a step by `finer`, or by the stepper of the run; their Newton iterations. `dw` becomes the sums of their increments.
@@ -160,6 +225,36 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
     }
 }
 
+/// Shows each part of a step.
+struct EachPart<V, F> {
+    before: State<V>,
+    see: F,
+}
+
+impl<'a, H, E, C, N, F> Monitor<Single<'_, Stepper<'a, H, E, C>, H::Vector, N, ()>> for EachPart<H::Vector, F>
+where
+    H: Discretized<E>,
+    C: Carry<f64>,
+    N: Noise,
+    F: FnMut(&Stepper<'a, H, E, C>, [&State<H::Vector>; 2], &[f64]),
+{
+    type Error = Error;
+
+    fn next(&self, _path: &Single<'_, Stepper<'a, H, E, C>, H::Vector, N, ()>, node: u64) -> u64 {
+        node + 1
+    }
+
+    fn look(
+        &mut self,
+        path: &mut Single<'_, Stepper<'a, H, E, C>, H::Vector, N, ()>,
+        _node: u64,
+    ) -> Result<(), Error> {
+        (self.see)(path.stepper, [&self.before, path.state], path.dw);
+        self.before.clone_from(path.state);
+        Ok(())
+    }
+}
+
 /// The parts of a step.
 struct Parts<'d> {
     /// Sums of their increments.
@@ -183,8 +278,10 @@ impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Subdivision<'_
         noise: &mut Option<N>,
         dw: &mut [f64],
     ) -> Result<StepInfo, Error> {
-        if self.base > 0 {
-            return self.subdivide(state, interval, noise, dw, self.base);
+        match self.way {
+            Way::Whole => {}
+            Way::Halved(halvings) => return self.subdivide(state, interval, noise, dw, halvings),
+            Way::Last => return self.last(state, interval, noise, dw),
         }
         if let Some(noise) = noise {
             noise.increments(interval, dw)?;

@@ -2,13 +2,15 @@
 
 use std::marker::PhantomData;
 
+use crate::between::{Between, Part};
 use crate::checkpoint::{Keeper, Keeping};
 use crate::error::{ConfigError, Error};
-use crate::increments::{NoNoise, Noise};
+use crate::increments::{Interval, NoNoise, Noise};
 use crate::options::{Observables, options};
 use crate::recording::Request;
 use crate::retry::{Halved, Retry, Serves, Subdivision, Whole};
-use crate::span::Span;
+use crate::section::Sections;
+use crate::span::{Grid, Span};
 use crate::state::{State, Vector};
 use crate::step::StepInfo;
 use crate::steps::{Account, Monitor, Single, take_steps};
@@ -82,6 +84,7 @@ struct Setup<'a, H: Hamiltonian> {
     span: Span<H::Vector>,
     recorded: Request,
     observables: Observables<'a, H::Vector>,
+    sections: Sections<'a, H::Vector>,
     retry: Retry,
     is_watched: bool,
     keeping: Keeping,
@@ -96,6 +99,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
             span: Span::default(),
             recorded: Request::default(),
             observables: Observables::default(),
+            sections: Sections::default(),
             retry: Retry::never(),
             is_watched: true,
             keeping: Default::default(),
@@ -105,7 +109,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
 }
 
 impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
-    options!(start, end, record, observe);
+    options!(start, end, exact, record, observe, section);
 
     /// Where the increments come from; [`Increments`](crate::increments::Increments) for given ones. A `&mut` to a
     /// source leaves it with the caller, to continue with. A system without noise takes any source and asks it
@@ -132,7 +136,8 @@ impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     }
 
     /// Calls `observer(state, node)` at each recorded node (each node with `record_every(0)` or [`Simulation::record_at`] alone), start and
-    /// end included, as the run gets there: for whoever wants to see increments and iterations, or to act on the way.
+    /// end included, as the run gets there: for whoever wants to see increments and iterations, or to act on the way. It is not shown what is
+    /// recorded between nodes.
     pub fn inspect<F>(self, observer: F) -> Simulation<'a, H, E, N, F, R>
     where
         F: FnMut(&State<H::Vector>, &Node<'_>),
@@ -180,27 +185,31 @@ where
         N: Serves<R>,
     {
         let Self { setup, noise, observer, .. } = self;
-        let Setup { system, h, span, recorded, observables, retry, is_watched, keeping } = setup;
+        let Setup { system, h, span, recorded, observables, sections, retry, is_watched, keeping } = setup;
         let (names, functions) = observables.checked("observables")?;
         let mut stepper = Subdivision::<H, E>::new(system, h, retry, is_watched)?;
-        let (start, steps) = span.checked::<H, E>(system, h)?;
-        let recording = recorded.checked(1, (start.t, h, steps))?;
+        let (start, grid) = span.checked::<H, E>(system, h)?;
+        let recording = recorded.checked(1, &grid)?;
         let processes = system.noises();
-        let mut noise = prepared::<H, E, N>(noise, h, processes, start.t)?;
-        let records = || Recorder::new(&start, h, processes, &recording, steps);
-        let mut account = Records::new(records()?, processes, O::LOOKS || keeping.is_set());
+        let mut noise = prepared::<H, E, N>(noise, &grid, processes)?;
+        let looks_inside = !sections.is_empty() || !recording.between.is_empty();
+        let between = || looks_inside.then(|| Box::new(Between::new(&sections, &start)));
+        let records = || Recorder::new(&start, h, processes, &recording, grid.steps);
+        let mut account = Records::new(records()?, processes, O::LOOKS || keeping.is_set() || looks_inside);
         let (mut state, mut dw) = (start.clone(), vec![0.0; processes]);
+        let mut looks = between();
         let mut keeper = keeping.open(
             &mut stepper.stepper,
-            &mut state,
-            &mut account.recorder,
-            &mut account.wiener,
+            &mut Run::new(&mut state, &mut account, &mut looks),
             noise.as_ref(),
-            (steps, retry),
+            (&grid, retry, &sections),
         )?;
         let mut first = keeper.first();
+        if let Some(looks) = &mut looks {
+            looks.arrive(first, &state);
+        }
         let due = keeper.next();
-        let mut monitor = Nodes { observer, keeper: &mut keeper, due, end: steps };
+        let mut monitor = Nodes { observer, keeper: &mut keeper, due, grid, looks };
         let error = loop {
             if first == 0 {
                 monitor.show(&state, 0, &account, &dw);
@@ -210,17 +219,18 @@ where
                 state: &mut state,
                 noise: &mut noise,
                 dw: &mut dw,
-                start: start.t,
+                start: grid.start,
                 h,
                 account: &mut account,
             };
-            match take_steps(&mut path, first..steps, &mut monitor) {
+            match take_all(&mut path, first, &mut monitor) {
                 Ok(()) => break None,
                 // A run that is kept does not start again: its file says that it went this far.
                 Err(error) if monitor.keeper.keeps() || !stepper.refine(&error)? => break Some(error),
                 Err(_) => {
                     (first, state) = (0, start.clone());
                     account = Records::new(records()?, processes, account.has_sums);
+                    monitor.looks = between();
                     dw.fill(0.0);
                 }
             }
@@ -230,18 +240,48 @@ where
     }
 }
 
+/// Takes all steps from this one on, the last one of another size if it is shorter.
+fn take_all<'s, H, E, N, O>(
+    path: &mut OnePath<'_, 's, H, E, N>,
+    first: u64,
+    monitor: &mut Nodes<'_, '_, '_, O, H::Vector>,
+) -> Result<(), Error>
+where
+    H: Discretized<E>,
+    N: Noise,
+    O: Observer<H::Vector>,
+{
+    let grid = monitor.grid;
+    take_steps(path, first..grid.whole(), monitor)?;
+    match grid.shorter {
+        Some(h) if first < grid.steps => {
+            path.stepper.finish_with(h)?;
+            take_steps(path, grid.whole()..grid.steps, monitor)
+        }
+        _ => Ok(()),
+    }
+}
+
 /// The noise of a run, ready for it; none for a deterministic system, which asks for nothing.
 fn prepared<H: Discretized<E>, E, N: Noise>(
     noise: Option<N>,
-    h: f64,
+    grid: &Grid,
     processes: usize,
-    start: f64,
 ) -> Result<Option<N>, Error> {
     if processes == 0 {
         return Ok(None);
     }
+    let Grid { start, h, .. } = *grid;
     let mut noise = noise.ok_or(ConfigError::Missing(NOISE))?;
     noise.prepare(&H::PLAN, h, processes, start)?;
+    if let Some(shorter) = grid.shorter {
+        // What has no increments for the last step says so before the run.
+        noise.increments_of_part(
+            &Interval { start, h, step: grid.whole() },
+            shorter,
+            &mut vec![0.0; processes],
+        )?;
+    }
     Ok(Some(noise))
 }
 
@@ -273,29 +313,77 @@ impl<V: Vector> Account for Records<V> {
     }
 }
 
-/// Shows nodes to the observer, records them, and saves the run.
-struct Nodes<'k, O> {
+/// What a run is, beside its stepper: all that a checkpoint keeps and brings back.
+#[cfg_attr(not(feature = "serde"), expect(dead_code, reason = "nothing is kept"))]
+pub(crate) struct Run<'r, 's, 'a, V> {
+    pub(crate) state: &'r mut State<V>,
+    pub(crate) recorder: &'r mut Recorder<V>,
+    pub(crate) wiener: &'r mut Sums,
+    pub(crate) looks: Option<&'r mut Between<'s, 'a, V>>,
+}
+
+impl<'r, 's, 'a, V> Run<'r, 's, 'a, V> {
+    fn new(
+        state: &'r mut State<V>,
+        account: &'r mut Records<V>,
+        looks: &'r mut Option<Box<Between<'s, 'a, V>>>,
+    ) -> Self {
+        let Records { recorder, wiener, .. } = account;
+        Self { state, recorder, wiener, looks: looks.as_deref_mut() }
+    }
+}
+
+/// Shows nodes to the observer, records them and what is between them, and saves the run.
+struct Nodes<'k, 's, 'a, O, V> {
     observer: O,
     keeper: &'k mut Keeper,
     /// The next node at which it may be time to save.
     due: u64,
-    /// The last node of the run.
-    end: u64,
+    grid: Grid,
+    /// Looks between the nodes, if something is to be found there.
+    looks: Option<Box<Between<'s, 'a, V>>>,
 }
 
-impl<O> Nodes<'_, O> {
+impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
     #[inline(always)]
-    fn show<V>(&mut self, state: &State<V>, step: u64, account: &Records<V>, dw: &[f64])
-    where
-        O: Observer<V>,
-    {
+    fn show(&mut self, state: &State<V>, step: u64, account: &Records<V>, dw: &[f64]) {
         let [iterations, halvings] = account.last;
         let node = Node { step, wiener: account.wiener.totals(), increments: dw, iterations, halvings };
         self.observer.observe(state, &node);
     }
+
+    /// Looks into the step that ended at a node.
+    #[cold]
+    #[inline(never)]
+    fn look_inside<H, E, N>(&mut self, path: &mut OnePath<'_, '_, H, E, N>, node: u64) -> Result<(), Error>
+    where
+        H: Discretized<E, Vector = V>,
+        N: Noise,
+    {
+        let Some(looks) = &mut self.looks else { return Ok(()) };
+        let Single { stepper, state, noise, dw, account, start, h } = path;
+        let (step, [_, halvings], recorder) = (node - 1, account.last, &mut account.recorder);
+        if looks.wants(node, recorder.next_inside()) {
+            if halvings == 0 {
+                stepper.stepper.fill([&looks.before, state], dw, &mut looks.dense);
+                looks.look(&Part { step, dw, later: &[], is_last: true }, recorder);
+            } else {
+                let (before, mut later, mut parts) = (looks.before.clone(), dw.to_vec(), 1_u64 << halvings);
+                let interval = Interval { start: *start, h: *h, step };
+                stepper.revisit(&before, &interval, noise, halvings, |stepper, nodes, dw| {
+                    later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
+                    parts -= 1;
+                    stepper.fill(nodes, dw, &mut looks.dense);
+                    looks.look(&Part { step, dw, later: &later, is_last: parts == 0 }, recorder);
+                })?;
+            }
+        }
+        looks.arrive(node, state);
+        Ok(())
+    }
 }
 
-impl<'s, H, E, N, O> Monitor<OnePath<'_, 's, H, E, N>> for Nodes<'_, O>
+impl<'s, H, E, N, O> Monitor<OnePath<'_, 's, H, E, N>> for Nodes<'_, '_, '_, O, H::Vector>
 where
     H: Discretized<E>,
     N: Noise,
@@ -307,20 +395,27 @@ where
     fn next(&self, path: &OnePath<'_, 's, H, E, N>, node: u64) -> u64 {
         let recorder = &path.account.recorder;
         let shown = if O::LOOKS && recorder.shows_all() { node + 1 } else { recorder.next() };
-        shown.min(self.due)
+        let inside = self.looks.as_ref().map_or(u64::MAX, |looks| looks.next(node, recorder.next_inside()));
+        shown.min(self.due).min(inside)
     }
 
     #[inline(always)]
     fn look(&mut self, path: &mut OnePath<'_, 's, H, E, N>, node: u64) -> Result<(), Error> {
+        if node == self.grid.steps {
+            path.state.t = self.grid.end.unwrap_or(path.state.t);
+        }
+        if self.looks.is_some() {
+            self.look_inside(path, node)?;
+        }
         let Single { stepper, state, account, dw, .. } = path;
         let is_recorded = account.recorder.reach(state);
-        if O::LOOKS && (is_recorded || account.recorder.shows_all() || node == self.end) {
+        if O::LOOKS && (is_recorded || account.recorder.shows_all() || node == self.grid.steps) {
             self.show(state, node, account, dw);
         }
         if node >= self.due {
             if self.keeper.is_due(node) {
-                let Records { recorder, wiener, .. } = &mut **account;
-                self.keeper.save(&mut stepper.stepper, state, recorder, wiener, node)?;
+                let mut run = Run::new(state, account, &mut self.looks);
+                self.keeper.save(&mut stepper.stepper, &mut run, node)?;
             }
             self.due = self.keeper.next();
         }

@@ -1,4 +1,4 @@
-//! From where to where a run goes, and which of its nodes are recorded: the same for every builder.
+//! From where to where a run goes, and where its nodes are: the same for every builder.
 
 use crate::error::{ConfigError, StepFailure};
 use crate::state::{State, Vector};
@@ -19,16 +19,88 @@ pub(crate) enum End {
 pub(crate) struct Span<V> {
     pub(crate) start: Option<State<V>>,
     pub(crate) end: Option<End>,
+    /// Whether the last node is at the end, wherever that is.
+    pub(crate) is_exact: bool,
 }
 
 impl<V> Default for Span<V> {
     fn default() -> Self {
-        Self { start: None, end: None }
+        Self { start: None, end: None, is_exact: false }
+    }
+}
+
+/// The nodes of a run: `start + n h`, and the end where that is another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Grid {
+    pub(crate) start: f64,
+    pub(crate) h: f64,
+    /// All steps, a shorter last one included.
+    pub(crate) steps: u64,
+    /// The time of the last node, if it was asked for to the last bit.
+    pub(crate) end: Option<f64>,
+    /// The size of a last step that is shorter than the others.
+    pub(crate) shorter: Option<f64>,
+}
+
+/// Where a time is in a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Place {
+    /// At the node after so many steps, up to rounding.
+    Node(u64),
+    /// Inside the step with this number.
+    Inside(u64),
+}
+
+impl Grid {
+    /// Steps of size `h` without more.
+    pub(crate) fn of(start: f64, h: f64, steps: u64) -> Self {
+        Self { start, h, steps, end: None, shorter: None }
+    }
+
+    /// Steps of size `h` up to a time.
+    fn until(start: f64, end: f64, h: f64) -> Option<Self> {
+        let (steps, is_node) = located(start, end, h)?;
+        let rest = end - (start + (steps.saturating_sub(1)) as f64 * h);
+        Some(Self { start, h, steps, end: Some(end), shorter: (!is_node).then_some(rest) })
+    }
+
+    /// The time of a node.
+    #[inline]
+    pub(crate) fn time(&self, node: u64) -> f64 {
+        match self.end {
+            Some(end) if node == self.steps => end,
+            _ => self.start + node as f64 * self.h,
+        }
+    }
+
+    /// The steps of size `h`.
+    pub(crate) fn whole(&self) -> u64 {
+        self.steps - u64::from(self.shorter.is_some())
+    }
+
+    /// Where a time is; `None` outside of the run, and for NaN.
+    pub(crate) fn place(&self, t: f64) -> Option<Place> {
+        let (node, is_node) = located(self.start, t, self.h)?;
+        if is_node && node <= self.whole() {
+            return Some(Place::Node(node));
+        }
+        if node <= self.whole() {
+            return Some(Place::Inside(node - 1));
+        }
+        let last = self.time(self.steps);
+        // What is left of it in units of the last step: as in `located`, one rounding for each time.
+        let rest = (last - t) / self.h;
+        let allowance = 2.0 * f64::EPSILON * (last.abs() + t.abs()) / self.h.abs();
+        match self.shorter {
+            Some(_) if rest.abs() <= allowance => Some(Place::Node(self.steps)),
+            Some(_) if rest > 0.0 => Some(Place::Inside(self.steps - 1)),
+            _ => None,
+        }
     }
 }
 
 impl<V: Vector> Span<V> {
-    /// The first state, and the number of steps of size `h` to the end.
+    /// The first state, and the nodes from there to the end in steps of size `h`.
     ///
     /// # Errors
     /// [`ConfigError`] where one of them is missing, does not fit the system, or cannot be reached.
@@ -36,15 +108,16 @@ impl<V: Vector> Span<V> {
         self,
         system: &H,
         h: f64,
-    ) -> Result<(State<V>, u64), ConfigError> {
+    ) -> Result<(State<V>, Grid), ConfigError> {
         let start = checked(system, self.start)?;
-        let steps = count(self.end, start.t, h)?;
-        Ok((start, steps))
+        let grid = grid(self.end, self.is_exact, start.t, h)?;
+        Ok((start, grid))
     }
 }
 
 const START: &str = "a start: add `.start(State::new(q, p))`";
 const END: &str = "an end: add `.until(time)` or `.steps(number)`";
+const TIME: &str = "a time to end at exactly: `.until(time).exactly()`; a number of steps ends at a node";
 
 fn checked<H: Discretized<E>, E>(
     system: &H,
@@ -67,10 +140,15 @@ fn checked<H: Discretized<E>, E>(
     }
 }
 
-fn count(end: Option<End>, start: f64, h: f64) -> Result<u64, ConfigError> {
+fn grid(end: Option<End>, is_exact: bool, start: f64, h: f64) -> Result<Grid, ConfigError> {
     match end.ok_or(ConfigError::Missing(END))? {
-        End::Time(end) => steps_between(start, end, h).ok_or(ConfigError::End { start, end, h }),
-        End::Steps(steps) if steps <= MOST_STEPS => Ok(steps),
+        End::Time(end) if is_exact => Grid::until(start, end, h).ok_or(ConfigError::End { start, end, h }),
+        End::Time(end) => {
+            let steps = steps_between(start, end, h).ok_or(ConfigError::End { start, end, h })?;
+            Ok(Grid::of(start, h, steps))
+        }
+        End::Steps(_) if is_exact => Err(ConfigError::Missing(TIME)),
+        End::Steps(steps) if steps <= MOST_STEPS => Ok(Grid::of(start, h, steps)),
         End::Steps(steps) => Err(ConfigError::End { start, end: start + steps as f64 * h, h }),
     }
 }
@@ -78,13 +156,19 @@ fn count(end: Option<End>, start: f64, h: f64) -> Result<u64, ConfigError> {
 /// `⌈(end - start)/h⌉`, or the integer that the quotient would be but for rounding; `None` if it is negative, NaN or
 /// more than can be counted.
 pub(crate) fn steps_between(start: f64, end: f64, h: f64) -> Option<u64> {
+    located(start, end, h).map(|(steps, _)| steps)
+}
+
+/// The same, and whether it is that integer.
+fn located(start: f64, end: f64, h: f64) -> Option<(u64, bool)> {
     let quotient = (end - start) / h;
     // One rounding each in start, end, their difference, h and the quotient, and one to spare.
     let allowance = 2.0 * f64::EPSILON * (quotient + (start.abs() + end.abs()) / h.abs());
     let nearest = quotient.round();
-    let steps = if (quotient - nearest).abs() <= allowance { nearest } else { quotient.ceil() };
+    let is_node = (quotient - nearest).abs() <= allowance;
+    let steps = if is_node { nearest } else { quotient.ceil() };
     // Also false for NaN.
-    (quotient >= 0.0 && steps <= MOST_STEPS as f64).then_some(steps as u64)
+    (quotient >= 0.0 && steps <= MOST_STEPS as f64).then_some((steps as u64, is_node))
 }
 
 #[cfg(test)]
@@ -113,6 +197,45 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn times_have_their_places() {
+        use Place::{Inside, Node};
+        let grid = Grid::of(0.5, 0.1, 7);
+        let places = [
+            (0.5, Node(0)),
+            (0.55, Inside(0)),
+            (0.7999999999999999, Node(3)),
+            (0.8 + 1e-12, Inside(3)),
+            (1.2, Node(7)),
+        ];
+        for (t, place) in places {
+            assert_eq!(grid.place(t), Some(place), "{t}");
+        }
+        for t in [0.49, 1.21, f64::NAN, f64::INFINITY] {
+            assert_eq!(grid.place(t), None, "{t}");
+        }
+        let backwards = Grid::of(1.0, -0.25, 4);
+        assert_eq!([0.9, 0.5, 1.1].map(|t| backwards.place(t)), [Some(Inside(0)), Some(Node(2)), None]);
+    }
+
+    #[test]
+    fn an_exact_end_is_a_node() {
+        use Place::{Inside, Node};
+        let grid = Grid::until(0.0, 1.05, 0.1).unwrap();
+        assert_eq!((grid.steps, grid.whole(), grid.time(10), grid.time(11)), (11, 10, 1.0, 1.05));
+        assert!((grid.shorter.unwrap() - 0.05).abs() < 1e-15);
+        let placed = [1.0, 1.02, 1.05, 1.06, 1.1, 1.2].map(|t| grid.place(t));
+        assert_eq!(placed, [Some(Node(10)), Some(Inside(10)), Some(Node(11)), None, None, None]);
+        // At a node up to rounding, and then at the time that was asked for.
+        let grid = Grid::until(0.0, 0.3, 0.1).unwrap();
+        assert_eq!((grid.steps, grid.shorter, grid.time(3)), (3, None, 0.3));
+        assert_eq!(Grid::until(0.0, 0.0, 0.1).unwrap().steps, 0);
+        let grid = Grid::until(0.0, 1e-3, 1.0).unwrap();
+        assert_eq!((grid.steps, grid.shorter, grid.place(5e-4)), (1, Some(1e-3), Some(Inside(0))));
+        let backwards = Grid::until(1.0, 0.3, -0.25).unwrap();
+        assert_eq!((backwards.steps, backwards.place(0.4)), (3, Some(Inside(2))));
     }
 
     #[test]

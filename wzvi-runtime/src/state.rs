@@ -100,6 +100,14 @@ impl<V: Vector> State<V> {
         Self { q: q.into_vector(), p: p.into_vector(), t: 0.0 }
     }
 
+    /// The words of it.
+    #[cfg(feature = "serde")]
+    pub(crate) fn pass(&mut self, tape: &mut crate::numbers::Tape) {
+        tape.number(&mut self.t);
+        tape.numbers(self.q.components_mut());
+        tape.numbers(self.p.components_mut());
+    }
+
     /// The same point of phase space at time `t`.
     #[must_use]
     pub fn at(mut self, t: f64) -> Self {

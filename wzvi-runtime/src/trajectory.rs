@@ -12,7 +12,8 @@ use crate::calculus::{Function, Interior, Nodes, TimeScale};
 use crate::error::{ConfigError, PathError, UnknownName};
 use crate::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
 use crate::options::Observable;
-use crate::recording::Recording;
+use crate::recording::{Moment, Recording};
+use crate::section::Crossing;
 use crate::state::{State, Vector};
 use crate::step::StepInfo;
 use crate::sum::Sum;
@@ -66,6 +67,8 @@ struct Path<V> {
     /// What was observed at the recorded nodes, by name.
     #[cfg_attr(feature = "serde", serde(default = "Vec::new"))]
     observed: Vec<(String, Vec<f64>)>,
+    #[cfg_attr(feature = "serde", serde(default = "Vec::new"))]
+    crossings: Vec<Crossing<V>>,
 }
 
 impl<V: Clone, E> Clone for Trajectory<V, E> {
@@ -76,8 +79,19 @@ impl<V: Clone, E> Clone for Trajectory<V, E> {
 
 impl<V: fmt::Debug, E> fmt::Debug for Trajectory<V, E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Path { h, every, steps, iterations, processes, increments, states, last: _, chosen, observed } =
-            &self.path;
+        let Path {
+            h,
+            every,
+            steps,
+            iterations,
+            processes,
+            increments,
+            states,
+            last: _,
+            chosen,
+            observed,
+            crossings,
+        } = &self.path;
         f.debug_struct("Trajectory")
             .field("h", h)
             .field("every", every)
@@ -88,6 +102,7 @@ impl<V: fmt::Debug, E> fmt::Debug for Trajectory<V, E> {
             .field("states", states)
             .field("chosen", chosen)
             .field("observed", observed)
+            .field("crossings", crossings)
             .finish()
     }
 }
@@ -104,7 +119,7 @@ impl<V: Vector, E> Trajectory<V, E> {
         &self.path.last
     }
 
-    /// The states at the recorded nodes: the start, every `record_every`-th node, the end.
+    /// The recorded states: the start, every `record_every`-th node, those of `record_at`, the end.
     pub fn states(&self) -> &[State<V>] {
         &self.path.states
     }
@@ -112,6 +127,11 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// The recorded states in order.
     pub fn iter(&self) -> std::slice::Iter<'_, State<V>> {
         self.path.states.iter()
+    }
+
+    /// Where the path crossed the sections of the run, in the order of time: see [`crate::section`].
+    pub fn crossings(&self) -> &[Crossing<V>] {
+        &self.path.crossings
     }
 
     /// What was observed under this name ([`Simulation::observe`](crate::simulate::Simulation::observe)), at each recorded node.
@@ -360,6 +380,8 @@ pub(crate) struct Recorder<V> {
     /// The step of the last recorded node, and that of the next.
     kept: u64,
     next: u64,
+    /// How many of the times inside steps are recorded.
+    inside: usize,
 }
 
 impl<V: Vector> Recorder<V> {
@@ -374,7 +396,7 @@ impl<V: Vector> Recorder<V> {
     ) -> Result<Self, ConfigError> {
         let every = recording.every;
         let regular = if every == 0 { steps.min(1) } else { steps.div_ceil(every) };
-        let intervals = regular.saturating_add(recording.extra(steps));
+        let intervals = regular.saturating_add(recording.extra(steps) + recording.between.len() as u64);
         let (mut states, mut increments) = (Vec::new(), Vec::new());
         let reserved = usize::try_from(intervals).ok().and_then(|intervals| {
             states.try_reserve_exact(intervals.checked_add(1)?).ok()?;
@@ -387,11 +409,21 @@ impl<V: Vector> Recorder<V> {
         states.push(start.clone());
         let iterations = Iterations::default();
         let last = start.clone();
-        let (chosen, observed) = (0, Vec::new());
-        let path =
-            Path { h, every, steps: 0, iterations, processes, increments, states, last, chosen, observed };
+        let path = Path {
+            h,
+            every,
+            steps: 0,
+            iterations,
+            processes,
+            increments,
+            states,
+            last,
+            chosen: 0,
+            observed: Vec::new(),
+            crossings: Vec::new(),
+        };
         let (recording, next) = (recording.clone(), recording.next(0));
-        Ok(Self { path, recording, pending: vec![Sum::default(); processes], kept: 0, next })
+        Ok(Self { path, recording, pending: vec![Sum::default(); processes], kept: 0, next, inside: 0 })
     }
 
     /// A step was taken.
@@ -432,6 +464,30 @@ impl<V: Vector> Recorder<V> {
         due
     }
 
+    /// The next time inside a step that is to be recorded.
+    #[inline]
+    pub(crate) fn next_inside(&self) -> Option<Moment> {
+        self.recording.between.get(self.inside).copied()
+    }
+
+    /// Keeps the state at that time, in the step that was taken last, which has these increments left after it.
+    pub(crate) fn keep_inside(&mut self, state: &State<V>, rest: impl Fn(usize) -> f64) {
+        self.path.states.push(state.clone());
+        for (process, sum) in self.pending.iter_mut().enumerate() {
+            let rest = rest(process);
+            sum.add(-rest);
+            self.path.increments.push(sum.total());
+            *sum = Sum::default();
+            sum.add(rest);
+        }
+        self.inside += 1;
+    }
+
+    /// Keeps a crossing.
+    pub(crate) fn cross(&mut self, crossing: Crossing<V>) {
+        self.path.crossings.push(crossing);
+    }
+
     fn keep(&mut self, state: &State<V>) {
         self.path.states.push(state.clone());
         self.path.increments.extend(self.pending.iter().map(|sum| sum.total()));
@@ -452,7 +508,10 @@ impl<V: Vector> Recorder<V> {
         }
         self.path.last = last;
         // The last node is recorded anyway.
-        self.path.chosen = self.recording.extra(self.path.steps.saturating_sub(1));
+        self.path.chosen = self.recording.extra(self.path.steps.saturating_sub(1)) + self.inside as u64;
+        // A crossing at a node is known one step later than those of other sections.
+        let sign = self.path.h.signum();
+        self.path.crossings.sort_by(|a, b| (sign * a.state.t).total_cmp(&(sign * b.state.t)));
         Trajectory { path: self.path, scheme: PhantomData }
     }
 }

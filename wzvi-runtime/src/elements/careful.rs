@@ -1,10 +1,10 @@
 //! The equations of a sweep for the steps where the short way fails: what [`damped`] asks of them.
 
 use super::jacobian::Linear;
-use super::memory::Work;
+use super::memory::{Lists, Scratch};
 use super::rounding::Rounding;
 use super::step::Step;
-use super::{Elements, Memory, Unknowns};
+use super::{Elements, Memory};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
 use crate::solve::{Effort, Problem, astray, damped};
@@ -13,29 +13,30 @@ use crate::solve::{Effort, Problem, astray, damped};
 const TOLERANCE: f64 = 1e-10;
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
-    /// Solves for the unknowns with care.
-    pub(super) fn careful(&self, memory: &mut Memory<S>) -> Result<Effort, StepFailure> {
-        if self.scheme.unknowns == Unknowns::None {
-            self.explicit(&mut memory.work);
-            return Ok(Effort::fast(0));
-        }
-        memory.guess(memory.known);
-        let is_guess = memory.known > 0;
+    /// Solves for the unknowns with care, if there are any; leaves `u` and `P`.
+    #[inline(never)]
+    pub(super) fn careful(self, memory: &mut Memory<S>) -> Result<Effort, StepFailure> {
         memory.factored = None;
-        let Memory { work, linear, rounding, .. } = memory;
+        let mut scratch = memory.scratch(self.scheme, self.degrees());
+        let known = scratch.known;
+        scratch.guess(known);
+        let Scratch { mut lists, diagonal, linear, rounding, .. } = scratch;
         let Some(linear) = linear else { return Err(astray(0, f64::INFINITY)) };
-        let start = work.x.clone();
-        let (x, effort) = damped(&mut Sweep { step: self, work, linear, rounding }, &start, is_guess)?;
-        work.x.copy_from_slice(&x);
-        self.refresh(work);
+        let start = lists.x.to_vec();
+        let lists = &mut lists;
+        let (x, effort) =
+            damped(&mut Sweep { step: self, lists, diagonal, linear, rounding }, &start, known > 0)?;
+        lists.x.copy_from_slice(&x);
+        self.refresh(lists);
         Ok(effort)
     }
 }
 
 /// The equations of a step with their scratch.
 struct Sweep<'a, 's, H, S> {
-    step: &'a Step<'s, H, S>,
-    work: &'a mut Work<S>,
+    step: Step<'s, H, S>,
+    lists: &'a mut Lists<'s, S>,
+    diagonal: &'a mut [S],
     linear: &'a mut Linear<S>,
     rounding: &'a mut Option<Box<Rounding>>,
 }
@@ -45,25 +46,25 @@ impl<H: Elements, S: Scalar> Problem for Sweep<'_, '_, H, S> {
     type Vector = Vec<S>;
 
     fn residual(&mut self, x: &Vec<S>, into: &mut Vec<S>) {
-        self.work.x.copy_from_slice(x);
-        self.step.residual(self.work);
-        into.copy_from_slice(&self.work.correction);
+        self.lists.x.copy_from_slice(x);
+        self.step.residual(self.lists);
+        into.copy_from_slice(self.lists.correction);
     }
 
     fn factor(&mut self) -> Result<(), StepFailure> {
-        self.step.linearise(self.work, self.linear)
+        self.step.linearise(self.lists, self.diagonal, self.linear)
     }
 
     fn correct(&mut self, r: &mut Vec<S>) -> Result<(), StepFailure> {
-        self.work.correction.copy_from_slice(r);
-        self.step.correct(self.work, self.linear, TOLERANCE)?;
-        r.copy_from_slice(&self.work.correction);
+        self.lists.correction.copy_from_slice(r);
+        self.step.correct(self.lists, self.diagonal, self.linear, TOLERANCE)?;
+        r.copy_from_slice(self.lists.correction);
         Ok(())
     }
 
     fn are_settled(&mut self, x: &Vec<S>, roundings: f64) -> impl Fn(usize) -> bool {
         let rounding = self.step.round(x, self.rounding);
-        move |k| rounding.is_settled(k, roundings)
+        move |k| rounding[k].is_below(roundings)
     }
 
     /// Not known where the matrix is not.

@@ -1,10 +1,11 @@
 //! One step: `x = φ(x)` solved to rounding.
 
 use super::jacobian::Linear;
-use super::memory::{Staged, Work};
-use super::passes::{Corrected, add, are_finite, largest, subtract};
+use super::memory::{Lists, Scratch};
+use super::passes::{Corrected, largest, subtract};
+use super::rounding::variation;
 use super::step::Step;
-use super::{CONTRACTS, Elements, Iteration, Memory, MomentumUpdate, Scheme, Unknowns};
+use super::{CONTRACTS, Elements, Iteration, Memory, Scheme, Unknowns};
 use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
@@ -24,6 +25,7 @@ const MOST_ITERATIONS: u32 = 100;
 /// # Errors
 /// [`StepFailure`]: sizes that do not fit, no convergence, a singular Jacobian, a state that is not finite.
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+#[inline(always)]
 pub fn advance<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     system: &H,
     scheme: &Scheme,
@@ -35,85 +37,83 @@ pub fn advance<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
-    if memory.degrees != q.len() || q.is_empty() {
-        // What the steps before left belongs to another size, and stays if this one fails.
+    if CAREFUL || !memory.fits(system, q.len()) {
+        return advance_anyhow::<H, S, C, CAREFUL>(system, scheme, t, h, q, p, dw, memory, carry);
+    }
+    advance_fitting::<H, S, C, false>(system, scheme, t, h, q, p, dw, memory, carry)
+}
+
+/// The same where a memory may be of another size, or the step takes care: rare, and compiled once for all schemes.
+#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+#[cold]
+#[inline(never)]
+fn advance_anyhow<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    system: &H,
+    scheme: &Scheme,
+    t: f64,
+    h: f64,
+    q: &mut [S],
+    p: &mut [S],
+    dw: &[S],
+    memory: &mut Memory<S>,
+    carry: &mut C,
+) -> Result<Effort, StepFailure> {
+    // What the steps before left belongs to another size, and stays if this one fails.
+    let mut anew = None;
+    let fitting = if memory.fits(system, q.len()) {
+        &mut *memory
+    } else {
         let mut fitting = memory.clone();
         fitting.fit(system, scheme, q.len())?;
-        let effort = advance::<H, S, C, CAREFUL>(system, scheme, t, h, q, p, dw, &mut fitting, carry)?;
+        anew.insert(fitting)
+    };
+    let effort = advance_fitting::<H, S, C, CAREFUL>(system, scheme, t, h, q, p, dw, fitting, carry)?;
+    if let Some(fitting) = anew {
         *memory = fitting;
-        return Ok(effort);
     }
-    if p.len() != q.len() {
-        return Err(StepFailure::Dimension { expected: q.len(), got: p.len() });
-    }
-    if dw.len() != system.noises() {
-        return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
-    }
-    let step = Step { system, scheme, t, h, q, p, dw, increment: None };
+    Ok(effort)
+}
+
+/// The step in a memory of the size of the state.
+#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+#[inline(always)]
+fn advance_fitting<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    system: &H,
+    scheme: &Scheme,
+    t: f64,
+    h: f64,
+    q: &mut [S],
+    p: &mut [S],
+    dw: &[S],
+    memory: &mut Memory<S>,
+    carry: &mut C,
+) -> Result<Effort, StepFailure> {
+    let step = Step::new(system, scheme, t, h, q, p, dw)?;
+    let degrees = step.degrees();
     let (effort, prefers_newton) = if CAREFUL {
-        (step.careful(memory)?, scheme.unknowns != Unknowns::None)
+        (step.careful(memory)?, true)
     } else {
-        let solved = step.solve(memory)?;
+        let solved = step.solve(&mut memory.scratch(scheme, degrees))?;
         (Effort::fast(solved.iterations), solved.prefers_newton)
     };
-    if !C::CARRIES && scheme.unknowns == Unknowns::None && scheme.update == MomentumUpdate::Multiple(1.0) {
-        // `P` is the new momentum.
-        let Work { u, momentum, .. } = &mut memory.work;
-        if !(add(u, q) && are_finite(momentum)) {
-            return Err(StepFailure::NonFinite);
-        }
-        q.copy_from_slice(u);
-        p.copy_from_slice(momentum);
-    } else {
-        step.finish(&mut memory.work);
-        store(&mut memory.work, q, p, carry)?;
-    }
-    memory.record();
+    let mut lists = memory.work.lists(scheme, degrees);
+    step.finish(&mut lists);
+    lists.store(q, p, carry)?;
+    memory.record(scheme, degrees);
     memory.prefers_newton = prefers_newton;
     Ok(effort)
 }
 
-/// Adds the increments of a step to the state. Sums are made before anything is stored.
-fn store<S: Scalar, C: Carry<S>>(
-    work: &mut Work<S>,
-    q: &mut [S],
-    p: &mut [S],
-    carry: &mut C,
-) -> Result<(), StepFailure> {
-    // What the sums lose takes the place of slopes and stages.
-    let Work { u, by_p: dp, stages, .. } = work;
-    let Some(Staged { q: lost_q, by_q: lost_p }) = stages.first_mut() else {
-        return Err(StepFailure::NonFinite);
-    };
-    let is_finite = if C::CARRIES {
-        for (i, (u, (&q, lost))) in u.iter_mut().zip(q.iter().zip(&mut *lost_q)).enumerate() {
-            (*u, *lost) = C::add(q, *u, carry.of_coordinate(i));
-        }
-        for (i, (dp, (&p, lost))) in dp.iter_mut().zip(p.iter().zip(&mut *lost_p)).enumerate() {
-            (*dp, *lost) = C::add(p, *dp, carry.of_momentum(i));
-        }
-        are_finite(u) && are_finite(dp)
-    } else {
-        add(u, q) && add(dp, p)
-    };
-    if !is_finite {
-        return Err(StepFailure::NonFinite);
-    }
-    q.copy_from_slice(u);
-    p.copy_from_slice(dp);
-    if C::CARRIES {
-        carry.keep(lost_q, lost_p);
-    }
-    Ok(())
-}
-
-impl<S: Scalar> Memory<S> {
+impl<S: Scalar> Scratch<'_, S> {
     /// `3x_n - 3x_{n-1} + x_{n-2}` of the past, as far as `known`, or zero.
+    #[inline(always)]
     pub(super) fn guess(&mut self, known: u8) {
-        let x = &mut self.work.x;
-        let [a, b, c] = &self.past;
+        let x = &mut *self.lists.x;
+        if known == 0 {
+            return x.fill(S::from_f64(0.0));
+        }
+        let [a, b, c] = self.past.each_ref().map(|past| &past[..x.len()]);
         match known {
-            0 => x.fill(S::from_f64(0.0)),
             1 => x.copy_from_slice(a),
             2 => {
                 for (x, (&a, &b)) in x.iter_mut().zip(a.iter().zip(b)) {
@@ -127,12 +127,16 @@ impl<S: Scalar> Memory<S> {
             }
         }
     }
+}
 
+impl<S: Scalar> Memory<S> {
     /// Takes the unknowns of a step that succeeded.
-    fn record(&mut self) {
-        if !self.past[0].is_empty() {
+    #[inline(always)]
+    fn record(&mut self, scheme: &Scheme, degrees: usize) {
+        if scheme.remembers {
+            let Lists { x, .. } = self.work.lists(scheme, degrees);
             self.past.rotate_right(1);
-            self.past[0].copy_from_slice(&self.work.x);
+            self.past[0][..x.len()].copy_from_slice(x);
             self.known = (self.known + 1).min(3);
         }
     }
@@ -175,33 +179,43 @@ struct Taken {
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// Solves for the unknowns by the short way.
-    fn solve(&self, memory: &mut Memory<S>) -> Result<Solved, StepFailure> {
-        if self.scheme.unknowns == Unknowns::None {
-            self.explicit(&mut memory.work);
-            return Ok(Solved { iterations: 0, prefers_newton: false });
-        }
-        let (pinned, known) = (memory.iteration, memory.known);
-        let first = self.iterate(memory, known, pinned);
-        let solved = match first {
+    #[inline(always)]
+    fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
+        let (pinned, known) = (scratch.iteration, scratch.known);
+        let solved = match self.iterate(scratch, known, pinned) {
             // A start that misleads is given up for zero, and what was tried for Newton's method from there.
-            Err(_) if known > 0 || pinned == Iteration::Automatic => {
-                let last_resort = if pinned == Iteration::Automatic { Iteration::Newton } else { pinned };
-                self.iterate(memory, 0, last_resort)?
-            }
+            Err(_) if known > 0 || pinned == Iteration::Automatic => self.iterate_again(scratch.lend())?,
             first => first?,
         };
-        self.refresh(&mut memory.work);
+        self.refresh(&mut scratch.lists);
         Ok(solved)
     }
 
-    /// From the guess in `memory`.
-    fn iterate(&self, memory: &mut Memory<S>, known: u8, pinned: Iteration) -> Result<Solved, StepFailure> {
-        memory.guess(known);
-        let mut iteration = self.begin(memory, known, pinned);
+    /// From zero, by Newton's method unless another is pinned.
+    #[cold]
+    #[inline(never)]
+    fn iterate_again(self, mut scratch: Scratch<'_, S>) -> Result<Solved, StepFailure> {
+        let pinned = match scratch.iteration {
+            Iteration::Automatic => Iteration::Newton,
+            pinned => pinned,
+        };
+        self.iterate(&mut scratch, 0, pinned)
+    }
+
+    /// From the guess of so many steps before.
+    #[inline(always)]
+    fn iterate(
+        self,
+        scratch: &mut Scratch<'_, S>,
+        known: u8,
+        pinned: Iteration,
+    ) -> Result<Solved, StepFailure> {
+        scratch.guess(known);
+        let mut iteration = self.begin(scratch, known, pinned);
         while iteration.iterations < MOST_ITERATIONS {
             iteration.iterations += 1;
-            let taken = self.take(memory, &mut iteration)?;
-            if self.is_solved(memory, &mut iteration, &taken)? {
+            let taken = self.take(scratch, &mut iteration)?;
+            if self.is_solved(scratch, &mut iteration, &taken)? {
                 let prefers_newton = iteration.is_newton && iteration.prefers_newton;
                 return Ok(Solved { iterations: iteration.iterations, prefers_newton });
             }
@@ -209,16 +223,17 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         Err(StepFailure::NotConverged { iterations: MOST_ITERATIONS, correction: iteration.last })
     }
 
-    fn begin(&self, memory: &Memory<S>, known: u8, pinned: Iteration) -> IterationState {
+    #[inline(always)]
+    fn begin(self, scratch: &Scratch<'_, S>, known: u8, pinned: Iteration) -> IterationState {
         // A band that never changes is factored once.
-        let has_factors = self.scheme.is_linear && memory.factored == Some(self.h);
+        let has_factors = self.scheme.is_linear && *scratch.factored == Some(self.h);
         IterationState {
             iterations: 0,
             known,
             pinned,
             is_newton: match pinned {
                 Iteration::Newton => true,
-                Iteration::Automatic => memory.prefers_newton || self.has_constant_band(memory),
+                Iteration::Automatic => scratch.prefers_newton || self.has_constant_band(scratch),
                 Iteration::FixedPoint => false,
             },
             is_stale: !has_factors || pinned == Iteration::Newton,
@@ -229,31 +244,30 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    fn has_constant_band(&self, memory: &Memory<S>) -> bool {
-        self.scheme.is_linear && matches!(memory.linear, Some(Linear::Band(_)))
+    #[inline(always)]
+    fn has_constant_band(self, scratch: &Scratch<'_, S>) -> bool {
+        self.scheme.is_linear && matches!(scratch.linear, Some(Linear::Band(_)))
     }
 
     /// Takes the correction of the fixed point, or Newton's.
-    fn take(&self, memory: &mut Memory<S>, iteration: &mut IterationState) -> Result<Taken, StepFailure> {
-        let is_constant = self.has_constant_band(memory);
-        let Memory { work, linear, factored, .. } = memory;
-        std::mem::swap(&mut work.correction, &mut work.previous);
-        self.residual(work);
+    #[inline(always)]
+    fn take(
+        self,
+        scratch: &mut Scratch<'_, S>,
+        iteration: &mut IterationState,
+    ) -> Result<Taken, StepFailure> {
+        scratch.lists.previous.copy_from_slice(scratch.lists.correction);
+        self.residual(&mut scratch.lists);
         let is_fresh = iteration.is_newton && iteration.is_stale;
         let mut stretch = 1.0;
         if iteration.is_newton {
-            let Some(linear) = linear else { return Err(astray(iteration.iterations, iteration.last)) };
-            if is_fresh {
-                *factored = None;
-                self.linearise(work, linear)?;
-                *factored = is_constant.then_some(self.h);
-            }
+            let Some(linear) = &scratch.linear else {
+                return Err(astray(iteration.iterations, iteration.last));
+            };
             iteration.is_stale = iteration.pinned == Iteration::Newton || matches!(linear, Linear::Krylov(_));
-            let before = largest(&work.correction);
-            self.correct(work, linear, FORCING)?;
-            stretch = before / largest(&work.correction);
+            stretch = self.correct_by_newton(scratch.lend(), is_fresh)?;
         }
-        let relative = subtract(&mut work.x, &work.correction);
+        let relative = subtract(scratch.lists.x, scratch.lists.correction);
         if relative.is_nan() {
             // A fixed point that diverges overflows in the end.
             let (iterations, correction) = (iteration.iterations, iteration.last);
@@ -265,13 +279,32 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         Ok(Taken { relative, stretch, is_fresh })
     }
 
+    /// Makes the correction of the fixed point Newton's, with new factors where the old ones are stale; how much shorter
+    /// it is.
+    #[inline(never)]
+    fn correct_by_newton(self, scratch: Scratch<'_, S>, is_stale: bool) -> Result<f64, StepFailure> {
+        let is_constant = self.has_constant_band(&scratch);
+        let Scratch { mut lists, diagonal, linear: Some(linear), factored, .. } = scratch else {
+            return Err(StepFailure::NonFinite);
+        };
+        if is_stale {
+            *factored = None;
+            self.linearise(&lists, diagonal, linear)?;
+            *factored = is_constant.then_some(self.h);
+        }
+        let before = largest(lists.correction);
+        self.correct(&mut lists, diagonal, linear, FORCING)?;
+        Ok(before / largest(lists.correction))
+    }
+
     /// Whether no more corrections are needed; else how the next one is to be made.
     ///
     /// # Errors
     /// If the solution is not near.
+    #[inline(always)]
     fn is_solved(
-        &self,
-        memory: &mut Memory<S>,
+        self,
+        scratch: &mut Scratch<'_, S>,
         iteration: &mut IterationState,
         taken: &Taken,
     ) -> Result<bool, StepFailure> {
@@ -280,7 +313,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let ratio = relative / last;
         let predicts = last < f64::INFINITY && ratio < 0.5;
         let is_enough = relative <= ROUNDING || (predicts && relative * ratio <= 0.25 * ROUNDING);
-        if is_enough && self.resolves(&memory.work, if predicts { ratio } else { 1.0 }) {
+        if is_enough && self.resolves(scratch, if predicts { ratio } else { 1.0 }) {
             return Ok(true);
         }
         // A guess claims to be near the solution.
@@ -291,8 +324,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let is_final = is_newton || pinned == Iteration::FixedPoint || relative <= NEARLY_SOLVED;
         let mut settles = false;
         if stagnates && is_final && !is_misled {
-            let beyond = self.beyond_rounding(memory);
-            if beyond == 0.0 && !self.varies(memory, iteration) {
+            let beyond = self.beyond_rounding(scratch.lists.lend(), scratch.rounding);
+            if beyond == 0.0 && !varies(scratch, iteration) {
                 return Ok(true);
             }
             // What is rounding may have been the larger part of the correction before.
@@ -314,7 +347,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         if is_slow && !settles && is_worth && pinned == Iteration::Automatic {
             // Old factors, or none, do not contract.
             if !is_newton && stagnates {
-                memory.guess(known);
+                scratch.guess(known);
                 iteration.last = f64::INFINITY;
             }
             (iteration.is_newton, iteration.is_stale, iteration.is_beyond) = (true, true, false);
@@ -322,17 +355,11 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         Ok(false)
     }
 
-    /// Whether derivatives that the unknowns carry, which converge after them, still do.
-    fn varies(&self, memory: &Memory<S>, iteration: &mut IterationState) -> bool {
-        let variation = self.variation(&memory.work);
-        let before = std::mem::replace(&mut iteration.variation, variation);
-        size_of::<S>() != size_of::<f64>() && variation < 0.5 * before
-    }
-
     /// Whether what is left of each correction, by the contraction of all and of its own unknown, is below the rounding of
     /// the state that it changes.
-    fn resolves(&self, work: &Work<S>, ratio: f64) -> bool {
-        let Work { x, correction, previous, .. } = work;
+    #[inline(always)]
+    fn resolves(self, scratch: &Scratch<'_, S>, ratio: f64) -> bool {
+        let Lists { x, correction, previous, .. } = &scratch.lists;
         if self.scheme.unknowns == Unknowns::Both {
             let state = self.q.iter().zip(self.p).map(|(&q, &p)| [q, p]);
             Corrected::<S, 2>::of(x, correction, previous).0.are_small(state, ratio)
@@ -345,4 +372,11 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                     .are_small(rest.iter().map(|&p| [p]), ratio)
         }
     }
+}
+
+/// Whether derivatives that the unknowns carry, which converge after them, still do.
+fn varies<S: Scalar>(scratch: &Scratch<'_, S>, iteration: &mut IterationState) -> bool {
+    let variation = variation(scratch.lists.x, scratch.lists.correction);
+    let before = std::mem::replace(&mut iteration.variation, variation);
+    size_of::<S>() != size_of::<f64>() && variation < 0.5 * before
 }

@@ -1,6 +1,6 @@
 //! The Jacobian `I - φ'` of a step, entry by entry: into a band, into products with it, or as the pattern alone.
 
-use super::memory::{Staged, Work};
+use super::memory::{Lists, Work};
 use super::step::Step;
 use super::{Curvature, Elements, Scheme, Slopes, Stage, Unknowns};
 use crate::error::StepFailure;
@@ -54,57 +54,64 @@ impl<S: Scalar> Entries<S> for OnDiagonal<'_, S> {
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// The Jacobian at the current stages, factored if it is a band.
-    pub(super) fn linearise(&self, work: &mut Work<S>, linear: &mut Linear<S>) -> Result<(), StepFailure> {
+    pub(super) fn linearise(
+        &self,
+        lists: &Lists<'_, S>,
+        diagonal: &mut [S],
+        linear: &mut Linear<S>,
+    ) -> Result<(), StepFailure> {
         if self.scheme.unknowns == Unknowns::Momenta {
-            work.diagonal.fill(S::from_f64(0.0));
+            diagonal.fill(S::from_f64(0.0));
             let free = if self.increment.is_some() { &[] } else { self.scheme.stages };
             for stage in free {
-                let into = &mut Velocities(&mut work.diagonal);
-                self.curvature(stage, self.q, &work.momentum, Slopes::BY_MOMENTA, into);
+                let into = &mut Velocities(diagonal);
+                self.curvature(stage, self.q, lists.momentum, Slopes::BY_MOMENTA, into);
             }
         }
         match linear {
             Linear::Band(band) => {
                 band.reset();
-                self.entries(work, band);
+                self.entries(lists, diagonal, band);
                 band.factor()
             }
             Linear::Krylov(krylov) => {
                 krylov.diagonal.fill(S::from_f64(1.0));
-                self.entries(work, &mut OnDiagonal(&mut krylov.diagonal));
+                self.entries(lists, diagonal, &mut OnDiagonal(&mut krylov.diagonal));
                 Ok(())
             }
         }
     }
 
-    /// `work.correction` becomes `J⁻¹` of itself, up to `tolerance` where that takes an iteration.
+    /// The correction becomes `J⁻¹` of itself, up to `tolerance` where that takes an iteration.
     pub(super) fn correct(
         &self,
-        work: &mut Work<S>,
+        lists: &mut Lists<'_, S>,
+        diagonal: &[S],
         linear: &mut Linear<S>,
         tolerance: f64,
     ) -> Result<(), StepFailure> {
         match linear {
             Linear::Band(band) => {
-                band.solve(&mut work.correction);
+                band.solve(lists.correction);
                 Ok(())
             }
             Linear::Krylov(krylov) => {
-                let mut correction = std::mem::take(&mut work.correction);
-                let solved = krylov.solve(&mut correction, tolerance, |x, y| {
+                let correction = std::mem::take(&mut lists.correction);
+                let solved = krylov.solve(correction, tolerance, |x, y| {
                     y.copy_from_slice(x);
-                    self.entries(work, &mut Product { x, y });
+                    self.entries(lists, diagonal, &mut Product { x, y });
                 });
-                work.correction = correction;
+                lists.correction = correction;
                 solved
             }
         }
     }
 
     /// `-φ'` at the current stages.
-    fn entries(&self, work: &Work<S>, into: &mut impl Entries<S>) {
-        let Work { stages, momentum, diagonal, .. } = work;
-        for (stage, Staged { q, .. }) in self.scheme.stages.iter().zip(stages) {
+    fn entries(&self, lists: &Lists<'_, S>, diagonal: &[S], into: &mut impl Entries<S>) {
+        let Lists { stages, momentum, .. } = lists;
+        for (s, stage) in self.scheme.stages.iter().enumerate() {
+            let (q, _) = stages.at(s);
             match self.scheme.unknowns {
                 Unknowns::Both => {
                     self.curvature(stage, q, momentum, Slopes::ALL, &mut Coupled { matrix: into, stage });
@@ -136,7 +143,8 @@ pub(super) fn pattern<H: Elements>(
     }
     let (zeros, dw) = (vec![0.0; degrees], vec![0.0; system.noises()]);
     let step = Step { system, scheme, t: 0.0, h: 1.0, q: &zeros, p: &zeros, dw: &dw, increment: None };
-    step.entries(&Work::of_solution(scheme, degrees), &mut Places(visit));
+    let (mut work, diagonal) = (Work::new(scheme, degrees), vec![0.0; scheme.unknowns.diagonals(degrees)]);
+    step.entries(&work.lists(scheme, degrees), &diagonal, &mut Places(visit));
 }
 
 /// `∂u/∂v`, which the choice of unknowns has shown to be diagonal where it is needed.

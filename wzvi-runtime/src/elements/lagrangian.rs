@@ -131,5 +131,5 @@ fn momentum_increment<H: Elements>(
     memory.fit(system, scheme, q.len()).ok()?;
     let step = Step { system, scheme, t: before.t, h, q, p, dw, increment: Some(&u) };
     step.careful(&mut memory).ok()?;
-    Some(memory.work.x)
+    Some(memory.work.lists(scheme, q.len()).x.to_vec())
 }

@@ -25,8 +25,12 @@ const SPARSE: usize = 64;
 /// Vectors of one step, unknowns of the steps before, and the matrix.
 pub struct Memory<S> {
     pub(super) degrees: usize,
+    /// How many unknowns are remembered of each step.
+    remembered: usize,
     pub(super) iteration: Iteration,
     pub(super) work: Work<S>,
+    /// `∂u/∂v` where that is diagonal.
+    pub(super) diagonal: Vec<S>,
     /// Unknowns of past steps, the latest first.
     pub(super) past: [Vec<S>; 3],
     pub(super) known: u8,
@@ -38,74 +42,140 @@ pub struct Memory<S> {
     pub(super) rounding: Option<Box<Rounding>>,
 }
 
-/// Scratch of one step.
+/// Scratch for the equations of one step: one list, because only of parts of one can be seen that they do not overlap.
 #[derive(Debug)]
-pub(super) struct Work<S> {
-    pub(super) x: Vec<S>,
-    pub(super) correction: Vec<S>,
+pub(super) struct Work<S>(Vec<S>);
+
+/// The parts of a [`Work`], as long as what is known of the system says: loops over several of them check nothing.
+pub(super) struct Lists<'a, S> {
+    pub(super) x: &'a mut [S],
+    pub(super) correction: &'a mut [S],
     /// The correction before.
-    pub(super) previous: Vec<S>,
-    pub(super) u: Vec<S>,
-    pub(super) momentum: Vec<S>,
-    pub(super) stages: Vec<Staged<S>>,
-    pub(super) by_p: Vec<S>,
-    /// `∂u/∂v` where that is diagonal.
-    pub(super) diagonal: Vec<S>,
+    pub(super) previous: &'a mut [S],
+    pub(super) u: &'a mut [S],
+    pub(super) momentum: &'a mut [S],
+    pub(super) by_p: &'a mut [S],
+    pub(super) stages: Stages<'a, S>,
 }
 
-/// The coordinates of a stage, and the slopes by them.
-#[derive(Clone, Debug)]
-pub(super) struct Staged<S> {
-    pub(super) q: Vec<S>,
-    pub(super) by_q: Vec<S>,
+/// The coordinates of each stage, and the slopes by them.
+pub(super) struct Stages<'a, S> {
+    numbers: &'a mut [S],
+    degrees: usize,
 }
 
 impl<S> Default for Work<S> {
     fn default() -> Self {
-        Self {
-            x: Vec::new(),
-            correction: Vec::new(),
-            previous: Vec::new(),
-            u: Vec::new(),
-            momentum: Vec::new(),
-            stages: Vec::new(),
-            by_p: Vec::new(),
-            diagonal: Vec::new(),
-        }
+        Self(Vec::new())
     }
 }
 
 impl<S: Scalar> Work<S> {
-    /// Scratch for the equations of a step of a system of so many degrees of freedom.
-    pub(super) fn of_equations(scheme: &Scheme, degrees: usize) -> Self {
+    /// Scratch for a system of so many degrees of freedom.
+    pub(super) fn new(scheme: &Scheme, degrees: usize) -> Self {
         debug_assert!(!scheme.stages.is_empty(), "a discrete Lagrangian has a quadrature point");
-        let zeros = |length: usize| vec![S::from_f64(0.0); length];
-        let unknowns = match scheme.unknowns {
-            Unknowns::None => 0,
-            Unknowns::Momenta => degrees,
-            Unknowns::Both => 2 * degrees,
-        };
-        let staged = Staged { q: zeros(degrees), by_q: zeros(degrees) };
-        Self {
-            x: zeros(unknowns),
-            correction: zeros(unknowns),
-            previous: Vec::new(),
-            u: zeros(degrees),
-            momentum: zeros(degrees),
-            stages: vec![staged; scheme.stages.len()],
-            by_p: zeros(degrees),
-            diagonal: Vec::new(),
-        }
+        Self(vec![S::from_f64(0.0); Self::length(scheme, degrees)])
     }
 
-    /// Scratch for their solution.
-    pub(super) fn of_solution(scheme: &Scheme, degrees: usize) -> Self {
-        let mut work = Self::of_equations(scheme, degrees);
-        work.previous.clone_from(&work.correction);
-        if scheme.unknowns == Unknowns::Momenta {
-            work.diagonal.clone_from(&work.u);
+    #[inline(always)]
+    fn length(scheme: &Scheme, degrees: usize) -> usize {
+        3 * scheme.unknowns.count(degrees) + (3 + 2 * scheme.stages.len()) * degrees
+    }
+
+    /// Whether it was made for such a system.
+    pub(super) fn fits(&self, scheme: &Scheme, degrees: usize) -> bool {
+        self.0.len() == Self::length(scheme, degrees)
+    }
+
+    /// Its parts for the scheme and the degrees of freedom that it was made for.
+    #[inline(always)]
+    pub(super) fn lists(&mut self, scheme: &Scheme, degrees: usize) -> Lists<'_, S> {
+        let unknowns = scheme.unknowns.count(degrees);
+        let numbers = &mut self.0[..Self::length(scheme, degrees)];
+        let (x, numbers) = numbers.split_at_mut(unknowns);
+        let (correction, numbers) = numbers.split_at_mut(unknowns);
+        let (previous, numbers) = numbers.split_at_mut(unknowns);
+        let (u, numbers) = numbers.split_at_mut(degrees);
+        let (momentum, numbers) = numbers.split_at_mut(degrees);
+        let (by_p, numbers) = numbers.split_at_mut(degrees);
+        Lists { x, correction, previous, u, momentum, by_p, stages: Stages { numbers, degrees } }
+    }
+}
+
+impl<S> Lists<'_, S> {
+    /// The same for a function of its own: what it is given the address of does not stay in registers.
+    #[inline(always)]
+    pub(super) fn lend(&mut self) -> Lists<'_, S> {
+        let Self { x, correction, previous, u, momentum, by_p, stages } = self;
+        let stages = Stages { numbers: stages.numbers, degrees: stages.degrees };
+        Lists { x, correction, previous, u, momentum, by_p, stages }
+    }
+}
+
+impl<S> Stages<'_, S> {
+    /// The coordinates of a stage, and the slopes by them.
+    #[inline(always)]
+    pub(super) fn at(&self, stage: usize) -> (&[S], &[S]) {
+        self.numbers[2 * self.degrees * stage..][..2 * self.degrees].split_at(self.degrees)
+    }
+
+    /// The same, to be written.
+    #[inline(always)]
+    pub(super) fn at_mut(&mut self, stage: usize) -> (&mut [S], &mut [S]) {
+        self.numbers[2 * self.degrees * stage..][..2 * self.degrees].split_at_mut(self.degrees)
+    }
+}
+
+/// What the solution of a step reads and writes of its [`Memory`].
+pub(super) struct Scratch<'a, S> {
+    pub(super) lists: Lists<'a, S>,
+    pub(super) diagonal: &'a mut [S],
+    pub(super) past: &'a [Vec<S>; 3],
+    pub(super) known: u8,
+    pub(super) iteration: Iteration,
+    pub(super) prefers_newton: bool,
+    pub(super) linear: &'a mut Option<Linear<S>>,
+    pub(super) factored: &'a mut Option<f64>,
+    pub(super) rounding: &'a mut Option<Box<Rounding>>,
+}
+
+impl<S: Scalar> Memory<S> {
+    /// For the scheme and the degrees of freedom that it was made for.
+    #[inline(always)]
+    pub(super) fn scratch(&mut self, scheme: &Scheme, degrees: usize) -> Scratch<'_, S> {
+        let Self { iteration, work, diagonal, past, known, .. } = self;
+        let Self { prefers_newton, linear, factored, rounding, .. } = self;
+        Scratch {
+            lists: work.lists(scheme, degrees),
+            diagonal,
+            past,
+            known: *known,
+            iteration: *iteration,
+            prefers_newton: *prefers_newton,
+            linear,
+            factored,
+            rounding,
         }
-        work
+    }
+}
+
+impl<S> Scratch<'_, S> {
+    /// As [`Lists::lend`].
+    #[inline(always)]
+    pub(super) fn lend(&mut self) -> Scratch<'_, S> {
+        let Self { lists, diagonal, past, known, iteration, prefers_newton, linear, factored, rounding } =
+            self;
+        Scratch {
+            lists: lists.lend(),
+            diagonal,
+            past,
+            known: *known,
+            iteration: *iteration,
+            prefers_newton: *prefers_newton,
+            linear,
+            factored,
+            rounding,
+        }
     }
 }
 
@@ -113,8 +183,10 @@ impl<S> Default for Memory<S> {
     fn default() -> Self {
         Self {
             degrees: 0,
+            remembered: 0,
             iteration: Iteration::default(),
             work: Work::default(),
+            diagonal: Vec::new(),
             past: [Vec::new(), Vec::new(), Vec::new()],
             known: 0,
             prefers_newton: false,
@@ -134,7 +206,9 @@ impl<S: Scalar> std::fmt::Debug for Memory<S> {
             past,
             known,
             prefers_newton,
+            remembered: _,
             work: _,
+            diagonal: _,
             linear: _,
             factored: _,
             rounding: _,
@@ -199,12 +273,12 @@ impl<S: Scalar> StepMemory for Memory<S> {
     fn adopt(&mut self, left: Self) {
         (self.past, self.known, self.prefers_newton) = (left.past, left.known, left.prefers_newton);
         if self.degrees == 0 {
-            (self.degrees, self.work, self.linear) = (left.degrees, left.work, left.linear);
-            self.factored = left.factored;
+            (self.degrees, self.remembered) = (left.degrees, left.remembered);
+            (self.work, self.linear) = (left.work, left.linear);
+            (self.diagonal, self.factored) = (left.diagonal, left.factored);
         }
-        let unknowns = self.work.x.len();
-        if self.known == 0 && self.past[0].len() != unknowns {
-            self.past.iter_mut().for_each(|past| past.resize(unknowns, S::from_f64(0.0)));
+        if self.known == 0 && self.past[0].len() != self.remembered {
+            self.past.iter_mut().for_each(|past| past.resize(self.remembered, S::from_f64(0.0)));
         }
     }
 
@@ -229,7 +303,16 @@ impl<S: Scalar> Memory<S> {
         memory
     }
 
+    /// Whether there is room for a state of so many degrees of freedom, which was checked then.
+    #[inline(always)]
+    pub(super) fn fits<H: Elements>(&self, system: &H, degrees: usize) -> bool {
+        let known = system.degrees();
+        self.degrees == degrees && degrees != 0 && (known == 0 || known == degrees)
+    }
+
     /// Makes room for `degrees`, after checking that the indices of the system fit.
+    #[cold]
+    #[inline(never)]
     pub(super) fn fit<H: Elements>(
         &mut self,
         system: &H,
@@ -242,11 +325,13 @@ impl<S: Scalar> Memory<S> {
     }
 
     fn allocate<H: Elements>(&mut self, system: &H, scheme: &Scheme, degrees: usize) {
-        self.work = Work::of_solution(scheme, degrees);
+        self.work = Work::new(scheme, degrees);
+        self.diagonal = vec![S::from_f64(0.0); scheme.unknowns.diagonals(degrees)];
         self.rounding = None;
-        let unknowns = self.work.x.len();
+        let unknowns = scheme.unknowns.count(degrees);
         let is_implicit = scheme.unknowns != Unknowns::None;
         let remembered = if scheme.remembers { unknowns } else { 0 };
+        self.remembered = remembered;
         // A copy comes with its past.
         if self.past[0].len() != remembered {
             let past = || vec![S::from_f64(0.0); remembered];

@@ -3,15 +3,18 @@
 use crate::scalar::{Mask, Scalar};
 
 /// `x -= correction`, and the largest correction against the largest unknown; NaN if any part is.
+#[inline(always)]
 pub(super) fn subtract<S: Scalar>(x: &mut [S], correction: &[S]) -> f64 {
     let (mut size, mut change) = (Largest::default(), Largest::default());
     let (chunks, rest) = x.as_chunks_mut::<LANES>();
     let (corrections, other) = correction.as_chunks::<LANES>();
     for (x, c) in chunks.iter_mut().zip(corrections) {
-        *x = std::array::from_fn(|lane| x[lane] - c[lane]);
+        let (old, c) = (*x, *c);
+        let new = std::array::from_fn(|lane| old[lane] - c[lane]);
+        *x = new;
         // What is not finite here comes from the correction, or shows in the new state.
-        size.take_finite(x);
-        change.take(c);
+        size.take_finite(&new);
+        change.take(&c);
     }
     for (x, &c) in rest.iter_mut().zip(other) {
         *x = *x - c;
@@ -26,6 +29,7 @@ pub(super) fn relative_to_largest<S: Scalar>(change: f64, x: &[S]) -> f64 {
     change.relative_to(largest(x))
 }
 
+#[inline(always)]
 fn relate<S: Scalar>(x: &[S], correction: &[S], size: f64, change: f64) -> f64 {
     if !change.is_finite() {
         return f64::NAN;
@@ -74,12 +78,17 @@ impl Largest {
     }
 
     /// NaN if any was NaN or infinite.
+    #[inline(always)]
     fn get(self) -> f64 {
-        self.most.into_iter().fold(0.0, f64::max) + self.poison.into_iter().sum::<f64>()
+        let [a, b, c, d] = self.most;
+        let larger = |a: f64, b: f64| if a > b { a } else { b };
+        let [e, f, g, h] = self.poison;
+        larger(larger(a, b), larger(c, d)) + ((e + f) + (g + h))
     }
 }
 
 /// The largest magnitude; NaN if any is not finite.
+#[inline(always)]
 pub(super) fn largest<S: Scalar>(x: &[S]) -> f64 {
     let mut largest = Largest::default();
     let (chunks, rest) = x.as_chunks::<LANES>();
@@ -89,29 +98,38 @@ pub(super) fn largest<S: Scalar>(x: &[S]) -> f64 {
 }
 
 /// `sums += base`, and whether every part of every sum is finite.
+#[inline(always)]
 pub(super) fn add<S: Scalar>(sums: &mut [S], base: &[S]) -> bool {
-    let mut poison = [S::from_f64(0.0); LANES];
+    let mut zeros = [S::from_f64(0.0); LANES];
     let (chunks, rest) = sums.as_chunks_mut::<LANES>();
     let (bases, other) = base.as_chunks::<LANES>();
     for (sum, base) in chunks.iter_mut().zip(bases) {
-        *sum = std::array::from_fn(|lane| base[lane] + sum[lane]);
-        poison = std::array::from_fn(|lane| poison[lane] + sum[lane] * 0.0);
+        let new = std::array::from_fn(|lane| base[lane] + sum[lane]);
+        *sum = new;
+        zeros = std::array::from_fn(|lane| zeros[lane] + new[lane] * 0.0);
     }
     for (sum, &base) in rest.iter_mut().zip(other) {
         *sum = base + *sum;
     }
-    poison.iter().chain(&*rest).all(|number| number.is_finite().all())
+    are_zero(zeros, rest)
 }
 
 /// Whether every part of every number is finite.
 #[inline(always)]
 pub(crate) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
-    let mut poison = [S::from_f64(0.0); LANES];
+    let mut zeros = [S::from_f64(0.0); LANES];
     let (chunks, rest) = numbers.as_chunks::<LANES>();
     for chunk in chunks {
-        poison = std::array::from_fn(|lane| poison[lane] + chunk[lane] * 0.0);
+        zeros = std::array::from_fn(|lane| zeros[lane] + chunk[lane] * 0.0);
     }
-    poison.iter().chain(rest).all(|number| number.is_finite().all())
+    are_zero(zeros, rest)
+}
+
+/// Whether sums of products with zero are zero, and the rest finite: what is not finite times zero is NaN.
+#[inline(always)]
+fn are_zero<S: Scalar>([a, b, c, d]: [S; LANES], rest: &[S]) -> bool {
+    let zero = rest.iter().fold((a + b) + (c + d), |zero, &number| zero + number * 0.0);
+    zero.is_finite().all()
 }
 
 /// Unknowns, their corrections, the corrections before, and what the unknowns are increments of.
@@ -123,6 +141,7 @@ pub(super) struct Corrected<'a, S, const N: usize> {
 
 impl<'a, S: Scalar, const N: usize> Corrected<'a, S, N> {
     /// In groups of `N`, and the rest of them.
+    #[inline(always)]
     pub(super) fn of(x: &'a [S], correction: &'a [S], previous: &'a [S]) -> (Self, [&'a [S]; 3]) {
         let ((x, a), (correction, b), (previous, c)) =
             (x.as_chunks(), correction.as_chunks(), previous.as_chunks());

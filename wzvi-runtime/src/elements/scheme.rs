@@ -12,6 +12,27 @@ pub enum Unknowns {
     Both,
 }
 
+impl Unknowns {
+    /// How many there are.
+    #[inline(always)]
+    pub(super) fn count(self, degrees: usize) -> usize {
+        match self {
+            Self::None => 0,
+            Self::Momenta => degrees,
+            Self::Both => 2 * degrees,
+        }
+    }
+
+    /// Numbers of `∂u/∂v`, which is diagonal where `u` follows from `v`.
+    #[inline(always)]
+    pub(super) fn diagonals(self, degrees: usize) -> usize {
+        match self {
+            Self::Momenta => degrees,
+            Self::None | Self::Both => 0,
+        }
+    }
+}
+
 /// A quadrature point of the discrete Lagrangian, and the part of the step Hamiltonian that is evaluated there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stage {

@@ -1,7 +1,14 @@
 //! The discrete Euler-Lagrange equations of one step, `D_1 L_d`, `D_2 L_d` and `∂L_d/∂P` at trial values of the unknowns.
+//!
+//! All of it is inlined into the step of one system by one scheme, where the table of the scheme, and often the number of
+//! degrees of freedom, are constants: no loop over stages or parts, and no check of a length, is left. Where neither speed nor
+//! allocation counts it is compiled once for all schemes.
 
-use super::memory::{Staged, Work};
+use super::memory::Lists;
+use super::passes::{add, are_finite};
 use super::{Curvature, Elements, MomentumUpdate, Point, Scheme, Slopes, Stage, Unknowns};
+use crate::carry::Carry;
+use crate::error::StepFailure;
 use crate::scalar::Scalar;
 
 /// The givens of one step.
@@ -17,18 +24,65 @@ pub(super) struct Step<'a, H, S> {
     pub(super) increment: Option<&'a [S]>,
 }
 
+impl<H, S> Clone for Step<'_, H, S> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<H, S> Copy for Step<'_, H, S> {}
+
+impl<'a, H: Elements, S: Scalar> Step<'a, H, S> {
+    /// From a state whose coordinates fit the system.
+    ///
+    /// # Errors
+    /// [`StepFailure::Dimension`] or [`StepFailure::Increments`] if the others do not.
+    #[inline(always)]
+    pub(super) fn new(
+        system: &'a H,
+        scheme: &'a Scheme,
+        t: f64,
+        h: f64,
+        q: &'a [S],
+        p: &'a [S],
+        dw: &'a [S],
+    ) -> Result<Self, StepFailure> {
+        let degrees = match system.degrees() {
+            0 => q.len(),
+            known => known,
+        };
+        if p.len() != degrees {
+            return Err(StepFailure::Dimension { expected: degrees, got: p.len() });
+        }
+        if dw.len() != system.noises() {
+            return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
+        }
+        // Lengths that are constants.
+        let (q, p) = (&q[..degrees], &p[..degrees]);
+        Ok(Self { system, scheme, t, h, q, p, dw, increment: None })
+    }
+
+    /// The degrees of freedom.
+    #[inline(always)]
+    pub(super) fn degrees(&self) -> usize {
+        self.q.len()
+    }
+}
+
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// `u` and `P` at the solution.
-    pub(super) fn refresh(&self, work: &mut Work<S>) {
-        let Work { x, u, momentum, by_p, .. } = work;
+    #[inline(always)]
+    pub(super) fn refresh(&self, lists: &mut Lists<'_, S>) {
+        let Lists { x, u, momentum, by_p, .. } = lists;
         if self.scheme.unknowns == Unknowns::Both {
             let unknowns = x.as_chunks().0;
-            let known = momentum.iter_mut().zip(u).zip(self.p.iter().zip(unknowns));
+            let known = momentum.iter_mut().zip(&mut **u).zip(self.p.iter().zip(unknowns));
             for ((momentum, u), (&p, &[x_u, x_v])) in known {
                 (*u, *momentum) = (x_u, p + x_v);
             }
         } else {
-            for ((momentum, u), (&p, &x)) in momentum.iter_mut().zip(&mut *u).zip(self.p.iter().zip(&*x)) {
+            for ((momentum, u), (&p, &x)) in momentum.iter_mut().zip(&mut **u).zip(self.p.iter().zip(&**x)) {
                 (*u, *momentum) = (S::from_f64(0.0), p + x);
             }
             match self.increment {
@@ -40,20 +94,22 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 
     /// `φ` at `x`, for the scheme's unknowns, as the correction `x - φ(x)`, which is `(∂L_d/∂P, -D_1 L_d - p_i)` or the
     /// second of them; leaves `u`, `P`, the stages and slopes.
-    pub(super) fn residual(&self, work: &mut Work<S>) {
-        self.refresh(work);
-        let Work { x, correction, u, momentum, stages, by_p, .. } = work;
+    #[inline(always)]
+    pub(super) fn residual(&self, lists: &mut Lists<'_, S>) {
+        self.refresh(lists);
+        let Lists { x, correction, u, momentum, by_p, stages, .. } = lists;
         let is_both = self.scheme.unknowns == Unknowns::Both;
         if is_both {
             by_p.fill(S::from_f64(0.0));
         }
         let wanted = if is_both { Slopes::ALL } else { Slopes::BY_COORDINATES };
-        for (stage, Staged { q, by_q }) in self.scheme.stages.iter().zip(&mut *stages) {
+        for (s, stage) in self.scheme.stages.iter().enumerate() {
+            let (q, by_q) = stages.at_mut(s);
             self.place(stage, q, by_q, u);
             self.slopes(stage, q, momentum, wanted, by_q, by_p);
         }
-        for (s, (stage, Staged { by_q, .. })) in self.scheme.stages.iter().zip(&*stages).enumerate() {
-            let weight = stage.start;
+        for (s, stage) in self.scheme.stages.iter().enumerate() {
+            let (weight, (_, by_q)) = (stage.start, stages.at(s));
             match (is_both, s) {
                 (true, 0) => {
                     let unknowns = correction.as_chunks_mut().0.iter_mut().zip(x.as_chunks().0);
@@ -81,6 +137,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// `Q = q_i + c u`, and room for the slopes there.
+    #[inline(always)]
     fn place(&self, stage: &Stage, q: &mut [S], by_q: &mut [S], u: &[S]) {
         for ((point, slope), (&q, &u)) in q.iter_mut().zip(by_q).zip(self.q.iter().zip(u)) {
             *point = q + u * stage.point;
@@ -90,14 +147,24 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 
     /// Adds to `u` what follows from `P`, where that does not read `u` itself: elements that read coordinates and momenta
     /// are at the node `q_i` then, by the choice of unknowns. What else these add goes to `by_q`.
-    fn velocities(&self, momentum: &[S], by_q: &mut [S], u: &mut [S]) {
+    #[inline(always)]
+    pub(super) fn velocities(&self, momentum: &[S], by_q: &mut [S], u: &mut [S]) {
         for stage in self.scheme.stages {
             self.slopes(stage, self.q, momentum, Slopes::BY_MOMENTA, by_q, u);
         }
     }
 
     /// Adds the slopes of the parts at a stage.
-    fn slopes(&self, stage: &Stage, q: &[S], p: &[S], wanted: Slopes, by_q: &mut [S], by_p: &mut [S]) {
+    #[inline(always)]
+    pub(super) fn slopes(
+        &self,
+        stage: &Stage,
+        q: &[S],
+        p: &[S],
+        wanted: Slopes,
+        by_q: &mut [S],
+        by_p: &mut [S],
+    ) {
         let at = self.at(stage, q, p);
         for &(part, weight) in stage.parts {
             self.system.slopes(part, weight, &at, wanted, by_q, by_p);
@@ -105,6 +172,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// Adds the second derivatives of the parts at a stage.
+    #[inline(always)]
     pub(super) fn curvature(
         &self,
         stage: &Stage,
@@ -119,33 +187,19 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
+    #[inline(always)]
     fn at<'b>(&'b self, stage: &Stage, q: &'b [S], p: &'b [S]) -> Point<'b, S> {
         let (t, acting) = (self.t + stage.point * self.h, 0..self.dw.len());
         Point { q, p, t, h: self.h, dw: self.dw, acting }
     }
 
-    /// `P` from the slopes that `D_1 L_d` has, all of them at `q_i`, then `u`.
-    pub(super) fn explicit(&self, work: &mut Work<S>) {
-        let Work { u, momentum, stages, by_p, .. } = work;
-        let Some(Staged { by_q, .. }) = stages.first_mut() else { return };
-        let zero = S::from_f64(0.0);
-        by_q.fill(zero);
-        u.fill(zero);
-        for stage in self.scheme.stages.iter().filter(|stage| stage.start != 0.0) {
-            self.slopes(stage, self.q, self.p, Slopes::BY_COORDINATES, by_q, by_p);
-        }
-        for (momentum, (&p, &force)) in momentum.iter_mut().zip(self.p.iter().zip(&*by_q)) {
-            *momentum = p - force;
-        }
-        self.velocities(momentum, by_p, u);
-    }
-
     /// `p_{i+1} - p_i` into `by_p`.
-    pub(super) fn finish(&self, work: &mut Work<S>) {
-        let Work { x, u, momentum, stages, by_p: dp, correction, .. } = work;
+    #[inline(always)]
+    pub(super) fn finish(&self, lists: &mut Lists<'_, S>) {
+        let Lists { x, u, momentum, by_p: dp, stages, correction, .. } = lists;
         match self.scheme.unknowns {
             Unknowns::None => {
-                let forces = stages.first().map_or(&[][..], |stage| &stage.by_q);
+                let (_, forces) = stages.at(0);
                 dp.iter_mut().zip(forces).for_each(|(dp, &force)| *dp = -force);
             }
             Unknowns::Momenta => dp.copy_from_slice(x),
@@ -155,8 +209,11 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             MomentumUpdate::Multiple(1.0) => {}
             MomentumUpdate::Multiple(factor) => dp.iter_mut().for_each(|dp| *dp = *dp * factor),
             MomentumUpdate::Slopes => {
-                let ends = self.scheme.stages.iter().zip(stages).filter(|(stage, _)| stage.end != 0.0);
-                for (stage, Staged { q, by_q }) in ends {
+                for (s, stage) in self.scheme.stages.iter().enumerate() {
+                    if stage.end == 0.0 {
+                        continue;
+                    }
+                    let (q, by_q) = stages.at_mut(s);
                     self.place(stage, q, by_q, u);
                     // Slopes with respect to momenta go where nobody looks.
                     self.slopes(stage, q, momentum, Slopes::BY_COORDINATES, by_q, correction);
@@ -164,5 +221,45 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 }
             }
         }
+    }
+}
+
+impl<S: Scalar> Lists<'_, S> {
+    /// Adds the increments of a step, `u` and `by_p`, to the state. Sums are made before anything is stored.
+    ///
+    /// # Errors
+    /// [`StepFailure::NonFinite`] if a sum is not finite.
+    #[inline(always)]
+    pub(super) fn store<C: Carry<S>>(
+        &mut self,
+        q: &mut [S],
+        p: &mut [S],
+        carry: &mut C,
+    ) -> Result<(), StepFailure> {
+        let Lists { u, by_p: dp, stages, .. } = self;
+        let degrees = u.len();
+        let (q, p) = (&mut q[..degrees], &mut p[..degrees]);
+        // What the sums lose takes the place of slopes and stages.
+        let (lost_q, lost_p) = stages.at_mut(0);
+        let is_finite = if C::CARRIES {
+            for (i, (u, (&q, lost))) in u.iter_mut().zip(q.iter().zip(&mut *lost_q)).enumerate() {
+                (*u, *lost) = C::add(q, *u, carry.of_coordinate(i));
+            }
+            for (i, (dp, (&p, lost))) in dp.iter_mut().zip(p.iter().zip(&mut *lost_p)).enumerate() {
+                (*dp, *lost) = C::add(p, *dp, carry.of_momentum(i));
+            }
+            are_finite(u) && are_finite(dp)
+        } else {
+            add(u, q) && add(dp, p)
+        };
+        if !is_finite {
+            return Err(StepFailure::NonFinite);
+        }
+        q.copy_from_slice(u);
+        p.copy_from_slice(dp);
+        if C::CARRIES {
+            carry.keep(lost_q, lost_p);
+        }
+        Ok(())
     }
 }

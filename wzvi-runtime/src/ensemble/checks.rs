@@ -12,6 +12,7 @@ use crate::error::{ConfigError, Error, UnknownName};
 use crate::increments::Interval;
 use crate::noise::StepNormals;
 use crate::options::Observables;
+use crate::span::Grid;
 use crate::state::Vector;
 use crate::system::Discretized;
 
@@ -48,7 +49,8 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
         if let Some(starts) = &starts {
             setup.span.start = starts.of(seed, 0);
         }
-        let (start, steps) = setup.span.checked::<H, E>(system, h)?;
+        let (start, grid) = setup.span.checked::<H, E>(system, h)?;
+        let steps = grid.steps;
         let listed = starts.as_ref().and_then(Starts::listed);
         let paths = setup.paths.or(listed).ok_or(ConfigError::Missing(PATHS))?;
         if paths == 0 {
@@ -57,7 +59,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
         if listed.is_some_and(|listed| listed < paths) {
             return Err(ConfigError::Missing(STARTS).into());
         }
-        let end = start.t + steps as f64 * h;
+        let end = grid.time(steps);
         if !end.is_finite() {
             return Err(ConfigError::End { start: start.t, end, h }.into());
         }
@@ -73,8 +75,13 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
         if has_pairs && paths % 2 == 1 {
             return Err(ConfigError::Setting(format!("{paths} antithetic paths: they come in pairs")).into());
         }
-        let span = (start.t, h, steps);
-        let recorded = setup.recorded.checked(0, span)?.all(steps, MOST_NODES)?;
+        let recorded = setup.recorded.checked(0, &grid)?;
+        if let Some(moment) = recorded.between.first() {
+            return Err(
+                ConfigError::Setting(format!("recorded at t = {}, which is no node", moment.t)).into()
+            );
+        }
+        let recorded = recorded.all(&grid, MOST_NODES)?;
         let observables = if setup.observables.is_empty() {
             standard(system, start.q.components().len())
         } else {
@@ -89,8 +96,8 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
             )
             .into());
         }
-        let times: Vec<f64> = recorded.iter().map(|&steps| start.t + steps as f64 * h).collect();
-        let watches = watches(event_names, span, end)?;
+        let times: Vec<f64> = recorded.iter().map(|recorded| recorded.t).collect();
+        let watches = watches(event_names, &grid)?;
         let wanted = setup.wanted.checked(names, times, watches, has_pairs, paths)?;
         Ok(Job {
             system,
@@ -99,6 +106,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
             start,
             starts,
             seed,
+            grid,
             paths,
             steps,
             recorded,
@@ -151,11 +159,8 @@ impl Extras {
 }
 
 /// The events, each with a histogram over the whole time.
-fn watches(
-    names: Vec<String>,
-    (start, h, steps): (f64, f64, u64),
-    end: f64,
-) -> Result<Vec<Watch>, ConfigError> {
+fn watches(names: Vec<String>, grid: &Grid) -> Result<Vec<Watch>, ConfigError> {
+    let (Grid { start, h, steps, .. }, end) = (*grid, grid.time(grid.steps));
     // Without a step there is no time to count.
     let [lower, upper] = if steps == 0 { [start, start + h.abs()] } else { [start.min(end), start.max(end)] };
     let watch = |name| Ok(Watch { name, start, end, histogram: Histogram::new(lower, upper, PASSAGE_BINS)? });

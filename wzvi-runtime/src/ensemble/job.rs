@@ -8,7 +8,9 @@ use super::starts::{self, STARTS, Starts};
 use super::statistics::Wanted;
 use crate::error::ConfigError;
 use crate::options::Observable;
+use crate::recording::Recorded;
 use crate::retry::Retry;
+use crate::span::Grid;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
 
@@ -22,10 +24,11 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     /// Those of all paths, if each has its own.
     pub(super) starts: Option<Starts<'a, H::Vector>>,
     pub(super) seed: u64,
+    pub(super) grid: Grid,
     pub(super) paths: u64,
     pub(super) steps: u64,
-    /// Steps before each recorded node: 0 first, all last.
-    pub(super) recorded: Vec<u64>,
+    /// The start first, the end last.
+    pub(super) recorded: Vec<Recorded>,
     pub(super) source: Source<'a>,
     pub(super) retry: Retry,
     pub(super) observables: Vec<Observable<'a, H::Vector>>,

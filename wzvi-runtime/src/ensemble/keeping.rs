@@ -72,9 +72,10 @@ impl BlockKeeper {
 /// What makes this run another than others.
 pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Described, Error> {
     let Wanted { names, quantiles, histograms, watches, keeps_paths, has_covariances, .. } = &job.wanted;
-    let listed = match job.recorded.len() {
-        0..=MOST_LISTED => format!("{:?}", job.recorded),
-        nodes => format!("{nodes} (checksum {})", checkpoint::checksum(&job.recorded)),
+    let nodes: Vec<u64> = job.recorded.iter().map(|recorded| recorded.node).collect();
+    let listed = match nodes.len() {
+        0..=MOST_LISTED => format!("{nodes:?}"),
+        count => format!("{count} (checksum {})", checkpoint::checksum(&nodes)),
     };
     let events: Vec<&str> = watches.iter().map(|watch| watch.name.as_str()).collect();
     let histograms: Vec<String> = histograms

@@ -46,7 +46,7 @@ use crate::plan::NoiseClass;
 use crate::progress::Progress;
 use crate::retry::Retry;
 use crate::schedule::in_order;
-use crate::span::{End, MOST_STEPS, Span};
+use crate::span::{End, Grid, MOST_STEPS, Span};
 use crate::state::State;
 use crate::system::{Discretized, Hamiltonian};
 
@@ -201,7 +201,8 @@ where
             return Err(ConfigError::StepSize(h).into());
         }
         let end = span.end;
-        let (start, steps) = span.checked::<H, E>(system, h)?;
+        let (start, grid) = span.checked::<H, E>(system, h)?;
+        let steps = grid.steps;
         check_end(end, start.t, h, steps)?;
         let seed = setup.seed.ok_or(ConfigError::Missing("a seed for its noise: add `.seed(number)`"))?;
         let (_, functions) = setup.observables.checked("observables")?;
@@ -372,6 +373,7 @@ where
             start: start.clone(),
             starts: None,
             seed: normals.seed_number().unwrap_or(0),
+            grid: Grid::of(start.t, h, steps),
             paths: u64::MAX,
             steps,
             recorded: Vec::new(),

@@ -166,7 +166,7 @@ impl<'g, 'j, 'a, H: Discretized<E>, E, const L: usize> Monitor<Group<'g, 'a, H, 
 
     #[inline(always)]
     fn next(&self, _group: &Group<'g, 'a, H, E, L>, node: u64) -> u64 {
-        let recorded = self.job.recorded.get(self.next).copied().unwrap_or(u64::MAX);
+        let recorded = self.job.recorded.get(self.next).map_or(u64::MAX, |recorded| recorded.node);
         let watched = if self.job.events.is_empty() { u64::MAX } else { node + 1 };
         recorded.min(watched).min(node.saturating_add(self.pace.left()))
     }
@@ -178,7 +178,7 @@ impl<'g, 'j, 'a, H: Discretized<E>, E, const L: usize> Monitor<Group<'g, 'a, H, 
         if !self.job.events.is_empty() {
             self.watch(group, node);
         }
-        if self.job.recorded.get(self.next) == Some(&node) {
+        if self.job.recorded.get(self.next).is_some_and(|recorded| recorded.node == node) {
             self.record(group, node)?;
         }
         Ok(())

@@ -42,7 +42,7 @@ where
             let wrong = format!("path {path} of {}: they are numbered from 0", job.paths);
             return Err(ConfigError::Setting(wrong).into());
         }
-        let recording = recorded.checked(0, (job.start.t, job.h, job.steps))?;
+        let recording = recorded.checked(0, &job.grid)?;
         let start = job.start_of(path)?;
         let recorder = Recorder::new(&start, job.h, job.system.noises(), &recording, job.steps)?;
         // Antithetic paths come in pairs.

@@ -229,6 +229,19 @@ impl Noise for StepNormals {
         Ok(())
     }
 
+    /// Normals of their own, as for any other step size.
+    fn increments_of_part(&mut self, interval: &Interval, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+        check_step(h)?;
+        self.truncation.check()?;
+        let (block, place) = (interval.step / STEPS as u64, (interval.step % STEPS as u64) as usize);
+        let (bound, scale) = (self.clip(h), self.sign() * h.abs().sqrt());
+        for (process, dw) in dw.iter_mut().enumerate() {
+            let drawn = normals(&chacha::block(&self.key(process as u64, h), self.stream(), block));
+            *dw = scale * drawn[place].clamp(-bound, bound);
+        }
+        Ok(())
+    }
+
     fn prepare(&mut self, plan: &Plan, h: f64, _processes: usize, _start: f64) -> Result<(), NoiseError> {
         if plan.truncates_increments() {
             self.truncation.set_default(Truncation::DEFAULT);

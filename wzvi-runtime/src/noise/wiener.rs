@@ -219,6 +219,10 @@ impl Noise for Wiener {
         Ok(())
     }
 
+    fn increments_of_part(&mut self, interval: &Interval, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
+        self.increments(&Interval { start: interval.begin(), h, step: 0 }, dw)
+    }
+
     fn prepare(&mut self, plan: &Plan, h: f64, _processes: usize, start: f64) -> Result<(), NoiseError> {
         if plan.truncates_increments() {
             self.truncation.set_default(Truncation::DEFAULT);

@@ -3,6 +3,7 @@
 use super::{Iterations, Path, Recorder};
 use crate::numbers::Tape;
 use crate::recording::Recording;
+use crate::section::Crossing;
 use crate::state::{State, Vector};
 
 /// Nodes after the start and the increments between them, by rows.
@@ -11,7 +12,7 @@ pub(crate) type Kept<V> = (Vec<State<V>>, Vec<f64>);
 impl<V: Vector> Recorder<V> {
     /// Everything that steps change but the recorded nodes, which only grow.
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
-        let Self { path, recording, pending, kept, next } = self;
+        let Self { path, recording, pending, kept, next, inside } = self;
         let Path {
             h: _,
             every: _,
@@ -23,6 +24,7 @@ impl<V: Vector> Recorder<V> {
             last: _,
             chosen: _,
             observed: _,
+            crossings: _,
         } = path;
         let Iterations { total, largest, hard, doubtful, halved, halvings } = iterations;
         for word in [&mut *steps, total, hard, doubtful, halved, kept] {
@@ -34,6 +36,15 @@ impl<V: Vector> Recorder<V> {
             sum.pass(tape);
         }
         *next = recording.next(*steps);
+        *inside = recording.inside(*steps);
+    }
+
+    /// The crossings so far, of states like this one.
+    pub(crate) fn pass_crossings(&mut self, like: &State<V>, tape: &mut Tape) {
+        let crossings = &mut self.path.crossings;
+        let length = tape.length(crossings.len());
+        crossings.resize_with(length, || Crossing::like(like));
+        crossings.iter_mut().for_each(|crossing| crossing.pass(tape));
     }
 
     /// Which nodes are recorded.

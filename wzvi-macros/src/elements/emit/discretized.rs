@@ -130,6 +130,10 @@ pub(super) fn sweep(
         }
     });
     let elements = quote!(__wzvi::elements);
+    let advance = match unknowns {
+        Unknowns::None => quote!(#elements::advance_explicit::<_, __S, __C>),
+        Unknowns::Momenta | Unknowns::Both => quote!(#elements::advance::<_, __S, __C, __CAREFUL>),
+    };
     Road {
         items: TokenStream::new(),
         plan: plan(model, facts, embedding, unknowns, is_linear),
@@ -143,11 +147,9 @@ pub(super) fn sweep(
             #nan_check
             #elements::prepare(self)
         },
-        inline: TokenStream::new(),
+        inline: if unknowns == Unknowns::None { quote!(#[inline(always)]) } else { TokenStream::new() },
         advance: quote! {
-            #elements::advance::<_, __S, __C, __CAREFUL>(
-                self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry,
-            )
+            #advance(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
         },
         momentum: quote!(#elements::step_momentum(self, &__SCHEME, __before, __after, __h, __dw)),
     }

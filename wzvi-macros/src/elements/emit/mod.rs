@@ -286,6 +286,7 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
                 __value
             }
 
+            #[inline(always)]
             fn slopes<__S: __wzvi::Scalar>(
                 &self,
                 __part: #usize,

@@ -3,11 +3,11 @@
 use crate::carry::Carry;
 use crate::error::Error;
 use crate::retry::Retry;
-use crate::state::State;
+use crate::section::Sections;
+use crate::simulate::Run;
+use crate::span::Grid;
 use crate::step::Stepper;
-use crate::sum::Sums;
 use crate::system::Discretized;
-use crate::trajectory::Recorder;
 
 /// What a run was told to keep: nothing.
 #[derive(Clone, Debug, Default)]
@@ -26,11 +26,9 @@ impl Keeping {
     pub(crate) fn open<H: Discretized<E>, E, C: Carry<f64>, N>(
         self,
         _stepper: &mut Stepper<'_, H, E, C>,
-        _state: &mut State<H::Vector>,
-        _recorder: &mut Recorder<H::Vector>,
-        _path: &mut Sums,
+        _run: &mut Run<'_, '_, '_, H::Vector>,
         _noise: Option<&N>,
-        _extent: (u64, Retry),
+        _extent: (&Grid, Retry, &Sections<'_, H::Vector>),
     ) -> Result<Keeper, Error> {
         Ok(Keeper)
     }
@@ -63,9 +61,7 @@ impl Keeper {
     pub(crate) fn save<H: Discretized<E>, E, C: Carry<f64>>(
         &mut self,
         _stepper: &mut Stepper<'_, H, E, C>,
-        _state: &mut State<H::Vector>,
-        _recorder: &mut Recorder<H::Vector>,
-        _path: &mut Sums,
+        _run: &mut Run<'_, '_, '_, H::Vector>,
         _node: u64,
     ) -> Result<(), Error> {
         Ok(())

@@ -62,7 +62,7 @@ impl Described {
         let observed = identity::checksum(observed.iter().map(|number| number.to_bits()));
         derived.push(("what the observables and events are on path 0 (checksum)".to_owned(), observed));
         let mut start = start.clone();
-        let start = format::words(Tape::write(|tape| identity::pass_state(&mut start, tape)));
+        let start = format::words(Tape::write(|tape| start.pass(tape)));
         Self { settings: all, derived, start, degrees }
     }
 }

@@ -7,9 +7,10 @@ use super::format::Word;
 use crate::carry::Carry;
 use crate::checksum::Checksum;
 use crate::names::short_name;
-use crate::numbers::Tape;
 use crate::recording::Recording;
 use crate::retry::Retry;
+use crate::section::Sections;
+use crate::span::Grid;
 use crate::state::{State, Vector};
 use crate::step::Stepper;
 use crate::system::{Discretized, Hamiltonian};
@@ -32,10 +33,28 @@ pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
     if !recording.chosen.is_empty() {
         set("record_at (checksum of the steps)", checksum(recording.chosen.iter().copied()));
     }
+    if !recording.between.is_empty() {
+        let times = recording.between.iter().map(|moment| moment.t.to_bits());
+        set("record_at (checksum of the times between nodes)", checksum(times));
+    }
     set("the halvings allowed", retry.most().to_string());
     set("compensated summation", stepper.is_compensated().to_string());
     fields.extend(parameters(system));
     fields.extend(noise);
+    fields
+}
+
+/// The sections of a run, and its end if that need not be a node: nothing goes on from there.
+pub(super) fn between<V>(grid: &Grid, sections: &Sections<'_, V>, start: &State<V>) -> Fields {
+    let mut fields = Fields::new();
+    if let Some(end) = grid.end {
+        fields.push(("the exact end".to_owned(), format!("{end:?}")));
+    }
+    if !sections.is_empty() {
+        fields.push(("the sections".to_owned(), sections.in_words()));
+        let values = sections.values(start).into_iter().map(f64::to_bits);
+        fields.push(("what the sections are at the start (checksum)".to_owned(), checksum(values)));
+    }
     fields
 }
 
@@ -105,13 +124,6 @@ pub(super) fn checksum(words: impl IntoIterator<Item = u64>) -> String {
     let mut checksum = Checksum::default();
     words.into_iter().for_each(|word| checksum.add(&word.to_le_bytes()));
     format!("{checksum:?}")
-}
-
-/// The words of a state.
-pub(super) fn pass_state<V: Vector>(state: &mut State<V>, tape: &mut Tape) {
-    tape.number(&mut state.t);
-    tape.numbers(state.q.components_mut());
-    tape.numbers(state.p.components_mut());
 }
 
 /// Text into a checksum, without holding it.

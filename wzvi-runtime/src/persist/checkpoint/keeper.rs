@@ -12,11 +12,12 @@ use crate::error::Error;
 use crate::increments::{Identity, Noise};
 use crate::numbers::Tape;
 use crate::retry::Retry;
-use crate::state::{State, Vector};
+use crate::section::Sections;
+use crate::simulate::Run;
+use crate::span::Grid;
+use crate::state::Vector;
 use crate::step::Stepper;
-use crate::sum::Sums;
 use crate::system::Discretized;
-use crate::trajectory::Recorder;
 
 /// Saves a run, or does nothing.
 #[derive(Debug)]
@@ -39,36 +40,36 @@ struct Keep {
 
 impl Keeping {
     /// Goes on from the checkpoint if there is one, else writes the first one. The arguments are those of a run at its
-    /// start, with `steps` to go and a `retry` to name; they become those of the run at the checkpoint.
+    /// start, with the nodes to go to, a `retry` and sections to name; they become those of the run at the checkpoint.
     pub(crate) fn open<H: Discretized<E>, E, C: Carry<f64>, N: Noise>(
         self,
         stepper: &mut Stepper<'_, H, E, C>,
-        state: &mut State<H::Vector>,
-        recorder: &mut Recorder<H::Vector>,
-        path: &mut Sums,
+        run: &mut Run<'_, '_, '_, H::Vector>,
         noise: Option<&N>,
-        (steps, retry): (u64, Retry),
+        (grid, retry, sections): (&Grid, Retry, &Sections<'_, H::Vector>),
     ) -> Result<Keeper, Error> {
         let Self(Some(checkpoint)) = self else { return Ok(Keeper { first: 0, file: None }) };
         checkpoint.check()?;
         let noise = noise.map_or_else(|| Some(Identity::of("none")), N::identity);
         let noise = noise.ok_or(CheckpointError::Noise)?.into_settings();
         // That of the system, which may not know it before its first step.
-        let degrees = state.q.components().len();
+        let (degrees, steps, state) = (run.state.q.components().len(), grid.steps, &mut *run.state);
         let own = Own::new(&checkpoint.path)?;
+        let mut settings = identity::settings(stepper, degrees, run.recorder.recording(), retry, noise);
+        settings.extend(identity::between(grid, sections, state));
         let mut keep = Keep {
             due: Due::new(checkpoint.count, checkpoint.interval, 0, steps),
-            settings: identity::settings(stepper, degrees, recorder.recording(), retry, noise),
+            settings,
             derived: identity::derived(stepper.system(), stepper.prepared(), state),
-            start: format::words(Tape::write(|tape| identity::pass_state(state, tape))),
+            start: format::words(Tape::write(|tape| state.pass(tape))),
             nodes: Nodes::new(own.path(), degrees, stepper.system().noises()),
             own,
         };
         let first = match keep.own.read()? {
-            Some(saved) => keep.restore(saved, steps, stepper, state, recorder, path)?,
+            Some(saved) => keep.restore(saved, steps, stepper, run)?,
             None => {
-                keep.check_alone(recorder.recording().adds())?;
-                keep.save(stepper, state, recorder, path, 0)?;
+                keep.check_alone(run.recorder.recording().adds())?;
+                keep.save(stepper, run, 0)?;
                 0
             }
         };
@@ -108,13 +109,11 @@ impl Keeper {
     pub(crate) fn save<H: Discretized<E>, E, C: Carry<f64>>(
         &mut self,
         stepper: &mut Stepper<'_, H, E, C>,
-        state: &mut State<H::Vector>,
-        recorder: &mut Recorder<H::Vector>,
-        path: &mut Sums,
+        run: &mut Run<'_, '_, '_, H::Vector>,
         node: u64,
     ) -> Result<(), Error> {
         if let Some(file) = &mut self.file {
-            file.save(stepper, state, recorder, path, node)?;
+            file.save(stepper, run, node)?;
             file.due.saved();
         }
         Ok(())
@@ -140,10 +139,9 @@ impl Keep {
         saved: Saved,
         steps: u64,
         stepper: &mut Stepper<'_, H, E, C>,
-        state: &mut State<H::Vector>,
-        recorder: &mut Recorder<H::Vector>,
-        path: &mut Sums,
+        run: &mut Run<'_, '_, '_, H::Vector>,
     ) -> Result<u64, CheckpointError> {
+        let Run { state, recorder, wiener: path, looks } = run;
         self.compare(&saved, state.q.components().len())?;
         let step = saved.step;
         if step > steps {
@@ -152,9 +150,14 @@ impl Keep {
         let expected = recorder.recording().nodes(step);
         let parts = (saved.nodes == expected)
             .then_some(())
-            .and_then(|()| Tape::read(format::bits(&saved.state), |tape| identity::pass_state(state, tape)))
+            .and_then(|()| Tape::read(format::bits(&saved.state), |tape| state.pass(tape)))
             .and_then(|()| Tape::read(format::bits(&saved.stepper), |tape| stepper.pass(tape)))
-            .and_then(|()| Tape::read(format::bits(&saved.recorder), |tape| recorder.pass(tape)))
+            .and_then(|()| {
+                Tape::read(format::bits(&saved.recorder), |tape| {
+                    recorder.pass(tape);
+                    looks.iter_mut().for_each(|looks| looks.pass(recorder, tape));
+                })
+            })
             .and_then(|()| Tape::read(format::bits(&saved.wiener), |tape| path.pass(tape)));
         if parts.is_none() {
             let damage = Damage::Content("a part of it has the wrong length".to_owned());
@@ -184,11 +187,10 @@ impl Keep {
     fn save<H: Discretized<E>, E, C: Carry<f64>>(
         &mut self,
         stepper: &mut Stepper<'_, H, E, C>,
-        state: &mut State<H::Vector>,
-        recorder: &mut Recorder<H::Vector>,
-        path: &mut Sums,
+        run: &mut Run<'_, '_, '_, H::Vector>,
         step: u64,
     ) -> Result<(), CheckpointError> {
+        let Run { state, recorder, wiener: path, looks } = run;
         self.own.check_ours()?;
         self.nodes.append(recorder)?;
         let (nodes, checksum) = self.nodes.written();
@@ -198,9 +200,12 @@ impl Keep {
             start: self.start.clone(),
             step,
             forces: identity::forces(stepper.system(), state),
-            state: format::words(Tape::write(|tape| identity::pass_state(state, tape))),
+            state: format::words(Tape::write(|tape| state.pass(tape))),
             stepper: format::words(Tape::write(|tape| stepper.pass(tape))),
-            recorder: format::words(Tape::write(|tape| recorder.pass(tape))),
+            recorder: format::words(Tape::write(|tape| {
+                recorder.pass(tape);
+                looks.iter_mut().for_each(|looks| looks.pass(recorder, tape));
+            })),
             wiener: format::words(Tape::write(|tape| path.pass(tape))),
             nodes,
             nodes_checksum: Word(checksum),
