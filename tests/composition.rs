@@ -6,6 +6,8 @@
 mod counted;
 #[path = "composition/flows.rs"]
 mod flows;
+#[path = "composition/parts.rs"]
+mod parts;
 
 use serde_json::Value;
 use wzvi::prelude::*;
@@ -73,11 +75,11 @@ fn steps_are_those_of_the_reference() {
         }
         follow!(
             "Yoshida4" => Yoshida4, "Suzuki4" => Suzuki4, "KahanLi6_s9" => KahanLi6, "KahanLi8_s17a" => KahanLi8,
-            "BM4_S6" => BlanesMoan4, "BM6_S10" => BlanesMoan6
+            "BM4_S6" => BlanesMoan4, "BM6_S10" => BlanesMoan6, "SRKN6_14a" => Srkn6
         );
         checked += 1;
     }
-    assert_eq!(checked, 12);
+    assert_eq!(checked, 14);
 }
 
 /// The state at the time `end`, after `steps` steps.

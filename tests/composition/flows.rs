@@ -332,3 +332,54 @@ fn parameters_are_checked() {
     let doubled = Scalar::is_identical(0.0, -0.0);
     assert!(!doubled, "zeros of both signs are two numbers");
 }
+
+/// The order between `steps` and twice as many, from three runs.
+fn order<E>(steps: u32) -> f64
+where
+    Duffing: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
+{
+    let [a, b, c] = [1, 2, 4].map(|factor| {
+        let n = factor * steps;
+        let path = Duffing.simulate::<E>(1.6 / f64::from(n)).start(State::new([0.9], [0.4])).steps(n.into());
+        let last = *path.run().unwrap().last();
+        [last.q[0], last.p[0]]
+    });
+    let gap = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+    (gap(a, b) / gap(b, c)).log2()
+}
+
+/// The table of BlanesMoan4, as a user would write one.
+struct Own;
+
+impl wzvi::compose::Partitioned for Own {
+    const ORDER: u32 = 4;
+    const STARTS_WITH_DRIFT: bool = true;
+    const SEQUENCE: &'static [f64] = <BlanesMoan4 as wzvi::compose::Partitioned>::SEQUENCE;
+}
+
+/// On a force that reads the time. Between steps of these sizes an order of `n` shows as `n` to within 0.25.
+#[test]
+fn tables_have_their_orders() {
+    macro_rules! orders {
+        ($($table:ty, $order:literal, $steps:literal);+) => {$(
+            type Scheme = Composed<Verlet, $table>;
+            assert_eq!(<Duffing as Discretized<Scheme>>::PLAN.order, $order);
+            let measured = order::<Scheme>($steps);
+            assert!((measured - f64::from($order)).abs() < 0.25, "{}: {measured}", stringify!($table));
+        )+};
+    }
+    {
+        orders!(Srkn6, 6, 7);
+    }
+    {
+        orders!(Aba864, 4, 8);
+    }
+    {
+        orders!(Aba1064, 4, 8);
+    }
+    {
+        orders!(wzvi::compose::Table<Own>, 4, 6);
+    }
+    assert_eq!(evaluations::<Composed<Verlet, Srkn6>>(), [14, 14]);
+    assert_eq!(evaluations::<Composed<Verlet, Aba864>>(), [7, 7]);
+}

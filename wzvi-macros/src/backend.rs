@@ -15,6 +15,7 @@ use crate::discretise::{Scheme, discretise};
 use crate::elements;
 use crate::elements::flows::Flows;
 use crate::elements::plan::{Strategy, strategy};
+use crate::elements::split;
 use crate::emit::{Beside, emit};
 use crate::model::{Located, Model, System};
 
@@ -22,7 +23,8 @@ use crate::model::{Located, Model, System};
 /// straight-line code.
 pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts) -> TokenStream {
     let listed = values(&model.embeddings);
-    let flows = model.lend(system, |system| Flows::of(system, facts, &listed));
+    let (flows, parts) =
+        model.lend(system, |system| (Flows::of(system, facts, &listed), split::forms(system)));
     let is_stepped = |embedding: &Embedding| stepped(&listed, flows).contains(embedding);
     let mut steps = Vec::new();
     for embedding in derived(&listed) {
@@ -52,7 +54,7 @@ pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts
         .collect();
     let texts = Texts::new(
         &listed,
-        flows,
+        (flows, parts),
         of_parts,
         |embedding| staged.get(&embedding.stages().unwrap_or(1)).cloned().unwrap_or_default(),
         |embedding, text| properties(&mut model.graph, facts, embedding, text),
@@ -87,7 +89,7 @@ enum Step {
 /// [`straight_line`], with all of it in loops.
 pub(crate) fn in_loops(system: &mut System, facts: &Facts) -> TokenStream {
     let listed = values(&system.embeddings);
-    let flows = Flows::of(system, facts, &listed);
+    let (flows, parts) = (Flows::of(system, facts, &listed), split::forms(system));
     let site = Site::of(system).map(Rc::new);
     let schemes: Vec<(Embedding, Strategy)> = derived(&listed)
         .into_iter()
@@ -101,7 +103,7 @@ pub(crate) fn in_loops(system: &mut System, facts: &Facts) -> TokenStream {
         stages(&listed).map(|stages| (stages, elements::staged::describe(system, stages))).collect();
     let texts = Texts::new(
         &listed,
-        flows,
+        (flows, parts),
         of_parts,
         |embedding| staged.get(&embedding.stages().unwrap_or(1)).cloned().unwrap_or_default(),
         |embedding, text| properties(&mut system.graph, facts, embedding, text),

@@ -3,6 +3,7 @@
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::embedding::{Correction, Embedding};
 use crate::discretise::facts::{Facts, Failure, Invariant};
+use crate::elements::split;
 use crate::model::{Located, System};
 use crate::symbolic::{Graph, Rational};
 
@@ -11,6 +12,7 @@ pub(crate) fn check(system: &mut System, facts: &Facts, diagnostics: &mut Diagno
     let System { graph, embeddings, .. } = system;
     check_consistency(graph, embeddings, facts, diagnostics);
     check_invariants(graph, facts, diagnostics);
+    split::check(system, diagnostics);
 }
 
 /// A bare scheme must converge to the Stratonovich system (MATH section 3); a corrected one needs its counter-term.

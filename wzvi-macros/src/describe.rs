@@ -2,6 +2,7 @@
 
 use crate::discretise::embedding::Embedding;
 use crate::elements::flows::Flows;
+use crate::elements::split::Form;
 
 /// What `EQUATIONS` and the documentation say.
 pub(crate) struct Texts {
@@ -11,6 +12,8 @@ pub(crate) struct Texts {
     pub(crate) listed: Vec<(Embedding, String)>,
     /// The flows that `Verlet` and its compositions are made of.
     pub(crate) flows: Option<Flows>,
+    /// The forms of the parts of the drift, where `Verlet` is listed and the user has parted it.
+    pub(crate) parts: Option<[Form; 2]>,
 }
 
 /// Those of the derived schemes whose steps are taken: halves of `Verlet` are not where it is made of flows.
@@ -40,7 +43,7 @@ impl Texts {
     /// `facts_of` says what is known of a scheme that is none of the parts.
     pub(crate) fn new(
         listed: &[Embedding],
-        flows: Option<Flows>,
+        (flows, parts_of_drift): (Option<Flows>, Option<[Form; 2]>),
         of_parts: Vec<String>,
         mut staged: impl FnMut(&Embedding) -> String,
         mut facts_of: impl FnMut(&Embedding, &mut String),
@@ -73,8 +76,9 @@ impl Texts {
                 text
             }
         };
+        let parts_of_drift = parts_of_drift.filter(|_| listed.contains(&Embedding::Verlet));
         let listed = listed.iter().map(|embedding| (embedding.clone(), text(embedding))).collect();
-        Self { of_parts, listed, flows }
+        Self { of_parts, listed, flows, parts: parts_of_drift }
     }
 }
 

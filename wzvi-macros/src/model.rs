@@ -194,6 +194,8 @@ pub(crate) struct System {
     pub(crate) parameters: Vec<Parameter>,
     pub(crate) tables: Vec<Table>,
     pub(crate) drift: Term,
+    /// The parts of the drift, where the user has parted it: `drift = [H_A, H_B]`.
+    pub(crate) parts: Vec<Term>,
     /// In the order of their increments.
     pub(crate) noise: Vec<Noise>,
     pub(crate) invariants: Vec<Term>,
@@ -246,6 +248,8 @@ pub(crate) struct Model {
     pub(crate) phase: Phase,
     pub(crate) parameters: Vec<Parameter>,
     pub(crate) drift: Located<Expr>,
+    /// The parts of the drift, where the user has parted it.
+    pub(crate) parts: Vec<Located<Expr>>,
     pub(crate) noise: Vec<Located<Expr>>,
     pub(crate) invariants: Vec<Located<Expr>>,
     pub(crate) embeddings: Vec<Located<Embedding>>,

@@ -37,7 +37,8 @@ pub(crate) fn unroll(system: &mut System) {
     }
     let mut writer = Writer::new(&mut system.graph, &mut system.symbols, &system.tables);
     let noise = system.noise.iter_mut().map(|noise| &mut noise.term);
-    for term in [&mut system.drift].into_iter().chain(noise).chain(&mut system.invariants) {
+    let parts = &mut system.parts;
+    for term in [&mut system.drift].into_iter().chain(parts).chain(noise).chain(&mut system.invariants) {
         writer.spent = 0;
         term.expression = writer.without_short_sums(term.expression);
     }
@@ -54,9 +55,11 @@ fn is_small(system: &System) -> bool {
 
 /// Writes out every loop and every family; `false`, and nothing done, if that is not possible.
 fn unroll_all(system: &mut System) -> bool {
-    let System { graph, symbols, tables, drift, noise, invariants, .. } = system;
+    let System { graph, symbols, tables, drift, parts, noise, invariants, .. } = system;
     let mut writer = Writer::new(graph, symbols, tables);
     let Ok(of_drift) = writer.term(drift) else { return false };
+    let of_parts: Result<Vec<Term>, NotWrittenOut> = parts.iter().map(|term| writer.term(term)).collect();
+    let Ok(of_parts) = of_parts else { return false };
     let mut members = Vec::with_capacity(noise.len());
     for Noise { term, family } in &*noise {
         let range = match family {
@@ -76,7 +79,7 @@ fn unroll_all(system: &mut System) -> bool {
     let integrals: Result<Vec<Term>, NotWrittenOut> =
         invariants.iter().map(|term| writer.term(term)).collect();
     let Ok(integrals) = integrals else { return false };
-    (*drift, *noise, *invariants) = (of_drift, members, integrals);
+    (*drift, *parts, *noise, *invariants) = (of_drift, of_parts, members, integrals);
     true
 }
 
@@ -206,7 +209,7 @@ impl<'a> Writer<'a> {
 pub(crate) fn written_out(system: &mut System) -> Option<Model> {
     let locals = if is_small(system) { known_locals(system) } else { None };
     let locals = locals?;
-    let System { graph, symbols, tables, parameters, t, drift, noise, invariants, .. } = &mut *system;
+    let System { graph, symbols, tables, parameters, t, drift, parts, noise, invariants, .. } = &mut *system;
     let indices = Indices { tables, checked: true };
     let mut parameters: Vec<Parameter> = parameters
         .iter()
@@ -235,6 +238,7 @@ pub(crate) fn written_out(system: &mut System) -> Option<Model> {
         phase: Phase { q, p, t },
         parameters,
         drift: located(drift),
+        parts: parts.iter().map(&mut located).collect(),
         noise: noise.iter().map(|noise| located(&noise.term)).collect(),
         invariants: invariants.iter().map(located).collect(),
         embeddings: system.embeddings.clone(),

@@ -15,8 +15,11 @@ mod flows;
 mod implement;
 mod kept;
 mod lagrangian;
+mod linear;
 mod pair;
+mod parts;
 mod sequence;
+mod stages;
 mod structure;
 mod tables;
 
@@ -24,19 +27,24 @@ use std::marker::PhantomData;
 
 use crate::embedding::{DeltaMinus, DeltaPlus, Midpoint, Uncorrected};
 use crate::gauss::Gauss;
-use checks::{has_order, has_sum_one, is_palindrome};
+use checks::{has_order, has_sum_one, have_sums_one, is_palindrome};
 
 #[doc(hidden)]
-pub use flows::{Flows, Splitting};
+pub use flows::{Flows, KickDrift};
 #[doc(hidden)]
 pub use lagrangian::{gradient, value};
 #[doc(hidden)]
 pub use pair::Pair;
 #[doc(hidden)]
+pub use parts::{Form, PartFlows, Parts};
+#[doc(hidden)]
 pub use sequence::{Half, Sequence, Substep, plan};
 #[doc(hidden)]
-pub use structure::{General, Nystrom, Separable, Structure};
-pub use tables::{BlanesMoan4, BlanesMoan6, KahanLi6, KahanLi8, Suzuki4, SuzukiUmeno8, Yoshida4, Yoshida6};
+pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, Structure, TwoFlows};
+pub use tables::{
+    Aba864, Aba1064, BlanesMoan4, BlanesMoan6, KahanLi6, KahanLi8, Srkn6, Suzuki4, SuzukiUmeno8, Yoshida4,
+    Yoshida6,
+};
 
 /// [`DeltaPlus`] of half the step, then [`DeltaMinus`] of the other half: the Störmer-Verlet scheme, symmetric and of order
 /// two. Explicit for `T(p) + V(q, t)`: kick, drift, kick, with one evaluation of the force for each step. Generalised
@@ -59,7 +67,10 @@ pub trait Weights {
     const GAMMA: &'static [f64];
 }
 
-/// Coefficients of a splitting in drifts, the flow of `T(p)`, and kicks, the flow of `V(q)`, which take turns.
+/// Coefficients of a splitting in drifts, the flow of `T(p)`, and kicks, the flow of `V(q)`, which take turns; one of your
+/// own is named `Composed<Verlet, `[`Table`]`<Own>>`.
+///
+/// That they are a palindrome and that those of drifts and those of kicks have the sum 1 is checked when the program is built.
 pub trait Partitioned {
     /// The order.
     const ORDER: u32;
@@ -68,6 +79,10 @@ pub trait Partitioned {
     /// The coefficients of drifts and kicks in turn, a palindrome; those of each kind sum to 1.
     const SEQUENCE: &'static [f64];
 }
+
+/// The weights of a composition of [`Verlet`] by a table of your own: `Composed<Verlet, Table<MyTable>>`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Table<W>(PhantomData<W>);
 
 /// Schemes whose step backwards undoes the step forwards: what [`Weights`] compose.
 #[diagnostic::on_unimplemented(
@@ -116,19 +131,24 @@ impl Base for Verlet {
 
 /// Weights that can compose `E` for a system of the [structure](Structure) `K`.
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` cannot compose `{E}`",
-    label = "not for `{E}`",
-    note = "partitioned tables (`BlanesMoan4`, ...) compose `Verlet` only; palindromes (`Yoshida4`, ..., your own `Weights`) compose `Midpoint`, `Verlet` and `Gauss<S>`"
+    message = "`{Self}` cannot compose `{E}` for this system",
+    label = "not for this system",
+    note = "partitioned tables (`BlanesMoan4`, ..., `Table` of your own) compose `Verlet` only; palindromes (`Yoshida4`, ..., your own `Weights`) compose `Midpoint`, `Verlet` and `Gauss<S>`",
+    note = "`Srkn6` takes `T(p) + V(q, t)` with a kinetic energy that is quadratic with constant masses; `BlanesMoan6` and `KahanLi6` are of order 6 for every Hamiltonian",
+    note = "`Aba864` and `Aba1064` take two parts with exact flows: `T(p) + V(q, t)`, or `drift = [H_A, H_B]`"
 )]
 pub trait Composes<E, K: Structure<E> = General> {
     /// The order that they give.
     const ORDER: u32;
+    /// How the parts of a step are taken.
+    type Sequence;
     /// The parts of a step, in their order.
     fn substeps() -> Vec<Substep>;
 }
 
 impl<E: Symmetric, W: Weights, K: Structure<E>> Composes<E, K> for W {
     const ORDER: u32 = W::ORDER;
+    type Sequence = K::Sequence;
 
     fn substeps() -> Vec<Substep> {
         const {
@@ -145,29 +165,48 @@ impl<E: Symmetric, W: Weights, K: Structure<E>> Composes<E, K> for W {
     }
 }
 
-/// The parts of a step by a partitioned table.
-fn of_table<W: Partitioned, K: Structure<Verlet>>() -> Vec<Substep> {
+/// The drifts and kicks of a partitioned table.
+fn of_table<W: Partitioned>() -> Vec<Substep> {
     const {
         assert!(is_palindrome(W::SEQUENCE), "the coefficients of a splitting must be a palindrome");
         assert!(W::SEQUENCE.len() % 2 == 1, "a splitting starts and ends with the same part");
+        assert!(have_sums_one(W::SEQUENCE), "the coefficients of drifts and of kicks must sum to 1 each");
     }
     let halves = if W::STARTS_WITH_DRIFT { [Half::First, Half::Second] } else { [Half::Second, Half::First] };
     let sequence = W::SEQUENCE.iter().zip(halves.into_iter().cycle());
-    K::splitting(&sequence.map(|(&weight, half)| (half, weight)).collect::<Vec<_>>())
+    sequence.map(|(&weight, half)| (half, weight)).collect()
 }
 
+impl<K: Structure<Verlet>, W: Partitioned> Composes<Verlet, K> for Table<W> {
+    const ORDER: u32 = W::ORDER;
+    type Sequence = K::Sequence;
+
+    fn substeps() -> Vec<Substep> {
+        K::splitting(&of_table::<W>())
+    }
+}
+
+/// Tables for all structures, for quadratic kinetic energies, and for two parts with flows.
 macro_rules! partitioned {
-    ($($table:ty),+) => {$(
-        impl<K: Structure<Verlet>> Composes<Verlet, K> for $table {
+    ($($table:ty: $structure:ident, $sequence:ty, $parts:expr;)+) => {$(
+        impl<K: $structure + Structure<Verlet>> Composes<Verlet, K> for $table {
             const ORDER: u32 = <$table as Partitioned>::ORDER;
+            type Sequence = $sequence;
+
             fn substeps() -> Vec<Substep> {
-                of_table::<$table, K>()
+                $parts(&of_table::<$table>())
             }
         }
     )+};
 }
 
-partitioned!(BlanesMoan4, BlanesMoan6);
+partitioned! {
+    BlanesMoan4: Sized, K::Sequence, K::splitting;
+    BlanesMoan6: Sized, K::Sequence, K::splitting;
+    Srkn6: QuadraticKinetic, K::Sequence, K::splitting;
+    Aba864: TwoFlows, K::Flows, <[Substep]>::to_vec;
+    Aba1064: TwoFlows, K::Flows, <[Substep]>::to_vec;
+}
 
 /// The parts of one step of `E`.
 pub fn of_one<E, K: Structure<E>>() -> Vec<Substep> {

@@ -199,6 +199,30 @@ pub fn add_slopes<H: Elements, S: Scalar>(
     }
 }
 
+/// The slopes of a numbered part of the drift, times `h`, as far as they are wanted.
+#[expect(clippy::too_many_arguments, reason = "as `compose::Parts::slopes_of_part`")]
+#[inline(always)]
+pub fn slopes_of_part<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
+    system: &H,
+    number: usize,
+    t: f64,
+    h: f64,
+    q: &[S],
+    p: &[S],
+    by_q: &mut [S],
+    by_p: &mut [S],
+) {
+    by_q.fill(S::from_f64(0.0));
+    by_p.fill(S::from_f64(0.0));
+    let at = Point { q, p, t, h, dw: &[], acting: 0..0 };
+    system.slopes(number, 1.0, &at, Slopes { by_q: BY_Q, by_p: BY_P }, by_q, by_p);
+}
+
+/// The value of a numbered part of the drift.
+pub fn value_of_part<H: Elements>(system: &H, number: usize, t: f64, q: &[f64], p: &[f64]) -> f64 {
+    system.value(number, 1.0, &Point { q, p, t, h: 1.0, dw: &[], acting: 0..0 })
+}
+
 /// Whether a state of `got` degrees of freedom fits the system.
 ///
 /// # Errors

@@ -52,6 +52,18 @@ pub(crate) fn no_invariant(
     Error::new_spanned(extent, message)
 }
 
+/// A part of a drift whose flow is not known.
+pub(crate) fn part_without_flow(extent: Extent, reason: &str) -> Error {
+    Error::new_spanned(
+        extent,
+        format!(
+            "this part of the drift has no flow that is known: {reason}; flows are known of functions of the coordinates (and the \
+             time), of functions of the momenta (and the time), and of polynomials of degree two in both with constant coefficients, for \
+             which the size must be known; add the parts where no scheme is to part them"
+        ),
+    )
+}
+
 fn at_witness(witness: &Witness, graph: &Graph) -> String {
     let point: Vec<String> = witness
         .point

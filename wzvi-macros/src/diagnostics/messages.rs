@@ -157,6 +157,10 @@ pub(crate) fn family_in_list(tokens: TokenStream) -> Error {
     )
 }
 
+pub(crate) fn parts_of_drift(brackets: impl ToTokens) -> Error {
+    at(brackets, "a drift is one Hamiltonian, or two that take turns: `drift = [|q, p| ..., |q, p| ...]`")
+}
+
 pub(crate) fn family_of_invariants(count: impl ToTokens) -> Error {
     at(count, "first integrals are listed one by one: `invariant = [|q, p| ..., |q, p| ...]`")
 }

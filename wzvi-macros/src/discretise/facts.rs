@@ -380,6 +380,11 @@ enum Degree {
     Bilinear,
 }
 
+/// Whether the second derivatives by the state are constant on phase space.
+pub(crate) fn is_quadratic(graph: &mut Graph, element: &Element) -> bool {
+    is_of_degree(graph, element, Degree::Quadratic)
+}
+
 fn is_of_degree(graph: &mut Graph, element: &Element, degree: Degree) -> bool {
     let state = state_of(element);
     let coordinates = element.coordinates().count();

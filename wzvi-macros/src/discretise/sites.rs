@@ -122,6 +122,7 @@ impl Site {
             phase: Phase { q: self.phase.q.clone(), p: self.phase.p.clone(), t: self.phase.t },
             parameters,
             drift: located(self.drift, &system.drift),
+            parts: Vec::new(),
             noise: self.noise.iter().map(|(value, _)| located(*value, &system.drift)).collect(),
             invariants: Vec::new(),
             embeddings: Vec::new(),

@@ -13,9 +13,9 @@ use crate::unroll::{NotWrittenOut, Writer};
 
 /// Makes the elements of every term; reports what is no sum of elements.
 pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
-    let System { graph, symbols, tables, drift, noise, invariants, .. } = system;
+    let System { graph, symbols, tables, drift, parts: of_drift, noise, invariants, .. } = system;
     let mut parts = Parts { graph, symbols, tables };
-    let singles = [drift].into_iter().chain(invariants).map(|term| (term, Vec::new()));
+    let singles = [drift].into_iter().chain(of_drift).chain(invariants).map(|term| (term, Vec::new()));
     let noise = noise.iter_mut().map(|noise| {
         let member = noise.family.as_ref().map(|Family { variable, count }| Loop {
             variable: *variable,

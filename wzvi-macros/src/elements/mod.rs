@@ -23,4 +23,5 @@ pub(crate) mod emit;
 pub(crate) mod flows;
 pub(crate) mod parts;
 pub(crate) mod plan;
+pub(crate) mod split;
 pub(crate) mod staged;

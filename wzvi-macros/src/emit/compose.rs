@@ -11,9 +11,9 @@ use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::elements::flows::Flows;
 
-/// The plan of `Verlet` where it is made of flows, and what the run time reads of them.
-pub(crate) fn flows(item: &ItemStruct, flows: Flows, facts: &Facts, in_place: &TokenStream) -> TokenStream {
-    let plan = Plan {
+/// The plan of a step that is made of flows.
+pub(super) fn explicit_plan(facts: &Facts) -> TokenStream {
+    Plan {
         solver: quote!(Explicit),
         unknowns: quote!(0),
         order: 2,
@@ -22,7 +22,12 @@ pub(crate) fn flows(item: &ItemStruct, flows: Flows, facts: &Facts, in_place: &T
         conserves_energy: &facts.conserves_energy,
         commuting: &facts.commuting,
     }
-    .emit();
+    .emit()
+}
+
+/// What the run time reads of the flows that `Verlet` is made of.
+pub(crate) fn flows(item: &ItemStruct, flows: Flows, facts: &Facts, in_place: &TokenStream) -> TokenStream {
+    let plan = explicit_plan(facts);
     let name = &item.ident;
     let (generics, arguments, filter) = item.generics.split_for_impl();
     let (reads_time, is_in_place) = (flows.force_reads_time, !in_place.is_empty());
@@ -48,6 +53,7 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
             Some(Flows { is_nystrom: false, .. }) => quote!(__wzvi::compose::Separable),
             Some(Flows { is_nystrom: true, .. }) => quote!(__wzvi::compose::Nystrom),
         };
+        let parted = texts.parts.filter(|_| *embedding == Embedding::Verlet);
         // `Gauss<1>` is a step of `Midpoint`.
         let whole = match embedding.parts().as_slice() {
             [] => None,
@@ -56,7 +62,7 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
         };
         if let Some(whole) = whole {
             let composition = Composition {
-                structure: [&whole, &structure],
+                sequence: sequence_of(&whole, &structure),
                 order: quote!(2),
                 text: quote!(#text),
                 substeps: quote!(__wzvi::compose::of_one::<#whole, #structure>()),
@@ -64,19 +70,34 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
             generated.extend(composition.emit(item, &item.generics, &scheme));
         }
         if embedding.is_symmetric() {
-            generated.extend(composed_of(item, &scheme, &structure));
+            generated.extend(composed_of(item, &scheme, &structure, parted.is_some()));
         }
     }
     generated
 }
 
 /// `impl<W> Discretized<Composed<E, W>>`
-fn composed_of(item: &ItemStruct, base: &TokenStream, structure: &TokenStream) -> TokenStream {
-    let weights = quote!(__wzvi::compose::Composes<#base, #structure>);
+fn composed_of(
+    item: &ItemStruct,
+    base: &TokenStream,
+    structure: &TokenStream,
+    is_parted: bool,
+) -> TokenStream {
     let mut generics = item.generics.clone();
+    let (weights, sequence);
+    if is_parted {
+        // The table says whether the parts take turns, or steps of the sum.
+        weights = quote!(__wzvi::compose::Composes<#base, __wzvi::compose::Parted<#structure>>);
+        sequence = quote!(<__W as #weights>::Sequence);
+        let filter = generics.make_where_clause();
+        filter.predicates.push(syn::parse_quote!(#sequence: __wzvi::compose::Sequence<Self>));
+    } else {
+        weights = quote!(__wzvi::compose::Composes<#base, #structure>);
+        sequence = sequence_of(base, structure);
+    }
     generics.params.push(syn::parse_quote!(__W: #weights));
     let composition = Composition {
-        structure: [base, structure],
+        sequence,
         order: quote!(<__W as #weights>::ORDER),
         text: quote!(<Self as __wzvi::Discretized<#base>>::EQUATIONS),
         substeps: quote!(<__W as #weights>::substeps()),
@@ -84,23 +105,26 @@ fn composed_of(item: &ItemStruct, base: &TokenStream, structure: &TokenStream) -
     composition.emit(item, &generics, &quote!(__wzvi::embedding::Composed<#base, __W>))
 }
 
+/// What steps of a scheme are made of for a structure.
+fn sequence_of(scheme: &TokenStream, structure: &TokenStream) -> TokenStream {
+    quote!(<#structure as __wzvi::compose::Structure<#scheme>>::Sequence)
+}
+
 /// A scheme whose steps are a sequence of parts.
-struct Composition<'e> {
-    /// The scheme that it composes, and the structure of the system.
-    structure: [&'e TokenStream; 2],
+struct Composition {
+    sequence: TokenStream,
     order: TokenStream,
     text: TokenStream,
     substeps: TokenStream,
 }
 
-impl Composition<'_> {
+impl Composition {
     /// The implementation of `scheme`, whose parameters are `generics`.
     fn emit(&self, item: &ItemStruct, generics: &syn::Generics, scheme: &TokenStream) -> TokenStream {
-        let Self { structure: [base, structure], order, text, substeps } = self;
+        let Self { sequence, order, text, substeps } = self;
         let name = &item.ident;
-        let (_, arguments, filter) = item.generics.split_for_impl();
-        let (parameters, ..) = generics.split_for_impl();
-        let sequence = quote!(<#structure as __wzvi::compose::Structure<#base>>::Sequence);
+        let (_, arguments, _) = item.generics.split_for_impl();
+        let (parameters, _, filter) = generics.split_for_impl();
         quote! {
             __wzvi::composition! {
                 [impl #parameters __wzvi::Discretized<#scheme> for #name #arguments #filter]

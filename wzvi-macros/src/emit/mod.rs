@@ -5,6 +5,7 @@ pub(crate) mod discretized;
 mod gauss;
 mod lagrangian;
 pub(crate) mod names;
+pub(crate) mod parts;
 pub(crate) mod plan;
 mod print;
 mod program;
@@ -47,6 +48,7 @@ pub(crate) fn emit(
     }
     generated.extend(beside.generated);
     generated.extend(gauss::emit(model, facts, texts));
+    generated.extend(parts::emit(model, facts, texts));
     let surroundings = Surroundings {
         crate_path: &model.crate_path,
         tokens: with_header(

@@ -22,6 +22,8 @@ const STRATEGY: &str = "__strategy";
 /// What the attribute says. A part that is missing or wrong has been reported.
 pub(crate) struct Declaration {
     pub(crate) drift: Option<Hamiltonian>,
+    /// The other part of the drift, where it is `drift = [H_A, H_B]`.
+    pub(crate) second_part: Option<Hamiltonian>,
     pub(crate) noise: Vec<Hamiltonian>,
     pub(crate) invariants: Vec<Hamiltonian>,
     pub(crate) embeddings: Vec<Located<Embedding>>,
@@ -39,7 +41,7 @@ pub(crate) struct Declaration {
 impl Declaration {
     /// Every closure, the drift first.
     pub(crate) fn closures(&self) -> impl Iterator<Item = &Hamiltonian> {
-        self.drift.iter().chain(&self.noise).chain(&self.invariants)
+        self.drift.iter().chain(&self.second_part).chain(&self.noise).chain(&self.invariants)
     }
 }
 
@@ -76,6 +78,7 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
     let attribute = groups::without_single(attribute);
     let mut declaration = Declaration {
         drift: None,
+        second_part: None,
         noise: Vec::new(),
         invariants: Vec::new(),
         embeddings: Vec::new(),
@@ -116,7 +119,11 @@ fn read_entry(declaration: &mut Declaration, key: &str, entry: &Entry, diagnosti
         return;
     }
     match key {
-        "drift" => declaration.drift = diagnostics.accept(entry.parse(hamiltonian)),
+        "drift" => {
+            if let Some((drift, second_part)) = diagnostics.accept(entry.parse(drift)) {
+                (declaration.drift, declaration.second_part) = (Some(drift), second_part);
+            }
+        }
         "noise" => declaration.noise = entry.hamiltonians(diagnostics),
         "invariant" => {
             declaration.invariants = entry.hamiltonians(diagnostics);
@@ -209,6 +216,21 @@ fn hamiltonian(input: ParseStream<'_>) -> syn::Result<Hamiltonian> {
         return Err(messages::async_closure(closure.asyncness.to_token_stream()));
     }
     Ok(Hamiltonian { closure, tokens, family: None })
+}
+
+/// One Hamiltonian, or `[H_A, H_B]`.
+fn drift(input: ParseStream<'_>) -> syn::Result<(Hamiltonian, Option<Hamiltonian>)> {
+    if !input.peek(token::Bracket) {
+        return Ok((hamiltonian(input)?, None));
+    }
+    let brackets: TokenTree = input.fork().parse()?;
+    let mut list = hamiltonian_list(input)?.into_iter();
+    match (list.next(), list.next(), list.next()) {
+        (Some(first), Some(second), None) if first.family.is_none() && second.family.is_none() => {
+            Ok((first, Some(second)))
+        }
+        _ => Err(messages::parts_of_drift(brackets)),
+    }
 }
 
 fn hamiltonian_list(input: ParseStream<'_>) -> syn::Result<Vec<Hamiltonian>> {

@@ -117,6 +117,7 @@ pub(crate) fn read_phase_space(
             phase_space.is_some()
         }
     };
+    declaration.second_part = declaration.second_part.take().filter(&mut agrees);
     declaration.noise.retain(&mut agrees);
     declaration.invariants.retain(&mut agrees);
     phase_space

@@ -55,6 +55,7 @@ pub(crate) fn lower(
     let space = Space::new(&mut interpreter, &phase_space.shape, t);
 
     let drift = declaration.drift.as_ref().map(|drift| space.term(&mut interpreter, drift, None));
+    let second_part = declaration.second_part.as_ref().map(|part| space.term(&mut interpreter, part, None));
     let noise: Vec<_> = declaration.noise.iter().map(|noise| space.noise(&mut interpreter, noise)).collect();
     let invariants: Vec<_> = declaration
         .invariants
@@ -62,9 +63,17 @@ pub(crate) fn lower(
         .map(|invariant| space.term(&mut interpreter, invariant, None))
         .collect();
 
-    let (graph, symbols, tables, parameters) = interpreter.into_parts();
+    let (mut graph, symbols, tables, parameters) = interpreter.into_parts();
     let type_checks = type_checks::type_checks(&container, &declaration, &phase_space.shape);
     let noise: Vec<Vec<Noise>> = noise.into_iter().collect::<Option<_>>()?;
+    let (drift, parts) = match (drift.flatten()?, second_part) {
+        (drift, None) => (drift, Vec::new()),
+        (first, Some(second)) => {
+            let second = second?;
+            let expression = graph.sum(&[first.expression, second.expression]);
+            (Term { expression, ..first.clone() }, vec![first, second])
+        }
+    };
     Some(System {
         graph,
         shape: phase_space.shape.clone(),
@@ -75,7 +84,8 @@ pub(crate) fn lower(
         t,
         parameters,
         tables,
-        drift: drift.flatten()?,
+        drift,
+        parts,
         noise: noise.into_iter().flatten().collect(),
         invariants: invariants.into_iter().collect::<Option<_>>()?,
         embeddings: declaration.embeddings,

@@ -38,8 +38,24 @@ const fn rounding(length: usize, power: u32) -> f64 {
 /// Whether the sum is 1 but for rounding.
 pub(super) const fn has_sum_one(list: &[f64]) -> bool {
     let (sum, size) = power_sums(list, 1);
+    is_one(sum, size, list.len())
+}
+
+/// Whether the sums of every other number, from the first and from the second on, are 1 but for rounding.
+pub(super) const fn have_sums_one(list: &[f64]) -> bool {
+    let (mut sums, mut sizes) = ([0.0; 2], [0.0; 2]);
+    let mut i = 0;
+    while i < list.len() {
+        sums[i % 2] += list[i];
+        sizes[i % 2] += if list[i] < 0.0 { -list[i] } else { list[i] };
+        i += 1;
+    }
+    is_one(sums[0], sizes[0], list.len()) && is_one(sums[1], sizes[1], list.len())
+}
+
+const fn is_one(sum: f64, size: f64, length: usize) -> bool {
     let error = if sum < 1.0 { 1.0 - sum } else { sum - 1.0 };
-    error <= rounding(list.len(), 1) * size
+    error <= rounding(length, 1) * size
 }
 
 /// `Σ γ^3 = 0` for order 4, `Σ γ^5 = 0` as well for order 6, and so on.

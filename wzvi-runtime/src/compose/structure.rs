@@ -1,6 +1,8 @@
 //! What the compiler has proven of a Hamiltonian, and what compositions are made of for it.
 
-use super::flows::Splitting;
+use std::marker::PhantomData;
+
+use super::flows::KickDrift;
 use super::pair::Pair;
 use super::sequence::{Half, Substep};
 use super::{Base, Verlet};
@@ -27,6 +29,29 @@ pub struct Separable;
 #[derive(Clone, Copy, Debug)]
 pub struct Nystrom;
 
+/// `H_A + H_B` with the flows of both, as the user has parted it; the sum has the structure `K`.
+#[derive(Clone, Copy, Debug)]
+pub struct Parted<K>(PhantomData<K>);
+
+/// Structures with a kinetic energy that is a quadratic form with constant coefficients.
+pub trait QuadraticKinetic {}
+
+impl QuadraticKinetic for Nystrom {}
+impl QuadraticKinetic for Parted<Nystrom> {}
+
+/// Structures of two parts whose flows are known.
+pub trait TwoFlows: Structure<Verlet> {
+    /// How the flows of the parts are taken.
+    type Flows;
+}
+
+impl TwoFlows for Separable {
+    type Flows = KickDrift;
+}
+impl TwoFlows for Nystrom {
+    type Flows = KickDrift;
+}
+
 impl<E: Base> Structure<E> for General {
     type Sequence = Pair<E::First, E::Second>;
 
@@ -48,10 +73,22 @@ impl<E: Base> Structure<E> for General {
     }
 }
 
+impl<K: Structure<Verlet>> Structure<Verlet> for Parted<K> {
+    type Sequence = K::Sequence;
+
+    fn step(weight: f64, into: &mut Vec<Substep>) {
+        K::step(weight, into);
+    }
+
+    fn splitting(sequence: &[Substep]) -> Vec<Substep> {
+        K::splitting(sequence)
+    }
+}
+
 macro_rules! by_flows {
     ($($structure:ty),+) => {$(
         impl Structure<Verlet> for $structure {
-            type Sequence = Splitting;
+            type Sequence = KickDrift;
 
             /// Kick and drift in `DeltaPlus`, drift and kick in `DeltaMinus`.
             fn step(weight: f64, into: &mut Vec<Substep>) {

@@ -169,3 +169,100 @@ impl Partitioned for BlanesMoan6 {
         0.05026276440039273,
     ];
 }
+
+/// Order 6 in 14 stages, for `T(p) + V(q, t)` with a quadratic `T`: S. Blanes and P. C. Moan, the paper of [`BlanesMoan4`],
+/// SRKN 14a.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Srkn6;
+
+impl Partitioned for Srkn6 {
+    const ORDER: u32 = 6;
+    const STARTS_WITH_DRIFT: bool = true;
+    const SEQUENCE: &'static [f64] = &[
+        0.037859319840611035,
+        0.0917191526244622,
+        0.1026356331024366,
+        0.1839831700050049,
+        -0.025867888266558343,
+        -0.05653436583288919,
+        0.3142414030714464,
+        0.004914688774711812,
+        -0.1301444595174152,
+        0.14376112716836184,
+        0.10641770036954182,
+        0.32856769374680345,
+        -0.008794243128510173,
+        -0.196411466486455,
+        0.20730506905689572,
+        -0.196411466486455,
+        -0.008794243128510173,
+        0.32856769374680345,
+        0.10641770036954182,
+        0.14376112716836184,
+        -0.1301444595174152,
+        0.004914688774711812,
+        0.3142414030714464,
+        -0.05653436583288919,
+        -0.025867888266558343,
+        0.1839831700050049,
+        0.1026356331024366,
+        0.0917191526244622,
+        0.037859319840611035,
+    ];
+}
+
+/// Order 4 in 7 stages, with errors `ε h^8 + ε² h^6 + ε³ h^4` where the Hamiltonian is `H_A + ε H_B`, and `drift = [H_A, H_B]`:
+/// S. Blanes, F. Casas, A. Farrés, J. Laskar, J. Makazaga, A. Murua, "New families of symplectic splitting methods for
+/// numerical integration in dynamical astronomy", Appl. Numer. Math. 68, 2013.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Aba864;
+
+impl Partitioned for Aba864 {
+    const ORDER: u32 = 4;
+    const STARTS_WITH_DRIFT: bool = true;
+    const SEQUENCE: &'static [f64] = &[
+        0.07113342649822312,
+        0.18308368747219722,
+        0.2411534279566401,
+        0.31078285989857485,
+        0.5214117617728148,
+        -0.0265646185119588,
+        -0.333698616227678,
+        0.06539614228237342,
+        -0.333698616227678,
+        -0.0265646185119588,
+        0.5214117617728148,
+        0.31078285989857485,
+        0.2411534279566401,
+        0.18308368747219722,
+        0.07113342649822312,
+    ];
+}
+
+/// Order 4 in 8 stages, with errors `ε h^10 + ε² h^6 + ε³ h^4`, otherwise as [`Aba864`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Aba1064;
+
+impl Partitioned for Aba1064 {
+    const ORDER: u32 = 4;
+    const STARTS_WITH_DRIFT: bool = true;
+    const SEQUENCE: &'static [f64] = &[
+        0.038094497422412193,
+        0.09585888083707521,
+        0.14529871611691375,
+        0.20444615314299877,
+        0.20762769572554124,
+        0.2170703479789911,
+        0.43590970365152615,
+        -0.017375381959065093,
+        -0.6538612258327867,
+        -0.017375381959065093,
+        0.43590970365152615,
+        0.2170703479789911,
+        0.20762769572554124,
+        0.20444615314299877,
+        0.14529871611691375,
+        0.09585888083707521,
+        0.038094497422412193,
+    ];
+}

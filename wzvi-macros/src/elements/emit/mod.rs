@@ -7,6 +7,7 @@ mod gauss;
 mod hamiltonian;
 mod indices;
 mod kernel;
+mod parts;
 mod places;
 mod sites;
 
@@ -20,7 +21,6 @@ use crate::describe::Texts;
 use crate::diagnostics::internal::Promised;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
-use crate::discretise::quadrature::Part;
 use crate::discretise::sums::{Sum, Weighted};
 use crate::elements::parts::{PartElements, family_of, parts, unweighted};
 use crate::elements::plan::Strategy;
@@ -41,6 +41,7 @@ pub(crate) fn emit(model: &mut System, facts: &Facts, schemes: &[Step<'_>], text
     let mut generated = hamiltonian::emit(model);
     generated.extend(steps(model, facts, schemes));
     generated.extend(gauss::emit(model, facts, texts));
+    generated.extend(parts::emit(model, facts, texts));
     let surroundings = Surroundings {
         crate_path: &model.crate_path,
         tokens: with_header(&model.item, user_tokens(model).iter()),
@@ -249,6 +250,7 @@ fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
 /// `impl Elements`
 fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     let parts = parts(model, facts);
+    let [part_values, part_slopes] = [Wanted::Value, Wanted::Slopes].map(|wanted| parts::arms(model, wanted));
     let [value, slopes, curvature] = [Wanted::Value, Wanted::Slopes, Wanted::Curvature].map(|wanted| {
         let arms = parts.iter().map(|part| {
             let (number, code) = (count(part.part as usize), part_code(model, part, wanted));
@@ -258,8 +260,8 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     });
     let integrals = integrals(model);
     let places = places::emit(model);
-    let first_integral = count(INTEGRALS);
-    let value = quote!(#value #integrals);
+    let first_integral = count(parts::END + model.parts.len());
+    let (value, slopes) = (quote!(#value #part_values #integrals), quote!(#slopes #part_slopes));
     let [of_value, of_slopes, of_curvature] = [&value, &slopes, &curvature].map(|code| opened(model, code));
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
@@ -329,14 +331,11 @@ fn opened(model: &System, code: &TokenStream) -> TokenStream {
     quote!(#read #size #t)
 }
 
-/// The number of the first part that is a first integral.
-const INTEGRALS: usize = Part::CounterTerm as usize + 1;
-
 /// The values of first integrals, a part each.
 fn integrals(model: &mut System) -> TokenStream {
     let integrals: Vec<Sum> = model.invariants.iter().map(|term| unweighted(&term.values)).collect();
     let arms = integrals.iter().enumerate().map(|(k, sum)| {
-        let (number, values) = (count(INTEGRALS + k), values(model, sum, None));
+        let (number, values) = (count(parts::END + model.parts.len() + k), values(model, sum, None));
         quote!(#number => { #values })
     });
     arms.collect()

@@ -1,0 +1,196 @@
+//! `drift = [H_A, H_B]`: the flows of the parts take turns.
+
+use wzvi::nalgebra::SVector;
+use wzvi::prelude::*;
+use wzvi::scalar::Dual;
+use wzvi::state::Vector;
+use wzvi::system::Segment;
+
+use super::vector;
+
+/// Oscillators of three frequencies, and a weak coupling.
+#[hamiltonian(
+    drift = [
+        |[x, y, z], [px, py, pz]| 0.5 * (px * px + x * x) + 0.5 * 1.7 * (py * py + y * y) + 0.5 * (pz * pz + 7.3 * z * z),
+        |[x, y, z], _| epsilon * (x * x * y - y.powi(3) / 3.0 + (x * z).cos()),
+    ],
+    embedding = [Verlet, Midpoint, Gauss<8>],
+)]
+struct Oscillators {
+    epsilon: f64,
+}
+
+/// A quadratic form that does not split, with a linear term, and a kick that reads the time.
+#[hamiltonian(
+    drift = [
+        |q, p| 0.5 * p * p + 0.3 * q * p + 2.0 * q * q + 0.7 * q,
+        |q, _, t| 0.1 * q.powi(4) + 0.2 * q * (1.3 * t).sin(),
+    ],
+    embedding = [Verlet, Gauss<6>],
+)]
+struct Rotating;
+
+/// A drift first, and the sum does not read as it is parted.
+#[hamiltonian(
+    drift = [|_, p| p.cosh(), |q, _| -q.cos()],
+    embedding = Verlet,
+)]
+struct Relativistic;
+
+#[hamiltonian(drift = |q, p| p.cosh() - q.cos(), embedding = Verlet)]
+struct Together;
+
+macro_rules! chain {
+    ($strategy:ident) => {
+        pub(super) mod $strategy {
+            use wzvi::prelude::*;
+
+            /// Springs from site to site, and weak anharmonic ones.
+            #[hamiltonian(
+                                __strategy = $strategy,
+                                drift = [
+                                    |q: [f64; 6], p: [f64; 6]| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+                                        + (0..5).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2)).sum::<f64>(),
+                                    |q, _| (0..5).map(|i| 0.01 * (q[i + 1] - q[i]).powi(4)).sum::<f64>(),
+                                ],
+                                embedding = Verlet,
+                            )]
+            pub(crate) struct Chain;
+        }
+    };
+}
+
+mod chains {
+    chain!(inline);
+    chain!(sweep);
+}
+
+/// The distance from the exact end at `T = 4` after so many steps.
+fn error<E>(epsilon: f64, steps: u32) -> f64
+where
+    Oscillators: Discretized<E, Vector = SVector<f64, 3>>,
+{
+    let system = Oscillators { epsilon };
+    let start = State::new([0.4, 0.3, 0.2], [0.1, -0.3, 0.5]);
+    let h = 4.0 / f64::from(steps);
+    let ours = *system.simulate::<E>(h).start(start).steps(steps.into()).run().unwrap().last();
+    let exact = *system.simulate::<Gauss<8>>(0.1).start(start).steps(40).run().unwrap().last();
+    ((ours.q - exact.q).norm_squared() + (ours.p - exact.p).norm_squared()).sqrt()
+}
+
+/// `ε h^8 + ε² h^6 + ε³ h^4`: where `ε` is small the order is 8, or 10, and the error is of the size of `ε`; then it is 6 and `ε²`, and
+/// 4 where no power of `ε` is small. Other terms are not yet, or no longer, small: an order shows to within 0.4, that of 10 to
+/// within 0.7.
+#[test]
+fn errors_of_near_integrable_systems_are_small_by_their_parameter() {
+    type Eight = Composed<Verlet, Aba864>;
+    type Ten = Composed<Verlet, Aba1064>;
+    let shows = |[coarse, fine]: [f64; 2], order: f64, within: f64| {
+        let measured = (coarse / fine).log2();
+        assert!((measured - order).abs() < within, "{order}: {measured} of {coarse:e}, {fine:e}");
+    };
+    shows([8, 16].map(|n| error::<Eight>(1e-3, n)), 8.0, 0.4);
+    shows([12, 24].map(|n| error::<Eight>(1e-2, n)), 6.0, 0.4);
+    shows([64, 128].map(|n| error::<Eight>(3.0, n)), 4.0, 0.4);
+    shows([4, 8].map(|n| error::<Ten>(1e-4, n)), 10.0, 0.7);
+    shows([8, 16].map(|n| error::<Ten>(1e-2, n)), 6.0, 0.4);
+    // Powers of the parameter show by halving it.
+    shows([1e-5, 5e-6].map(|epsilon| error::<Eight>(epsilon, 4)), 1.0, 0.1);
+    shows([1e-2, 5e-3].map(|epsilon| error::<Eight>(epsilon, 16)), 2.0, 0.4);
+    let small = [4, 8].map(|n| error::<Eight>(1e-5, n));
+    // The sum by kicks and drifts knows nothing of that.
+    assert!(error::<Composed<Verlet, BlanesMoan4>>(1e-5, 8) > 1e3 * small[1]);
+}
+
+/// A step from `q`, `p` at `t`.
+fn step<E, H: Discretized<E>>(system: &H, [q, p]: [&[f64]; 2], [t, h]: [f64; 2]) -> Vec<f64> {
+    let mut state = State { q: vector::<H>(q), p: vector::<H>(p), t };
+    system.stepper::<E>(h).unwrap().step(&mut state, &[]).unwrap();
+    state.q.components().iter().chain(state.p.components()).copied().collect()
+}
+
+/// Half of the step leaves `2^-(4 + 1)` of its error, whatever the parts read.
+#[test]
+fn parts_may_be_mixed_read_the_time_and_have_linear_terms() {
+    let gap = |h: f64| {
+        let ours = step::<Composed<Verlet, Aba864>, _>(&Rotating, [&[0.5], &[0.4]], [0.3, h]);
+        let exact = step::<Gauss<6>, _>(&Rotating, [&[0.5], &[0.4]], [0.3, h]);
+        (ours[0] - exact[0]).hypot(ours[1] - exact[1])
+    };
+    let order = (gap(0.4) / gap(0.2)).log2() - 1.0;
+    assert!(order > 3.7, "{order}");
+}
+
+/// The parts of `T(p) + V(q)` are drift and kick, whether the user parts them or the compiler does.
+#[test]
+fn a_separable_drift_has_its_parts() {
+    let [ours, theirs] = [
+        step::<Composed<Verlet, Aba1064>, _>(&Relativistic, [&[0.5], &[0.4]], [0.0, 0.3]),
+        step::<Composed<Verlet, Aba1064>, _>(&Together, [&[0.5], &[0.4]], [0.0, 0.3]),
+    ];
+    assert_eq!(ours, theirs);
+    let state = State::new([0.5], [0.4]);
+    assert_eq!(Relativistic.energy(&state), Together.energy(&state));
+}
+
+/// Other schemes are those of the sum.
+#[test]
+fn loops_are_what_they_would_be_written_out() {
+    let (q, p) = ([0.1, 0.3, -0.2, 0.4, 0.0, 0.2], [0.2, -0.1, 0.3, 0.1, -0.4, 0.0]);
+    let (a, b) = (chains::inline::Chain, chains::sweep::Chain);
+    let compare = |ours: Vec<f64>, theirs: Vec<f64>| {
+        for (a, b) in ours.iter().zip(theirs) {
+            // Maps of 12 numbers below 1, in 15 stages.
+            assert!((a - b).abs() < 1e-14, "{a} {b}");
+        }
+    };
+    type Aba = Composed<Verlet, Aba864>;
+    compare(step::<Aba, _>(&a, [&q, &p], [0.0, 0.5]), step::<Aba, _>(&b, [&q, &p], [0.0, 0.5]));
+    compare(step::<Verlet, _>(&a, [&q, &p], [0.0, 0.5]), step::<Verlet, _>(&b, [&q, &p], [0.0, 0.5]));
+    let start =
+        || State { q: vector::<chains::sweep::Chain>(&q), p: vector::<chains::sweep::Chain>(&p), t: 0.0 };
+    let lagrangian = b.simulate::<Aba>(0.2).start(start()).steps(20).run().unwrap();
+    assert!(lagrangian.euler_lagrange_residual(&b).unwrap() < 1e-14);
+}
+
+/// By dual numbers, and back; and the gradient of the discrete Lagrangian against central differences.
+#[test]
+fn steps_are_symplectic_symmetric_and_variational() {
+    type Aba = Composed<Verlet, Aba864>;
+    let h = 0.4;
+    let forth = Discretized::<Aba>::prepare(&Rotating, h).unwrap();
+    let back = Discretized::<Aba>::prepare(&Rotating, -h).unwrap();
+    let mut q = [Dual { value: 0.4, derivative: [1.0, 0.0] }];
+    let mut p = [Dual { value: 0.3, derivative: [0.0, 1.0] }];
+    let mut memory = Default::default();
+    Discretized::<Aba>::advance(&Rotating, &forth, 0.2, h, &mut q, &mut p, &[], &mut memory).unwrap();
+    let ([a, b], [c, d]) = (q[0].derivative, p[0].derivative);
+    assert!((a * d - b * c - 1.0).abs() < 1e-14, "{:e}", a * d - b * c - 1.0);
+    Discretized::<Aba>::advance(&Rotating, &back, 0.2 + h, -h, &mut q, &mut p, &[], &mut memory).unwrap();
+    assert!((q[0].value - 0.4).abs() < 4e-15 && (p[0].value - 0.3).abs() < 4e-15, "{q:?} {p:?}");
+
+    let at = |q0: f64, q1: f64, p: f64| Segment {
+        q0: [q0].into(),
+        q1: [q1].into(),
+        p: [p].into(),
+        t: 0.3,
+        h: 0.25,
+    };
+    let value = |q0, q1, p| Discretized::<Aba>::discrete_lagrangian(&Rotating, &at(q0, q1, p), &[]);
+    let (q0, q1, p, d) = (0.5, 0.7, 0.4, 1e-5);
+    let gradient = Discretized::<Aba>::discrete_lagrangian_gradient(&Rotating, &at(q0, q1, p), &[]);
+    let slopes = [
+        (value(q0 + d, q1, p) - value(q0 - d, q1, p)) / (2.0 * d),
+        (value(q0, q1 + d, p) - value(q0, q1 - d, p)) / (2.0 * d),
+        (value(q0, q1, p + d) - value(q0, q1, p - d)) / (2.0 * d),
+    ];
+    for (slope, exact) in slopes.iter().zip([gradient.q0[0], gradient.q1[0], gradient.p[0]]) {
+        assert!((slope - exact).abs() < 1e-9, "{slope} {exact}");
+    }
+}
+
+#[test]
+fn parameters_of_linear_maps_are_checked() {
+    assert!(Oscillators { epsilon: f64::NAN }.stepper::<Composed<Verlet, Aba864>>(0.1).is_err());
+    assert_eq!(<Oscillators as Discretized<Composed<Verlet, Aba864>>>::PLAN.order, 4);
+}

@@ -1,0 +1,24 @@
+use wzvi::prelude::*;
+
+#[hamiltonian(drift = [|q, p| p * p * (1.0 + q * q), |q, _| q.cos()], embedding = Verlet)]
+struct Geodesic;
+
+#[hamiltonian(drift = [|q, p, t| 0.5 * p * p * t, |q, _, t| q * t], embedding = Verlet)]
+struct Twice;
+
+#[hamiltonian(drift = [|q, p| 0.5 * p * p, |q, _| q * q], noise = [|q, _| q], embedding = Verlet)]
+struct Noisy;
+
+#[hamiltonian(
+    drift = [|q: &[f64], p: &[f64]| (0..q.len()).map(|i| p[i] * p[i] + q[i] * q[i]).sum::<f64>(), |q, _| q[0].cos()],
+    embedding = Verlet,
+)]
+struct Unsized;
+
+#[hamiltonian(drift = [|_, p| p, |q, _| q, |q, _| q], embedding = Verlet)]
+struct Three;
+
+#[hamiltonian(drift = [|q, p| q * p, |[x, y], _| x * y], embedding = Verlet)]
+struct OtherShape;
+
+fn main() {}

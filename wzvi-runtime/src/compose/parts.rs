@@ -1,0 +1,216 @@
+//! The flows of two parts, as the user has parted the Hamiltonian: `drift = [H_A, H_B]`.
+//!
+//! Each part has one of the forms whose flow the compiler knows: a function of the coordinates, a kick; a function of the momenta, a
+//! drift; or a quadratic form in both with constant coefficients, a linear map ([`Linear`]), which is made once for each weight. What a part reads of the
+//! time it reads where the flows of the other part have brought it: the time is a coordinate that `H_A` moves.
+
+use super::Verlet;
+use super::linear::Linear;
+use super::sequence::{Followed, Half, Sequence, Substep};
+use super::stages::{Memory, Rooms, Stage, Stages, Take, add, advance, check, follow};
+use super::structure::{Parted, Structure, TwoFlows};
+use crate::carry::{Carry, Plain};
+use crate::error::{ConfigError, StepFailure};
+use crate::gauss::Shape;
+use crate::plan::Plan;
+use crate::scalar::Scalar;
+use crate::solve::Effort;
+use crate::state::Vector;
+use crate::system::{Hamiltonian, Segment};
+
+/// The form of a part of the Hamiltonian.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// A function of coordinates and time.
+    Coordinates,
+    /// A function of momenta.
+    Momenta,
+    /// A polynomial of degree two in coordinates and momenta, with constant coefficients.
+    Quadratic,
+}
+
+/// A system in two parts with known flows; generated.
+pub trait Parts: Hamiltonian {
+    /// The plan of a step of order two.
+    const PLAN: Plan;
+    /// The forms of `H_A` and `H_B`.
+    const FORMS: [Form; 2];
+    /// Lists of one number per degree of freedom.
+    type Shape: Shape;
+
+    /// `h ∂H/∂q` and `h ∂H/∂p` of a part, as far as they are wanted.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "generated code implements it, and each is one thing that slopes depend on"
+    )]
+    fn slopes_of_part<S: Scalar, const BY_Q: bool, const BY_P: bool>(
+        &self,
+        part: Half,
+        t: f64,
+        h: f64,
+        q: &[S],
+        p: &[S],
+        by_q: &mut [S],
+        by_p: &mut [S],
+    );
+
+    /// The value of a part.
+    fn value_of_part(&self, part: Half, t: f64, q: &[f64], p: &[f64]) -> f64;
+}
+
+/// The flows of the parts in turn.
+#[derive(Clone, Copy, Debug)]
+pub struct PartFlows;
+
+impl<K: Structure<Verlet>> TwoFlows for Parted<K> {
+    type Flows = PartFlows;
+}
+
+/// The parts of a step, and the linear maps among them.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    stages: Stages,
+    /// The number of the map of each stage that is one.
+    numbers: Vec<Option<usize>>,
+    maps: Vec<Linear>,
+}
+
+impl Prepared {
+    /// One map for all stages with the same weight.
+    fn new<F: Parts>(system: &F, degrees: usize, h: f64, substeps: &[Substep]) -> Result<Self, ConfigError> {
+        let stages = Stages::of(substeps);
+        let (mut numbers, mut maps, mut known) = (Vec::new(), Vec::new(), Vec::new());
+        for Stage { half, weight, .. } in &stages.0 {
+            if form::<F>(*half) != Form::Quadratic {
+                numbers.push(None);
+                continue;
+            }
+            let key = (*half, weight.to_bits());
+            let number = known.iter().position(|other| *other == key).unwrap_or(known.len());
+            if number == known.len() {
+                known.push(key);
+                maps.push(Linear::new(degrees, weight * h, |x, slopes| {
+                    let ((q, p), (by_q, by_p)) = (x.split_at(degrees), slopes.split_at_mut(degrees));
+                    system.slopes_of_part::<f64, true, true>(*half, 0.0, 1.0, q, p, by_q, by_p);
+                })?);
+            }
+            numbers.push(Some(number));
+        }
+        Ok(Self { stages, numbers, maps })
+    }
+
+    /// The map of a stage.
+    #[inline(always)]
+    fn map(&self, index: usize) -> Option<&Linear> {
+        self.numbers.get(index).copied().flatten().and_then(|number| self.maps.get(number))
+    }
+}
+
+fn form<F: Parts>(half: Half) -> Form {
+    let [first, second] = F::FORMS;
+    if half == Half::First { first } else { second }
+}
+
+impl<F: Parts> Sequence<F> for PartFlows {
+    const PLAN: Plan = F::PLAN;
+    const REMEMBERS: bool = false;
+    const IN_LANES: bool = false;
+    type Prepared = Prepared;
+    type Memory<S: Scalar> = Memory<S, F::Shape>;
+    type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
+    type Carry<S: Scalar> = Plain;
+
+    fn memory(system: &F, _: &[Substep]) -> Self::Memory<f64> {
+        Memory::of_system(system)
+    }
+
+    fn prepare(system: &F, h: f64, substeps: &[Substep]) -> Result<Prepared, ConfigError> {
+        check(system)?;
+        Prepared::new(system, system.degrees(), h, substeps)
+    }
+
+    #[inline(always)]
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        system: &F,
+        prepared: &Prepared,
+        t: f64,
+        h: f64,
+        q: &mut [S],
+        p: &mut [S],
+        dw: &[S],
+        memory: &mut Self::Memory<S>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        let flows = FlowsOf { system, prepared, t, h };
+        advance(system, &flows, &prepared.stages.0, q, p, dw, memory, carry)
+    }
+
+    /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral of `p · q' - H`.
+    fn follow(
+        system: &F,
+        segment: &Segment<F::Vector>,
+        dw: &[f64],
+        substeps: &[Substep],
+    ) -> Option<Followed<F::Vector>> {
+        let (t, h, degrees) = (segment.t, segment.h, segment.q0.components().len());
+        system.check(degrees).ok()?;
+        let prepared = Prepared::new(system, degrees, h, substeps).ok()?;
+        let flows = FlowsOf { system, prepared: &prepared, t, h };
+        let action = |index: usize, stage: &Stage, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
+            let value = || stage.weight * h * system.value_of_part(stage.half, t + stage.node * h, q, p);
+            match form::<F>(stage.half) {
+                Form::Coordinates => -value(),
+                Form::Momenta => {
+                    let moved =
+                        p.iter().zip(q.iter().zip(before[0])).map(|(p, (q, before))| p * (q - before));
+                    moved.sum::<f64>() - value()
+                }
+                Form::Quadratic => prepared.map(index).map_or(f64::NAN, |map| map.action(before, [q, p])),
+            }
+        };
+        Some(follow(&flows, &prepared.stages.0, segment, dw, action))
+    }
+}
+
+/// The flows of the parts in a step.
+struct FlowsOf<'a, F> {
+    system: &'a F,
+    prepared: &'a Prepared,
+    t: f64,
+    h: f64,
+}
+
+impl<F: Parts, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
+    #[inline(always)]
+    fn take<C: Carry<S>>(
+        &self,
+        index: usize,
+        stage: &Stage,
+        rooms: &mut Rooms<S, F::Shape>,
+        _: &mut Memory<S, F::Shape>,
+    ) {
+        let &Self { system, prepared, t, h } = self;
+        let Rooms { q, p, lost_q, lost_p, force, velocity } = rooms;
+        let (q, p, force, velocity) = (q.as_mut(), p.as_mut(), force.as_mut(), velocity.as_mut());
+        let (t, h) = (t + stage.node * h, stage.weight * h);
+        match form::<F>(stage.half) {
+            Form::Coordinates => {
+                system.slopes_of_part::<S, true, false>(stage.half, t, -h, q, p, force, &mut []);
+                add::<S, C>(p, force, lost_p.as_mut());
+            }
+            Form::Momenta => {
+                system.slopes_of_part::<S, false, true>(stage.half, t, h, q, p, &mut [], velocity);
+                add::<S, C>(q, velocity, lost_q.as_mut());
+            }
+            Form::Quadratic => {
+                match prepared.map(index) {
+                    Some(map) => map.increments([q, p], [&mut *velocity, &mut *force]),
+                    // Every stage of this form has one; without it there is no step.
+                    None => velocity.fill(S::from_f64(f64::NAN)),
+                }
+                add::<S, C>(q, velocity, lost_q.as_mut());
+                add::<S, C>(p, force, lost_p.as_mut());
+            }
+        }
+    }
+}
