@@ -12,6 +12,7 @@
 
 mod checks;
 mod flows;
+mod gradient;
 mod implement;
 mod kept;
 mod lagrangian;
@@ -31,6 +32,7 @@ use checks::{has_order, has_sum_one, have_sums_one, is_palindrome};
 
 #[doc(hidden)]
 pub use flows::{Flows, KickDrift};
+pub use gradient::{GradientKicks, GradientTable};
 #[doc(hidden)]
 pub use lagrangian::{gradient, value};
 #[doc(hidden)]
@@ -42,8 +44,8 @@ pub use sequence::{Half, Sequence, Substep, plan};
 #[doc(hidden)]
 pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, Structure, TwoFlows};
 pub use tables::{
-    Aba864, Aba1064, BlanesMoan4, BlanesMoan6, KahanLi6, KahanLi8, Srkn6, Suzuki4, SuzukiUmeno8, Yoshida4,
-    Yoshida6,
+    Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, KahanLi6, KahanLi8, Srkn6, Suzuki4, SuzukiUmeno8,
+    TakahashiImada4, Yoshida4, Yoshida6,
 };
 
 /// [`DeltaPlus`] of half the step, then [`DeltaMinus`] of the other half: the Störmer-Verlet scheme, symmetric and of order
@@ -135,6 +137,7 @@ impl Base for Verlet {
     label = "not for this system",
     note = "partitioned tables (`BlanesMoan4`, ..., `Table` of your own) compose `Verlet` only; palindromes (`Yoshida4`, ..., your own `Weights`) compose `Midpoint`, `Verlet` and `Gauss<S>`",
     note = "`Srkn6` takes `T(p) + V(q, t)` with a kinetic energy that is quadratic with constant masses; `BlanesMoan6` and `KahanLi6` are of order 6 for every Hamiltonian",
+    note = "`Chin4` and `TakahashiImada4` take the same, for the square of the force; `BlanesMoan4` is of order 4 for every Hamiltonian",
     note = "`Aba864` and `Aba1064` take two parts with exact flows: `T(p) + V(q, t)`, or `drift = [H_A, H_B]`"
 )]
 pub trait Composes<E, K: Structure<E> = General> {
@@ -204,6 +207,8 @@ partitioned! {
     BlanesMoan4: Sized, K::Sequence, K::splitting;
     BlanesMoan6: Sized, K::Sequence, K::splitting;
     Srkn6: QuadraticKinetic, K::Sequence, K::splitting;
+    Chin4: QuadraticKinetic, GradientKicks<Chin4>, <[Substep]>::to_vec;
+    TakahashiImada4: QuadraticKinetic, GradientKicks<TakahashiImada4>, <[Substep]>::to_vec;
     Aba864: TwoFlows, K::Flows, <[Substep]>::to_vec;
     Aba1064: TwoFlows, K::Flows, <[Substep]>::to_vec;
 }

@@ -70,30 +70,39 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
             generated.extend(composition.emit(item, &item.generics, &scheme));
         }
         if embedding.is_symmetric() {
-            generated.extend(composed_of(item, &scheme, &structure, parted.is_some()));
+            let composed = match (parted, flows) {
+                (Some(_), _) => Composed::ByTable(quote!(__wzvi::compose::Parted<#structure>)),
+                (None, Some(Flows { is_nystrom: true, .. })) => Composed::ByTable(structure),
+                _ => Composed::ByStructure(structure),
+            };
+            generated.extend(composed_of(item, &scheme, &composed));
         }
     }
     generated
 }
 
+/// What says how the parts of a composition are taken, with the structure of the system.
+enum Composed {
+    ByStructure(TokenStream),
+    /// The parts of the drift may take turns, or steps of the sum; kicks may be by the square of the force, too.
+    ByTable(TokenStream),
+}
+
 /// `impl<W> Discretized<Composed<E, W>>`
-fn composed_of(
-    item: &ItemStruct,
-    base: &TokenStream,
-    structure: &TokenStream,
-    is_parted: bool,
-) -> TokenStream {
+fn composed_of(item: &ItemStruct, base: &TokenStream, composed: &Composed) -> TokenStream {
     let mut generics = item.generics.clone();
     let (weights, sequence);
-    if is_parted {
-        // The table says whether the parts take turns, or steps of the sum.
-        weights = quote!(__wzvi::compose::Composes<#base, __wzvi::compose::Parted<#structure>>);
-        sequence = quote!(<__W as #weights>::Sequence);
-        let filter = generics.make_where_clause();
-        filter.predicates.push(syn::parse_quote!(#sequence: __wzvi::compose::Sequence<Self>));
-    } else {
-        weights = quote!(__wzvi::compose::Composes<#base, #structure>);
-        sequence = sequence_of(base, structure);
+    match composed {
+        Composed::ByTable(structure) => {
+            weights = quote!(__wzvi::compose::Composes<#base, #structure>);
+            sequence = quote!(<__W as #weights>::Sequence);
+            let filter = generics.make_where_clause();
+            filter.predicates.push(syn::parse_quote!(#sequence: __wzvi::compose::Sequence<Self>));
+        }
+        Composed::ByStructure(structure) => {
+            weights = quote!(__wzvi::compose::Composes<#base, #structure>);
+            sequence = sequence_of(base, structure);
+        }
     }
     generics.params.push(syn::parse_quote!(__W: #weights));
     let composition = Composition {
