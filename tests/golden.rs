@@ -12,6 +12,7 @@ mod golden {
         chain,
         corrected,
         explicit,
+        flows,
         index_table,
         lattice,
         linear,
@@ -40,6 +41,7 @@ macro_rules! steps {
 
 #[test]
 fn golden_expansions_step() {
+    steps!(flows::Perturbed { omega: 1.0, epsilon: 0.1 }, Composed<Verlet, Aba864>, [0.3], [0.2], []);
     steps!(explicit::Pendulum { omega: 1.0 }, DeltaPlus, [0.3], [0.2], []);
     steps!(linear::Oscillators { k: 1.0, c: 0.2 }, Midpoint, [0.3, 0.1], [0.2, -0.4], []);
     steps!(newton_scalar::Pendulum { omega: 1.0 }, Midpoint, [0.3], [0.2], []);

@@ -78,6 +78,8 @@ fn chin_is_of_order_4() {
     assert!((measured - 4.0).abs() < 0.2, "{measured}");
     assert_eq!(<Masses as Discretized<Composed<Verlet, Chin4>>>::PLAN.order, 4);
     assert_eq!(<Masses as Discretized<Composed<Verlet, Chin4>>>::PLAN.solver, Solver::Explicit);
+    let text = <Masses as Discretized<Composed<Verlet, Chin4>>>::EQUATIONS;
+    assert!(text.contains("V - h²/48 V'·M⁻¹V'"), "{text}");
 }
 
 /// Of order 2, and conjugate to order 4: with `K = H_p · V'` the step keeps `H - h²/24 {H, K}` to order 4, for that is what

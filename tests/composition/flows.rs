@@ -317,7 +317,21 @@ fn ensembles_take_flows_side_by_side() {
 fn plans_and_equations_say_that_it_is_explicit() {
     let plan = <Pendulum as Discretized<Composed<Verlet, KahanLi8>>>::PLAN;
     assert_eq!((plan.solver, plan.unknowns, plan.order, plan.consistent), (Solver::Explicit, 0, 8, true));
-    assert!(<Pendulum as Discretized<Verlet>>::EQUATIONS.contains("kick of h/2 at t + h"));
+    let verlet = <Pendulum as Discretized<Verlet>>::EQUATIONS;
+    assert!(verlet.contains("kick of h/2 at t + h"));
+    let starts = |text: &str, lines: &str| assert!(text.starts_with(lines), "{text}");
+    let yoshida = <Pendulum as Discretized<Composed<Verlet, Yoshida4>>>::EQUATIONS;
+    starts(
+        yoshida,
+        "A step of size h is, one after the other, a step of size\n  1.3512071919596575 h\n  -1.7024143839193153 h\n",
+    );
+    assert!(yoshida.ends_with(verlet));
+    starts(
+        <Pendulum as Discretized<Composed<Verlet, Aba864>>>::EQUATIONS,
+        "A step of size h is, one after the other, a\n  drift of 0.0711334264982231 h\n  kick of 0.1830836874721972 h\n",
+    );
+    let by_pair = <Heavier as Discretized<Composed<Verlet, BlanesMoan4>>>::EQUATIONS;
+    assert!(by_pair.contains("by steps of DeltaMinus (drift) and DeltaPlus (kick)"), "{by_pair}");
     assert!(!<Heavier as Discretized<Verlet>>::EQUATIONS.contains("kick"));
 }
 

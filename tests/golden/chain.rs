@@ -58,7 +58,7 @@ const _: () = {
         self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
         Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Option, Plain, Plan,
         Range, Result, Scalar, Segment, Solver, State, StepFailure, bool, f64, isize,
-        str, usize, compose::{Composes, General, Structure},
+        str, usize, compose::{Composes, Equations, General, ROOM, Structure},
         elements::{
             CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
             Slopes, Stage, Unknowns,
@@ -420,9 +420,9 @@ const _: () = {
     wzvi::composition! {
         [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
         > > for Chain] Composed < Midpoint, W >, < General as Structure < Midpoint >>
-        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
-        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
-        ::substeps()
+        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, Equations:: < Self,
+        Midpoint, General, W, { 1969 + ROOM } > ::ALL, < W as Composes < Midpoint,
+        General > > ::substeps()
     }
     #[automatically_derived]
     impl Conservative for Chain {}

@@ -58,7 +58,7 @@ const _: () = {
         Effort, Err, Factor, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok,
         Option, PhantomData, Plain, Plan, Result, SVector, Scalar, Segment, Solution,
         Solver, State, StepFailure, Vector, bool, f64, str, usize,
-        compose::{Composes, General, Structure},
+        compose::{Composes, Equations, General, ROOM, Structure},
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -249,9 +249,9 @@ const _: () = {
     wzvi::composition! {
         [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
         > > for Oscillators] Composed < Midpoint, W >, < General as Structure < Midpoint
-        >> ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
-        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
-        ::substeps()
+        >> ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, Equations:: <
+        Self, Midpoint, General, W, { 1023 + ROOM } > ::ALL, < W as Composes < Midpoint,
+        General > > ::substeps()
     }
     #[automatically_derived]
     impl Conservative for Oscillators {}

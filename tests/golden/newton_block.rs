@@ -55,7 +55,7 @@ const _: () = {
         Effort, Err, Extrapolation, Hamiltonian, Knowledge, LagrangianGradient,
         NoiseClass, Ok, Plain, Plan, Result, Rounded, SVector, Scalar, Segment, Solution,
         Solver, State, StepFailure, Vector, bool, f64, str, usize,
-        compose::{Composes, General, Structure},
+        compose::{Composes, Equations, General, ROOM, Structure},
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -306,9 +306,9 @@ const _: () = {
     wzvi::composition! {
         [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
         > > for HenonHeiles] Composed < Midpoint, W >, < General as Structure < Midpoint
-        >> ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
-        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
-        ::substeps()
+        >> ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, Equations:: <
+        Self, Midpoint, General, W, { 1109 + ROOM } > ::ALL, < W as Composes < Midpoint,
+        General > > ::substeps()
     }
     #[automatically_derived]
     impl Conservative for HenonHeiles {}

@@ -52,7 +52,7 @@ const _: () = {
         Effort, Err, Extrapolation, Hamiltonian, Knowledge, LagrangianGradient,
         NoiseClass, Ok, Option, Plain, Plan, Result, Rounded, SVector, Scalar, Segment,
         Solution, Solver, State, StepFailure, Vector, bool, f64, str, usize,
-        compose::{Composes, General, Structure},
+        compose::{Composes, Equations, General, ROOM, Structure},
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -273,9 +273,9 @@ const _: () = {
     wzvi::composition! {
         [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
         > > for Pendulum] Composed < Midpoint, W >, < General as Structure < Midpoint >>
-        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
-        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
-        ::substeps()
+        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, Equations:: < Self,
+        Midpoint, General, W, { 658 + ROOM } > ::ALL, < W as Composes < Midpoint, General
+        > > ::substeps()
     }
     #[automatically_derived]
     impl Conservative for Pendulum {}

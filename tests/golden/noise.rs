@@ -82,7 +82,7 @@ const _: () = {
         Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option, PhantomData,
         Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver, State,
         StepFailure, Vector, bool, f64, str, usize,
-        compose::{Composes, General, Structure},
+        compose::{Composes, Equations, General, ROOM, Structure},
         embedding::{Composed, DeltaPlus, Midpoint, Uncorrected},
     };
     #[automatically_derived]
@@ -395,9 +395,9 @@ const _: () = {
     wzvi::composition! {
         [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
         > > for Kubo] Composed < Midpoint, W >, < General as Structure < Midpoint >>
-        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
-        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
-        ::substeps()
+        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, Equations:: < Self,
+        Midpoint, General, W, { 676 + ROOM } > ::ALL, < W as Composes < Midpoint, General
+        > > ::substeps()
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{

@@ -56,7 +56,7 @@ const _: () = {
         Knowledge, LagrangianGradient, NoiseClass, None, Ok, Option, Ord, PhantomData,
         Plain, Plan, Range, Result, Scalar, Segment, Solution, Solver, Some, State,
         StepFailure, bool, f64, i128, isize, str, usize,
-        compose::{Composes, General, Structure},
+        compose::{Composes, Equations, General, ROOM, Structure},
         elements::{
             CompensationVec, Curvature, Elements, MomentumUpdate, Point, Scheme, Slopes,
             Stage, Unknowns,
@@ -485,9 +485,9 @@ const _: () = {
     wzvi::composition! {
         [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
         > > for Bath] Composed < Midpoint, W >, < General as Structure < Midpoint >>
-        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, < Self as
-        Discretized < Midpoint >> ::EQUATIONS, < W as Composes < Midpoint, General > >
-        ::substeps()
+        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, Equations:: < Self,
+        Midpoint, General, W, { 831 + ROOM } > ::ALL, < W as Composes < Midpoint, General
+        > > ::substeps()
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{

@@ -88,4 +88,5 @@ Step, by the flows of H = T(p) + V(q), which are exact
   kick of h/2 at t:      p <- p - h/2 ∂V/∂q
   drift of h:            q <- q + h ∂T/∂p
   kick of h/2 at t + h:  p <- p - h/2 ∂V/∂q, whose force is that of the first kick of the next step
+  (in compositions drifts and kicks that meet are one)
 ";

@@ -23,13 +23,15 @@ mod sequence;
 mod stages;
 mod structure;
 mod tables;
+mod text;
 
 use std::marker::PhantomData;
 
 use crate::embedding::{DeltaMinus, DeltaPlus, Midpoint, Uncorrected};
 use crate::gauss::Gauss;
-use checks::{has_order, has_sum_one, have_sums_one, is_palindrome};
+use text::{DRIFT_KICK, turns};
 
+pub use checks::{check_table, check_weights};
 #[doc(hidden)]
 pub use flows::{Flows, KickDrift};
 pub use gradient::{GradientKicks, GradientTable};
@@ -47,6 +49,8 @@ pub use tables::{
     Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, KahanLi6, KahanLi8, Srkn6, Suzuki4, SuzukiUmeno8,
     TakahashiImada4, Yoshida4, Yoshida6,
 };
+#[doc(hidden)]
+pub use text::{Equations, Listing, ROOM};
 
 /// [`DeltaPlus`] of half the step, then [`DeltaMinus`] of the other half: the Störmer-Verlet scheme, symmetric and of order
 /// two. Explicit for `T(p) + V(q, t)`: kick, drift, kick, with one evaluation of the force for each step. Generalised
@@ -60,8 +64,9 @@ pub struct Composed<E, W>(PhantomData<(E, W)>);
 
 /// Weights of a composition of steps of a symmetric scheme of order two.
 ///
-/// That they are a palindrome and their sum is 1 is checked when the program is compiled, and so is that the sums of their
-/// odd powers vanish which the order needs. The other conditions of the order are a matter of trust. docs/order.md has an example.
+/// That they are a palindrome and their sum is 1 is checked when the program is built, and so is that the sums of their
+/// odd powers vanish which the order needs; `const _: () = check_weights::<Own>();` beside them ([`check_weights`]) has them checked by
+/// `cargo check`, too. The other conditions of the order are a matter of trust. docs/order.md has an example.
 pub trait Weights {
     /// The order of the composition.
     const ORDER: u32;
@@ -143,6 +148,8 @@ impl Base for Verlet {
 pub trait Composes<E, K: Structure<E> = General> {
     /// The order that they give.
     const ORDER: u32;
+    /// What `EQUATIONS` say of them.
+    const LISTING: Listing;
     /// How the parts of a step are taken.
     type Sequence;
     /// The parts of a step, in their order.
@@ -151,17 +158,11 @@ pub trait Composes<E, K: Structure<E> = General> {
 
 impl<E: Symmetric, W: Weights, K: Structure<E>> Composes<E, K> for W {
     const ORDER: u32 = W::ORDER;
+    const LISTING: Listing = Listing::Steps(W::GAMMA);
     type Sequence = K::Sequence;
 
     fn substeps() -> Vec<Substep> {
-        const {
-            assert!(is_palindrome(W::GAMMA), "the weights of a composition must be a palindrome");
-            assert!(has_sum_one(W::GAMMA), "the weights of a composition must sum to 1");
-            assert!(
-                has_order(W::GAMMA, W::ORDER),
-                "the sums of the odd powers of the weights below their order must vanish"
-            );
-        }
+        const { check_weights::<W>() };
         let mut substeps = Vec::new();
         W::GAMMA.iter().for_each(|&weight| K::step(weight, &mut substeps));
         substeps
@@ -170,11 +171,7 @@ impl<E: Symmetric, W: Weights, K: Structure<E>> Composes<E, K> for W {
 
 /// The drifts and kicks of a partitioned table.
 fn of_table<W: Partitioned>() -> Vec<Substep> {
-    const {
-        assert!(is_palindrome(W::SEQUENCE), "the coefficients of a splitting must be a palindrome");
-        assert!(W::SEQUENCE.len() % 2 == 1, "a splitting starts and ends with the same part");
-        assert!(have_sums_one(W::SEQUENCE), "the coefficients of drifts and of kicks must sum to 1 each");
-    }
+    const { check_table::<W>() };
     let halves = if W::STARTS_WITH_DRIFT { [Half::First, Half::Second] } else { [Half::Second, Half::First] };
     let sequence = W::SEQUENCE.iter().zip(halves.into_iter().cycle());
     sequence.map(|(&weight, half)| (half, weight)).collect()
@@ -182,6 +179,7 @@ fn of_table<W: Partitioned>() -> Vec<Substep> {
 
 impl<K: Structure<Verlet>, W: Partitioned> Composes<Verlet, K> for Table<W> {
     const ORDER: u32 = W::ORDER;
+    const LISTING: Listing = turns::<W>(DRIFT_KICK, K::NOTE);
     type Sequence = K::Sequence;
 
     fn substeps() -> Vec<Substep> {
@@ -191,9 +189,10 @@ impl<K: Structure<Verlet>, W: Partitioned> Composes<Verlet, K> for Table<W> {
 
 /// Tables for all structures, for quadratic kinetic energies, and for two parts with flows.
 macro_rules! partitioned {
-    ($($table:ty: $structure:ident, $sequence:ty, $parts:expr;)+) => {$(
+    ($($table:ty: $structure:ident, $sequence:ty, $parts:expr, $names:expr, $note:expr;)+) => {$(
         impl<K: $structure + Structure<Verlet>> Composes<Verlet, K> for $table {
             const ORDER: u32 = <$table as Partitioned>::ORDER;
+            const LISTING: Listing = turns::<$table>($names, $note);
             type Sequence = $sequence;
 
             fn substeps() -> Vec<Substep> {
@@ -204,13 +203,13 @@ macro_rules! partitioned {
 }
 
 partitioned! {
-    BlanesMoan4: Sized, K::Sequence, K::splitting;
-    BlanesMoan6: Sized, K::Sequence, K::splitting;
-    Srkn6: QuadraticKinetic, K::Sequence, K::splitting;
-    Chin4: QuadraticKinetic, GradientKicks<Chin4>, <[Substep]>::to_vec;
-    TakahashiImada4: QuadraticKinetic, GradientKicks<TakahashiImada4>, <[Substep]>::to_vec;
-    Aba864: TwoFlows, K::Flows, <[Substep]>::to_vec;
-    Aba1064: TwoFlows, K::Flows, <[Substep]>::to_vec;
+    BlanesMoan4: Sized, K::Sequence, K::splitting, DRIFT_KICK, K::NOTE;
+    BlanesMoan6: Sized, K::Sequence, K::splitting, DRIFT_KICK, K::NOTE;
+    Srkn6: QuadraticKinetic, K::Sequence, K::splitting, DRIFT_KICK, K::NOTE;
+    Chin4: QuadraticKinetic, GradientKicks<Chin4>, <[Substep]>::to_vec, DRIFT_KICK, Chin4::NOTE;
+    TakahashiImada4: QuadraticKinetic, GradientKicks<TakahashiImada4>, <[Substep]>::to_vec, DRIFT_KICK, TakahashiImada4::NOTE;
+    Aba864: TwoFlows, K::Flows, <[Substep]>::to_vec, K::PARTS, K::NOTE;
+    Aba1064: TwoFlows, K::Flows, <[Substep]>::to_vec, K::PARTS, K::NOTE;
 }
 
 /// The parts of one step of `E`.

@@ -12,11 +12,17 @@ use super::expand;
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden");
 
 /// Name, the attribute's arguments, the struct.
-const SCENES: [(&str, &str, &str); 12] = [
+const SCENES: [(&str, &str, &str); 13] = [
     (
         "explicit",
         "drift = |q, p| 0.5 * p * p - omega * omega * q.cos(), embedding = DeltaPlus",
         "pub struct Pendulum { pub omega: f64 }",
+    ),
+    (
+        "flows",
+        "drift = [|q, p, t| 0.5 * p * p + 0.5 * omega * omega * q * q, |q, _, t| epsilon * q.powi(3) * t.cos()], \
+         embedding = Verlet",
+        "pub struct Perturbed { pub omega: f64, pub epsilon: f64 }",
     ),
     (
         "linear",

@@ -39,6 +39,11 @@ pub(crate) fn hamiltonians(model: &Model, text: &mut String) {
     line(text, format_args!("\nHamiltonians"));
     for (k, term) in [model.drift].iter().chain(&model.noise).enumerate() {
         line(text, format_args!("  H{k} = {}", model.graph.display(term.value)));
+        if k == 0 {
+            for (name, part) in ["H_A", "H_B"].iter().zip(&model.parts) {
+                line(text, format_args!("  {name} = {}, a part of H0", model.graph.display(part.value)));
+            }
+        }
     }
 }
 

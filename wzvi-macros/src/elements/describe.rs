@@ -113,6 +113,9 @@ pub(crate) fn noise_numbers(model: &System) -> Vec<String> {
 pub(super) fn hamiltonians(model: &System) -> String {
     let mut text = "Hamiltonians, as sums of elements\n".to_owned();
     let _ = writeln!(text, "  H0 = {}", term(model, &model.drift.elements));
+    for (name, part) in ["H_A", "H_B"].iter().zip(&model.parts) {
+        let _ = writeln!(text, "  {name} = {}, a part of H0", term(model, &part.elements));
+    }
     for (number, noise) in noise_numbers(model).iter().zip(&model.noise) {
         let _ = writeln!(text, "  H{number} = {}", term(model, &noise.term.elements));
     }

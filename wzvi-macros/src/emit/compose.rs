@@ -6,6 +6,7 @@ use syn::ItemStruct;
 
 use super::embedding_type;
 use super::plan::Plan;
+use super::system::count;
 use crate::describe::Texts;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
@@ -75,7 +76,7 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
                 (None, Some(Flows { is_nystrom: true, .. })) => Composed::ByTable(structure),
                 _ => Composed::ByStructure(structure),
             };
-            generated.extend(composed_of(item, &scheme, &composed));
+            generated.extend(composed_of(item, &scheme, &composed, text));
         }
     }
     generated
@@ -89,26 +90,26 @@ enum Composed {
 }
 
 /// `impl<W> Discretized<Composed<E, W>>`
-fn composed_of(item: &ItemStruct, base: &TokenStream, composed: &Composed) -> TokenStream {
+fn composed_of(item: &ItemStruct, base: &TokenStream, composed: &Composed, text: &str) -> TokenStream {
     let mut generics = item.generics.clone();
-    let (weights, sequence);
-    match composed {
-        Composed::ByTable(structure) => {
-            weights = quote!(__wzvi::compose::Composes<#base, #structure>);
-            sequence = quote!(<__W as #weights>::Sequence);
-            let filter = generics.make_where_clause();
-            filter.predicates.push(syn::parse_quote!(#sequence: __wzvi::compose::Sequence<Self>));
-        }
-        Composed::ByStructure(structure) => {
-            weights = quote!(__wzvi::compose::Composes<#base, #structure>);
-            sequence = sequence_of(base, structure);
-        }
+    let (Composed::ByStructure(structure) | Composed::ByTable(structure)) = composed;
+    let weights = quote!(__wzvi::compose::Composes<#base, #structure>);
+    let sequence;
+    if let Composed::ByTable(_) = composed {
+        sequence = quote!(<__W as #weights>::Sequence);
+        let filter = generics.make_where_clause();
+        filter.predicates.push(syn::parse_quote!(#sequence: __wzvi::compose::Sequence<Self>));
+    } else {
+        sequence = sequence_of(base, structure);
     }
     generics.params.push(syn::parse_quote!(__W: #weights));
+    let length = count(text.len());
     let composition = Composition {
         sequence,
         order: quote!(<__W as #weights>::ORDER),
-        text: quote!(<Self as __wzvi::Discretized<#base>>::EQUATIONS),
+        text: quote!(
+            __wzvi::compose::Equations::<Self, #base, #structure, __W, { #length + __wzvi::compose::ROOM }>::ALL
+        ),
         substeps: quote!(<__W as #weights>::substeps()),
     };
     composition.emit(item, &generics, &quote!(__wzvi::embedding::Composed<#base, __W>))

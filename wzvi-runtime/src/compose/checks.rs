@@ -1,7 +1,35 @@
 //! What is checked of weights when a program is compiled.
 
+use super::{Partitioned, Weights};
+
+/// Stops the compiler, with a message that says what is wrong, unless the weights make a composition.
+///
+/// `const _: () = check_weights::<Own>();` does it wherever the weights stand.
+///
+/// # Panics
+/// While constants are evaluated: unless the weights are a palindrome, sum to 1, and the sums of their odd powers below the order vanish.
+pub const fn check_weights<W: Weights>() {
+    assert!(is_palindrome(W::GAMMA), "the weights of a composition must be a palindrome");
+    assert!(has_sum_one(W::GAMMA), "the weights of a composition must sum to 1");
+    assert!(
+        has_order(W::GAMMA, W::ORDER),
+        "the sums of the odd powers of the weights below their order must vanish"
+    );
+}
+
+/// The same for the coefficients of a splitting.
+///
+/// # Panics
+/// While constants are evaluated: unless the coefficients are an odd number of them, a palindrome, and those of drifts and those of
+/// kicks sum to 1.
+pub const fn check_table<W: Partitioned>() {
+    assert!(is_palindrome(W::SEQUENCE), "the coefficients of a splitting must be a palindrome");
+    assert!(W::SEQUENCE.len() % 2 == 1, "a splitting starts and ends with the same part");
+    assert!(have_sums_one(W::SEQUENCE), "the coefficients of drifts and of kicks must sum to 1 each");
+}
+
 /// Whether a list reads the same backwards, to the last bit.
-pub(super) const fn is_palindrome(list: &[f64]) -> bool {
+const fn is_palindrome(list: &[f64]) -> bool {
     let mut i = 0;
     while i < list.len() {
         if list[i].to_bits() != list[list.len() - 1 - i].to_bits() {
@@ -36,13 +64,13 @@ const fn rounding(length: usize, power: u32) -> f64 {
 }
 
 /// Whether the sum is 1 but for rounding.
-pub(super) const fn has_sum_one(list: &[f64]) -> bool {
+const fn has_sum_one(list: &[f64]) -> bool {
     let (sum, size) = power_sums(list, 1);
     is_one(sum, size, list.len())
 }
 
 /// Whether the sums of every other number, from the first and from the second on, are 1 but for rounding.
-pub(super) const fn have_sums_one(list: &[f64]) -> bool {
+const fn have_sums_one(list: &[f64]) -> bool {
     let (mut sums, mut sizes) = ([0.0; 2], [0.0; 2]);
     let mut i = 0;
     while i < list.len() {
@@ -59,7 +87,7 @@ const fn is_one(sum: f64, size: f64, length: usize) -> bool {
 }
 
 /// `Σ γ^3 = 0` for order 4, `Σ γ^5 = 0` as well for order 6, and so on.
-pub(super) const fn has_order(list: &[f64], order: u32) -> bool {
+const fn has_order(list: &[f64], order: u32) -> bool {
     let mut power = 3;
     while power < order {
         let (sum, size) = power_sums(list, power);

@@ -49,7 +49,7 @@ pub struct KickDrift;
 impl<F: Flows> Sequence<F> for KickDrift {
     const PLAN: Plan = F::PLAN;
     const REMEMBERS: bool = false;
-    const IN_LANES: bool = !matches!(F::PLAN.noise, crate::plan::NoiseClass::None);
+    const IN_LANES: bool = true;
     type Prepared = Stages;
     type Memory<S: Scalar> = Memory<S, F::Shape>;
     type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;

@@ -30,6 +30,8 @@ use crate::system::Segment;
 pub trait GradientTable: Partitioned {
     /// The factors `c` of `h³ |V'|²`, one for each drift (zero) and kick of [`Partitioned::SEQUENCE`].
     const GRADIENT: &'static [f64];
+    /// What `EQUATIONS` say of it.
+    const NOTE: &'static str;
 }
 
 /// Drifts and kicks in turn, by the table `W`.

@@ -136,9 +136,9 @@ fn groups(length: usize, is_coupled: impl Fn(usize, usize) -> bool) -> Vec<Vec<u
         is_placed[first] = true;
         let (mut group, mut next) = (vec![first], 0);
         while let Some(&known) = group.get(next) {
-            for other in 0..length {
-                if !is_placed[other] && (is_coupled(known, other) || is_coupled(other, known)) {
-                    is_placed[other] = true;
+            for (other, is_placed) in is_placed.iter_mut().enumerate() {
+                if !*is_placed && (is_coupled(known, other) || is_coupled(other, known)) {
+                    *is_placed = true;
                     group.push(other);
                 }
             }

@@ -64,6 +64,7 @@ pub struct PartFlows;
 
 impl<K: Structure<Verlet>> TwoFlows for Parted<K> {
     type Flows = PartFlows;
+    const PARTS: [&'static str; 2] = ["flow of H_A over ", "flow of H_B over "];
 }
 
 /// The parts of a step, and the linear maps among them.
@@ -114,7 +115,7 @@ fn form<F: Parts>(half: Half) -> Form {
 impl<F: Parts> Sequence<F> for PartFlows {
     const PLAN: Plan = F::PLAN;
     const REMEMBERS: bool = false;
-    const IN_LANES: bool = false;
+    const IN_LANES: bool = true;
     type Prepared = Prepared;
     type Memory<S: Scalar> = Memory<S, F::Shape>;
     type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;

@@ -5,12 +5,15 @@ use std::marker::PhantomData;
 use super::flows::KickDrift;
 use super::pair::Pair;
 use super::sequence::{Half, Substep};
+use super::text::DRIFT_KICK;
 use super::{Base, Verlet};
 
 /// The structure of a system, as far as steps of `E` take advantage of it.
 pub trait Structure<E> {
     /// How the parts of a step are taken.
     type Sequence;
+    /// By what a splitting is taken, for people.
+    const NOTE: &'static str;
     /// What a step of `E` with this weight is made of.
     fn step(weight: f64, into: &mut Vec<Substep>);
     /// What a sequence of drifts (the first half) and kicks (the second), which take turns, is made of.
@@ -43,6 +46,8 @@ impl QuadraticKinetic for Parted<Nystrom> {}
 pub trait TwoFlows: Structure<Verlet> {
     /// How the flows of the parts are taken.
     type Flows;
+    /// What each part does, for people: the first one, then the second.
+    const PARTS: [&'static str; 2] = DRIFT_KICK;
 }
 
 impl TwoFlows for Separable {
@@ -54,6 +59,8 @@ impl TwoFlows for Nystrom {
 
 impl<E: Base> Structure<E> for General {
     type Sequence = Pair<E::First, E::Second>;
+    const NOTE: &'static str = ", by steps of DeltaMinus (drift) and DeltaPlus (kick) of which each is \
+                                a coefficient less the one before";
 
     fn step(weight: f64, into: &mut Vec<Substep>) {
         E::substeps(weight, into);
@@ -75,6 +82,7 @@ impl<E: Base> Structure<E> for General {
 
 impl<K: Structure<Verlet>> Structure<Verlet> for Parted<K> {
     type Sequence = K::Sequence;
+    const NOTE: &'static str = K::NOTE;
 
     fn step(weight: f64, into: &mut Vec<Substep>) {
         K::step(weight, into);
@@ -89,6 +97,7 @@ macro_rules! by_flows {
     ($($structure:ty),+) => {$(
         impl Structure<Verlet> for $structure {
             type Sequence = KickDrift;
+            const NOTE: &'static str = "";
 
             /// Kick and drift in `DeltaPlus`, drift and kick in `DeltaMinus`.
             fn step(weight: f64, into: &mut Vec<Substep>) {

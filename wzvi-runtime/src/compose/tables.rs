@@ -282,6 +282,7 @@ impl Partitioned for Chin4 {
 
 impl GradientTable for Chin4 {
     const GRADIENT: &'static [f64] = &[0.0, 0.0, 1.0 / 72.0, 0.0, 0.0];
+    const NOTE: &'static str = " (the second kick by V - h²/48 V'·M⁻¹V')";
 }
 
 /// One kick, by `V - h²/24 |V'|²`, for `T(p) + V(q, t)` with a quadratic `T`: of order 2, and of effective order 4, that is conjugate to a
@@ -299,4 +300,5 @@ impl Partitioned for TakahashiImada4 {
 
 impl GradientTable for TakahashiImada4 {
     const GRADIENT: &'static [f64] = &[0.0, 1.0 / 24.0, 0.0];
+    const NOTE: &'static str = " (the kick by V - h²/24 V'·M⁻¹V')";
 }
