@@ -1,5 +1,8 @@
 //! Hénon and Heiles: Poincaré sections `x = 0, px > 0` of `H = |p|²/2 + |q|²/2 + x² y - y³/3` at E = 1/12, where nearly
-//! every orbit keeps to a curve, and E = 1/8, where some fill an area.
+//! every orbit keeps to a curve, and E = 1/8, where some fill an area (M. Hénon, C. Heiles, Astron. J. 69, 1964, figures 4 and 5).
+//!
+//! Crossings are found on the dense output of long steps, so that points of the section are as exact as the steps themselves. The dimension of the
+//! set that the points of an orbit fill says what it is: one for a curve, two for an area.
 //!
 //! Run with `cargo run --release --example henon_heiles`.
 
@@ -8,22 +11,24 @@ mod plot;
 #[path = "support/table.rs"]
 mod table;
 
+use std::collections::BTreeSet;
 use std::error::Error;
 
 use plot::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Panel, SKY, VERMILION};
 use wzvi::prelude::*;
+use wzvi::section::Direction;
 
 #[hamiltonian(
     drift = |[x, y], [px, py]| 0.5 * (px * px + py * py + x * x + y * y) + x * x * y - y * y * y / 3.0,
-    embedding = Midpoint,
+    embedding = Gauss<8>,
 )]
 struct HenonHeiles;
 
-const H: f64 = 0.02;
-const END: f64 = 8000.0;
+const H: f64 = 0.25;
+const END: f64 = 40_000.0;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("Hénon-Heiles, Midpoint, h = {H}, t ≤ {END}\n");
+    println!("Hénon-Heiles, Gauss<8>, h = {H}, t ≤ {END}\n");
     let colors = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK];
     // (y, py) on the section.
     let regular = [(0.0, 0.05), (0.0, 0.12), (0.0, 0.17), (0.0, -0.17), (0.0, 0.3), (0.18, 0.0), (-0.3, 0.0)];
@@ -34,19 +39,24 @@ fn main() -> Result<(), Box<dyn Error>> {
             .equal_axes()
             .line("edge of what the energy allows", GREY, edge(energy));
         for ((y, py), color) in starts.into_iter().zip(colors) {
-            let Section { points, drift, iterations } = section(energy, y, py)?;
+            let Section { points, drift, off } = section(energy, y, py)?;
+            let dimension = dimension(&points);
             rows.push([
                 name.into(),
                 format!("({y}, {py})"),
                 points.len().to_string(),
                 format!("{drift:.1e}"),
-                format!("{iterations:.2}"),
+                format!("{off:.1e}"),
+                format!("{dimension:.2}"),
+                if dimension > 1.3 { "fills an area" } else { "keeps to a curve" }.into(),
             ]);
-            panel = panel.dots("", color, 3, points);
+            panel = panel.dots("", color, 2, points);
         }
         panels.push(panel);
     }
-    table::print(["E", "start (y, py)", "crossings", "max |H - E|", "Newton/step"], &rows);
+    let headings =
+        ["E", "start (y, py)", "crossings", "max |H - E| on it", "max |x| on it", "dimension", "the orbit"];
+    table::print(headings, &rows);
     println!();
     plot::save("henon_heiles", "sections", 2, (1000, 1000), &panels)
 }
@@ -67,8 +77,10 @@ fn edge(energy: f64) -> impl Iterator<Item = (f64, f64)> {
 
 struct Section {
     points: Vec<(f64, f64)>,
+    /// The largest error of the energy at the crossings.
     drift: f64,
-    iterations: f64,
+    /// The largest distance of a crossing from the section.
+    off: f64,
 }
 
 /// The orbit of energy `energy` that starts on the section.
@@ -77,24 +89,26 @@ fn section(energy: f64, y: f64, py: f64) -> Result<Section, Box<dyn Error>> {
     if square < 0.0 {
         return Err(format!("no orbit of energy {energy} passes (y, py) = ({y}, {py})").into());
     }
-    let start = State::new([0.0, y], [square.sqrt(), py]);
-    let (mut points, mut drift) = (vec![(y, py)], 0.0_f64);
-    let mut before = start;
     let path = HenonHeiles
-        .simulate::<Midpoint>(H)
-        .start(start)
+        .simulate::<Gauss<8>>(H)
+        .start(State::new([0.0, y], [square.sqrt(), py]))
         .until(END)
         .record_every(0)
-        .inspect(|state, _| {
-            drift = drift.max((HenonHeiles.energy(state) - energy).abs());
-            if before.q[0] < 0.0 && state.q[0] >= 0.0 {
-                let part = -before.q[0] / (state.q[0] - before.q[0]);
-                let between = |from: f64, to: f64| from + part * (to - from);
-                points.push((between(before.q[1], state.q[1]), between(before.p[1], state.p[1])));
-            }
-            before = *state;
-        })
+        .section_towards(Direction::Rising, |state| state.q[0])
         .run()?;
-    let iterations = path.iterations().total as f64 / path.steps() as f64;
-    Ok(Section { points, drift, iterations })
+    let states = || path.crossings().iter().map(|crossing| &crossing.state);
+    Ok(Section {
+        points: states().map(|state| (state.q[1], state.p[1])).collect(),
+        drift: states().map(|state| (HenonHeiles.energy(state) - energy).abs()).fold(0.0, f64::max),
+        off: states().map(|state| state.q[0].abs()).fold(0.0, f64::max),
+    })
+}
+
+/// The dimension of the set that points fill: squares of side `a` that they are in grow in number like `a^(-dimension)`, here from 0.08 to 0.01.
+fn dimension(points: &[(f64, f64)]) -> f64 {
+    let squares = |side: f64| {
+        let square = |&(y, py): &(f64, f64)| [y, py].map(|x| (x / side).floor() as i64);
+        points.iter().map(square).collect::<BTreeSet<_>>().len() as f64
+    };
+    (squares(0.01) / squares(0.08)).ln() / 8.0_f64.ln()
 }

@@ -52,6 +52,7 @@
 //!   [`Trajectory`](trajectory::Trajectory): states, increments, drifts of energy and invariants, what is left of the
 //!   discrete Euler-Lagrange equations. Given numbers serve as noise, too:
 //!   [`Increments::from`](increments::Increments).
+//! * **Between the nodes**: [dense] output of every scheme, recorded times and exact ends, and the crossings of [sections](section).
 //! * **The discrete calculus** behind it, time scales and the operators on them, is [`calculus`];
 //!   [`Trajectory::observable`](trajectory::Trajectory::observable) takes a path there.
 //! * **Is the step short enough?** `system.shadow_energy::<E>(&state, h)` is the [modified] energy that symplectic steps keep, to its first terms;
@@ -158,3 +159,9 @@ pub mod __private {
 #[doc = include_str!("../docs/order.md")]
 #[derive(Debug)]
 pub struct OrderGuide;
+
+/// Likewise.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/output.md")]
+#[derive(Debug)]
+pub struct OutputGuide;

@@ -1,9 +1,11 @@
 //! Between the nodes: dense output, recorded times, ends and sections.
 
-#![allow(clippy::unwrap_used, reason = "a test may stop")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may stop")]
 
 #[path = "between/dense.rs"]
 mod dense;
+#[path = "between/ensembles.rs"]
+mod ensembles;
 #[path = "between/kept.rs"]
 mod kept;
 #[path = "between/sections.rs"]

@@ -169,3 +169,29 @@ fn one_stage_is_the_mid_point_between_the_nodes() {
     });
     assert_eq!(one, other);
 }
+
+/// After the first step, which finds out how large the system is.
+#[test]
+fn dense_steps_allocate_nothing() {
+    fn allocations<E, H: Discretized<E>>(system: &H, start: &State<H::Vector>) -> u64 {
+        let (mut state, mut dense) = (start.clone(), DenseOutput::of(start));
+        let mut inside = start.clone();
+        let mut stepper = system.stepper::<E>(0.1).unwrap();
+        stepper.step_densely(&mut state, &[], &mut dense).unwrap();
+        let counted = allocation_counter::measure(|| {
+            for _ in 0..10 {
+                stepper.step_densely(&mut state, &[], &mut dense).unwrap();
+                dense.write(0.3, &mut inside);
+            }
+        });
+        counted.count_total
+    }
+    let start = State::new(vec![0.4, -0.2, 0.9], vec![0.1, 0.5, -0.3]);
+    assert_eq!(allocations::<Gauss<4>, _>(&Chain, &start), 0);
+    assert_eq!(allocations::<Verlet, _>(&Chain, &start), 0);
+    assert_eq!(allocations::<Composed<Verlet, KahanLi8>, _>(&Chain, &start), 0);
+    let start = State::new([0.4], [0.1]);
+    assert_eq!(allocations::<Gauss<8>, _>(&Driven, &start), 0);
+    assert_eq!(allocations::<Gauss<8>, _>(&Pendulum, &start), 0);
+    assert_eq!(allocations::<Composed<Midpoint, KahanLi6>, _>(&Driven, &start), 0);
+}

@@ -132,3 +132,26 @@ fn halved_steps_are_looked_into() {
     assert!(path.crossings().iter().all(|crossing| zero(crossing) < 1e-12));
     assert!(path.crossings().iter().map(|crossing| crossing.state.t).is_sorted());
 }
+
+/// Sections of systems of any size: kept crossings are all that is allocated.
+#[test]
+fn looking_inside_allocates_nothing() {
+    #[hamiltonian(
+        drift = |q: &[f64], p: &[f64]| {
+            (0..q.len()).map(|i| 0.5 * (p[i] * p[i] + (1.0 + i as f64) * q[i] * q[i])).sum::<f64>()
+        },
+        embedding = [Verlet, Gauss<4>],
+    )]
+    struct Oscillators;
+    fn allocations<E>(steps: u64) -> u64
+    where
+        Oscillators: Discretized<E, Vector = wzvi::nalgebra::DVector<f64>>,
+    {
+        let start = State::new(vec![1.0, 0.4, 0.2], vec![0.0, 0.1, 0.2]);
+        let run = Oscillators.simulate::<E>(0.01).start(start).steps(steps).record_every(0);
+        let run = run.section(|state| state.q[0] - 3.0).section(|state| state.p[1] + 4.0);
+        allocation_counter::measure(|| assert!(run.run().unwrap().crossings().is_empty())).count_total
+    }
+    assert_eq!(allocations::<Verlet>(200), allocations::<Verlet>(100));
+    assert_eq!(allocations::<Gauss<4>>(200), allocations::<Gauss<4>>(100));
+}

@@ -17,11 +17,11 @@ fn refused<E>(run: Result<Trajectory<V1, E>, wzvi::Error>, words: &str) {
 /// `Gauss<8>` with h = 0.25: the collocation polynomial has the error `h^9 / (4^9 9!)`-like, below 1e-13.
 #[test]
 fn recorded_times_are_on_the_path() {
-    let times = [0.1, 0.25, 0.26, 0.3, 1.0, 2.718, 4.999];
+    let times = [0.1, 0.25, 0.26, 0.3, 1.0, 2.72, 4.999];
     let run = || Oscillator.simulate::<Gauss<8>>(0.25).start(start()).until(5.0);
     let path = run().record_at(times).observe("q", |state| state.q[0]).run().unwrap();
     let all = run().run().unwrap();
-    assert_eq!(path.times().collect::<Vec<_>>(), [0.0, 0.1, 0.25, 0.26, 0.3, 1.0, 2.718, 4.999, 5.0]);
+    assert_eq!(path.times().collect::<Vec<_>>(), [0.0, 0.1, 0.25, 0.26, 0.3, 1.0, 2.72, 4.999, 5.0]);
     for (state, q) in path.iter().zip(path.observed("q").unwrap()) {
         assert!((state.q[0] - state.t.cos()).abs() < 1e-12 && (state.p[0] + state.t.sin()).abs() < 1e-12);
         assert_eq!(*q, state.q[0]);

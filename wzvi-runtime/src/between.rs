@@ -10,7 +10,6 @@ use crate::trajectory::Recorder;
 pub(crate) struct Between<'s, 'a, V> {
     sections: &'s Sections<'a, V>,
     pub(crate) watch: Watch<V>,
-    pub(crate) dense: DenseOutput<V>,
     /// The last node that was looked at.
     pub(crate) before: State<V>,
     node: u64,
@@ -18,7 +17,7 @@ pub(crate) struct Between<'s, 'a, V> {
     room: State<V>,
 }
 
-/// A step, or a part of it, that [`Between`] has the dense output of.
+/// A step, or a part of it.
 pub(crate) struct Part<'p> {
     /// The number of the step.
     pub(crate) step: u64,
@@ -36,7 +35,6 @@ impl<'s, 'a, V: Vector> Between<'s, 'a, V> {
         Self {
             sections,
             watch: Watch::new(sections, start),
-            dense: DenseOutput::of(start),
             before: start.clone(),
             node: 0,
             room: start.clone(),
@@ -76,8 +74,8 @@ impl<'s, 'a, V: Vector> Between<'s, 'a, V> {
     }
 
     /// Looks into a step, or a part of it.
-    pub(crate) fn look(&mut self, part: &Part<'_>, recorder: &mut Recorder<V>) {
-        let Self { sections, watch, dense, room, .. } = self;
+    pub(crate) fn look(&mut self, dense: &DenseOutput<V>, part: &Part<'_>, recorder: &mut Recorder<V>) {
+        let Self { sections, watch, room, .. } = self;
         while let Some(moment) = recorder.next_inside().filter(|moment| moment.step == part.step) {
             let theta = dense.fraction(moment.t);
             if theta > 1.0 && !part.is_last {

@@ -108,6 +108,11 @@ impl<V: Vector> DenseOutput<V> {
         self.slopes.add(theta, part, [into.q.components_mut(), into.p.components_mut()]);
     }
 
+    /// The next step may be one of another system.
+    pub(crate) fn forget(&mut self) {
+        self.order = 0;
+    }
+
     /// A copy of a state, to give back.
     pub(crate) fn lend(&mut self, state: &State<V>) -> State<V> {
         match self.room.take() {
@@ -149,7 +154,7 @@ impl<V: Vector> DenseOutput<V> {
         self.slopes.rows()
     }
 
-    /// Of the step with these increments that led from `before` to `after`, the last one that left something in `memory`.
+    /// Of the step with these increments that led from `before` to `after`, and was the last that left something in `memory`.
     pub(crate) fn fill<H: Discretized<E, Vector = V>, E>(
         &mut self,
         (system, prepared, memory): (&H, &H::Prepared, &H::Memory<f64>),
@@ -157,14 +162,34 @@ impl<V: Vector> DenseOutput<V> {
         h: f64,
         dw: &[f64],
     ) {
-        let follows = before == &self.ends[1] && dw.is_empty();
-        for (end, state) in self.ends.iter_mut().zip([before, after]) {
+        if H::HAS_POLYNOMIAL {
+            self.go([before, after], h, H::DENSE_ORDER);
+            system.slopes_between(prepared, memory, before, h, dw, &mut self.slopes);
+        } else {
+            self.fill_by_rates::<H, E>(system, [before, after], h, dw);
+        }
+    }
+
+    /// The same for a scheme without a polynomial of its own.
+    pub(crate) fn fill_by_rates<H: Discretized<E, Vector = V>, E>(
+        &mut self,
+        system: &H,
+        nodes: [&State<V>; 2],
+        h: f64,
+        dw: &[f64],
+    ) {
+        let is_same = self.order == H::DENSE_ORDER && h == self.h && dw.is_empty();
+        let follows = is_same && nodes[0] == &self.ends[1];
+        self.go(nodes, h, H::DENSE_ORDER);
+        self.hermite.fill(system, &self.ends, h, dw, follows, self.order, &mut self.slopes);
+    }
+
+    /// To another step.
+    fn go(&mut self, nodes: [&State<V>; 2], h: f64, order: u32) {
+        for (end, state) in self.ends.iter_mut().zip(nodes) {
             copy_state(end, state);
         }
-        (self.h, self.order) = (h, H::DENSE_ORDER);
-        if !system.slopes_between(prepared, memory, before, h, dw, &mut self.slopes) {
-            self.hermite.fill(system, &self.ends, h, dw, follows, self.order, &mut self.slopes);
-        }
+        (self.h, self.order) = (h, order);
     }
 }
 

@@ -162,18 +162,29 @@ pub trait Elements: Hamiltonian {
 pub fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     system: &H,
     t: S,
-    h: f64,
+    h: S,
     q: &[S],
     p: &[S],
     dw: &[S],
     by_q: &mut [S],
     by_p: &mut [S],
 ) {
-    by_q.fill(S::from_f64(0.0));
-    by_p.fill(S::from_f64(0.0));
-    let at = Point { q, p, t: t.lane(0), h, dw, acting: 0..dw.len() };
+    let at = Point { q, p, t: t.lane(0), h: 1.0, dw, acting: 0..dw.len() };
     let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
+    if BY_Q {
+        by_q.fill(S::from_f64(0.0));
+    }
+    if BY_P {
+        by_p.fill(S::from_f64(0.0));
+    }
     system.slopes(DRIFT, 1.0, &at, wanted, by_q, by_p);
+    // Weights of stages differ from lane to lane.
+    if BY_Q {
+        by_q.iter_mut().for_each(|slope| *slope = *slope * h);
+    }
+    if BY_P {
+        by_p.iter_mut().for_each(|slope| *slope = *slope * h);
+    }
     if !dw.is_empty() {
         system.slopes(NOISE, 1.0, &at, wanted, by_q, by_p);
     }

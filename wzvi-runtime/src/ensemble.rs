@@ -22,6 +22,7 @@ pub mod cluster;
 #[cfg(feature = "columnar")]
 mod columnar;
 mod control;
+mod crossings;
 mod draws;
 mod error;
 mod group;
@@ -54,6 +55,7 @@ use crate::lanes::instructions as dispatch;
 use account::Account;
 use block::Block;
 use control::Control;
+pub use crossings::{Crossings, PathCrossing};
 pub use dispatch::{InstructionSet, Kernel};
 pub use draws::Normals;
 pub use error::{LossError, StatisticsError};
@@ -80,6 +82,7 @@ pub use crate::persist::table::{Column, Table};
 use crate::recording::Request;
 use crate::retry::{Halved, Retry, Serves, Whole};
 use crate::schedule::in_order;
+use crate::section::Sections;
 use crate::span::Span;
 use crate::state::State;
 use crate::system::{Discretized, Hamiltonian};
@@ -108,6 +111,7 @@ struct Setup<'a, H: Hamiltonian> {
     recorded: Request,
     observables: Observables<'a, H::Vector>,
     events: Observables<'a, H::Vector>,
+    sections: Sections<'a, H::Vector>,
     wanted: Extras,
     inspector: Option<Inspector<'a, H::Vector>>,
     execution: Execution<'a>,
@@ -127,6 +131,8 @@ struct Extras {
     histograms: Vec<(String, [f64; 2], usize)>,
     /// Bytes of memory for the paths, if they are kept.
     most_bytes: Option<u64>,
+    /// Crossings that are kept, of each path and section.
+    most_crossings: u64,
 }
 
 impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
@@ -143,7 +149,14 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             recorded: Request::default(),
             observables: Observables::default(),
             events: Observables::default(),
-            wanted: Extras { quantiles: false, covariances: true, histograms: Vec::new(), most_bytes: None },
+            sections: Sections::default(),
+            wanted: Extras {
+                quantiles: false,
+                covariances: true,
+                histograms: Vec::new(),
+                most_bytes: None,
+                most_crossings: 0,
+            },
             inspector: None,
             execution: Execution::default(),
             keeping: Keeping::default(),
@@ -173,7 +186,7 @@ impl<'a, H: Discretized<E>, E, R> Ensemble<'a, H, E, StepNormals, R> {
 }
 
 impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
-    options!(start, end, record, observe, execution, instructions);
+    options!(start, end, exact, record, observe, section, execution, instructions);
 
     /// The first state of each path, at one time for all: that of [`Draw::path`], or drawn at random by the seed of the ensemble (0 if it has
     /// none). It is called once for each path, from several threads, and has to depend on nothing but its argument.
@@ -244,7 +257,7 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
     }
 
     /// When does `event`, a function of the state, cross zero for the first time? It is asked at every node; what that
-    /// means for the times is in [`Passages`]. More than one may be asked.
+    /// means for the times is in [`Passages`]. All crossings are found by [`Ensemble::section`]. More than one may be asked.
     pub fn first_passage(
         mut self,
         name: impl Into<String>,
@@ -276,6 +289,13 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
     /// Keeps all observables of every path at every recorded time, if that takes `bytes` of memory at most.
     pub fn keep_paths(mut self, bytes: u64) -> Self {
         self.setup.wanted.most_bytes = Some(bytes);
+        self
+    }
+
+    /// Keeps the first `most` crossings of each path and section with their states; if this is not called, they are counted only
+    /// ([`Crossings`]).
+    pub fn keep_crossings(mut self, most: u64) -> Self {
+        self.setup.wanted.most_crossings = most;
         self
     }
 

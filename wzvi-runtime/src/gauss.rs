@@ -22,6 +22,7 @@ mod kept;
 mod newton;
 mod shape;
 mod stages;
+mod stiff;
 mod sweep;
 mod table;
 mod wide;
@@ -48,8 +49,15 @@ pub trait Field: Hamiltonian {
     const IS_NYSTROM: bool;
     /// Whether all stages can be evaluated at once although their times differ.
     const IN_LANES: bool;
-    /// Lists of one number per degree of freedom.
+    /// Lists of one entry per degree of freedom.
     type Shape: Shape;
+    /// Whether the potential energy has a constant quadratic part.
+    const IS_STIFF: bool = false;
+    /// Lists of one entry per noise.
+    type Noises: Shape;
+
+    /// The matrix `K` of the quadratic part `q · K q / 2` of the potential energy, by rows.
+    fn stiffness(&self, _k: &mut [f64]) {}
 
     /// `∂F/∂q` and `∂F/∂p`, as far as they are wanted. Slices have the degrees of freedom and the noises of the system.
     #[expect(
@@ -59,7 +67,7 @@ pub trait Field: Hamiltonian {
     fn slopes<S: Scalar, const BY_Q: bool, const BY_P: bool>(
         &self,
         t: S,
-        h: f64,
+        h: S,
         q: &[S],
         p: &[S],
         dw: &[S],

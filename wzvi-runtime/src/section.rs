@@ -85,6 +85,11 @@ impl<'a, V> Sections<'a, V> {
         self.0.is_empty()
     }
 
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
+    }
+
     /// What is wanted of each, in words.
     #[cfg(feature = "serde")]
     pub(crate) fn in_words(&self) -> String {
@@ -191,6 +196,25 @@ impl<V: Vector> Crossing<V> {
         self.direction = if is_rising { Direction::Rising } else { Direction::Falling };
         self.state.pass(tape);
     }
+}
+
+/// When a function is first zero in a step or changes its sign there, if its `values` at both nodes say that it does.
+#[cfg(feature = "ensemble")]
+pub(crate) fn first_zero<V: Vector>(
+    dense: &DenseOutput<V>,
+    value: &dyn Fn(&State<V>) -> f64,
+    values: [f64; 2],
+    room: &mut State<V>,
+) -> Option<f64> {
+    let is_crossed = values[0] < 0.0 && values[1] >= 0.0 || values[0] > 0.0 && values[1] <= 0.0;
+    if !is_crossed {
+        return None;
+    }
+    if values[1] == 0.0 {
+        return Some(dense.end().t);
+    }
+    let mut step = Step { dense, value, room };
+    Some(step.crossing([0.0, 1.0], values).t)
 }
 
 /// One step and one section.

@@ -4,6 +4,7 @@ use std::marker::PhantomData;
 
 use crate::between::{Between, Part};
 use crate::checkpoint::{Keeper, Keeping};
+use crate::dense::DenseOutput;
 use crate::error::{ConfigError, Error};
 use crate::increments::{Interval, NoNoise, Noise};
 use crate::options::{Observables, options};
@@ -209,7 +210,8 @@ where
             looks.arrive(first, &state);
         }
         let due = keeper.next();
-        let mut monitor = Nodes { observer, keeper: &mut keeper, due, grid, looks };
+        let dense = looks_inside.then(|| Box::new(DenseOutput::of(&start)));
+        let mut monitor = Nodes { observer, keeper: &mut keeper, due, grid, looks, dense };
         let error = loop {
             if first == 0 {
                 monitor.show(&state, 0, &account, &dw);
@@ -342,6 +344,7 @@ struct Nodes<'k, 's, 'a, O, V> {
     grid: Grid,
     /// Looks between the nodes, if something is to be found there.
     looks: Option<Box<Between<'s, 'a, V>>>,
+    dense: Option<Box<DenseOutput<V>>>,
 }
 
 impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
@@ -360,21 +363,21 @@ impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
         H: Discretized<E, Vector = V>,
         N: Noise,
     {
-        let Some(looks) = &mut self.looks else { return Ok(()) };
+        let (Some(looks), Some(dense)) = (&mut self.looks, &mut self.dense) else { return Ok(()) };
         let Single { stepper, state, noise, dw, account, start, h } = path;
         let (step, [_, halvings], recorder) = (node - 1, account.last, &mut account.recorder);
         if looks.wants(node, recorder.next_inside()) {
             if halvings == 0 {
-                stepper.stepper.fill([&looks.before, state], dw, &mut looks.dense);
-                looks.look(&Part { step, dw, later: &[], is_last: true }, recorder);
+                stepper.stepper.fill([&looks.before, state], dw, dense);
+                looks.look(dense, &Part { step, dw, later: &[], is_last: true }, recorder);
             } else {
                 let (before, mut later, mut parts) = (looks.before.clone(), dw.to_vec(), 1_u64 << halvings);
                 let interval = Interval { start: *start, h: *h, step };
                 stepper.revisit(&before, &interval, noise, halvings, |stepper, nodes, dw| {
                     later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
                     parts -= 1;
-                    stepper.fill(nodes, dw, &mut looks.dense);
-                    looks.look(&Part { step, dw, later: &later, is_last: parts == 0 }, recorder);
+                    stepper.fill(nodes, dw, dense);
+                    looks.look(dense, &Part { step, dw, later: &later, is_last: parts == 0 }, recorder);
                 })?;
             }
         }

@@ -11,7 +11,7 @@ mod lanes;
 mod newton;
 
 pub use banded::{Banded, reverse_cuthill_mckee};
-pub(crate) use damped::{Problem, damped};
+pub(crate) use damped::{Problem, Room, damped};
 pub use dense::{Factor, SymmetricFactor, prepared, reciprocal_above_one};
 pub use krylov::Krylov;
 pub use lanes::LaneByLane;

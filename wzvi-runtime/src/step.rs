@@ -230,6 +230,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         let before = dense.lend(state);
         let taken = self.step(state, dw);
         if taken.is_ok() {
+            dense.forget();
             self.fill([&before, state], dw, dense);
         }
         dense.give_back(before);

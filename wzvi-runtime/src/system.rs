@@ -297,8 +297,10 @@ pub trait Discretized<E>: Hamiltonian {
     /// The order of the error inside a step: [`DenseOutput::order`](crate::dense::DenseOutput::order).
     const DENSE_ORDER: u32 = hermite_order(&Self::PLAN);
 
-    /// The slopes of the scheme's own polynomial between the nodes of the step that was the last to leave something in `memory`, into
-    /// `slopes`; `false`, and nothing done, where it has none.
+    /// Whether the scheme has a polynomial of its own between the nodes of a step.
+    const HAS_POLYNOMIAL: bool = false;
+
+    /// The slopes of that polynomial, of the step that was the last to leave something in `memory`.
     fn slopes_between(
         &self,
         prepared: &Self::Prepared,
@@ -307,9 +309,8 @@ pub trait Discretized<E>: Hamiltonian {
         h: f64,
         dw: &[f64],
         slopes: &mut Slopes,
-    ) -> bool {
+    ) {
         let _ = (prepared, memory, before, h, dw, slopes);
-        false
     }
 
     /// The memory of a new stepper: all that its steps will need, where the system knows its size.

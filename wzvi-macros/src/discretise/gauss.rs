@@ -12,7 +12,7 @@ use std::fmt::Write;
 
 use super::describe::hamiltonians;
 use crate::model::Model;
-use crate::symbolic::{Expr, Graph, Rational, Symbol};
+use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 /// The slopes of the step Hamiltonian in the symbols of the phase space, `h` and `ΔW`.
 pub(crate) struct StepSlopes {
@@ -22,6 +22,8 @@ pub(crate) struct StepSlopes {
     pub(crate) by_p: Vec<Expr>,
     /// Whether `F` is a constant quadratic form of the momenta plus a function of coordinates and time.
     pub(crate) is_nystrom: bool,
+    /// Entries of the matrix `K` where `V = q · K q / 2 + U(q, t)` with constant `K`, in Nyström form: row, column, value.
+    pub(crate) stiffness: Vec<(usize, usize, Expr)>,
 }
 
 impl StepSlopes {
@@ -47,7 +49,8 @@ impl StepSlopes {
         let by_q = model.phase.q.iter().map(|&q| slope(q)).collect();
         let by_p: Vec<Expr> = model.phase.p.iter().map(|&p| slope(p)).collect();
         let is_nystrom = is_nystrom(model, &by_p, &dw);
-        Self { h, dw, by_q, by_p, is_nystrom }
+        let stiffness = if is_nystrom { stiffness(model) } else { Vec::new() };
+        Self { h, dw, by_q, by_p, is_nystrom, stiffness }
     }
 }
 
@@ -68,6 +71,37 @@ fn is_nystrom(model: &mut Model, by_p: &[Expr], dw: &[Symbol]) -> bool {
         let rest = graph.linear_combination(&rest);
         graph.is_zero(rest)
     })
+}
+
+/// The constant terms of the second derivatives of the drift by the coordinates. Any matrix may be split off: the one that has all of them leaves
+/// a rest without quadratic terms.
+fn stiffness(model: &mut Model) -> Vec<(usize, usize, Expr)> {
+    let Model { graph, phase, drift, .. } = model;
+    let moving: Vec<Symbol> = phase.q.iter().chain(&phase.p).chain([&phase.t]).copied().collect();
+    let mut entries = Vec::new();
+    for (row, &a) in phase.q.iter().enumerate() {
+        let slope = graph.derivative(drift.value, a);
+        for (column, &b) in phase.q.iter().enumerate() {
+            let curvature = graph.derivative(slope, b);
+            let constant = constant_part(graph, curvature, &moving);
+            if !graph.is_zero(constant) {
+                entries.push((row, column, constant));
+            }
+        }
+    }
+    entries
+}
+
+/// The sum of the terms without these symbols.
+fn constant_part(graph: &mut Graph, expr: Expr, moving: &[Symbol]) -> Expr {
+    if !graph.depends_on(expr, moving) {
+        return expr;
+    }
+    let Node::Sum { terms, constant } = graph.node(expr).clone() else { return graph.number(Rational::ZERO) };
+    let one = graph.number(Rational::ONE);
+    let still = terms.iter().copied().filter(|&(term, _)| !graph.depends_on(term, moving));
+    let parts: Vec<(Expr, Rational)> = [(one, constant)].into_iter().chain(still).collect();
+    graph.linear_combination(&parts)
 }
 
 /// The text of `Gauss<stages>`, without its facts.
@@ -115,5 +149,15 @@ pub(crate) fn describe(model: &mut Model, slopes: &StepSlopes, stages: u32) -> S
         text,
         "  solve for {sweeps}: by sweeps while they contract, else Newton's method on all of them at once"
     );
+    if !slopes.stiffness.is_empty() {
+        let _ = writeln!(
+            text,
+            "  where h is large for the linear part K of the force, Q ← Q + (1 + h² A² M⁻¹K)⁻¹ (φ(Q) - Q), made once"
+        );
+        for &(row, column, value) in &slopes.stiffness {
+            let [row, column] = [row, column].map(|d| graph.symbol_name(phase.q[d]).to_owned());
+            let _ = writeln!(text, "    K_{row}{column} = {}", graph.display(value));
+        }
+    }
     text
 }

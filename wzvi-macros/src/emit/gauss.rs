@@ -17,6 +17,7 @@ use crate::describe::Texts;
 use crate::discretise::facts::Facts;
 use crate::discretise::gauss::StepSlopes;
 use crate::model::Model;
+use crate::symbolic::Expr;
 
 /// Every `Gauss<S>` that was listed, and the flows.
 pub(super) fn emit(model: &mut Model, facts: &Facts, texts: &Texts) -> TokenStream {
@@ -63,17 +64,18 @@ fn field(model: &mut Model) -> TokenStream {
     let of_state =
         model.phase.q.iter().zip(q).chain(model.phase.p.iter().zip(p)).chain(slopes.dw.iter().zip(&dw));
     let mut names: Vec<_> = of_state.map(|(&symbol, name)| (symbol, name.clone(), Level::State)).collect();
-    // Stages have times of their own.
+    // Stages have times and weights of their own.
     names.push((model.phase.t, format_ident!("__t"), Level::State));
-    names.push((slopes.h, format_ident!("__h"), Level::Prepared));
+    names.push((slopes.h, format_ident!("__h"), Level::State));
     let inputs = Inputs { names, definitions: HashMap::new() };
     let roots = [slopes.by_q.as_slice(), slopes.by_p.as_slice()].concat();
     let Body { statements, values } = body(model, &letters, &inputs, &quote!(__S), &roots);
     let (by_q, by_p) = values.split_at(degrees);
-    let degrees = count(degrees);
+    let (degrees, noises) = (count(degrees), count(dw.len()));
+    let stiffness = stiffness(model, &slopes);
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let (f64, bool) = (f64_type(), quote!(__wzvi::bool));
+    let bool = quote!(__wzvi::bool);
     let is_nystrom = slopes.is_nystrom;
     quote! {
         #[automatically_derived]
@@ -81,12 +83,15 @@ fn field(model: &mut Model) -> TokenStream {
             const IS_NYSTROM: #bool = #is_nystrom;
             const IN_LANES: #bool = true;
             type Shape = __wzvi::gauss::Fixed<#degrees>;
+            type Noises = __wzvi::gauss::Fixed<#noises>;
+
+            #stiffness
 
             #[inline(always)]
             fn slopes<__S: __wzvi::Scalar, const __BY_Q: #bool, const __BY_P: #bool>(
                 &self,
                 __t: __S,
-                __h: #f64,
+                __h: __S,
                 __q: &[__S],
                 __p: &[__S],
                 __dw: &[__S],
@@ -104,6 +109,29 @@ fn field(model: &mut Model) -> TokenStream {
                     __by_p.copy_from_slice(&[#(#by_p),*]);
                 }
             }
+        }
+    }
+}
+
+/// The matrix of the linear part of the force, where there is one.
+fn stiffness(model: &mut Model, slopes: &StepSlopes) -> TokenStream {
+    if slopes.stiffness.is_empty() {
+        return TokenStream::new();
+    }
+    let letters = Letters::of(model, Names::beside(&["k"]));
+    let inputs = Inputs { names: Vec::new(), definitions: HashMap::new() };
+    let roots: Vec<Expr> = slopes.stiffness.iter().map(|&(.., value)| value).collect();
+    let f64 = f64_type();
+    let Body { statements, values } = body(model, &letters, &inputs, &f64, &roots);
+    let degrees = model.phase.q.len();
+    let places =
+        slopes.stiffness.iter().map(|(row, column, _)| Literal::usize_unsuffixed(row * degrees + column));
+    quote! {
+        const IS_STIFF: __wzvi::bool = true;
+
+        fn stiffness(&self, __k: &mut [#f64]) {
+            #statements
+            #(__k[#places] = #values;)*
         }
     }
 }

@@ -169,7 +169,15 @@ impl<F: Flows> FlowsOf<'_, F> {
         if F::IN_PLACE && !C::CARRIES {
             return self.system.add_velocity(self.t, h, p, dw, q);
         }
-        self.system.slopes::<S, false, true>(S::from_f64(self.t), h, q, p, dw, &mut [], velocity);
+        self.system.slopes::<S, false, true>(
+            S::from_f64(self.t),
+            S::from_f64(h),
+            q,
+            p,
+            dw,
+            &mut [],
+            velocity,
+        );
         add::<S, C>(q, velocity, lost);
     }
 
@@ -193,7 +201,15 @@ impl<F: Flows> FlowsOf<'_, F> {
         if is_kept && memory.has_force(origin, F::FORCE_READS_TIME, q) {
             return add::<S, C>(p, memory.kept_force.as_ref(), lost);
         }
-        self.system.slopes::<S, true, false>(S::from_f64(t), h, q, p, &memory.dw, force, &mut []);
+        self.system.slopes::<S, true, false>(
+            S::from_f64(t),
+            S::from_f64(h),
+            q,
+            p,
+            &memory.dw,
+            force,
+            &mut [],
+        );
         add::<S, C>(p, force, lost);
         if is_kept {
             memory.keep_force(origin, q, force);

@@ -166,7 +166,7 @@ impl<F: Flows, S: Scalar> Kick<'_, F, S> {
         let (t, h) = (t + stage.node * h, stage.share() * h);
         let Directional { q: dual_q, p: dual_p, slopes, dw: dual_dw } = room;
         // The momenta do not matter to what is read: `V'`, and the constant `T''`.
-        system.slopes::<S, true, false>(S::from_f64(t), h, q, q, dw, force, &mut []);
+        system.slopes::<S, true, false>(S::from_f64(t), S::from_f64(h), q, q, dw, force, &mut []);
         let zero = S::from_f64(0.0);
         for (dual, &dw) in dual_dw.iter_mut().zip(dw) {
             *dual = Dual::constant(dw);
@@ -176,7 +176,7 @@ impl<F: Flows, S: Scalar> Kick<'_, F, S> {
             *dual_q = Dual::constant(q);
             *dual_p = Dual { value: zero, derivative: [force] };
         }
-        let t = Dual::from_f64(t);
+        let [t, h] = [t, h].map(Dual::from_f64);
         system.slopes::<Dual<1, S>, false, true>(t, h, dual_q, dual_p, dual_dw, &mut [], slopes);
         let mut square = zero;
         for ((dual_q, slope), &force) in dual_q.iter_mut().zip(&*slopes).zip(&*force) {

@@ -105,11 +105,10 @@ impl<V: Vector> Hermite<V> {
         slopes: &mut Slopes,
     ) {
         let degrees = ends[0].q.components().len();
-        let is_new = self.rates.len() < 2 || self.rates[0].len() != 2 * degrees;
         self.fit(order, degrees);
         let Self { levels, rates, gradient, inside } = self;
         let most = rates.len();
-        if follows && !is_new {
+        if follows {
             rates.swap(0, most - 1);
         } else {
             rate(system, &ends[0], h, dw, gradient, &mut rates[0]);

@@ -7,7 +7,7 @@ use super::step::Step;
 use super::{Elements, Memory};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
-use crate::solve::{Effort, Problem, astray, damped};
+use crate::solve::{Effort, Problem, Room, astray, damped};
 
 /// Residual of linear equations that are solved by iteration: below what a convergence that is nearly quadratic shows.
 const TOLERANCE: f64 = 1e-10;
@@ -24,9 +24,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let Some(linear) = linear else { return Err(astray(0, f64::INFINITY)) };
         let start = lists.x.to_vec();
         let lists = &mut lists;
-        let (x, effort) =
-            damped(&mut Sweep { step: self, lists, diagonal, linear, rounding }, &start, known > 0)?;
-        lists.x.copy_from_slice(&x);
+        let mut room = Room::of(&start);
+        let mut sweep = Sweep { step: self, lists, diagonal, linear, rounding };
+        let effort = damped(&mut sweep, &mut room, &start, known > 0)?;
+        lists.x.copy_from_slice(room.solution());
         self.refresh(lists);
         Ok(effort)
     }

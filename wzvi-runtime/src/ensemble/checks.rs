@@ -70,17 +70,12 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
             _ => Source::new(StepNormals::seed(0)),
         };
         let first = Interval { start: start.t, h, step: 0 };
-        let source = source.prepared(setup.settings, &H::PLAN, first, (processes, steps))?;
+        let source = source.prepared(setup.settings, &H::PLAN, first, (processes, grid.whole()))?;
         let has_pairs = source.is_antithetic();
         if has_pairs && paths % 2 == 1 {
             return Err(ConfigError::Setting(format!("{paths} antithetic paths: they come in pairs")).into());
         }
         let recorded = setup.recorded.checked(0, &grid)?;
-        if let Some(moment) = recorded.between.first() {
-            return Err(
-                ConfigError::Setting(format!("recorded at t = {}, which is no node", moment.t)).into()
-            );
-        }
         let recorded = recorded.all(&grid, MOST_NODES)?;
         let observables = if setup.observables.is_empty() {
             standard(system, start.q.components().len())
@@ -96,9 +91,19 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
             )
             .into());
         }
+        if has_pairs && !setup.sections.is_empty() {
+            let wrong = "sections of antithetic paths: their errors would be those of independent ones; leave out one of the two";
+            return Err(ConfigError::Setting(wrong.into()).into());
+        }
         let times: Vec<f64> = recorded.iter().map(|recorded| recorded.t).collect();
         let watches = watches(event_names, &grid)?;
-        let wanted = setup.wanted.checked(names, times, watches, has_pairs, paths)?;
+        let mut wanted = setup.wanted.checked(names, times, watches, has_pairs, paths)?;
+        (wanted.sections, wanted.degrees) = (setup.sections.len(), start.q.components().len());
+        if let Some(shorter) = grid.shorter.filter(|_| processes > 0) {
+            // What has no increments for the last step says so before the run.
+            let last = Interval { step: grid.whole(), ..first };
+            source.path(0).increments_of_part(&last, shorter, &mut vec![0.0; processes])?;
+        }
         Ok(Job {
             system,
             prepared: system.prepare(h)?,
@@ -114,6 +119,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
             retry: setup.retry,
             observables,
             events,
+            sections: setup.sections,
             inspector: setup.inspector,
             wanted,
             stop,
@@ -146,8 +152,18 @@ impl Extras {
         }
         let (quantiles, has_covariances) = (self.quantiles, self.covariances);
         let keeps_paths = self.most_bytes.is_some();
-        let wanted =
-            Wanted { names, times, quantiles, histograms, watches, keeps_paths, has_pairs, has_covariances };
+        let wanted = Wanted {
+            names,
+            times,
+            quantiles,
+            histograms,
+            watches,
+            keeps_paths,
+            has_pairs,
+            has_covariances,
+            most_crossings: self.most_crossings,
+            ..Wanted::default()
+        };
         match wanted.bytes() {
             bytes if bytes > MOST_BYTES => wrong(format!(
                 "the statistics take {bytes} bytes for each block of paths, and {MOST_BYTES} are the most: leave covariances out with \

@@ -5,6 +5,7 @@ use super::job::Job;
 use super::statistics::PathFailure;
 use crate::carry::Plain;
 use crate::continuation::Hard;
+use crate::dense::DenseOutput;
 use crate::error::{Error, InternalError, StepError, StepFailure};
 use crate::increments::Interval;
 use crate::lanes::Lanes;
@@ -17,6 +18,9 @@ use crate::state::{State, Vector};
 use crate::step::{ResolutionMonitor, Stepper};
 use crate::steps::Advance;
 use crate::system::Discretized;
+
+/// No step was halved.
+const NEVER: (u64, u32) = (u64::MAX, 0);
 
 /// `L` paths that run beside each other.
 pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
@@ -45,6 +49,10 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     steppers: Vec<Stepper<'a, H, E, Plain>>,
     /// Halves steps, once one has to be.
     subdivision: Option<Subdivision<'a, H, E, Plain>>,
+    /// The last step of each lane that was halved, and how often.
+    halved: [(u64, u32); L],
+    /// Whether the last step, which is shorter, has been taken: by steppers.
+    is_over: bool,
 }
 
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
@@ -69,6 +77,8 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             alone: vec![0.0; processes],
             steppers: Vec::new(),
             subdivision: None,
+            halved: [NEVER; L],
+            is_over: false,
         }
     }
 
@@ -91,6 +101,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             self.put(lane, &start.q, &start.p);
         }
         (self.failed, self.any_failed) = ([false; L], false);
+        (self.halved, self.is_over) = ([NEVER; L], false);
         self.memory.forget();
         self.apart.clear();
         self.resolution = [ResolutionMonitor::default(); L];
@@ -106,7 +117,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     const IS_STEPPED: bool = !H::IN_LANES;
 
     fn time(&self, step: u64) -> f64 {
-        self.job.start.t + step as f64 * self.job.h
+        self.job.grid.time(step)
     }
 
     /// Draws the increments of a step.
@@ -168,6 +179,86 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             }
         }
         self.steppers = steppers;
+        Ok(())
+    }
+
+    /// The last step, where it is shorter than the others: it is that of a stepper, and is not halved.
+    ///
+    /// # Errors
+    /// Those of a stepper that cannot be made, and of a noise that has no increments.
+    #[cold]
+    #[inline(never)]
+    fn finish(&mut self, step: u64, h: f64) -> Result<(), Error> {
+        let (job, t) = (self.job, self.time(step));
+        let interval = Interval { start: job.start.t, h: job.h, step };
+        let stepper = |_| Stepper::new(job.system, h).map(Stepper::plain);
+        let mut steppers: Vec<_> = (0..L).map(stepper).collect::<Result<_, _>>()?;
+        for (lane, stepper) in steppers.iter_mut().enumerate() {
+            if !self.counts[lane] || self.failed[lane] {
+                continue;
+            }
+            if !self.alone.is_empty() {
+                job.source.path(self.path(lane)).increments_of_part(&interval, h, &mut self.alone)?;
+                for (to, from) in self.increments.of_mut(step).iter_mut().zip(&self.alone) {
+                    to.set(lane, *from);
+                }
+            }
+            self.look(lane);
+            self.state.t = t;
+            match stepper.step(&mut self.state, &self.alone) {
+                Ok(_) => self.keep(lane),
+                Err(error) => self.fail(lane, StepError { step, ..error }),
+            }
+        }
+        (self.steppers, self.is_over) = (steppers, true);
+        Ok(())
+    }
+
+    /// Shows `see` the dense output of the step of a lane that led from `before` to this node, part by part if it was halved, its increments, and
+    /// whether it is the last part.
+    ///
+    /// # Errors
+    /// Those of steps that have been taken before, and of a noise that had increments for them: never.
+    pub(super) fn look_inside(
+        &mut self,
+        lane: usize,
+        node: u64,
+        before: &State<H::Vector>,
+        dense: &mut DenseOutput<H::Vector>,
+        mut see: impl FnMut(&DenseOutput<H::Vector>, &[f64], bool),
+    ) -> Result<(), Error> {
+        let (job, step) = (self.job, node - 1);
+        self.state_at(lane, node);
+        self.increments_of(lane, step);
+        let nodes = [before, &self.state];
+        if let (Some(subdivision), (halved, halvings)) = (&self.subdivision, self.halved[lane])
+            && halved == step
+        {
+            let mut noise = (!self.alone.is_empty()).then(|| job.source.path(self.path(lane)));
+            let interval = Interval { start: job.start.t, h: job.h, step };
+            let mut parts = 1_u64 << halvings;
+            return subdivision.revisit(
+                before,
+                &interval,
+                &mut noise.as_deref_mut(),
+                halvings,
+                |stepper, nodes, dw| {
+                    parts -= 1;
+                    stepper.fill(nodes, dw, dense);
+                    see(dense, dw, parts == 0);
+                },
+            );
+        }
+        match self.steppers.get(lane) {
+            Some(stepper) if Self::IS_STEPPED || self.is_over => stepper.fill(nodes, &self.alone, dense),
+            // What the scheme knows between its nodes is not kept by lanes: the step again.
+            _ if H::HAS_POLYNOMIAL => {
+                let mut stepper = Stepper::<H, E>::new(job.system, job.h)?.plain();
+                stepper.step_densely(&mut before.clone(), &self.alone, dense)?;
+            }
+            _ => dense.fill_by_rates::<H, E>(job.system, nodes, job.h, &self.alone),
+        }
+        see(dense, &self.alone, true);
         Ok(())
     }
 
@@ -234,7 +325,9 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         };
         let mut noise = (!self.alone.is_empty()).then(|| job.source.path(self.path + lane as u64));
         let interval = Interval { start: job.start.t, h: job.h, step };
-        subdivision.subdivide(&mut state, &interval, &mut noise.as_deref_mut(), &mut self.alone, 1)?;
+        let noise = &mut noise.as_deref_mut();
+        let info = subdivision.subdivide(&mut state, &interval, noise, &mut self.alone, 1)?;
+        self.halved[lane] = (step, info.halvings);
         Ok(state)
     }
 
@@ -410,6 +503,9 @@ impl<H: Discretized<E>, E, const L: usize> Advance for Group<'_, '_, H, E, L> {
 
     #[inline(always)]
     fn advance(&mut self, step: u64) -> Result<(), Error> {
+        if let (Some(h), true) = (self.job.grid.shorter, step + 1 == self.job.steps) {
+            return self.finish(step, h);
+        }
         self.draw(step)?;
         self.step(step)
     }

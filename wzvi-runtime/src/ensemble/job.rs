@@ -10,6 +10,7 @@ use crate::error::ConfigError;
 use crate::options::Observable;
 use crate::recording::Recorded;
 use crate::retry::Retry;
+use crate::section::Sections;
 use crate::span::Grid;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
@@ -33,6 +34,7 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) retry: Retry,
     pub(super) observables: Vec<Observable<'a, H::Vector>>,
     pub(super) events: Vec<Observable<'a, H::Vector>>,
+    pub(super) sections: Sections<'a, H::Vector>,
     pub(super) inspector: Option<Inspector<'a, H::Vector>>,
     pub(super) wanted: Wanted,
     pub(super) stop: Stop<'a>,
@@ -45,6 +47,11 @@ pub(super) type Inspector<'a, V> = Box<dyn Fn(u64, &State<V>) + Send + Sync + 'a
 pub(super) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
 impl<H: Discretized<E>, E> Job<'_, H, E> {
+    /// Whether something is looked for in each step.
+    pub(super) fn looks_inside(&self) -> bool {
+        !self.sections.is_empty() || (!self.events.is_empty() && self.system.noises() == 0)
+    }
+
     /// The start of a path.
     ///
     /// # Errors

@@ -100,6 +100,16 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Des
     ];
     let mut settings: Vec<(String, String)> = settings.map(|(name, value)| (name.to_owned(), value)).into();
     settings.extend(starts(job)?);
+    let inside = job.recorded.iter().filter(|recorded| recorded.is_inside);
+    let inside: Vec<u64> = inside.map(|recorded| recorded.t.to_bits()).collect();
+    if !inside.is_empty() {
+        settings
+            .push(("the recorded times between nodes (checksum)".to_owned(), checkpoint::checksum(&inside)));
+    }
+    if !job.sections.is_empty() {
+        settings.push(("the crossings that are kept".to_owned(), job.wanted.most_crossings.to_string()));
+    }
+    settings.extend(checkpoint::between(&job.grid, &job.sections, &job.start));
     settings.extend(job.source.identity().map(Identity::into_settings).unwrap_or_default());
     Ok(Described::new(job.system, &job.prepared, job.h, &job.start, settings, &observed(job)?))
 }
@@ -124,7 +134,7 @@ fn observed<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Vec<f64>, Error
         Values { functions: job.observables.iter().chain(&job.events).cloned().collect(), seen: Vec::new() };
     let (mut state, mut dw) = (job.start.clone(), vec![0.0; job.system.noises()]);
     values.see(&state);
-    let (start, h, steps) = (state.t, job.h, job.steps.min(COMPARED_STEPS));
+    let (start, h, steps) = (state.t, job.h, job.grid.whole().min(COMPARED_STEPS));
     let stepper = &mut Stepper::<H, E>::new(job.system, h)?.plain();
     let (state, noise, dw, account) = (&mut state, &mut Some(job.source.path(0)), &mut dw[..], &mut ());
     let noise = &mut noise.as_deref_mut();

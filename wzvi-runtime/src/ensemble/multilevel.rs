@@ -46,6 +46,7 @@ use crate::plan::NoiseClass;
 use crate::progress::Progress;
 use crate::retry::Retry;
 use crate::schedule::in_order;
+use crate::section::Sections;
 use crate::span::{End, Grid, MOST_STEPS, Span};
 use crate::state::State;
 use crate::system::{Discretized, Hamiltonian};
@@ -381,6 +382,7 @@ where
             retry: Retry::never(),
             observables: Vec::new(),
             events: Vec::new(),
+            sections: Sections::default(),
             inspector: None,
             wanted: Default::default(),
             stop: *stop,

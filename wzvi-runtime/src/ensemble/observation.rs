@@ -6,7 +6,10 @@ use super::job::Job;
 use super::pace::Pace;
 use super::passage::{Passage, crossing};
 use super::statistics::Statistics;
+use crate::dense::{DenseOutput, copy_state};
 use crate::error::{Error, InternalError};
+use crate::section::{Sections, Watch, first_zero};
+use crate::state::{State, Vector};
 use crate::steps::Monitor;
 use crate::system::Discretized;
 
@@ -22,17 +25,49 @@ pub(super) struct Observation<'j, 'a, H: Discretized<E>, E, const L: usize> {
     before: Vec<[f64; L]>,
     /// When each event happened; NaN before.
     passed: Vec<[f64; L]>,
+    /// The values of events at both nodes of the step in which they happened, of one lane.
+    changes: Vec<Option<[f64; 2]>>,
     /// Number of each lane among the paths that are kept.
     kept: [usize; L],
+    /// Crossings that were kept before those of this group, by section.
+    first_kept: Vec<usize>,
+    /// What is needed to look inside steps, by lane; none if nobody does.
+    lanes: Vec<LaneInside<H::Vector>>,
     values: Vec<f64>,
     /// The values of the other path of an antithetic pair.
     first_of_pair: Vec<f64>,
     scratch: Vec<f64>,
 }
 
+/// What looks inside the steps of one lane.
+struct LaneInside<V> {
+    /// The state at the last node that was looked at.
+    before: State<V>,
+    dense: DenseOutput<V>,
+    watch: Watch<V>,
+    /// Crossings of the path so far, by section.
+    counts: Vec<u64>,
+    /// A recorded state.
+    room: State<V>,
+}
+
+impl<V: Vector> LaneInside<V> {
+    fn new(sections: &Sections<'_, V>, start: &State<V>) -> Self {
+        Self {
+            before: start.clone(),
+            dense: DenseOutput::of(start),
+            watch: Watch::new(sections, start),
+            counts: vec![0; sections.len()],
+            room: start.clone(),
+        }
+    }
+}
+
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> {
     pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
         let (events, observables) = (job.events.len(), job.observables.len());
+        let looks_inside = job.looks_inside() || job.recorded.iter().any(|recorded| recorded.is_inside);
+        let lane = |_| LaneInside::new(&job.sections, &job.start);
         Self {
             job,
             statistics: Statistics::new(&job.wanted),
@@ -41,7 +76,10 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             next: 0,
             before: vec![[0.0; L]; events],
             passed: vec![[0.0; L]; events],
+            changes: vec![None; events],
             kept: [0; L],
+            first_kept: vec![0; job.sections.len()],
+            lanes: (0..if looks_inside { L } else { 0 }).map(lane).collect(),
             values: vec![0.0; observables],
             first_of_pair: vec![0.0; observables],
             scratch: vec![0.0; observables],
@@ -67,37 +105,89 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                 passed[lane] = if before[lane] == 0.0 { start.t } else { f64::NAN };
             }
         }
+        for (lane, LaneInside { before, watch, counts, .. }) in self.lanes.iter_mut().enumerate() {
+            copy_state(before, group.state_at(lane, 0));
+            watch.begin(&self.job.sections, before);
+            counts.fill(0);
+        }
+        for (first, crossings) in self.first_kept.iter_mut().zip(&self.statistics.crossings) {
+            *first = crossings.kept();
+        }
         self.record(group, 0)
     }
 
     /// Looks for the events of the step that ended at this node.
     #[inline(never)]
-    fn watch(&mut self, group: &mut Group<'_, '_, H, E, L>, node: u64) {
-        let Job { start, h, .. } = self.job;
-        let times = [node - 1, node].map(|node| start.t + node as f64 * h);
+    fn watch(&mut self, group: &mut Group<'_, '_, H, E, L>, node: u64) -> Result<(), Error> {
+        let times = [node - 1, node].map(|node| self.job.grid.time(node));
         for lane in 0..L {
             let is_over = !group.is_path(lane) || group.has_failed(lane);
             if is_over || self.passed.iter().all(|passed| !passed[lane].is_nan()) {
                 continue;
             }
+            let mut crossed = false;
             let state = group.state_at(lane, node);
-            let memory = self.before.iter_mut().zip(&mut self.passed);
-            for ((before, passed), event) in memory.zip(&self.job.events) {
+            let memory = self.before.iter_mut().zip(&mut self.passed).zip(&mut self.changes);
+            for (((before, passed), change), event) in memory.zip(&self.job.events) {
+                *change = None;
                 if passed[lane].is_nan() {
-                    let after = event(state);
-                    if let Some(time) = crossing(times, [before[lane], after]) {
-                        passed[lane] = time;
+                    let values = [before[lane], event(state)];
+                    if let Some(time) = crossing(times, values) {
+                        (passed[lane], *change, crossed) = (time, Some(values), true);
                     }
-                    before[lane] = after;
+                    before[lane] = values[1];
                 }
             }
+            if crossed && self.job.system.noises() == 0 {
+                self.refine(group, lane, node)?;
+            }
         }
+        Ok(())
+    }
+
+    /// The times of the events that happened in the step of a lane before this node, on its dense output.
+    #[cold]
+    fn refine(&mut self, group: &mut Group<'_, '_, H, E, L>, lane: usize, node: u64) -> Result<(), Error> {
+        let Some(LaneInside { before, dense, room, .. }) = self.lanes.get_mut(lane) else { return Ok(()) };
+        let (events, changes, passed) = (&self.job.events, &mut self.changes, &mut self.passed);
+        group.look_inside(lane, node, before, dense, |dense, _, _| {
+            for ((event, change), passed) in events.iter().zip(&mut *changes).zip(&mut *passed) {
+                let Some([value, _]) = change else { continue };
+                let next = event(dense.end());
+                match first_zero(dense, &**event, [*value, next], room) {
+                    Some(time) => (passed[lane], *change) = (time, None),
+                    None => *value = next,
+                }
+            }
+        })
+    }
+
+    /// Counts the crossings of the step that ended at this node.
+    #[inline(never)]
+    fn follow(&mut self, group: &mut Group<'_, '_, H, E, L>, node: u64) -> Result<(), Error> {
+        let Job { sections, wanted, .. } = self.job;
+        for (lane, LaneInside { before, dense, watch, counts, .. }) in self.lanes.iter_mut().enumerate() {
+            if !group.is_path(lane) || group.has_failed(lane) {
+                continue;
+            }
+            let (path, crossings) = (group.path(lane), &mut self.statistics.crossings);
+            group.look_inside(lane, node, before, dense, |dense, _, _| {
+                watch.follow(sections, dense, |crossing| {
+                    let count = &mut counts[crossing.section];
+                    crossings[crossing.section].push(path, &crossing, *count < wanted.most_crossings);
+                    *count += 1;
+                });
+            })?;
+        }
+        Ok(())
     }
 
     /// Adds the paths that are still there to the statistics of the next recorded node, which is this one.
     #[inline(never)]
     fn record(&mut self, group: &mut Group<'_, '_, H, E, L>, node: u64) -> Result<(), Halt> {
         let (job, place) = (self.job, self.next);
+        let (t, is_inside) =
+            job.recorded.get(place).map_or((f64::NAN, false), |recorded| (recorded.t, recorded.is_inside));
         let missing =
             || Error::from(InternalError::new("a recorded node has statistics", format!("node {node}")));
         let moments = self.statistics.nodes.get_mut(place).ok_or_else(missing)?;
@@ -111,7 +201,21 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                 continue;
             }
             let path = group.path(lane);
-            let state = group.state_at(lane, node);
+            let state = match self.lanes.get_mut(lane) {
+                Some(LaneInside { before, dense, room, .. }) if is_inside => {
+                    let mut is_found = false;
+                    group.look_inside(lane, node, before, dense, |dense, _, is_last| {
+                        let theta = dense.fraction(t);
+                        if !is_found && (theta <= 1.0 || is_last) {
+                            dense.write(theta.clamp(0.0, 1.0), room);
+                            is_found = true;
+                        }
+                    })?;
+                    room.t = t;
+                    &*room
+                }
+                _ => group.state_at(lane, node),
+            };
             if let Some(see) = &job.inspector {
                 see(path, state);
             }
@@ -151,6 +255,14 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             }
         }
         failures.into_iter().for_each(|failure| self.statistics.fail(failure));
+        let counted = self.statistics.crossings.iter_mut().zip(&self.first_kept).enumerate();
+        for (section, (crossings, &first)) in counted {
+            crossings.sort(first);
+            for (lane, inside) in self.lanes.iter().enumerate().filter(|(lane, _)| group.is_path(*lane)) {
+                debug_assert!(lane < L, "a lane for each path");
+                crossings.finish(inside.counts[section]);
+            }
+        }
     }
 
     /// The statistics of all groups.
@@ -166,8 +278,12 @@ impl<'g, 'j, 'a, H: Discretized<E>, E, const L: usize> Monitor<Group<'g, 'a, H, 
 
     #[inline(always)]
     fn next(&self, _group: &Group<'g, 'a, H, E, L>, node: u64) -> u64 {
-        let recorded = self.job.recorded.get(self.next).map_or(u64::MAX, |recorded| recorded.node);
-        let watched = if self.job.events.is_empty() { u64::MAX } else { node + 1 };
+        let recorded = self.job.recorded.get(self.next).map_or(u64::MAX, |recorded| {
+            // Both nodes of a step that is looked into.
+            if recorded.is_inside && recorded.node > node + 1 { recorded.node - 1 } else { recorded.node }
+        });
+        let is_watched = !self.job.events.is_empty() || !self.job.sections.is_empty();
+        let watched = if is_watched { node + 1 } else { u64::MAX };
         recorded.min(watched).min(node.saturating_add(self.pace.left()))
     }
 
@@ -176,10 +292,16 @@ impl<'g, 'j, 'a, H: Discretized<E>, E, const L: usize> Monitor<Group<'g, 'a, H, 
         self.pace.done(node - self.seen)?;
         self.seen = node;
         if !self.job.events.is_empty() {
-            self.watch(group, node);
+            self.watch(group, node)?;
         }
-        if self.job.recorded.get(self.next).is_some_and(|recorded| recorded.node == node) {
+        if !self.job.sections.is_empty() {
+            self.follow(group, node)?;
+        }
+        while self.job.recorded.get(self.next).is_some_and(|recorded| recorded.node == node) {
             self.record(group, node)?;
+        }
+        for (lane, inside) in self.lanes.iter_mut().enumerate() {
+            copy_state(&mut inside.before, group.state_at(lane, node));
         }
         Ok(())
     }

@@ -2,10 +2,13 @@
 
 use super::Ensemble;
 use super::group::Group;
+use crate::between::{Between, Part};
+use crate::dense::DenseOutput;
 use crate::error::{ConfigError, Error};
 use crate::increments::Noise;
 use crate::retry::Serves;
 use crate::simulate::Partial;
+use crate::state::State;
 use crate::step::StepInfo;
 use crate::steps::{Monitor, take_steps};
 use crate::system::{Discretized, Hamiltonian};
@@ -49,23 +52,28 @@ where
         let (first, lane) = (path - path % 2, (path % 2) as usize);
         let mut group = Group::<H, E, 2>::new(&job);
         group.begin(first, job.paths)?;
-        let mut lane = Lane { path, lane, recorder, reached: start };
+        let looks_inside = !job.sections.is_empty() || !recording.between.is_empty();
+        let looks = looks_inside.then(|| Between::new(&job.sections, &start));
+        let dense = DenseOutput::of(&start);
+        let mut lane = Lane { path, lane, recorder, reached: start, looks, dense };
         let error = take_steps(&mut group, 0..job.steps, &mut lane).err();
         Ok((lane.recorder.finish(lane.reached), error))
     }
 }
 
 /// One path of a group.
-struct Lane<V> {
+struct Lane<'s, 'a, V> {
     path: u64,
     lane: usize,
     recorder: Recorder<V>,
     /// Its state at the last node.
-    reached: crate::state::State<V>,
+    reached: State<V>,
+    looks: Option<Between<'s, 'a, V>>,
+    dense: DenseOutput<V>,
 }
 
 impl<'g, 'a, H: Discretized<E>, E, const L: usize> Monitor<Group<'g, 'a, H, E, L>>
-    for Lane<<H as Hamiltonian>::Vector>
+    for Lane<'_, '_, <H as Hamiltonian>::Vector>
 {
     type Error = Error;
 
@@ -77,8 +85,19 @@ impl<'g, 'a, H: Discretized<E>, E, const L: usize> Monitor<Group<'g, 'a, H, E, L
         if let Some(failure) = group.failure_of(self.path) {
             return Err(failure.error.into());
         }
-        self.recorder.step(group.increments_of(self.lane, node - 1), &StepInfo::default());
-        self.reached.clone_from(group.state_at(self.lane, node));
+        let Self { lane, recorder, reached, looks, dense, .. } = self;
+        recorder.step(group.increments_of(*lane, node - 1), &StepInfo::default());
+        if let Some(looks) = looks.as_mut().filter(|looks| looks.wants(node, recorder.next_inside())) {
+            let mut later = group.increments_of(*lane, node - 1).to_vec();
+            group.look_inside(*lane, node, reached, dense, |dense, dw, is_last| {
+                later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
+                looks.look(dense, &Part { step: node - 1, dw, later: &later, is_last }, recorder);
+            })?;
+        }
+        reached.clone_from(group.state_at(*lane, node));
+        if let Some(looks) = looks {
+            looks.arrive(node, reached);
+        }
         self.recorder.reach(&self.reached);
         Ok(())
     }

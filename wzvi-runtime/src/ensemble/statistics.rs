@@ -6,6 +6,7 @@ use std::fmt;
 
 pub use node::StatisticsNode;
 
+use super::crossings::Crossings;
 use super::error::StatisticsError;
 use super::histogram::Histogram;
 use super::moments::Moments;
@@ -36,6 +37,12 @@ pub(super) struct Wanted {
     /// Whether paths `2k` and `2k + 1` are antithetic.
     pub(super) has_pairs: bool,
     pub(super) has_covariances: bool,
+    /// Sections whose crossings are counted.
+    pub(super) sections: usize,
+    /// How many of each path and section are kept.
+    pub(super) most_crossings: u64,
+    /// Degrees of freedom.
+    pub(super) degrees: usize,
 }
 
 impl Wanted {
@@ -83,6 +90,7 @@ pub struct Statistics {
     histogrammed: Vec<usize>,
     pub(super) nodes: Vec<StatisticsNode>,
     pub(super) passages: Vec<Passages>,
+    pub(super) crossings: Vec<Crossings>,
     pub(super) paths: Option<Paths>,
     failed: u64,
     failures: Vec<PathFailure>,
@@ -112,6 +120,7 @@ impl Statistics {
             histogrammed: wanted.histograms.iter().map(|&(observable, _)| observable).collect(),
             nodes: wanted.times.iter().map(|&time| StatisticsNode::new(time, wanted)).collect(),
             passages: wanted.watches.iter().map(Passages::new).collect(),
+            crossings: (0..wanted.sections).map(|_| Crossings::new(wanted)).collect(),
             paths: wanted.keeps_paths.then(|| Paths::new(wanted.times.len(), wanted.names.len())),
             failed: 0,
             failures: Vec::new(),
@@ -136,6 +145,9 @@ impl Statistics {
         for (ours, theirs) in self.passages.iter_mut().zip(&other.passages) {
             ours.merge(theirs);
         }
+        for (ours, theirs) in self.crossings.iter_mut().zip(&other.crossings) {
+            ours.merge(theirs);
+        }
         if let (Some(ours), Some(theirs)) = (&mut self.paths, &other.paths) {
             ours.merge(theirs);
         }
@@ -154,6 +166,7 @@ impl Statistics {
     pub(super) fn pass(&mut self, tape: &mut Tape) {
         self.nodes.iter_mut().for_each(|node| node.pass(tape));
         self.passages.iter_mut().for_each(|passages| passages.pass(tape));
+        self.crossings.iter_mut().for_each(|crossings| crossings.pass(tape));
         self.paths.iter_mut().for_each(|paths| paths.pass(tape));
         tape.word(&mut self.failed);
         let length = tape.length(self.failures.len());
@@ -288,6 +301,11 @@ impl Statistics {
         let known = || self.passages.iter().map(|passages| passages.name().to_owned()).collect();
         let unknown = || UnknownName { kind: "event", name: name.to_owned(), known: known() };
         found.ok_or_else(|| StatisticsError::Unknown(unknown()))
+    }
+
+    /// How often paths crossed each section of the run, in the order in which they were asked for.
+    pub fn crossings(&self) -> &[Crossings] {
+        &self.crossings
     }
 
     /// The paths themselves, if they were kept.

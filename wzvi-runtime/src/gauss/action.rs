@@ -1,10 +1,11 @@
 //! The discrete Lagrangian of a step with internal stages.
 
 use super::Field;
-use super::advance::{Prepared, Step};
+use super::advance::Prepared;
 use super::kept::Memory;
-use super::stages::{At, Stages};
+use super::stages::Stages;
 use crate::carry::Plain;
+use crate::lanes::Lanes;
 use crate::state::Vector;
 use crate::system::Segment;
 
@@ -23,22 +24,21 @@ pub fn value<F: Field, const N: usize>(
     if !fits || system.check(degrees).is_err() {
         return f64::NAN;
     }
-    let mut memory = Memory::<f64, F::Shape, N>::default();
-    memory.fit(degrees);
+    let mut memory = Memory::<f64, F::Shape, F::Noises, N>::default();
+    memory.fit(degrees, dw.len());
     let table = prepared.table();
-    let at = At { t: segment.t, h: segment.h, dw, c: &table.c };
-    let step = Step { system, table, at, q, p };
-    let mut lists = memory.lists.take();
-    if step.solve::<Plain, true>(&mut lists, &mut memory, &Plain).is_err()
-        || step.finish(&mut lists, &Plain).is_err()
+    let (mut given, mut lists) = (memory.given.take(), memory.lists.take());
+    given.read(table, q, p, dw, &Plain);
+    let step = given.step(system, prepared, segment.t, segment.h);
+    if step.solve::<true>(&mut lists, &mut memory).is_err()
+        || step.finish([q, p], dw, &mut lists, &Plain).is_err()
     {
         return f64::NAN;
     }
     // The momenta of the stages, which the Nyström form does without: `P_i = p - Σ_j a_ij ∂F/∂q (j)`.
     let slopes = lists.slopes[1].as_ref();
-    let momenta: Vec<_> = (0..degrees)
-        .map(|d| <f64 as crate::scalar::Scalar>::Stages::<N>::splat(p[d]).plus_product(&table.mu, slopes[d]))
-        .collect();
+    let momenta: Vec<_> =
+        (0..degrees).map(|d| Lanes::<N>::splat(p[d]).minus(slopes[d].product(&table.mu))).collect();
     let mut action = 0.0;
     for i in 0..N {
         let own_q: Vec<f64> = lists.at[0].as_ref().iter().map(|stage| stage.get(i)).collect();

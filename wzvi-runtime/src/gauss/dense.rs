@@ -18,40 +18,42 @@ use crate::dense::{Slopes, hermite_order, legendre};
 use crate::plan::Plan;
 use crate::state::{State, Vector};
 
-/// The order of the collocation polynomial. That of one stage is a straight line, so that the cubic of the mid-point step is taken.
+/// The order of the collocation polynomial. That of one stage is a straight line: the cubic of the mid-point step is taken instead.
 pub const fn dense_order(stages: u32, plan: &Plan) -> u32 {
     if stages == 1 { hermite_order(plan) } else { stages + 1 }
 }
 
 /// The slopes of the collocation polynomial of the last step.
+#[expect(clippy::needless_range_loop, reason = "indices as in the formula")]
 pub fn slopes_between<F: Field, const N: usize>(
     system: &F,
     prepared: &Prepared<N>,
-    memory: &Memory<f64, F::Shape, N>,
+    memory: &Memory<f64, F::Shape, F::Noises, N>,
     before: &State<F::Vector>,
     h: f64,
     dw: &[f64],
     slopes: &mut Slopes,
-) -> bool {
+) {
     let [by_p, by_q] = &memory.past;
     let (by_p, by_q) = (by_p.as_ref(), by_q.as_ref());
     let degrees = before.q.components().len();
-    if N == 1 || by_q.len() != degrees {
-        return false;
-    }
+    debug_assert_eq!(by_q.len(), degrees, "a step has left its slopes");
     slopes.resize(if F::IS_NYSTROM { N + 1 } else { N }, degrees);
-    // `P_k(2c_i - 1)` by node.
-    let mut polynomials = [[0.0; N]; N];
-    for (list, c) in polynomials.iter_mut().zip(&prepared.table().c) {
-        legendre(2.0 * c - 1.0, list);
+    // `(2k + 1) P_k(2c_i - 1)` by `k`.
+    let mut factors = [[0.0; N]; N];
+    for (i, c) in prepared.table().c.iter().enumerate() {
+        let mut values = [0.0; N];
+        legendre(2.0 * c - 1.0, &mut values);
+        for (k, (factors, value)) in factors.iter_mut().zip(values).enumerate() {
+            factors[i] = (2.0 * k as f64 + 1.0) * value;
+        }
     }
-    for k in 0..N {
-        let factors: [f64; N] = std::array::from_fn(|i| (2.0 * k as f64 + 1.0) * polynomials[i][k]);
+    for (k, factors) in factors.iter().enumerate() {
         let (of_q, of_p) = slopes.row_mut(k).split_at_mut(degrees);
         for d in 0..degrees {
-            of_p[d] = by_q[d].total(&factors);
+            of_p[d] = -by_q[d].times(factors).total();
             if !F::IS_NYSTROM {
-                of_q[d] = by_p[d].total(&factors);
+                of_q[d] = by_p[d].times(factors).total();
             }
         }
     }
@@ -59,7 +61,6 @@ pub fn slopes_between<F: Field, const N: usize>(
         slopes.row_mut(N).fill(0.0);
         drift(system, before, h, dw, slopes);
     }
-    true
 }
 
 /// The coefficients of the coordinates from those of the momenta.

@@ -17,11 +17,17 @@ macro_rules! __gauss {
             const IN_LANES: $crate::core::primitive::bool = false;
             type Prepared = $crate::gauss::Prepared<$stages>;
             type Memory<__S: $crate::scalar::Scalar> =
-                $crate::gauss::Memory<__S, <Self as $crate::gauss::Field>::Shape, $stages>;
+                $crate::gauss::Memory<
+                    __S,
+                    <Self as $crate::gauss::Field>::Shape,
+                    <Self as $crate::gauss::Field>::Noises,
+                    $stages,
+                >;
             type Compensated<__S: $crate::scalar::Scalar> =
                 <<Self as $crate::gauss::Field>::Shape as $crate::gauss::Shape>::Compensation<__S>;
             type Carry<__S: $crate::scalar::Scalar> = Self::Compensated<__S>;
 
+            const HAS_POLYNOMIAL: $crate::core::primitive::bool = $stages > 1;
             const DENSE_ORDER: $crate::core::primitive::u32 = $crate::gauss::dense_order(
                 $stages,
                 &<Self as $crate::system::Discretized<$crate::gauss::Gauss<$stages>>>::PLAN,
@@ -35,7 +41,7 @@ macro_rules! __gauss {
                 __h: $crate::core::primitive::f64,
                 __dw: &[$crate::core::primitive::f64],
                 __slopes: &mut $crate::dense::Slopes,
-            ) -> $crate::core::primitive::bool {
+            ) {
                 $crate::gauss::slopes_between(self, __prepared, __memory, __before, __h, __dw, __slopes)
             }
 
@@ -45,9 +51,9 @@ macro_rules! __gauss {
 
             fn prepare(
                 &self,
-                _: $crate::core::primitive::f64,
+                __h: $crate::core::primitive::f64,
             ) -> $crate::core::result::Result<Self::Prepared, $crate::error::ConfigError> {
-                $crate::gauss::prepare(self)
+                $crate::gauss::prepare(self, __h)
             }
 
             #[inline(always)]
@@ -76,7 +82,7 @@ macro_rules! __gauss {
                 __segment: &$crate::system::Segment<Self::Vector>,
                 __dw: &[$crate::core::primitive::f64],
             ) -> $crate::core::primitive::f64 {
-                $crate::gauss::prepare::<Self, $stages>(self).map_or(
+                $crate::gauss::prepare::<Self, $stages>(self, __segment.h).map_or(
                     $crate::core::primitive::f64::NAN,
                     |__prepared| $crate::gauss::value(self, &__prepared, __segment, __dw),
                 )

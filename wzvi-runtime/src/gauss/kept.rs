@@ -2,26 +2,38 @@
 
 use super::newton::Newton;
 use super::shape::Shape;
-use super::stages::{Scratch, Stages};
+use super::stages::{Changes, Scratch, Stages};
+use super::stiff::Modal;
 use crate::memory::{Iteration, StepMemory};
 use crate::numbers::{Numbers, Tape};
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar};
 
 /// A list of numbers of all stages.
-type OfStages<S, H, const N: usize> = <H as Shape>::Of<<S as Scalar>::Stages<N>>;
+pub(super) type OfStages<S, H, const N: usize> = <H as Shape>::Of<<S as Scalar>::Stages<N>>;
 
 /// The slopes of the last step at its `N` stages, and the lists of a step.
 #[derive(Debug)]
-pub struct Memory<S: Scalar, H: Shape, const N: usize> {
-    /// `b_i ∂F/∂p` and `-b_i ∂F/∂q` of the last step.
+pub struct Memory<S: Scalar, H: Shape, W: Shape, const N: usize> {
+    /// `b_i ∂F/∂p` and `b_i ∂F/∂q` of the last step; in Nyström form the first is `∂F/∂p`.
     pub(super) past: [OfStages<S, H, N>; 2],
     pub(super) is_known: bool,
     /// Whether sweeps did not contract in the last step.
     pub(super) prefers_newton: bool,
     pub(super) iteration: Iteration,
+    pub(super) given: Given<S, H, W, N>,
     pub(super) lists: Lists<S, H, N>,
-    pub(super) scratch: Scratch<S, S::Stages<N>>,
+    pub(super) scratch: Scratch<S>,
+    pub(super) modal: Modal<S::Stages<N>>,
     pub(super) newton: Newton<S>,
+}
+
+/// What is given of a step.
+#[derive(Debug)]
+pub(super) struct Given<S: Scalar, H: Shape, W: Shape, const N: usize> {
+    /// `q` and `p` with what is carried.
+    pub(super) start: [H::Of<S>; 2],
+    /// `b_i ΔW_k`
+    pub(super) dw: OfStages<S, W, N>,
 }
 
 /// What a step computes.
@@ -29,18 +41,57 @@ pub struct Memory<S: Scalar, H: Shape, const N: usize> {
 pub(super) struct Lists<S: Scalar, H: Shape, const N: usize> {
     /// Coordinates and momenta at the stages.
     pub(super) at: [OfStages<S, H, N>; 2],
-    /// `b_i ∂F/∂p` and `-b_i ∂F/∂q`.
+    /// `b_i ∂F/∂p` and `b_i ∂F/∂q`; in Nyström form the first is `∂F/∂p`.
     pub(super) slopes: [OfStages<S, H, N>; 2],
     /// Slopes that nobody reads.
     pub(super) spare: OfStages<S, H, N>,
+    /// What the last sweep changed.
+    pub(super) changes: Changes<N>,
     /// The increments of the state, then the new state.
     pub(super) next: [H::Of<S>; 2],
     /// What rounding took from the new state.
     pub(super) lost: [H::Of<S>; 2],
 }
 
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
+    pub(super) fn of_length(degrees: usize, noises: usize) -> Self {
+        let zero = S::from_f64(0.0);
+        Self {
+            start: [H::list(degrees, zero), H::list(degrees, zero)],
+            dw: W::list(noises, S::Stages::<N>::splat(zero)),
+        }
+    }
+
+    /// The lists, for the duration of a step.
+    #[inline(always)]
+    pub(super) fn take(&mut self) -> Self {
+        let zero = S::from_f64(0.0);
+        Self {
+            start: self.start.each_mut().map(|list| H::take(list, zero)),
+            dw: W::take(&mut self.dw, S::Stages::<N>::splat(zero)),
+        }
+    }
+
+    /// Takes them back.
+    #[inline(always)]
+    pub(super) fn give_back(&mut self, given: Self) {
+        give_back::<H, _, 2>(&mut self.start, given.start);
+        W::give_back(&mut self.dw, given.dw);
+    }
+}
+
+#[inline(always)]
+fn give_back<H: Shape, T: Copy + std::fmt::Debug, const K: usize>(
+    lists: &mut [H::Of<T>; K],
+    room: [H::Of<T>; K],
+) {
+    for (list, room) in lists.iter_mut().zip(room) {
+        H::give_back(list, room);
+    }
+}
+
 impl<S: Scalar, H: Shape, const N: usize> Lists<S, H, N> {
-    fn of_length(length: usize) -> Self {
+    pub(super) fn of_length(length: usize) -> Self {
         let zero = S::from_f64(0.0);
         let stages = || H::list(length, S::Stages::<N>::splat(zero));
         let ends = || H::list(length, zero);
@@ -48,6 +99,7 @@ impl<S: Scalar, H: Shape, const N: usize> Lists<S, H, N> {
             at: [stages(), stages()],
             slopes: [stages(), stages()],
             spare: stages(),
+            changes: Changes::default(),
             next: [ends(), ends()],
             lost: [ends(), ends()],
         }
@@ -58,35 +110,41 @@ impl<S: Scalar, H: Shape, const N: usize> Lists<S, H, N> {
     pub(super) fn take(&mut self) -> Self {
         let zero = S::from_f64(0.0);
         let zeros = S::Stages::<N>::splat(zero);
-        let Self { at: [q, p], slopes: [by_p, by_q], spare, next: [next_q, next_p], lost: [lost_q, lost_p] } =
-            self;
         Self {
-            at: [H::take(q, zeros), H::take(p, zeros)],
-            slopes: [H::take(by_p, zeros), H::take(by_q, zeros)],
-            spare: H::take(spare, zeros),
-            next: [H::take(next_q, zero), H::take(next_p, zero)],
-            lost: [H::take(lost_q, zero), H::take(lost_p, zero)],
+            at: self.at.each_mut().map(|list| H::take(list, zeros)),
+            slopes: self.slopes.each_mut().map(|list| H::take(list, zeros)),
+            spare: H::take(&mut self.spare, zeros),
+            changes: Changes::default(),
+            next: self.next.each_mut().map(|list| H::take(list, zero)),
+            lost: self.lost.each_mut().map(|list| H::take(list, zero)),
         }
     }
 
     /// Takes them back.
     #[inline(always)]
     pub(super) fn give_back(&mut self, lists: Self) {
-        let Self { at: [q, p], slopes: [by_p, by_q], spare, next: [next_q, next_p], lost: [lost_q, lost_p] } =
-            lists;
-        H::give_back(&mut self.at[0], q);
-        H::give_back(&mut self.at[1], p);
-        H::give_back(&mut self.slopes[0], by_p);
-        H::give_back(&mut self.slopes[1], by_q);
-        H::give_back(&mut self.spare, spare);
-        H::give_back(&mut self.next[0], next_q);
-        H::give_back(&mut self.next[1], next_p);
-        H::give_back(&mut self.lost[0], lost_q);
-        H::give_back(&mut self.lost[1], lost_p);
+        give_back::<H, _, 2>(&mut self.at, lists.at);
+        give_back::<H, _, 2>(&mut self.slopes, lists.slopes);
+        H::give_back(&mut self.spare, lists.spare);
+        give_back::<H, _, 2>(&mut self.next, lists.next);
+        give_back::<H, _, 2>(&mut self.lost, lists.lost);
+    }
+
+    /// Whether all stages are finite.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn is_finite(&self) -> bool {
+        let mut zeros = S::Stages::<N>::splat(S::from_f64(0.0));
+        for list in &self.at {
+            for stages in list.as_ref() {
+                zeros = zeros.plus(stages.times(&[0.0; N]));
+            }
+        }
+        zeros.total().is_finite().all()
     }
 }
 
-impl<S: Scalar, H: Shape, const N: usize> Default for Memory<S, H, N> {
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Memory<S, H, W, N> {
     fn default() -> Self {
         let past = || H::list(0, S::Stages::<N>::splat(S::from_f64(0.0)));
         Self {
@@ -94,15 +152,17 @@ impl<S: Scalar, H: Shape, const N: usize> Default for Memory<S, H, N> {
             is_known: false,
             prefers_newton: false,
             iteration: Iteration::Automatic,
+            given: Given::of_length(0, 0),
             lists: Lists::of_length(0),
             scratch: Scratch::default(),
+            modal: Modal::default(),
             newton: Newton::default(),
         }
     }
 }
 
 /// What the steps before left; scratch is allocated anew where the copy is used.
-impl<S: Scalar, H: Shape, const N: usize> Clone for Memory<S, H, N> {
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Clone for Memory<S, H, W, N> {
     fn clone(&self) -> Self {
         Self {
             past: self.past.clone(),
@@ -120,13 +180,13 @@ impl<S: Scalar, H: Shape, const N: usize> Clone for Memory<S, H, N> {
     }
 }
 
-impl<S: Scalar, H: Shape, const N: usize> Numbers for Memory<S, H, N> {
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Numbers for Memory<S, H, W, N> {
     fn pass(&mut self, tape: &mut Tape) {
         tape.flag(&mut self.is_known);
         tape.flag(&mut self.prefers_newton);
         if self.is_known {
             let length = tape.length(self.past[0].as_ref().len());
-            self.fit(length);
+            self.fit(length, self.given.dw.as_ref().len());
             for past in &mut self.past {
                 past.as_mut().iter_mut().for_each(|number| number.pass(tape));
             }
@@ -134,21 +194,28 @@ impl<S: Scalar, H: Shape, const N: usize> Numbers for Memory<S, H, N> {
     }
 }
 
-impl<S: Scalar, H: Shape, const N: usize> Memory<S, H, N> {
-    /// Makes room for so many degrees of freedom.
-    pub(super) fn fit(&mut self, length: usize) {
-        if self.lists.spare.as_ref().len() != length {
-            self.lists = Lists::of_length(length);
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Memory<S, H, W, N> {
+    /// Whether there is room for so many degrees of freedom and noises.
+    #[inline(always)]
+    pub(super) fn fits(&self, degrees: usize, noises: usize) -> bool {
+        self.lists.spare.as_ref().len() == degrees && self.given.dw.as_ref().len() == noises
+    }
+
+    /// Makes room for so many degrees of freedom and noises.
+    pub(super) fn fit(&mut self, degrees: usize, noises: usize) {
+        if !self.fits(degrees, noises) {
+            self.lists = Lists::of_length(degrees);
+            self.given = Given::of_length(degrees, noises);
         }
-        if self.past[0].as_ref().len() != length {
-            let past = || H::list(length, S::Stages::<N>::splat(S::from_f64(0.0)));
+        if self.past[0].as_ref().len() != degrees {
+            let past = || H::list(degrees, S::Stages::<N>::splat(S::from_f64(0.0)));
             self.past = [past(), past()];
             self.is_known = false;
         }
     }
 }
 
-impl<S: Scalar, H: Shape, const N: usize> StepMemory for Memory<S, H, N> {
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> StepMemory for Memory<S, H, W, N> {
     fn forget(&mut self) {
         (self.is_known, self.prefers_newton) = (false, false);
     }

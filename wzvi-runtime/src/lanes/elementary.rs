@@ -46,7 +46,10 @@ pub(super) trait Unary {
             all &= Self::is_usual(x);
         }
         if !all {
-            Self::repair(&x, &mut y);
+            // Copies: what a function that is not inlined gets is in memory.
+            let (arguments, mut repaired) = (x, y);
+            Self::repair(&arguments, &mut repaired);
+            y = repaired;
         }
         y
     }
@@ -84,7 +87,10 @@ pub(super) trait Binary {
             all &= Self::is_usual(a[i], b[i]);
         }
         if !all {
-            Self::repair(&a, &b, &mut y);
+            // Copies: what a function that is not inlined gets is in memory.
+            let (first, second, mut repaired) = (a, b, y);
+            Self::repair(&first, &second, &mut repaired);
+            y = repaired;
         }
         y
     }

@@ -192,6 +192,9 @@ impl Keeping {
     }
 }
 
+#[cfg(feature = "ensemble")]
+pub(crate) use identity::between;
+
 /// The checksum of several words.
 #[cfg(feature = "ensemble")]
 pub(crate) fn checksum(words: &[u64]) -> String {

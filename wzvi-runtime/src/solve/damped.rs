@@ -28,6 +28,8 @@ const SAFE_CONTRACTION: f64 = 0.5;
 pub(crate) trait Problem {
     type Number: Scalar;
     type Vector: AsRef<[Self::Number]> + AsMut<[Self::Number]> + Clone;
+    /// The part of a rounding that the correction after the last one may be.
+    const UNSEEN: f64 = super::newton::UNSEEN;
 
     /// `r(x)`
     fn residual(&mut self, x: &Self::Vector, into: &mut Self::Vector);
@@ -51,60 +53,81 @@ pub(crate) trait Problem {
     fn is_reversed(&self) -> bool;
 }
 
-/// Solves `r(x) = 0` from `start`, which is a guess if past steps have made it.
+/// What [`damped`] computes with; the caller's, so that it is allocated once.
+#[derive(Debug, Default)]
+pub(crate) struct Room<V> {
+    x: V,
+    /// `c = J⁻¹r` at `x`.
+    correction: V,
+    /// `x - λc`
+    trial: V,
+    /// `r` at the trial.
+    residual: V,
+    /// `J⁻¹r` at the trial, with the matrix at `x`; then with its own.
+    next: V,
+}
+
+impl<V: Clone> Room<V> {
+    /// Room for vectors such as this one.
+    pub(crate) fn of(start: &V) -> Self {
+        let [x, correction, trial, residual, next] = std::array::from_fn(|_| start.clone());
+        Self { x, correction, trial, residual, next }
+    }
+
+    /// What was found.
+    pub(crate) fn solution(&self) -> &V {
+        &self.trial
+    }
+
+    fn start(&mut self, start: &V) {
+        let Self { x, correction, trial, residual, next } = self;
+        [x, correction, trial, residual, next].into_iter().for_each(|vector| vector.clone_from(start));
+    }
+}
+
+/// Solves `r(x) = 0` from `start`, which is a guess if past steps have made it; the solution is that of the room.
 ///
 /// # Errors
 /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`].
 pub(crate) fn damped<P: Problem>(
     problem: &mut P,
+    room: &mut Room<P::Vector>,
     start: &P::Vector,
     is_guess: bool,
-) -> Result<(P::Vector, Effort), StepFailure> {
-    match Search::new(problem, start).run(is_guess, false) {
-        Ok(found) => Ok(found),
-        Err(_) => Search::new(problem, start).run(is_guess, true),
-    }
+) -> Result<Effort, StepFailure> {
+    let mut attempt = |shortens: bool| {
+        room.start(start);
+        Search { problem: &mut *problem, room: &mut *room }.run(is_guess, shortens)
+    };
+    attempt(false).or_else(|_| attempt(true))
 }
 
 /// Where an iteration is.
 struct Search<'a, P: Problem> {
     problem: &'a mut P,
-    x: P::Vector,
-    /// `c = J⁻¹r` at `x`.
-    correction: P::Vector,
-    /// `x - λc`
-    trial: P::Vector,
-    /// `r` at the trial.
-    residual: P::Vector,
-    /// `J⁻¹r` at the trial, with the matrix at `x`; then with its own.
-    next: P::Vector,
+    room: &'a mut Room<P::Vector>,
 }
 
-impl<'a, P: Problem> Search<'a, P> {
-    fn new(problem: &'a mut P, start: &P::Vector) -> Self {
-        let [x, correction, trial, residual, next] = std::array::from_fn(|_| start.clone());
-        Self { problem, x, correction, trial, residual, next }
-    }
-
+impl<P: Problem> Search<'_, P> {
     /// With whole corrections, or shortened ones.
-    fn run(mut self, is_guess: bool, shortens: bool) -> Result<(P::Vector, Effort), StepFailure> {
+    fn run(mut self, is_guess: bool, shortens: bool) -> Result<Effort, StepFailure> {
         let most = if shortens { MOST_SHORTENED } else { PATIENCE };
-        let mut progress = Progress::new(is_guess);
+        let mut progress = Progress::new(is_guess).until(P::UNSEEN);
         let (mut doubtful, mut shortened) = (shortens, 0);
-        self.problem.residual(&self.x, &mut self.correction);
+        self.problem.residual(&self.room.x, &mut self.room.correction);
         self.problem.factor()?;
-        self.problem.correct(&mut self.correction)?;
+        self.problem.correct(&mut self.room.correction)?;
         loop {
             self.go(1.0);
-            let size = largest(self.correction.as_ref(), self.trial.as_ref(), &|_| true);
+            let size = largest(self.room.correction.as_ref(), self.room.trial.as_ref(), &|_| true);
             let verdict = progress.judge(size, |roundings| {
-                let is_settled = self.problem.are_settled(&self.x, roundings);
-                largest(self.correction.as_ref(), self.trial.as_ref(), &|k| !is_settled(k))
+                let is_settled = self.problem.are_settled(&self.room.x, roundings);
+                largest(self.room.correction.as_ref(), self.room.trial.as_ref(), &|k| !is_settled(k))
             });
             let is_lost = match verdict {
                 Verdict::Converged => {
                     let (iterations, is_reversed) = (progress.iterations, self.problem.is_reversed());
-                    return Ok((self.trial, Effort { iterations, doubtful, is_reversed }));
+                    return Ok(Effort { iterations, doubtful, is_reversed });
                 }
                 Verdict::Straying => size.is_nan() || progress.iterations >= most,
                 Verdict::Contracting => progress.iterations >= MOST_HALVINGS,
@@ -134,20 +157,20 @@ impl<'a, P: Problem> Search<'a, P> {
         let mut contracts = true;
         loop {
             self.go(length);
-            self.problem.residual(&self.trial, &mut self.residual);
-            self.next.clone_from(&self.residual);
-            let mut solved = self.problem.correct(&mut self.next);
+            self.problem.residual(&self.room.trial, &mut self.room.residual);
+            self.room.next.clone_from(&self.room.residual);
+            let mut solved = self.problem.correct(&mut self.room.next);
             contracts &= length < 1.0 || solved.is_ok() && self.shrinks(SAFE_CONTRACTION);
             if !shortens || solved.is_ok() && self.shrinks(1.0 - 0.5 * length) {
-                self.next.clone_from(&self.residual);
-                solved = self.problem.factor().and_then(|()| self.problem.correct(&mut self.next));
+                self.room.next.clone_from(&self.room.residual);
+                solved = self.problem.factor().and_then(|()| self.problem.correct(&mut self.room.next));
                 if solved.is_ok() {
-                    std::mem::swap(&mut self.x, &mut self.trial);
-                    std::mem::swap(&mut self.correction, &mut self.next);
+                    std::mem::swap(&mut self.room.x, &mut self.room.trial);
+                    std::mem::swap(&mut self.room.correction, &mut self.room.next);
                     return Ok(Descent { length, contracts });
                 }
                 // The factors at `x` again.
-                self.problem.residual(&self.x, &mut self.residual);
+                self.problem.residual(&self.room.x, &mut self.room.residual);
                 self.problem.factor()?;
             }
             length *= 0.5;
@@ -160,8 +183,8 @@ impl<'a, P: Problem> Search<'a, P> {
 
     /// `trial = x - length · correction`
     fn go(&mut self, length: f64) {
-        let from = self.x.as_ref().iter().zip(self.correction.as_ref());
-        for (trial, (&x, &correction)) in self.trial.as_mut().iter_mut().zip(from) {
+        let from = self.room.x.as_ref().iter().zip(self.room.correction.as_ref());
+        for (trial, (&x, &correction)) in self.room.trial.as_mut().iter_mut().zip(from) {
             *trial = x - correction * length;
         }
     }
@@ -169,18 +192,18 @@ impl<'a, P: Problem> Search<'a, P> {
     /// Whether the next correction is at most the fraction `to` of this one, each in units of its unknown. Unknowns whose
     /// equations at the trial are at rounding, which no step makes smaller, do not count. False for NaN.
     fn shrinks(&mut self, to: f64) -> bool {
-        let (x, correction) = (self.x.as_ref(), self.correction.as_ref());
+        let (x, correction) = (self.room.x.as_ref(), self.room.correction.as_ref());
         let level = |c: &P::Vector, counts: &dyn Fn(usize) -> bool| {
             let unknowns = c.as_ref().iter().zip(x.iter().zip(correction)).enumerate();
             unknowns.filter(|&(k, _)| counts(k)).fold(0.0, |most, (_, (c, (x, correction)))| {
                 larger(most, c.magnitude().relative_to(x.magnitude() + correction.magnitude()))
             })
         };
-        let (next, own) = (&self.next, &self.correction);
+        let (next, own) = (&self.room.next, &self.room.correction);
         if level(next, &|_| true) <= to * level(own, &|_| true) {
             return true;
         }
-        let is_settled = self.problem.are_settled(&self.trial, 1.0);
+        let is_settled = self.problem.are_settled(&self.room.trial, 1.0);
         level(next, &|k| !is_settled(k)) <= to * level(own, &|k| !is_settled(k))
     }
 }
@@ -264,7 +287,9 @@ mod tests {
         start: [f64; N],
         equations: E,
     ) -> Result<([f64; N], Effort), StepFailure> {
-        damped(&mut Dense::<E, f64, N, false>::new(equations), &start, start.iter().any(|x| *x != 0.0))
+        let (is_guess, mut room) = (start.iter().any(|x| *x != 0.0), Room::of(&start));
+        let mut problem = Dense::<E, f64, N, false>::new(equations);
+        damped(&mut problem, &mut room, &start, is_guess).map(|effort| (*room.solution(), effort))
     }
 
     /// An equation and its slope, with the rounding of a value of the size of 1.

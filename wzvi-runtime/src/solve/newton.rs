@@ -16,7 +16,7 @@
 
 use std::ops::Add;
 
-use super::damped::{Dense, damped};
+use super::damped::{Dense, Room, damped};
 use super::dense::{Factor, SymmetricFactor};
 use crate::error::StepFailure;
 use crate::memory::StepMemory;
@@ -25,6 +25,8 @@ use crate::scalar::{Mask, Rounded, Scalar};
 
 /// Corrections below this fraction of an unknown change nothing.
 pub(super) const ROUNDING: f64 = f64::EPSILON;
+/// The part of a rounding that the correction after the last one may be.
+pub(super) const UNSEEN: f64 = 0.25;
 /// A start that is extrapolated from three solutions, `3a - 3b + c`, has their roundings, and one of its own.
 const ROUNDING_OF_GUESS: f64 = 8.0;
 /// A determinant above this fraction of its two products has lost three digits at most, which Newton's method makes up.
@@ -165,8 +167,9 @@ impl<S: Scalar, const N: usize> Numbers for Extrapolation<S, N> {
 /// Decides when to stop.
 pub(crate) struct Progress {
     last: f64,
-    /// The cube of the relative correction that is good enough: `ROUNDING³` or `last² ROUNDING / 4`.
+    /// The cube of the relative correction that is good enough: `ROUNDING³` or `last² ROUNDING unseen`.
     enough: f64,
+    unseen: f64,
     pub(crate) iterations: u32,
     is_guess: bool,
     /// Whether `last` is that of unknowns beyond rounding only.
@@ -190,7 +193,12 @@ impl Progress {
     pub(crate) fn new(is_guess: bool) -> Self {
         let last = if is_guess { 2.0 } else { f64::INFINITY };
         let enough = ROUNDING * ROUNDING * ROUNDING;
-        Self { last, enough, iterations: 0, is_guess, is_beyond_rounding: is_guess }
+        Self { last, enough, unseen: UNSEEN, iterations: 0, is_guess, is_beyond_rounding: is_guess }
+    }
+
+    /// The same until the correction after the last one is this part of a rounding.
+    pub(super) fn until(self, unseen: f64) -> Self {
+        Self { unseen, ..self }
     }
 
     /// `relative`: largest correction relative to its unknown. `beyond_rounding`: the same of the unknowns whose residual
@@ -199,7 +207,7 @@ impl Progress {
     pub(crate) fn judge(&mut self, relative: f64, beyond_rounding: impl FnOnce(f64) -> f64) -> Verdict {
         self.iterations += 1;
         let square = relative * relative;
-        // `relative <= ROUNDING || relative (relative / last)² <= ROUNDING / 4` without dividing.
+        // `relative <= ROUNDING || relative (relative / last)² <= ROUNDING unseen` without dividing.
         if square * relative <= self.enough {
             return Verdict::Converged;
         }
@@ -232,7 +240,8 @@ impl Progress {
     fn expect(&mut self, relative: f64) {
         self.last = relative;
         // `relative` is above `ROUNDING` here, so that neither product underflows.
-        let (predicted, floor) = (0.25 * ROUNDING * relative * relative, ROUNDING * ROUNDING * ROUNDING);
+        let (predicted, floor) =
+            (self.unseen * ROUNDING * relative * relative, ROUNDING * ROUNDING * ROUNDING);
         self.enough = if predicted > floor { predicted } else { floor };
     }
 
@@ -314,7 +323,9 @@ pub(super) fn newton<
 ) -> Result<([S; N], Effort), StepFailure> {
     if CAREFUL {
         let is_guess = start.iter().any(|x| x.magnitude() != 0.0);
-        return damped(&mut Dense::<_, S, N, SYMMETRIC>::new(equations), &start, is_guess);
+        let mut room = Room::of(&start);
+        let effort = damped(&mut Dense::<_, S, N, SYMMETRIC>::new(equations), &mut room, &start, is_guess)?;
+        return Ok((*room.solution(), effort));
     }
     let mut x = start;
     let mut progress = Progress::new(GUESS);

@@ -28,19 +28,20 @@ pub(super) fn emit(model: &mut System, facts: &Facts, texts: &Texts) -> TokenStr
     let midpoint = plan(model, facts, &Embedding::Midpoint, Unknowns::Momenta, false);
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let (f64, bool) = (quote!(__wzvi::f64), quote!(__wzvi::bool));
+    let bool = quote!(__wzvi::bool);
     let mut generated = quote! {
         #[automatically_derived]
         impl #generics __wzvi::gauss::Field for #name #arguments #filter {
             const IS_NYSTROM: #bool = #is_nystrom;
             const IN_LANES: #bool = #in_lanes;
             type Shape = __wzvi::gauss::Dynamic;
+            type Noises = __wzvi::gauss::Dynamic;
 
             #[inline(always)]
             fn slopes<__S: __wzvi::Scalar, const __BY_Q: #bool, const __BY_P: #bool>(
                 &self,
                 __t: __S,
-                __h: #f64,
+                __h: __S,
                 __q: &[__S],
                 __p: &[__S],
                 __dw: &[__S],

@@ -20,6 +20,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             settings,
             observables,
             events,
+            sections,
             wanted,
             execution,
             starts,
@@ -29,6 +30,8 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             (settings.is_antithetic, "antithetic paths"),
             (starts.is_some() && span.start.is_none(), "paths that start at states of their own"),
             (!events.is_empty(), "first passages"),
+            (!sections.is_empty(), "sections"),
+            (span.is_exact, "an exact end"),
             (wanted.quantiles || !wanted.histograms.is_empty(), "quantiles and histograms"),
             (wanted.most_bytes.is_some(), "kept paths"),
         ];

@@ -14,7 +14,8 @@ functions! {
     Tan(x): tan(x), where x.abs() <= LARGEST, else libm::tan;
 }
 
-/// `x - n π/2` in two parts, at most about `π/4`, and bits that end in `n`.
+/// `x - n π/2` in two parts, at most about `π/4`, and bits that end in `n`. The second part is at most the rounding of the first
+/// and is not waited for.
 ///
 /// `π/2` in three parts of 33 bits and a rest (W. J. Cody, W. Waite, "Software Manual for the Elementary Functions",
 /// 1980): their products with `n` are exact.
@@ -26,10 +27,8 @@ fn reduce(x: f64) -> (f64, f64, u64) {
     const REST: f64 = 8.478_427_660_368_9e-32;
     let (n, bits) = nearest(x * std::f64::consts::FRAC_2_PI);
     let (r, first_lost) = difference(x - n * FIRST, n * SECOND);
-    let (r, second_lost) = difference(r, n * THIRD);
-    let lost = (first_lost + second_lost) - n * REST;
-    let head = r + lost;
-    (head, (r - head) + lost, bits)
+    let (head, second_lost) = difference(r, n * THIRD);
+    (head, (first_lost + second_lost) - n * REST, bits)
 }
 
 /// `a - b` and what rounding takes from it (Knuth).
@@ -53,9 +52,9 @@ fn sine(x: f64, tail: f64) -> f64 {
     ];
     let z = x * x;
     let w = z * z;
-    let r = (S[1] + z * (S[2] + z * S[3])) + z * w * (S[4] + z * S[5]);
-    let v = z * x;
-    x - ((z * (0.5 * tail - v * r) - tail) - v * S[0])
+    // In pairs, so that few operations wait for one another.
+    let p = ((S[0] + z * S[1]) + w * (S[2] + z * S[3])) + (w * w) * (S[4] + z * S[5]);
+    x + ((z * x) * p + (tail - 0.5 * z * tail))
 }
 
 /// `cos(x + tail)` for `|x| <= π/4`.
@@ -71,10 +70,10 @@ fn cosine(x: f64, tail: f64) -> f64 {
     ];
     let z = x * x;
     let w = z * z;
-    let r = z * (C[0] + z * (C[1] + z * C[2])) + w * w * (C[3] + z * (C[4] + z * C[5]));
+    let r = ((C[0] + z * C[1]) + w * (C[2] + z * C[3])) + (w * w) * (C[4] + z * C[5]);
     let half = 0.5 * z;
     let rounded = 1.0 - half;
-    rounded + (((1.0 - rounded) - half) + (z * r - x * tail))
+    rounded + (((1.0 - rounded) - half) + (w * r - x * tail))
 }
 
 /// The value with its sign turned if bit 1 of `bits` is set.

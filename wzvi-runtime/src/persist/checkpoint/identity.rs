@@ -16,7 +16,7 @@ use crate::step::Stepper;
 use crate::system::{Discretized, Hamiltonian};
 
 /// Names and values.
-pub(super) type Fields = Vec<(String, String)>;
+pub(crate) type Fields = Vec<(String, String)>;
 
 /// The settings of a run, each of which the user knows; `noise` are those of the source.
 pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
@@ -45,7 +45,7 @@ pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
 }
 
 /// The sections of a run, and its end if that need not be a node: nothing goes on from there.
-pub(super) fn between<V>(grid: &Grid, sections: &Sections<'_, V>, start: &State<V>) -> Fields {
+pub(crate) fn between<V>(grid: &Grid, sections: &Sections<'_, V>, start: &State<V>) -> Fields {
     let mut fields = Fields::new();
     if let Some(end) = grid.end {
         fields.push(("the exact end".to_owned(), format!("{end:?}")));

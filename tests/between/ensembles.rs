@@ -1,0 +1,185 @@
+//! Ensembles between their nodes: the same as single paths, bit for bit.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::path::PathBuf;
+
+use wzvi::checkpoint::Checkpoint;
+use wzvi::dense::DenseOutput;
+use wzvi::ensemble::{Ensemble, InstructionSet, Statistics};
+use wzvi::prelude::*;
+use wzvi::section::Direction;
+
+use super::systems::{Oscillator, Shaken, V1, start};
+
+const TIMES: [f64; 4] = [0.03, 0.05, 0.3, 1.99];
+
+fn shaken<E>(paths: u64) -> Ensemble<'static, Shaken, E>
+where
+    Shaken: Discretized<E>,
+{
+    Shaken
+        .ensemble::<E>(0.1)
+        .start(start())
+        .paths(paths)
+        .seed(7)
+        .until(4.25)
+        .exactly()
+        .record_at(TIMES)
+        .observe("q", |state| state.q[0])
+        .observe("p", |state| state.p[0])
+        .observe("t", |state| state.t)
+        .section(|state| state.q[0])
+        .section_towards(Direction::Rising, |state| state.p[0] - 0.1)
+        .keep_crossings(3)
+        .keep_paths(1 << 24)
+}
+
+/// A path by hand: plain sums, the increments of an ensemble, dense output. States at the recorded times and at the end.
+fn by_hand<E>(path: u64) -> Vec<State<V1>>
+where
+    Shaken: Discretized<E, Vector = V1>,
+{
+    let mut noise = StepNormals::seed(7).path(path);
+    let plan = &<Shaken as Discretized<E>>::PLAN;
+    noise.prepare(plan, 0.1, 2, 0.0).unwrap();
+    let mut stepper = Shaken.stepper::<E>(0.1).unwrap().plain();
+    let (mut state, mut dw, mut found) = (start(), [0.0; 2], vec![start()]);
+    let mut dense = DenseOutput::of(&state);
+    for step in 0..42 {
+        let interval = wzvi::increments::Interval { start: 0.0, h: 0.1, step };
+        noise.increments(&interval, &mut dw).unwrap();
+        let from = state.t;
+        stepper.step_densely(&mut state, &dw, &mut dense).unwrap();
+        for t in TIMES.into_iter().filter(|&t| t > from + 1e-9 && t < state.t + 1e-9) {
+            if (t - state.t).abs() < 1e-9 {
+                found.push(state);
+            } else {
+                let (low, high) = ((t - from) / 0.1, 1.0 + (t - state.t) / 0.1);
+                found.push(dense.at(if low <= 0.5 { low } else { high }).at(t));
+            }
+        }
+    }
+    let interval = wzvi::increments::Interval { start: 0.0, h: 0.1, step: 42 };
+    let rest = 4.25 - 42.0 * 0.1;
+    noise.increments_of_part(&interval, rest, &mut dw).unwrap();
+    Shaken.stepper::<E>(rest).unwrap().plain().step(&mut state, &dw).unwrap();
+    found.push(state.at(4.25));
+    found
+}
+
+fn agrees<E>()
+where
+    Shaken: Discretized<E, Vector = V1>,
+    <Shaken as Discretized<E>>::Prepared: Send + Sync,
+{
+    let run = shaken::<E>(21).run().unwrap();
+    let times: Vec<f64> = run.nodes().iter().map(|node| node.time()).collect();
+    let expected = [&[0.0], &TIMES[..], &[4.25]].concat();
+    assert!(times.len() == 6 && times.iter().zip(expected).all(|(t, expected)| (t - expected).abs() < 1e-15));
+    let paths = run.paths().unwrap();
+    for path in 0..21 {
+        for (node, state) in by_hand::<E>(path).into_iter().enumerate() {
+            let expected = [state.q[0], state.p[0], state.t];
+            assert_eq!(paths.at(path as usize, node), Some(&expected[..]), "{path} {node}");
+        }
+        // Alone it crosses the sections where it does beside the others.
+        let (alone, error) = shaken::<E>(21).record_every(1).replay(path).unwrap();
+        assert_eq!((error, alone.last().t), (None, 4.25));
+        let mut total = 0;
+        for (section, crossings) in run.crossings().iter().enumerate() {
+            let of_path = alone.crossings().iter().filter(|crossing| crossing.section == section);
+            total += of_path.clone().count() as u64;
+            let kept: Vec<_> = crossings.iter().filter(|crossing| crossing.path == path).collect();
+            assert_eq!(kept.len(), of_path.clone().count().min(3));
+            for (kept, crossing) in kept.into_iter().zip(of_path) {
+                assert_eq!((kept.direction, kept.t), (crossing.direction, crossing.state.t));
+                assert_eq!((kept.q, kept.p), (&[crossing.state.q[0]][..], &[crossing.state.p[0]][..]));
+            }
+        }
+        assert_eq!(total, alone.crossings().len() as u64);
+    }
+    assert!(run.crossings()[0].count() > 21 && run.crossings()[1].count_towards(Direction::Falling) == 0);
+    let count = run.crossings()[0].count() as f64 / 21.0;
+    assert!((run.crossings()[0].mean() - count).abs() < 1e-14 * count);
+    assert!(run.crossings()[0].iter().map(|crossing| crossing.path).is_sorted());
+}
+
+#[test]
+fn paths_of_ensembles_are_single_paths() {
+    agrees::<Midpoint>();
+    agrees::<Gauss<2>>();
+}
+
+/// A single path of the same normals crosses the same section at the same times, up to what compensated sums change.
+#[test]
+fn replayed_crossings_are_those_of_a_simulation() {
+    for path in 0..5 {
+        let (alone, _) = shaken::<Midpoint>(21).replay(path).unwrap();
+        let run = Shaken.simulate::<Midpoint>(0.1).start(start()).noise(StepNormals::seed(7).path(path));
+        let run = run.until(4.25).exactly().record_at(TIMES).section(|state| state.q[0]);
+        let run = run.section_towards(Direction::Rising, |state| state.p[0] - 0.1).run().unwrap();
+        assert_eq!(run.crossings().len(), alone.crossings().len());
+        for (ours, theirs) in run.crossings().iter().zip(alone.crossings()) {
+            assert!((ours.state.t - theirs.state.t).abs() < 1e-13 && ours.section == theirs.section);
+        }
+        let increments =
+            |path: &Trajectory<V1, Midpoint>| path.increments().map(<[f64]>::to_vec).collect::<Vec<_>>();
+        assert_eq!(increments(&run), increments(&alone));
+    }
+}
+
+#[test]
+fn every_split_gives_the_same_bits() {
+    let bits = |run: Statistics| format!("{run:?}");
+    let reference = bits(
+        shaken::<Midpoint>(700).threads(1).instructions(InstructionSet::Baseline).run_in::<1>().unwrap(),
+    );
+    for set in [InstructionSet::Baseline, InstructionSet::best()] {
+        assert_eq!(bits(shaken::<Midpoint>(700).threads(2).instructions(set).run().unwrap()), reference);
+        assert_eq!(bits(shaken::<Midpoint>(700).instructions(set).run_in::<4>().unwrap()), reference);
+    }
+}
+
+/// Without noise the first passage is on the dense output.
+#[test]
+fn first_passages_are_exact_where_paths_are_smooth() {
+    fn first<E>(h: f64) -> (f64, f64)
+    where
+        Oscillator: Discretized<E, Vector = V1>,
+        <Oscillator as Discretized<E>>::Prepared: Send + Sync,
+    {
+        let run = Oscillator.ensemble::<E>(h).start(start()).paths(3).until(10.0);
+        let run = run.first_passage("q", |state| state.q[0]).first_passage("p", |state| state.p[0] - 0.5);
+        let run = run.section(|state| state.q[0]).keep_crossings(9).run().unwrap();
+        let crossings: Vec<f64> = run.crossings()[0].iter().take(3).map(|crossing| crossing.t).collect();
+        assert_eq!(run.passage("q").unwrap().mean(), crossings[0]);
+        (crossings[0] - FRAC_PI_2, run.passage("p").unwrap().mean() - 7.0 * PI / 6.0)
+    }
+    let (q, p) = first::<Gauss<8>>(0.25);
+    assert!(q.abs() < 1e-12 && p.abs() < 1e-12, "{q:e} {p:e}");
+    // h^4 of the cubic beside h^4 of the nodes.
+    let (q, p) = first::<Composed<Verlet, Suzuki4>>(0.05);
+    assert!(q.abs() < 1e-6 && p.abs() < 1e-6, "{q:e} {p:e}");
+}
+
+#[test]
+fn statistics_between_nodes_are_those_of_the_solution() {
+    let run = Oscillator.ensemble::<Gauss<8>>(0.25).start(start()).paths(2).until(2.0).record_at([0.6, 1.23]);
+    let run = run.observe("q", |state| state.q[0]).run().unwrap();
+    for node in run.nodes() {
+        assert!((node.mean(0) - node.time().cos()).abs() < 1e-12, "{}", node.time());
+    }
+}
+
+#[test]
+fn ensembles_with_sections_go_on() {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("between-ensembles");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    let to = || Checkpoint::to(folder.join("run"));
+    shaken::<Midpoint>(600).checkpoint(to()).run().unwrap();
+    let resumed = shaken::<Midpoint>(1300).checkpoint(to()).run().unwrap();
+    assert_eq!(format!("{resumed:?}"), format!("{:?}", shaken::<Midpoint>(1300).run().unwrap()));
+    let other = shaken::<Midpoint>(1300).keep_crossings(4).checkpoint(to()).run().unwrap_err();
+    assert!(other.to_string().contains("crossings that are kept"), "{other}");
+}
