@@ -223,6 +223,7 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// is.
     ///
     /// Small where the system keeps its energy (`PLAN.conserves_energy`); elsewhere it measures what the noise does.
+    /// Whether it is what the theory of symplectic methods promises says [`Trajectory::shadow_energy_drift`].
     pub fn energy_drift<H: Hamiltonian<Vector = V>>(&self, system: &H) -> f64 {
         self.drift(|state| system.energy(state))
     }
