@@ -1,18 +1,17 @@
 //! Paths that run beside each other in the lanes of vector registers: their steps, and which of them failed.
 
+mod alone;
+mod inside;
+
 use super::increments::LaneIncrements;
 use super::job::Job;
 use super::statistics::PathFailure;
 use crate::carry::Plain;
-use crate::continuation::Hard;
-use crate::dense::DenseOutput;
-use crate::error::{ConfigError, Error, InternalError, StepError, StepFailure};
+use crate::error::{ConfigError, Error, StepError};
 use crate::increments::Interval;
 use crate::lanes::Lanes;
 use crate::memory::StepMemory;
-use crate::numbers::{Numbers, Tape};
-use crate::plan::Solver;
-use crate::retry::{Subdivision, is_curable};
+use crate::retry::Subdivision;
 use crate::scalar::Scalar;
 use crate::state::{State, Vector};
 use crate::step::{ResolutionMonitor, Stepper};
@@ -196,88 +195,6 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         Ok(())
     }
 
-    /// The last step, where it is shorter than the others: it is that of a stepper, and is not halved.
-    ///
-    /// # Errors
-    /// Those of a stepper that cannot be made, and of a noise that has no increments.
-    #[cold]
-    #[inline(never)]
-    fn finish(&mut self, step: u64, h: f64) -> Result<(), Error> {
-        let (job, t) = (self.job, self.time(step));
-        let interval = Interval { start: job.start.t, h: job.h, step };
-        let stepper = |lane| Stepper::new(job.system_of(self.source_of(lane)), h).map(Stepper::plain);
-        let mut steppers: Vec<_> = (0..L).map(stepper).collect::<Result<_, _>>()?;
-        for (lane, stepper) in steppers.iter_mut().enumerate() {
-            if !self.counts[lane] || self.failed[lane] {
-                continue;
-            }
-            if !self.alone.is_empty() {
-                job.source.path(self.path(lane)).increments_of_part(&interval, h, &mut self.alone)?;
-                for (to, from) in self.increments.of_mut(step).iter_mut().zip(&self.alone) {
-                    to.set(lane, *from);
-                }
-            }
-            self.look(lane);
-            self.state.t = t;
-            match stepper.step(&mut self.state, &self.alone) {
-                Ok(_) => self.keep(lane),
-                Err(error) => self.fail(lane, StepError { step, ..error }),
-            }
-        }
-        (self.steppers, self.is_over) = (steppers, true);
-        Ok(())
-    }
-
-    /// Shows `see` the dense output of the step of a lane that led from `before` to this node, part by part if it was halved, its increments, and
-    /// whether it is the last part.
-    ///
-    /// # Errors
-    /// Those of steps that have been taken before, and of a noise that had increments for them: never.
-    pub(super) fn look_inside(
-        &mut self,
-        lane: usize,
-        node: u64,
-        before: &State<H::Vector>,
-        dense: &mut DenseOutput<H::Vector>,
-        mut see: impl FnMut(&DenseOutput<H::Vector>, &[f64], bool),
-    ) -> Result<(), Error> {
-        let (job, step) = (self.job, node - 1);
-        self.state_at(lane, node);
-        self.increments_of(lane, step);
-        let nodes = [before, &self.state];
-        if let (halved, halvings) = self.halved[lane]
-            && halved == step
-        {
-            let path = self.path(lane);
-            let subdivision = subdivision_of(&mut self.subdivision, job, path)?;
-            let mut noise = (!self.alone.is_empty()).then(|| job.source.path(path));
-            let interval = Interval { start: job.start.t, h: job.h, step };
-            let mut parts = 1_u64 << halvings;
-            return subdivision.revisit(
-                before,
-                &interval,
-                &mut noise.as_deref_mut(),
-                halvings,
-                |stepper, nodes, dw| {
-                    parts -= 1;
-                    stepper.fill(nodes, dw, dense);
-                    see(dense, dw, parts == 0);
-                },
-            );
-        }
-        match self.steppers.get(lane) {
-            Some(stepper) if self.is_stepped() || self.is_over => stepper.fill(nodes, &self.alone, dense),
-            // What the scheme knows between its nodes is not kept by lanes: the step again.
-            _ if H::HAS_POLYNOMIAL => {
-                let mut stepper = Stepper::<H, E>::new(job.system, job.h)?.plain();
-                stepper.step_densely(&mut before.clone(), &self.alone, dense)?;
-            }
-            _ => dense.fill_by_rates::<H, E>(job.system, nodes, job.h, &self.alone),
-        }
-        see(dense, &self.alone, true);
-        Ok(())
-    }
-
     /// Lanes without a path follow the first that has one; `false` if none has.
     #[cold]
     #[inline(never)]
@@ -289,59 +206,6 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             *x = Lanes::new(std::array::from_fn(|lane| old[if self.failed[lane] { living } else { lane }]));
         }
         true
-    }
-
-    /// The step that not all lanes can take the short way.
-    #[cold]
-    #[inline(never)]
-    fn one_by_one(&mut self, step: u64, t: f64) -> Result<(), Error> {
-        self.split()?;
-        for lane in 0..L {
-            if self.failed[lane] {
-                continue;
-            }
-            match self.single(lane, step, t) {
-                Ok(()) => {}
-                Err(Error::Step(error)) => self.halve_or_fail(lane, step, error)?,
-                Err(error) => return Err(error),
-            }
-        }
-        self.join();
-        Ok(())
-    }
-
-    /// The step of one path again, in halves, if that is allowed; the path fails if it is not, or does not help.
-    ///
-    /// # Errors
-    /// That of a noise that has no increments.
-    fn halve_or_fail(&mut self, lane: usize, step: u64, error: StepError) -> Result<(), Error> {
-        let is_tried = self.job.retry.most() > 0 && is_curable(error.cause) && self.counts[lane];
-        match if is_tried { self.halve(lane, step, error) } else { Err(error.into()) } {
-            Ok(state) => {
-                self.put(lane, &state.q, &state.p);
-                self.resolution[lane] = ResolutionMonitor::default();
-                if let Some(memory) = self.apart.get_mut(lane) {
-                    memory.forget();
-                }
-            }
-            Err(Error::Step(error)) => self.fail(lane, error),
-            // A step that is too short to be prepared: the path ends with what made it necessary.
-            Err(Error::Config(_)) => self.fail(lane, error),
-            Err(error) => return Err(error),
-        }
-        Ok(())
-    }
-
-    fn halve(&mut self, lane: usize, step: u64, error: StepError) -> Result<State<H::Vector>, Error> {
-        let job = self.job;
-        let mut state = self.state_of(lane, error.t);
-        let subdivision = subdivision_of(&mut self.subdivision, job, self.path + lane as u64)?;
-        let mut noise = (!self.alone.is_empty()).then(|| job.source.path(self.path + lane as u64));
-        let interval = Interval { start: job.start.t, h: job.h, step };
-        let noise = &mut noise.as_deref_mut();
-        let info = subdivision.subdivide(&mut state, &interval, noise, &mut self.alone, 1)?;
-        self.halved[lane] = (step, info.halvings);
-        Ok(state)
     }
 
     fn fail(&mut self, lane: usize, error: StepError) {
@@ -374,81 +238,6 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         let components = self.state.q.components().iter().chain(self.state.p.components());
         for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(components) {
             to.set(lane, *from);
-        }
-    }
-
-    /// One lane, as it goes alone: the short way, then the careful one of a [`Stepper`].
-    fn single(&mut self, lane: usize, step: u64, t: f64) -> Result<(), Error> {
-        let job = self.job;
-        let alone = |lanes: &[Lanes<L>]| -> Vec<_> { lanes.iter().map(|x| Lanes::new([x[lane]])).collect() };
-        let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(self.increments.of(step)));
-        let mut forgetful = H::Memory::default();
-        let outcome = job.system.advance_carrying::<Lanes<1>, Plain, false>(
-            &job.prepared,
-            t,
-            job.h,
-            &mut q,
-            &mut p,
-            &dw,
-            self.apart.get_mut(lane).unwrap_or(&mut forgetful),
-            &mut Plain,
-        );
-        match outcome {
-            Ok(_) => {
-                for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(q.iter().chain(&p)) {
-                    to.set(lane, from[0]);
-                }
-                Ok(())
-            }
-            Err(cause) if matches!(H::PLAN.solver, Solver::Newton) => self.careful(lane, step, &dw, cause),
-            Err(cause) => Err(StepError { step, t, h: job.h, cause }.into()),
-        }
-    }
-
-    /// The careful way, of one lane.
-    fn careful(&mut self, lane: usize, step: u64, dw: &[Lanes<1>], cause: StepFailure) -> Result<(), Error> {
-        let (job, t) = (self.job, self.time(step));
-        let State { q, p, t } = self.state_of(lane, t);
-        let dw: Vec<f64> = dw.iter().map(|dw| dw[0]).collect();
-        let (system, h, prepared) = (job.system, job.h, job.prepared.clone());
-        let hard = Hard { system, prepared, t, h, q, p, dw: &dw, carry: Plain };
-        let solved = self.resolution[lane].careful_step(hard, step, cause);
-        let mut solved = solved.map_err(|cause| StepError { step, t, h, cause })?;
-        self.put(lane, &solved.q, &solved.p);
-        if let Some(memory) = self.apart.get_mut(lane) {
-            let words = Tape::write(|tape| solved.memory.pass(tape));
-            Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
-        }
-        Ok(())
-    }
-
-    /// From now on, each lane remembers by itself.
-    fn split(&mut self) -> Result<(), InternalError> {
-        if !H::REMEMBERS || !self.apart.is_empty() {
-            return Ok(());
-        }
-        for lane in 0..L {
-            let words = Tape::split(lane, |tape| self.memory.pass(tape));
-            let mut memory = H::Memory::default();
-            Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
-            self.apart.push(memory);
-        }
-        Ok(())
-    }
-
-    /// Lanes go on together if what they remember is of the same shape. One that has failed remembers what the path does that it follows.
-    fn join(&mut self) {
-        let Some(living) = (0..L).find(|&lane| !self.failed[lane]) else { return };
-        if self.apart.is_empty() {
-            return;
-        }
-        let words = |lane: usize| {
-            let lane = if self.failed[lane] { living } else { lane };
-            Tape::write(|tape| self.apart[lane].pass(tape))
-        };
-        let words = (0..L).map(words).collect();
-        if Tape::join(words, |tape| self.memory.pass(tape)).is_some() {
-            self.apart.clear();
         }
     }
 
@@ -504,26 +293,6 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         failures.sort_unstable_by_key(|failure| failure.path);
         failures
     }
-}
-
-/// What halves the steps of a path: made when it is first needed, and anew for each path that has its own system.
-fn subdivision_of<'s, 'j, H: Discretized<E>, E>(
-    kept: &'s mut Option<Subdivision<'j, H, E, Plain>>,
-    job: &'j Job<'_, H, E>,
-    path: u64,
-) -> Result<&'s mut Subdivision<'j, H, E, Plain>, ConfigError> {
-    if !job.systems.is_empty() {
-        *kept = None;
-    }
-    match kept {
-        Some(subdivision) => Ok(subdivision),
-        none => Ok(none.insert(Subdivision::new(job.system_of(path), job.h, job.retry, true)?)),
-    }
-}
-
-/// What one scheme leaves has the same shape for every number.
-fn other_memory() -> InternalError {
-    InternalError::new("what a step leaves is the same for lanes and alone", "a group of paths")
 }
 
 impl<H: Discretized<E>, E, const L: usize> Advance for Group<'_, '_, H, E, L> {
