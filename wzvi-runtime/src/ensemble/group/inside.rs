@@ -1,0 +1,91 @@
+//! Inside the steps of single lanes, and their last step.
+
+use super::Group;
+use crate::dense::DenseOutput;
+use crate::error::{Error, StepError};
+use crate::increments::Interval;
+use crate::state::State;
+use crate::step::Stepper;
+use crate::system::Discretized;
+
+impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
+    /// The last step, where it is shorter than the others: it is that of a stepper, and is not halved.
+    ///
+    /// # Errors
+    /// Those of a stepper that cannot be made, and of a noise that has no increments.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn finish(&mut self, step: u64, h: f64) -> Result<(), Error> {
+        let (job, t) = (self.job, self.time(step));
+        let interval = Interval { start: job.start.t, h: job.h, step };
+        let stepper = |_| Stepper::new(job.system, h).map(Stepper::plain);
+        let mut steppers: Vec<_> = (0..L).map(stepper).collect::<Result<_, _>>()?;
+        for (lane, stepper) in steppers.iter_mut().enumerate() {
+            if !self.counts[lane] || self.failed[lane] {
+                continue;
+            }
+            if !self.alone.is_empty() {
+                job.source.path(self.path(lane)).increments_of_part(&interval, h, &mut self.alone)?;
+                for (to, from) in self.increments.of_mut(step).iter_mut().zip(&self.alone) {
+                    to.set(lane, *from);
+                }
+            }
+            self.look(lane);
+            self.state.t = t;
+            match stepper.step(&mut self.state, &self.alone) {
+                Ok(_) => self.keep(lane),
+                Err(error) => self.fail(lane, StepError { step, ..error }),
+            }
+        }
+        (self.steppers, self.is_over) = (steppers, true);
+        Ok(())
+    }
+
+    /// Shows `see` the dense output of the step of a lane that led from `before` to this node, part by part if it was halved, its increments, and
+    /// whether it is the last part.
+    ///
+    /// # Errors
+    /// Those of steps that have been taken before, and of a noise that had increments for them: never.
+    pub(in crate::ensemble) fn look_inside(
+        &mut self,
+        lane: usize,
+        node: u64,
+        before: &State<H::Vector>,
+        dense: &mut DenseOutput<H::Vector>,
+        mut see: impl FnMut(&DenseOutput<H::Vector>, &[f64], bool),
+    ) -> Result<(), Error> {
+        let (job, step) = (self.job, node - 1);
+        self.state_at(lane, node);
+        self.increments_of(lane, step);
+        let nodes = [before, &self.state];
+        if let (Some(subdivision), (halved, halvings)) = (&self.subdivision, self.halved[lane])
+            && halved == step
+        {
+            let mut noise = (!self.alone.is_empty()).then(|| job.source.path(self.path(lane)));
+            let interval = Interval { start: job.start.t, h: job.h, step };
+            let mut parts = 1_u64 << halvings;
+            return subdivision.revisit(
+                before,
+                &interval,
+                &mut noise.as_deref_mut(),
+                halvings,
+                |stepper, nodes, dw| {
+                    parts -= 1;
+                    stepper.fill(nodes, dw, dense);
+                    see(dense, dw, parts == 0);
+                },
+            );
+        }
+        match self.steppers.get(lane) {
+            Some(stepper) if Self::IS_STEPPED || self.is_over => stepper.fill(nodes, &self.alone, dense),
+            // What the scheme knows between its nodes is not kept by lanes: the step again.
+            _ if H::HAS_POLYNOMIAL => {
+                let mut stepper = Stepper::<H, E>::new(job.system, job.h)?.plain();
+                stepper.step_densely(&mut before.clone(), &self.alone, dense)?;
+            }
+            _ => dense.fill_by_rates::<H, E>(job.system, nodes, job.h, &self.alone),
+        }
+        see(dense, &self.alone, true);
+        Ok(())
+    }
+}
