@@ -24,7 +24,6 @@ pub const fn dense_order(stages: u32, plan: &Plan) -> u32 {
 }
 
 /// The slopes of the collocation polynomial of the last step.
-#[expect(clippy::needless_range_loop, reason = "indices as in the formula")]
 pub fn slopes_between<F: Field, const N: usize>(
     system: &F,
     prepared: &Prepared<N>,

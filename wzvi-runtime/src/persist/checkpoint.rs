@@ -24,9 +24,9 @@
 //! | is of another run, damaged, of another format, or no checkpoint | fails with a [`CheckpointError`]; the file stays as it is |
 //!
 //! Two runs are the same if system, parameters, scheme, step size, start, noise and `record_every` are, and the
-//! version of this crate. Parameters are compared by the numbers that the step computes from them, and by energies
-//! and forces at the start and at the checkpoint. Only the end may differ. To repeat a run from its start, remove its
-//! files.
+//! version of this crate; sections are compared by their number, their directions and their values at the start. Parameters are compared by the numbers that the step computes from them, and by energies
+//! and forces at the start and at the checkpoint. Only the end may differ, and one that is reached exactly
+//! ([`exactly`](Simulation::exactly)) may not: nothing goes on from there. To repeat a run from its start, remove its files.
 //!
 //! Bits are those of the same program on the same machine: `sin`, `exp` and the like come from the platform.
 //!
@@ -46,7 +46,8 @@
 //!
 //! A checkpoint of a small system is about a kilobyte, and takes as long as the disk takes to confirm it: about a
 //! millisecond on a solid-state disk, more on others. Between two of them a step costs one comparison more. Recorded
-//! nodes take `8 (1 + 2 d + K)` bytes each on the disk, `d` degrees of freedom and `K` noises, as in memory.
+//! nodes take `8 (1 + 2 d + K)` bytes each on the disk, `d` degrees of freedom and `K` noises, as in memory. Crossings of sections are in the
+//! checkpoint itself, which grows with their number.
 //! `cargo run --release --example long_run -- cost` measures it.
 //!
 //! # Observers
