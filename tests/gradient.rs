@@ -1,5 +1,7 @@
 //! Kicks by potentials with the square of the force: their order, what they keep, and that loops take the steps of straight-line code.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says what it expects")]
+
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 use wzvi::scalar::{Dual, Scalar};

@@ -1,5 +1,7 @@
 //! The modified energy: its terms against known ones, and how its drift falls with the step size.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says what it expects")]
+
 use wzvi::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
 use wzvi::prelude::*;
 use wzvi::state::Vector;
