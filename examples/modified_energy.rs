@@ -29,7 +29,7 @@ where
         drifts.push([path.energy_drift(&Pendulum), path.shadow_energy_drift(&Pendulum)]);
     }
     for (line, what) in [(0, "energy"), (1, "modified energy")] {
-        print!("{:28} {what:16}", if line == 0 { name } else { "" });
+        print!("{:30} {what:16}", if line == 0 { name } else { "" });
         drifts.iter().for_each(|drift| print!("{:>9}", format!("{:.1e}", drift[line])));
         println!();
     }
@@ -40,7 +40,7 @@ fn main() -> Result<(), wzvi::Error> {
     println!(
         "Pendulum from (2, 0) to T = {END}: largest change of the energy and of the modified energy, h ="
     );
-    print!("{:45}", "");
+    print!("{:47}", "");
     STEPS.iter().for_each(|h| print!("{h:>9}"));
     println!();
     row::<DeltaPlus>("DeltaPlus")?;
@@ -49,5 +49,6 @@ fn main() -> Result<(), wzvi::Error> {
     row::<Composed<Midpoint, Suzuki4>>("Composed<Midpoint, Suzuki4>")?;
     row::<Composed<Verlet, Yoshida4>>("Composed<Verlet, Yoshida4>")?;
     row::<Composed<Verlet, Suzuki4>>("Composed<Verlet, Suzuki4>")?;
-    row::<Composed<Verlet, BlanesMoan4>>("Composed<Verlet, BlanesMoan4>")
+    row::<Composed<Verlet, BlanesMoan4>>("Composed<Verlet, BlanesMoan4>")?;
+    row::<Composed<Verlet, KahanLi6>>("Composed<Verlet, KahanLi6>")
 }

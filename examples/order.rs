@@ -85,6 +85,7 @@ fn main() -> Result<(), wzvi::Error> {
     row::<Midpoint>("Midpoint")?;
     row::<Verlet>("Verlet")?;
     row::<Composed<Verlet, Suzuki4>>("Composed<Verlet, Suzuki4>")?;
+    row::<Composed<Verlet, Chin4>>("Composed<Verlet, Chin4>")?;
     row::<Composed<Verlet, BlanesMoan4>>("Composed<Verlet, BlanesMoan4>")?;
     row::<Composed<Verlet, BlanesMoan6>>("Composed<Verlet, BlanesMoan6>")?;
     row::<Composed<Verlet, KahanLi8>>("Composed<Verlet, KahanLi8>")?;

@@ -100,9 +100,9 @@ pub mod prelude {
     pub use wzvi_runtime::checkpoint::Checkpoint;
     pub use wzvi_runtime::elements::Iteration;
     pub use wzvi_runtime::embedding::{
-        Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Composed, Corrected, DeltaMinus, DeltaPlus, Gauss,
-        KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Srkn6, Suzuki4, SuzukiUmeno8, Uncorrected, Verlet,
-        Yoshida4, Yoshida6,
+        Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, Composed, Corrected, DeltaMinus, DeltaPlus, Gauss,
+        KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Srkn6, Suzuki4, SuzukiUmeno8, TakahashiImada4,
+        Uncorrected, Verlet, Yoshida4, Yoshida6,
     };
     pub use wzvi_runtime::increments::{Increments, Noise};
     pub use wzvi_runtime::integrate::Integrate;

@@ -425,8 +425,17 @@ fn generated_steps_allocate_nothing() {
 )]
 struct Coupled;
 
-#[hamiltonian(drift = |q, p| 0.5 * p * p + 0.5 * 1e4 * q * q + q.powi(4), embedding = Gauss<4>)]
+#[hamiltonian(drift = |q, p| 0.5 * p * p + 0.5 * 1e4 * q * q + q.powi(4), embedding = [Gauss<4>, Verlet])]
 struct StiffWell;
+
+#[hamiltonian(
+    drift = [
+        |q: [f64; 4], p: [f64; 4]| (0..4).map(|i| 0.5 * p[i] * p[i] + 0.5 * q[i] * q[i]).sum::<f64>(),
+        |q, _| 0.1 * (q[0] * q[1] + q[2] * q[3]).cos(),
+    ],
+    embedding = Verlet,
+)]
+struct Parted;
 
 #[hamiltonian(
     drift = |q: [f64; N], p: [f64; N]| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
@@ -452,11 +461,15 @@ fn steps_of_high_order_allocate_nothing() {
     assert_eq!(allocations::<Gauss<3>, _>(&Coupled, &q, &p)[0], 0);
     assert_eq!(later_allocations::<Verlet, _>(&Coupled, &q, &p, 0.01), 0);
     assert_eq!(later_allocations::<Composed<Midpoint, KahanLi6>, _>(&Coupled, &q, &p, 0.01), 0);
+    assert_eq!(later_allocations::<Composed<Verlet, Chin4>, _>(&StiffWell, &[1e-3], &[0.1], 1e-3), 0);
     assert_eq!(later_allocations::<Composed<Gauss<3>, Yoshida4>, _>(&Coupled, &q, &p, 0.01), 0);
     let (q, p) = (std::array::from_fn::<_, 40, _>(|i| 0.1 * (i as f64).sin()), [0.0; 40]);
     assert_eq!(later_allocations::<Gauss<4>, _>(&Chain::<40>, &q, &p, 0.01), 0);
     assert_eq!(later_allocations::<Verlet, _>(&Chain::<40>, &q, &p, 0.01), 0);
+    assert_eq!(later_allocations::<Composed<Verlet, TakahashiImada4>, _>(&Chain::<40>, &q, &p, 0.01), 0);
     assert_eq!(later_allocations::<Composed<Midpoint, Suzuki4>, _>(&Chain::<40>, &q, &p, 0.01), 0);
+    assert_eq!(allocations::<Composed<Verlet, Srkn6>, _>(&Chain::<40>, &q, &p), [0; 2]);
+    assert_eq!(allocations::<Composed<Verlet, Aba864>, _>(&Parted, &q[..4], &p[..4]), [0; 2]);
     assert_eq!(later_allocations::<Gauss<4>, _>(&StiffWell, &[1e-3], &[0.1], 0.5), 0);
 }
 

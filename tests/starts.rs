@@ -1,7 +1,7 @@
 //! Ensembles whose paths start at states of their own, with noise and without: each path is the one that it is alone.
 
 #![cfg(feature = "ensemble")]
-#![allow(clippy::unwrap_used, reason = "a test that unwraps says what it expects")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that unwraps says what it expects")]
 #![allow(missing_docs, reason = "test systems")]
 
 use std::sync::Mutex;
@@ -200,4 +200,96 @@ fn starts_that_are_none_are_refused() {
     assert!(short.to_string().contains("a start for each path"), "{short}");
     let none = HenonHeiles.ensemble::<Verlet>(0.1).starts_from([]).steps(1).run().unwrap_err();
     assert!(matches!(none, Error::Config(ConfigError::Missing(_) | ConfigError::Setting(_))), "{none}");
+}
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.25 * a * q * q * q * q + 0.5 * b * q * q,
+    noise = [|q, p| sigma * q],
+    embedding = [Midpoint],
+)]
+#[derive(Clone, Debug)]
+pub struct Duffing {
+    pub a: f64,
+    pub b: f64,
+    pub sigma: f64,
+}
+
+/// Parameters by path: each path is the one of its own system, with its own energy, however the run is split, and with retries.
+#[test]
+fn paths_have_the_systems_that_were_asked_for() {
+    let grid =
+        |path: u64| Duffing { a: 0.2 * (path % 6) as f64, b: 0.5 * (path / 6) as f64 - 0.5, sigma: 0.3 };
+    let start = |draw: &mut Draw| State::new([1.0 + 0.01 * draw.path() as f64], [0.0]);
+    let first = grid(0);
+    let run = || first.ensemble::<Midpoint>(0.1).starts(start).seed(9).steps(50);
+    let listed = || run().systems_from((0..30).map(grid));
+    let reference = listed().keep_paths(1 << 20).run().unwrap();
+    let drawn = run().systems(|draw| grid(draw.path())).paths(30).keep_paths(1 << 20);
+    assert!(drawn.run().unwrap() == reference);
+    for width in [1, 2] {
+        let again = listed().keep_paths(1 << 20).threads(width);
+        assert!(if width == 1 { again.run_in::<1>() } else { again.run_in::<8>() }.unwrap() == reference);
+    }
+    let paths = reference.paths().unwrap();
+    for path in 0..30 {
+        let system = grid(path);
+        let alone = system
+            .simulate::<Midpoint>(0.1)
+            .start(State::new([1.0 + 0.01 * path as f64], [0.0]))
+            .noise(StepNormals::seed(9).path(path))
+            .steps(50)
+            .run()
+            .unwrap();
+        let end = alone.last();
+        let kept = paths.at(path as usize, 1).unwrap();
+        assert_eq!(kept, [end.q[0], end.p[0], system.energy(end)], "path {path}");
+        assert_eq!(listed().replay(path).unwrap().0.last(), end);
+    }
+}
+
+#[test]
+fn systems_that_are_none_are_refused() {
+    let base = Duffing { a: 1.0, b: 1.0, sigma: 0.1 };
+    let run = |bad: f64| {
+        let system = move |draw: &mut Draw| Duffing {
+            a: if draw.path() == 5 { bad } else { 1.0 },
+            b: 1.0,
+            sigma: 0.1,
+        };
+        let run = base.ensemble::<Midpoint>(0.1).systems(system).start(State::new([1.0], [0.0]));
+        run.paths(9).seed(1).steps(2).run()
+    };
+    assert!(run(2.0).is_ok());
+    let cause = Box::new(ConfigError::Parameter);
+    assert_eq!(run(f64::NAN).unwrap_err(), Error::Config(ConfigError::PathSystem { path: 5, cause }));
+    let few = base.ensemble::<Midpoint>(0.1).systems_from(vec![base.clone(); 3]);
+    let few = few.start(State::new([1.0], [0.0])).paths(4).seed(1).steps(1).run().unwrap_err();
+    assert!(few.to_string().contains("a system for each path"), "{few}");
+}
+
+/// What is drawn for starts and for systems is independent.
+#[test]
+fn systems_and_starts_draw_different_numbers() {
+    let pairs = Mutex::new(Vec::new());
+    let base = Duffing { a: 1.0, b: 1.0, sigma: 0.0 };
+    let run = base
+        .ensemble::<Midpoint>(0.1)
+        .systems(|draw| {
+            let b = draw.normal();
+            pairs.lock().unwrap().push(b);
+            Duffing { a: 0.0, b, sigma: 0.0 }
+        })
+        .starts(|draw| State::new([draw.normal()], [0.0]))
+        .paths(4)
+        .seed(3)
+        .keep_paths(1 << 16)
+        .steps(0)
+        .run()
+        .unwrap();
+    let kept = run.paths().unwrap();
+    for (path, b) in pairs.into_inner().unwrap().into_iter().enumerate() {
+        let [q, _, energy] = kept.at(path, 0).unwrap() else { panic!("two coordinates and the energy") };
+        assert_ne!(*q, b);
+        assert_eq!(*energy, 0.5 * b * q * q, "the energy of the path's own system");
+    }
 }

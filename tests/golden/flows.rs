@@ -140,11 +140,17 @@ const _: () = {
         const IS_NYSTROM: bool = true;
         const IN_LANES: bool = true;
         type Shape = Fixed<1>;
+        type Noises = Fixed<0>;
+        const IS_STIFF: bool = true;
+        fn stiffness(&self, k: &mut [f64]) {
+            let omega: f64 = self.omega;
+            k[0] = omega * omega;
+        }
         #[inline(always)]
         fn slopes<S: Scalar, const BY_Q: bool, const BY_P: bool>(
             &self,
             t: S,
-            h: f64,
+            h: S,
             q: &[S],
             p: &[S],
             dw: &[S],
@@ -158,7 +164,7 @@ const _: () = {
             let epsilon: f64 = self.epsilon;
             if BY_Q {
                 by_q.copy_from_slice(
-                    &[q * (q * t.cos() * (3.0 * epsilon) + omega * omega) * h],
+                    &[h * (q * (q * t.cos() * (3.0 * epsilon) + omega * omega))],
                 );
             }
             if BY_P {
@@ -277,8 +283,8 @@ const _: () = {
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as by_p, binding as by_q, binding as dw, binding as epsilon,
-        binding as h, binding as index, binding as omega, binding as p, binding as part,
-        binding as q, binding as t, binding as term,
+        binding as h, binding as index, binding as k, binding as omega, binding as p,
+        binding as part, binding as q, binding as t, binding as term,
     };
 };
 const _: () = {

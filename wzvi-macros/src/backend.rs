@@ -8,7 +8,7 @@ use proc_macro2::TokenStream;
 use crate::describe::{Texts, derived, stepped};
 use crate::discretise::describe::{describe, properties};
 use crate::discretise::embedding::Embedding;
-use crate::discretise::facts::{Facts, NoiseClass};
+use crate::discretise::facts::Facts;
 use crate::discretise::gauss::{self, StepSlopes};
 use crate::discretise::sites::Site;
 use crate::discretise::{Scheme, discretise};
@@ -29,8 +29,7 @@ pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts
     let mut steps = Vec::new();
     for embedding in derived(&listed) {
         let scheme = discretise(&mut model, facts, &embedding);
-        let is_swept =
-            system.emission.is_none() && facts.noise == NoiseClass::None && scheme.is_cheaper_swept();
+        let is_swept = system.emission.is_none() && scheme.is_cheaper_swept(facts.noise);
         steps.push(match is_swept {
             false => Step::Inline(Box::new(scheme)),
             true => {

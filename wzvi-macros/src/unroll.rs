@@ -20,6 +20,10 @@ use crate::symbolic::{Expr, Graph, Rational, Symbol};
 /// elimination is as fast as a sweep.
 const TURNS: i128 = 16;
 
+/// Turns up to which an outermost loop of a larger system is written out: it goes over neighbours beside each other, and what
+/// begins and ends it costs no more than that saves.
+const OUTERMOST: i128 = 8;
+
 /// Operations to which one Hamiltonian may be written out: more make code that takes minutes to compile.
 const OPERATIONS: usize = 20_000;
 
@@ -40,7 +44,7 @@ pub(crate) fn unroll(system: &mut System) {
     let parts = &mut system.parts;
     for term in [&mut system.drift].into_iter().chain(parts).chain(noise).chain(&mut system.invariants) {
         writer.spent = 0;
-        term.expression = writer.without_short_sums(term.expression);
+        term.expression = writer.without_short_sums(term.expression, OUTERMOST);
     }
 }
 
@@ -101,17 +105,17 @@ impl<'a> Writer<'a> {
         Ok(Term { expression: self.at(term.expression, &BTreeMap::new())?, ..term.clone() })
     }
 
-    /// `expr` with short sums written out, in the bodies of the others, too.
-    fn without_short_sums(&mut self, expr: Expr) -> Expr {
+    /// `expr` with sums of at most so many turns written out, and short ones in the bodies of the others, too.
+    fn without_short_sums(&mut self, expr: Expr, turns: i128) -> Expr {
         let mut images = HashMap::new();
         for symbol in self.symbols_in(expr) {
             let Some(Sum { range, body }) = self.symbols.sum_of(symbol).cloned() else { continue };
-            let body = self.without_short_sums(body);
-            let is_short = range.length().is_some_and(|length| length <= TURNS);
+            let body = self.without_short_sums(body, TURNS);
+            let is_short = range.length().is_some_and(|length| length <= turns);
             let written = if is_short { self.turns(&range, body, &BTreeMap::new()).ok() } else { None };
             let image = match written {
                 // What stood in the loops of what was written out may have become short.
-                Some(sum) => self.without_short_sums(sum),
+                Some(sum) => self.without_short_sums(sum, turns),
                 None => {
                     let symbol = self.symbols.sum(self.graph, range, body);
                     self.graph.symbol(symbol)

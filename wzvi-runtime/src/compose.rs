@@ -9,9 +9,14 @@
 //! coefficients of a splitting in drifts and kicks ([`Partitioned`]), which also serve Hamiltonians that do not split, by
 //! the adjoint pair of [`Verlet`] (R. I. McLachlan, "On the numerical integration of ordinary differential equations by symmetric
 //! composition methods", SIAM J. Sci. Comput. 16, 1995).
+//!
+//! What the parts of a step are depends on the [`Structure`] of the system, which the compiler has proven: steps of the scheme and its
+//! adjoint for any Hamiltonian ([`Pair`]), kicks and drifts for `T(p) + V(q, t)` ([`KickDrift`]), the flows of two parts for
+//! `drift = [H_A, H_B]` with the tables that are made for these ([`PartFlows`]).
 
 mod checks;
 mod flows;
+mod gradient;
 mod implement;
 mod kept;
 mod lagrangian;
@@ -33,6 +38,7 @@ use text::{DRIFT_KICK, turns};
 pub use checks::{check_table, check_weights};
 #[doc(hidden)]
 pub use flows::{Flows, KickDrift};
+pub use gradient::{GradientKicks, GradientTable};
 #[doc(hidden)]
 pub use lagrangian::{gradient, value};
 #[doc(hidden)]
@@ -44,8 +50,8 @@ pub use sequence::{Half, Sequence, Substep, plan};
 #[doc(hidden)]
 pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, Structure, TwoFlows};
 pub use tables::{
-    Aba864, Aba1064, BlanesMoan4, BlanesMoan6, KahanLi6, KahanLi8, Srkn6, Suzuki4, SuzukiUmeno8, Yoshida4,
-    Yoshida6,
+    Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, KahanLi6, KahanLi8, Srkn6, Suzuki4, SuzukiUmeno8,
+    TakahashiImada4, Yoshida4, Yoshida6,
 };
 #[doc(hidden)]
 pub use text::{Equations, Listing, ROOM};
@@ -140,6 +146,7 @@ impl Base for Verlet {
     label = "not for this system",
     note = "partitioned tables (`BlanesMoan4`, ..., `Table` of your own) compose `Verlet` only; palindromes (`Yoshida4`, ..., your own `Weights`) compose `Midpoint`, `Verlet` and `Gauss<S>`",
     note = "`Srkn6` takes `T(p) + V(q, t)` with a kinetic energy that is quadratic with constant masses; `BlanesMoan6` and `KahanLi6` are of order 6 for every Hamiltonian",
+    note = "`Chin4` and `TakahashiImada4` take the same, for the square of the force; `BlanesMoan4` is of order 4 for every Hamiltonian",
     note = "`Aba864` and `Aba1064` take two parts with exact flows: `T(p) + V(q, t)`, or `drift = [H_A, H_B]`"
 )]
 pub trait Composes<E, K: Structure<E> = General> {
@@ -186,10 +193,10 @@ impl<K: Structure<Verlet>, W: Partitioned> Composes<Verlet, K> for Table<W> {
 
 /// Tables for all structures, for quadratic kinetic energies, and for two parts with flows.
 macro_rules! partitioned {
-    ($($table:ty: $structure:ident, $sequence:ty, $parts:expr, $names:expr;)+) => {$(
+    ($($table:ty: $structure:ident, $sequence:ty, $parts:expr, $names:expr, $note:expr;)+) => {$(
         impl<K: $structure + Structure<Verlet>> Composes<Verlet, K> for $table {
             const ORDER: u32 = <$table as Partitioned>::ORDER;
-            const LISTING: Listing = turns::<$table>($names, K::NOTE);
+            const LISTING: Listing = turns::<$table>($names, $note);
             type Sequence = $sequence;
 
             fn substeps() -> Vec<Substep> {
@@ -200,11 +207,13 @@ macro_rules! partitioned {
 }
 
 partitioned! {
-    BlanesMoan4: Sized, K::Sequence, K::splitting, DRIFT_KICK;
-    BlanesMoan6: Sized, K::Sequence, K::splitting, DRIFT_KICK;
-    Srkn6: QuadraticKinetic, K::Sequence, K::splitting, DRIFT_KICK;
-    Aba864: TwoFlows, K::Flows, <[Substep]>::to_vec, K::PARTS;
-    Aba1064: TwoFlows, K::Flows, <[Substep]>::to_vec, K::PARTS;
+    BlanesMoan4: Sized, K::Sequence, K::splitting, DRIFT_KICK, K::NOTE;
+    BlanesMoan6: Sized, K::Sequence, K::splitting, DRIFT_KICK, K::NOTE;
+    Srkn6: QuadraticKinetic, K::Sequence, K::splitting, DRIFT_KICK, K::NOTE;
+    Chin4: QuadraticKinetic, GradientKicks<Chin4>, <[Substep]>::to_vec, DRIFT_KICK, Chin4::NOTE;
+    TakahashiImada4: QuadraticKinetic, GradientKicks<TakahashiImada4>, <[Substep]>::to_vec, DRIFT_KICK, TakahashiImada4::NOTE;
+    Aba864: TwoFlows, K::Flows, <[Substep]>::to_vec, K::PARTS, K::NOTE;
+    Aba1064: TwoFlows, K::Flows, <[Substep]>::to_vec, K::PARTS, K::NOTE;
 }
 
 /// The parts of one step of `E`.

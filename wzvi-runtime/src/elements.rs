@@ -234,6 +234,45 @@ pub fn value_of_part<H: Elements>(system: &H, number: usize, t: f64, q: &[f64], 
     system.value(number, 1.0, &Point { q, p, t, h: 1.0, dw: &[], acting: 0..0 })
 }
 
+/// Whether scratch for `ready` degrees of freedom is for a state of `got`, which the system was checked for then.
+#[inline(always)]
+fn is_sized<H: Elements>(system: &H, ready: usize, got: usize) -> bool {
+    let known = system.degrees();
+    ready == got && got != 0 && (known == 0 || known == got)
+}
+
+/// Coordinates, which fit the system, and momenta, as long as what is known of it says: loops over both check nothing.
+///
+/// # Errors
+/// [`StepFailure::Dimension`] if there are not as many momenta.
+#[inline(always)]
+fn sized_mut<'a, H: Elements, S>(
+    system: &H,
+    [q, p]: [&'a mut [S]; 2],
+) -> Result<[&'a mut [S]; 2], StepFailure> {
+    let degrees = match system.degrees() {
+        0 => q.len(),
+        known => known,
+    };
+    if p.len() != degrees {
+        return Err(StepFailure::Dimension { expected: degrees, got: p.len() });
+    }
+    Ok([&mut q[..degrees], &mut p[..degrees]])
+}
+
+/// The increments of a step, one for each noise.
+///
+/// # Errors
+/// [`StepFailure::Increments`] if there are not as many.
+#[inline(always)]
+fn increments<'a, H: Elements, S>(system: &H, dw: &'a [S]) -> Result<&'a [S], StepFailure> {
+    let expected = system.noises();
+    if dw.len() != expected {
+        return Err(StepFailure::Increments { expected, got: dw.len() });
+    }
+    Ok(&dw[..expected])
+}
+
 /// Whether a state of `got` degrees of freedom fits the system.
 ///
 /// # Errors

@@ -13,8 +13,8 @@ use std::marker::PhantomData;
 pub use crate::gauss::Gauss;
 
 pub use crate::compose::{
-    Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Composed, KahanLi6, KahanLi8, Partitioned, Srkn6, Suzuki4,
-    SuzukiUmeno8, Verlet, Weights, Yoshida4, Yoshida6,
+    Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, Composed, KahanLi6, KahanLi8, Partitioned, Srkn6,
+    Suzuki4, SuzukiUmeno8, TakahashiImada4, Verlet, Weights, Yoshida4, Yoshida6,
 };
 
 /// `l = 0`: the paper's order-one embedding (Δ₊, ∫ Δt).

@@ -66,8 +66,8 @@ pub use passage::Passages;
 pub use paths::Paths;
 pub use quantiles::Quantiles;
 use source::{Settings, Source};
+use starts::ByPath;
 pub use starts::Draw;
-use starts::Starts;
 pub use statistics::{PathFailure, Statistics, StatisticsNode, TargetStatus};
 
 use crate::checkpoint::Keeping;
@@ -104,7 +104,8 @@ struct Setup<'a, H: Hamiltonian> {
     h: f64,
     span: Span<H::Vector>,
     /// Of each path its own, unless `span` has one that was said later.
-    starts: Option<Starts<'a, H::Vector>>,
+    starts: Option<ByPath<'a, State<H::Vector>>>,
+    systems: Option<ByPath<'a, H>>,
     paths: Option<u64>,
     source: Option<Source<'a>>,
     settings: Settings,
@@ -143,6 +144,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             h,
             span: Span::default(),
             starts: None,
+            systems: None,
             paths: None,
             source: None,
             settings: Settings::default(),
@@ -197,15 +199,37 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
     /// pendulum.ensemble::<Midpoint>(0.1).starts(starts).paths(10_000).seed(7).until(50.0).run()?
     /// ```
     pub fn starts(mut self, start: impl Fn(&mut Draw) -> State<H::Vector> + Send + Sync + 'a) -> Self {
-        (self.setup.span.start, self.setup.starts) = (None, Some(Starts::Drawn(Box::new(start))));
+        (self.setup.span.start, self.setup.starts) = (None, Some(ByPath::Drawn(Box::new(start))));
         self
     }
 
     /// The first state of each path, in the order of their numbers, at one time for all. There are as many paths as states, unless
     /// [`Ensemble::paths`] says fewer.
     pub fn starts_from(mut self, states: impl IntoIterator<Item = State<H::Vector>>) -> Self {
-        let states = Starts::Listed(states.into_iter().collect());
+        let states = ByPath::Listed(states.into_iter().collect());
         (self.setup.span.start, self.setup.starts) = (None, Some(states));
+        self
+    }
+
+    /// The system of each path, in the place of the one that began the ensemble: of the parameters that belong to [`Draw::path`], or drawn at
+    /// random by the seed of the ensemble, independently of the starts. They have the same number of degrees of freedom and of noises.
+    ///
+    /// ```ignore
+    /// // 21 × 21 parameters.
+    /// let system = |draw: &mut Draw| Duffing { a: 0.1 * (draw.path() % 21) as f64, b: 0.1 * (draw.path() / 21) as f64 };
+    /// duffing.ensemble::<Midpoint>(0.1).systems(system).start(start).paths(441).keep_paths(1 << 20).until(50.0).run()?
+    /// ```
+    ///
+    /// What is observed by default is then the energy of the path's own system. Each path goes through a stepper of its own.
+    pub fn systems(mut self, system: impl Fn(&mut Draw) -> H + Send + Sync + 'a) -> Self {
+        self.setup.systems = Some(ByPath::Drawn(Box::new(system)));
+        self
+    }
+
+    /// The system of each path, in the order of their numbers, as with [`Ensemble::systems`]. There are as many paths as systems, unless
+    /// [`Ensemble::paths`] says fewer.
+    pub fn systems_from(mut self, systems: impl IntoIterator<Item = H>) -> Self {
+        self.setup.systems = Some(ByPath::Listed(systems.into_iter().collect()));
         self
     }
 

@@ -180,6 +180,13 @@ pub enum ConfigError {
         /// What is wrong.
         cause: StepFailure,
     },
+    /// The system of a path of an ensemble cannot be run.
+    PathSystem {
+        /// Number of the path, from 0.
+        path: u64,
+        /// What is wrong.
+        cause: Box<ConfigError>,
+    },
     /// A setting of a noise or a builder that makes no sense, with what to do.
     Setting(String),
 }
@@ -208,6 +215,7 @@ impl fmt::Display for ConfigError {
                 )
             }
             Self::Start(cause) => write!(f, "the start is not usable: {cause}"),
+            Self::PathSystem { path, cause } => write!(f, "the system of path {path} is not usable: {cause}"),
             Self::PathStart { path, cause } => write!(f, "the start of path {path} is not usable: {cause}"),
             Self::Setting(what) => f.write_str(what),
         }

@@ -31,7 +31,7 @@ use crate::gauss::Gauss;
 use crate::state::State;
 use crate::system::{Discretized, Hamiltonian};
 use contraction::Contractions;
-use series::{Basis, modified};
+use series::{HIGHEST_ORDER, Series, modified};
 
 /// Systems without noise whose Hamiltonian does not read the time: symplectic steps of them keep a modified energy.
 #[diagnostic::on_unimplemented(
@@ -84,7 +84,7 @@ impl<E: QuadraturePoint> QuadraturePoint for Uncorrected<E> {
 /// Schemes of which the first terms of the modified Hamiltonian are known.
 #[diagnostic::on_unimplemented(
     message = "no modified energy is known of steps by `{Self}`",
-    note = "it is of `DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Verlet`, and compositions of `Midpoint` and `Verlet` of order up to 4"
+    note = "it is of `DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Verlet`, and compositions of `Midpoint` and `Verlet` of order up to 6"
 )]
 pub trait ModifiedBy {
     /// The order of the scheme.
@@ -125,15 +125,14 @@ where
 /// The Hamiltonian that steps of size `h` by the scheme `E` follow, to its first terms.
 ///
 /// ```text
-/// H~ = H + h^r H_(r+1)          r = 2 for schemes of order 2, 4 for compositions of order 4; for order 1 also h H_2
+/// H~ = H + h^r H_(r+1)          r = 2 for schemes of order 2, r for compositions of order r; for order 1 r = 2 and also h H_2
 /// ```
 ///
-/// Its error, and the least by which it changes over a run, is `O(h³)` for schemes of order 1, `O(h⁴)` for those of order 2 and
-/// `O(h⁶)` for compositions of order 4.
+/// Its error, and the least by which it changes over a run, is `O(h³)` for schemes of order 1, `O(h⁴)` for those of order 2,
+/// `O(h⁶)` and `O(h⁸)` for compositions of order 4 and 6.
 #[derive(Clone)]
 pub struct ModifiedHamiltonian<E> {
-    /// Coefficients of the [`Basis`].
-    coefficients: Vec<f64>,
+    series: Series,
     scheme: PhantomData<fn() -> E>,
 }
 
@@ -148,18 +147,19 @@ impl<E: ModifiedBy> ModifiedHamiltonian<E> {
     pub fn new(h: f64) -> Self {
         const {
             assert!(
-                E::ORDER <= 4,
-                "the modified energy is known for compositions of order up to 4: take the scheme that is composed, or a composition of order 4"
+                E::ORDER <= HIGHEST_ORDER,
+                "the modified energy is known for compositions of order up to 6: take one of them, or the scheme that is composed"
             );
         }
         let order = E::ORDER as usize;
         // Terms below the order vanish, and in what is symmetric every other one does.
         let sizes = order + 1..=order.next_multiple_of(2) + 1;
-        let series = modified(&E::parts());
-        let terms = series.0.iter().zip(&Basis::get().trees).map(|(coefficient, &(_, size))| {
+        let mut series = modified(&E::parts(), E::ORDER);
+        let terms = series.terms().map(|(coefficient, &(_, size))| {
             if sizes.contains(&size) { coefficient * h.powi(size as i32 - 1) } else { 0.0 }
         });
-        Self { coefficients: terms.collect(), scheme: PhantomData }
+        series.coefficients = terms.collect();
+        Self { series, scheme: PhantomData }
     }
 
     /// The modified energy of a state, in units of energy; NaN where the energy is. Costs a few gradients with derivatives.
@@ -171,17 +171,19 @@ impl<E: ModifiedBy> ModifiedHamiltonian<E> {
         if !energy.is_finite() {
             return f64::NAN;
         }
-        if const { E::ORDER > 2 } {
-            energy + self.terms(Contractions::<H, true>::at(system, state))
+        // Higher derivatives are compiled only for schemes that need them.
+        if const { E::ORDER > 4 } {
+            energy + self.terms(Contractions::<H, 5>::at(system, state))
+        } else if const { E::ORDER > 2 } {
+            energy + self.terms(Contractions::<H, 3>::at(system, state))
         } else {
-            energy + self.terms(Contractions::<H, false>::at(system, state))
+            energy + self.terms(Contractions::<H, 1>::at(system, state))
         }
     }
 
     /// The terms beside `H`.
-    fn terms<H: Hamiltonian, const DEEP: bool>(&self, mut contractions: Contractions<'_, H, DEEP>) -> f64 {
-        let terms = self.coefficients.iter().zip(&Basis::get().trees);
-        let terms = terms.filter(|(coefficient, _)| **coefficient != 0.0);
+    fn terms<H: Hamiltonian, const DEPTH: usize>(&self, mut contractions: Contractions<'_, H, DEPTH>) -> f64 {
+        let terms = self.series.terms().filter(|(coefficient, _)| *coefficient != 0.0);
         terms.map(|(coefficient, (tree, _))| coefficient * contractions.value(tree)).sum()
     }
 }

@@ -1,7 +1,5 @@
 //! What a run leaves: states at the recorded nodes and the increments between them.
 
-#[cfg(feature = "serde")]
-mod kept;
 mod recorder;
 #[cfg(feature = "serde")]
 mod serial;
@@ -15,10 +13,12 @@ use crate::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
 use crate::options::Observable;
 use crate::section::Crossing;
 use crate::state::{State, Vector};
+#[cfg(doc)]
+use crate::step::StepInfo;
 use crate::sum::Sum;
 use crate::system::{Discretized, EulerLagrangeResidual, Hamiltonian, Segment};
 #[cfg(feature = "serde")]
-pub(crate) use kept::Kept;
+pub(crate) use recorder::Kept;
 pub(crate) use recorder::Recorder;
 
 /// Newton iterations of a run, and what its steps took besides.
@@ -223,6 +223,7 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// is.
     ///
     /// Small where the system keeps its energy (`PLAN.conserves_energy`); elsewhere it measures what the noise does.
+    /// Whether it is what the theory of symplectic methods promises says [`Trajectory::shadow_energy_drift`].
     pub fn energy_drift<H: Hamiltonian<Vector = V>>(&self, system: &H) -> f64 {
         self.drift(|state| system.energy(state))
     }

@@ -21,7 +21,7 @@ pub(crate) mod sums;
 use crate::model::Model;
 use embedding::Embedding;
 use equations::Equations;
-use facts::Facts;
+use facts::{Facts, NoiseClass};
 use lagrangian::DiscreteLagrangian;
 use quadrature::Quadrature;
 use structure::{Solution, Structure};
@@ -38,14 +38,18 @@ pub(crate) struct Scheme {
 
 /// Multiplications of a dense elimination that cost as much as it does to go over all unknowns in loops, until they are
 /// solved: what both do besides, they do for each unknown.
-const SWEPT: usize = 256;
+const SWEPT: usize = 48;
+
+/// The same where paths run beside each other, which those in loops do not.
+const SWEPT_IN_LANES: usize = 256;
 
 impl Scheme {
     /// Whether Newton's method with dense elimination, which takes `n³/3` multiplications, costs more than iterations
     /// that need none, or that of a band.
-    pub(crate) fn is_cheaper_swept(&self) -> bool {
+    pub(crate) fn is_cheaper_swept(&self, noise: NoiseClass) -> bool {
+        let most = if noise == NoiseClass::None { SWEPT } else { SWEPT_IN_LANES };
         self.structure.blocks.iter().any(|block| match block.solution {
-            Solution::Newton { .. } => block.iterates.len().pow(3) / 3 > SWEPT,
+            Solution::Newton { .. } => block.iterates.len().pow(3) / 3 > most,
             _ => false,
         })
     }

@@ -71,26 +71,31 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
             generated.extend(composition.emit(item, &item.generics, &scheme));
         }
         if embedding.is_symmetric() {
-            generated.extend(composed_of(item, [&scheme, &structure], parted.is_some(), text));
+            let composed = match (parted, flows) {
+                (Some(_), _) => Composed::ByTable(quote!(__wzvi::compose::Parted<#structure>)),
+                (None, Some(Flows { is_nystrom: true, .. })) => Composed::ByTable(structure),
+                _ => Composed::ByStructure(structure),
+            };
+            generated.extend(composed_of(item, &scheme, &composed, text));
         }
     }
     generated
 }
 
+/// What says how the parts of a composition are taken, with the structure of the system.
+enum Composed {
+    ByStructure(TokenStream),
+    /// The parts of the drift may take turns, or steps of the sum; kicks may be by the square of the force, too.
+    ByTable(TokenStream),
+}
+
 /// `impl<W> Discretized<Composed<E, W>>`
-fn composed_of(
-    item: &ItemStruct,
-    [base, structure]: [&TokenStream; 2],
-    is_parted: bool,
-    text: &str,
-) -> TokenStream {
+fn composed_of(item: &ItemStruct, base: &TokenStream, composed: &Composed, text: &str) -> TokenStream {
     let mut generics = item.generics.clone();
-    let parted = quote!(__wzvi::compose::Parted<#structure>);
-    let structure = if is_parted { &parted } else { structure };
+    let (Composed::ByStructure(structure) | Composed::ByTable(structure)) = composed;
     let weights = quote!(__wzvi::compose::Composes<#base, #structure>);
     let sequence;
-    if is_parted {
-        // The table says whether the parts take turns, or steps of the sum.
+    if let Composed::ByTable(_) = composed {
         sequence = quote!(<__W as #weights>::Sequence);
         let filter = generics.make_where_clause();
         filter.predicates.push(syn::parse_quote!(#sequence: __wzvi::compose::Sequence<Self>));

@@ -6,8 +6,8 @@
 //!
 //! What stands beside its like is one (an adjoint pair `DeltaPlus(b)`, `DeltaMinus(a)` is kick, drift, drift, kick), so that
 //! every kick evaluates the force at a node of its own, once. Where a step ends with a kick the next one starts with the same force: it is
-//! kept with the node, and taken if node, time and step size are the same to the last bit. Reuse is not to be seen in the
-//! numbers, and checkpoints need not know of it.
+//! kept with the node, and taken if node, step size, and the time if the force reads it, are the same to the last bit. Reuse is not to be
+//! seen in the numbers, and checkpoints need not know of it.
 //!
 //! What a flow reads of the system is [`Field::slopes`]. Another kind of part (a kick by a modified potential, say) is a variant
 //! of [`Half`], an arm of `take` and a method of [`Flows`].
@@ -31,6 +31,7 @@ pub trait Flows: Field {
     const FORCE_READS_TIME: bool;
     /// Whether [`Flows::add_force`] and [`Flows::add_velocity`] add without room of their own.
     const IN_PLACE: bool;
+
     /// `p ← p + ∂F/∂q`, only where it is [`Flows::IN_PLACE`].
     fn add_force<S: Scalar>(&self, t: f64, h: f64, q: &[S], dw: &[S], p: &mut [S]) {
         let _ = (t, h, q, dw, p);
@@ -79,43 +80,25 @@ impl<F: Flows> Sequence<F> for KickDrift {
         advance(system, &flows, &prepared.0, q, p, dw, memory, carry)
     }
 
-    /// A drift has the discrete Lagrangian `p · Δq - a T(p)`, a kick `-b V(q)`. Both sums of weights are 1, so that
-    /// `T = F(q_0, ·) - V(q_0)` and `V = F(·, p_0) - T(p_0)` sum up to values of `F`, less `F(q_0, p_0)`.
     fn follow(
         system: &F,
         segment: &Segment<F::Vector>,
         dw: &[f64],
         substeps: &[Substep],
     ) -> Option<Followed<F::Vector>> {
-        let (t, h, [q0, p0]) = (segment.t, segment.h, [segment.q0.components(), segment.p.components()]);
-        system.check(q0.len()).ok()?;
-        let value = |q: &[f64], p: &[f64], t: f64| {
-            let noises = dw.iter().zip(1..).map(|(dw, term)| dw * system.evaluate(term, q, p, t));
-            h * system.evaluate(0, q, p, t) + noises.sum::<f64>()
-        };
         let Stages(stages) = Stages::of(substeps);
-        let flows = FlowsOf { system, t, h, count: stages.len() };
-        let mut followed =
-            follow(&flows, &stages, segment, dw, |_, stage, [before, _], [q, p]| match stage.half {
-                Half::First => {
-                    let moved: f64 =
-                        p.iter().zip(q.iter().zip(before)).map(|(p, (q, before))| p * (q - before)).sum();
-                    moved - stage.weight * value(q0, p, t)
-                }
-                Half::Second => -stage.weight * value(q, p0, t + stage.node * h),
-            });
-        followed.action += value(q0, p0, t);
-        Some(followed)
+        let flows = FlowsOf { system, t: segment.t, h: segment.h, count: stages.len() };
+        flows.follow(&flows, &stages, segment, dw, |_, _, _| 0.0)
     }
 }
 
 /// The flows in a step.
-struct FlowsOf<'a, F> {
-    system: &'a F,
-    t: f64,
-    h: f64,
+pub(super) struct FlowsOf<'a, F> {
+    pub(super) system: &'a F,
+    pub(super) t: f64,
+    pub(super) h: f64,
     /// How many parts there are.
-    count: usize,
+    pub(super) count: usize,
 }
 
 impl<F: Flows, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
@@ -143,6 +126,37 @@ impl<F: Flows, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
 }
 
 impl<F: Flows> FlowsOf<'_, F> {
+    /// Where parts lead to, by a way to take them. A drift has the discrete Lagrangian `p · Δq - a T(p)`, a kick at `q` has
+    /// `-b V(q)` and what `also` says of it. Both sums of weights are 1, so that `T = F(q_0, ·) - V(q_0)` and `V = F(·, p_0) - T(p_0)` sum
+    /// up to values of `F`, less `F(q_0, p_0)`.
+    pub(super) fn follow(
+        &self,
+        taken: &impl Take<f64, F::Shape>,
+        stages: &[Stage],
+        segment: &Segment<F::Vector>,
+        dw: &[f64],
+        also: impl Fn(usize, &Stage, &[f64]) -> f64,
+    ) -> Option<Followed<F::Vector>> {
+        let &Self { system, t, h, .. } = self;
+        let (q0, p0) = (segment.q0.components(), segment.p.components());
+        system.check(q0.len()).ok()?;
+        let value = |q: &[f64], p: &[f64], t: f64| {
+            let noises = dw.iter().zip(1..).map(|(dw, term)| dw * system.evaluate(term, q, p, t));
+            h * system.evaluate(0, q, p, t) + noises.sum::<f64>()
+        };
+        let mut followed =
+            follow(taken, stages, segment, dw, |index, stage, [before, _], [q, p]| match stage.half {
+                Half::First => {
+                    let moved: f64 =
+                        p.iter().zip(q.iter().zip(before)).map(|(p, (q, before))| p * (q - before)).sum();
+                    moved - stage.weight * value(q0, p, t)
+                }
+                Half::Second => also(index, stage, q) - stage.weight * value(q, p0, t + stage.node * h),
+            });
+        followed.action += value(q0, p0, t);
+        Some(followed)
+    }
+
     #[inline(always)]
     fn drift<S: Scalar, C: Carry<S>>(
         &self,

@@ -1,5 +1,6 @@
 //! The parts of a step that are flows, and what all kinds of flows share: room, sums, checks.
 
+use super::gradient::Directional;
 use super::sequence::{Followed, Half, Substep};
 use crate::carry::{Carry, Plain};
 use crate::elements::are_finite;
@@ -70,6 +71,8 @@ pub struct Memory<S: Scalar, H: Shape> {
     rooms: Rooms<S, H>,
     /// The increments of a part.
     pub(super) dw: Vec<S>,
+    /// For derivatives of slopes; empty unless a table asks for them.
+    pub(super) directional: Directional<S>,
 }
 
 /// Time and weighted step size of a force.
@@ -158,6 +161,7 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
             kept_force: list(),
             rooms: Rooms::of_length(length),
             dw: Vec::new(),
+            directional: Directional::default(),
         }
     }
 

@@ -3,6 +3,7 @@
 //! The decimals are those of the published tables, polished until the order conditions hold to many more digits than `f64` has, and
 //! rounded.
 
+use super::gradient::GradientTable;
 use super::{Partitioned, Weights};
 
 /// Order 4 in 3 steps: H. Yoshida, "Construction of higher order symplectic integrators", Phys. Lett. A 150, 1990.
@@ -265,4 +266,39 @@ impl Partitioned for Aba1064 {
         0.09585888083707521,
         0.038094497422412193,
     ];
+}
+
+/// Order 4 with three forces, one of them with its derivative along the force, and no step backwards, for `T(p) + V(q, t)` with a quadratic
+/// `T`: S. A. Chin, "Symplectic integrators from composite operator factorizations", Phys. Lett. A 226, 1997, algorithm A. The kick in the middle
+/// is by `2/3 (V - h²/48 |V'|²)`, with the square in the metric of the inverse masses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Chin4;
+
+impl Partitioned for Chin4 {
+    const ORDER: u32 = 4;
+    const STARTS_WITH_DRIFT: bool = false;
+    const SEQUENCE: &'static [f64] = &[1.0 / 6.0, 0.5, 2.0 / 3.0, 0.5, 1.0 / 6.0];
+}
+
+impl GradientTable for Chin4 {
+    const GRADIENT: &'static [f64] = &[0.0, 0.0, 1.0 / 72.0, 0.0, 0.0];
+    const NOTE: &'static str = " (the second kick by V - h²/48 V'·M⁻¹V')";
+}
+
+/// One kick, by `V - h²/24 |V'|²`, for `T(p) + V(q, t)` with a quadratic `T`: of order 2, and of effective order 4, that is conjugate to a
+/// scheme of order 4 by a map near the identity. Frequencies, rotation numbers, Poincaré sections and averages of long runs have errors `O(h⁴)`; states have
+/// errors `O(h²)` that do not grow. M. Takahashi and M. Imada, "Monte Carlo calculation of quantum systems. II", J. Phys. Soc. Japan 53, 1984;
+/// G. Rowlands, "A numerical algorithm for Hamiltonian systems", J. Comput. Phys. 97, 1991.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TakahashiImada4;
+
+impl Partitioned for TakahashiImada4 {
+    const ORDER: u32 = 2;
+    const STARTS_WITH_DRIFT: bool = true;
+    const SEQUENCE: &'static [f64] = &[0.5, 1.0, 0.5];
+}
+
+impl GradientTable for TakahashiImada4 {
+    const GRADIENT: &'static [f64] = &[0.0, 1.0 / 24.0, 0.0];
+    const NOTE: &'static str = " (the kick by V - h²/24 V'·M⁻¹V')";
 }

@@ -2,7 +2,7 @@
 
 use super::memory::Lists;
 use super::passes::{add, are_finite};
-use super::step::Step;
+use super::step::{Step, nothing};
 use super::{Elements, Memory, MomentumUpdate, Scheme, Slopes};
 use crate::carry::Carry;
 use crate::error::StepFailure;
@@ -12,7 +12,8 @@ use crate::solve::Effort;
 /// One step from `(q, p)` at `t` in place; on `Err` nothing but scratch is changed.
 ///
 /// Inlined into the step of one system by one scheme, where the table of the scheme, and often the number of degrees of
-/// freedom, are constants: no loop over stages or parts, and no check of a length, is left.
+/// freedom, are constants: no loop over stages or parts, and no check of a length, is left. Numbers of several parts go a way
+/// of their own: their registers do not hold more than one element.
 ///
 /// # Errors
 /// [`StepFailure`]: sizes that do not fit, a state that is not finite.
@@ -29,10 +30,48 @@ pub fn advance_explicit<H: Elements, S: Scalar, C: Carry<S>>(
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
+    if size_of::<S>() == size_of::<f64>() {
+        advance_inline(system, scheme, t, h, q, p, dw, memory, carry)
+    } else {
+        advance_apart(system, scheme, t, h, q, p, dw, memory, carry)
+    }
+}
+
+#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+#[inline(never)]
+fn advance_apart<H: Elements, S: Scalar, C: Carry<S>>(
+    system: &H,
+    scheme: &Scheme,
+    t: f64,
+    h: f64,
+    q: &mut [S],
+    p: &mut [S],
+    dw: &[S],
+    memory: &mut Memory<S>,
+    carry: &mut C,
+) -> Result<Effort, StepFailure> {
+    advance_inline(system, scheme, t, h, q, p, dw, memory, carry)
+}
+
+#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+#[inline(always)]
+fn advance_inline<H: Elements, S: Scalar, C: Carry<S>>(
+    system: &H,
+    scheme: &Scheme,
+    t: f64,
+    h: f64,
+    q: &mut [S],
+    p: &mut [S],
+    dw: &[S],
+    memory: &mut Memory<S>,
+    carry: &mut C,
+) -> Result<Effort, StepFailure> {
     if !memory.fits(system, q.len()) {
         memory.fit(system, scheme, q.len())?;
     }
-    let step = Step::new(system, scheme, t, h, q, p, dw)?;
+    let [q, p] = super::sized_mut(system, [q, p])?;
+    let dw = super::increments(system, dw)?;
+    let step = Step { system, scheme, t, h, q, p, dw, increment: None };
     let mut lists = memory.work.lists(scheme, step.degrees());
     step.assign(&mut lists);
     if !C::CARRIES && scheme.update == MomentumUpdate::Multiple(1.0) {
@@ -56,9 +95,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     pub(super) fn assign(&self, lists: &mut Lists<'_, S>) {
         let Lists { u, momentum, stages, by_p, .. } = lists;
         let (_, by_q) = stages.at_mut(0);
-        let zero = S::from_f64(0.0);
-        by_q.fill(zero);
-        u.fill(zero);
+        by_q.fill(nothing());
+        u.fill(nothing());
         for stage in self.scheme.stages {
             if stage.start != 0.0 {
                 self.slopes(stage, self.q, self.p, Slopes::BY_COORDINATES, by_q, by_p);

@@ -88,7 +88,9 @@ fn advance_fitting<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
-    let step = Step::new(system, scheme, t, h, q, p, dw)?;
+    let [q, p] = super::sized_mut(system, [q, p])?;
+    let dw = super::increments(system, dw)?;
+    let step = Step { system, scheme, t, h, q, p, dw, increment: None };
     let degrees = step.degrees();
     let (effort, prefers_newton) = if CAREFUL {
         (step.careful(memory)?, true)

@@ -306,8 +306,7 @@ impl<S: Scalar> Memory<S> {
     /// Whether there is room for a state of so many degrees of freedom, which was checked then.
     #[inline(always)]
     pub(super) fn fits<H: Elements>(&self, system: &H, degrees: usize) -> bool {
-        let known = system.degrees();
-        self.degrees == degrees && degrees != 0 && (known == 0 || known == degrees)
+        super::is_sized(system, self.degrees, degrees)
     }
 
     /// Makes room for `degrees`, after checking that the indices of the system fit.

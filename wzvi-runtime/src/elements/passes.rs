@@ -3,7 +3,7 @@
 use crate::scalar::{Mask, Scalar};
 
 /// `x -= correction`, and the largest correction against the largest unknown; NaN if any part is.
-#[inline(always)]
+#[inline]
 pub(super) fn subtract<S: Scalar>(x: &mut [S], correction: &[S]) -> f64 {
     let (mut size, mut change) = (Largest::default(), Largest::default());
     let (chunks, rest) = x.as_chunks_mut::<LANES>();
@@ -88,7 +88,7 @@ impl Largest {
 }
 
 /// The largest magnitude; NaN if any is not finite.
-#[inline(always)]
+#[inline]
 pub(super) fn largest<S: Scalar>(x: &[S]) -> f64 {
     let mut largest = Largest::default();
     let (chunks, rest) = x.as_chunks::<LANES>();
@@ -98,7 +98,7 @@ pub(super) fn largest<S: Scalar>(x: &[S]) -> f64 {
 }
 
 /// `sums += base`, and whether every part of every sum is finite.
-#[inline(always)]
+#[inline]
 pub(super) fn add<S: Scalar>(sums: &mut [S], base: &[S]) -> bool {
     let mut zeros = [S::from_f64(0.0); LANES];
     let (chunks, rest) = sums.as_chunks_mut::<LANES>();
@@ -115,7 +115,7 @@ pub(super) fn add<S: Scalar>(sums: &mut [S], base: &[S]) -> bool {
 }
 
 /// Whether every part of every number is finite.
-#[inline(always)]
+#[inline]
 pub(crate) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
     let mut zeros = [S::from_f64(0.0); LANES];
     let (chunks, rest) = numbers.as_chunks::<LANES>();

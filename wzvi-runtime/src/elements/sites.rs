@@ -61,8 +61,8 @@ pub struct Prepared<P>(Vec<P>);
 /// What a stepper allocates, once.
 #[derive(Clone, Debug)]
 pub struct Memory<S, M, P> {
-    /// The new nodes, and what their rounding took.
-    next: [Vec<S>; 4],
+    /// The new nodes, and what their rounding took: four lists in one.
+    next: Vec<S>,
     /// What the steps before left at each site, and the same before this step.
     sites: Vec<M>,
     saved: Vec<M>,
@@ -74,8 +74,13 @@ pub struct Memory<S, M, P> {
 
 impl<S, M, P> Default for Memory<S, M, P> {
     fn default() -> Self {
-        let next = std::array::from_fn(|_| Vec::new());
-        Self { next, sites: Vec::new(), saved: Vec::new(), prepared: Vec::new(), prepared_for: None }
+        Self {
+            next: Vec::new(),
+            sites: Vec::new(),
+            saved: Vec::new(),
+            prepared: Vec::new(),
+            prepared_for: None,
+        }
     }
 }
 
@@ -130,16 +135,12 @@ where
     S: Scalar,
     C: Carry<S>,
 {
-    if memory.next[0].len() != q.len() || q.is_empty() {
+    if !super::is_sized(system, memory.next.len() / 4, q.len()) {
         super::check(system, q.len())?;
         memory.allocate(q.len(), q.len() / D);
     }
-    if p.len() != q.len() {
-        return Err(StepFailure::Dimension { expected: q.len(), got: p.len() });
-    }
-    if dw.len() != system.noises() {
-        return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
-    }
+    let [q, p] = super::sized_mut(system, [q, p])?;
+    let dw = super::increments(system, dw)?;
     if prepared.0.is_empty() && memory.prepared_for != Some((h, memory.sites.len())) {
         prepare_by_state::<H, E, _, _, D, K>(system, h, memory)?;
     }
@@ -150,7 +151,7 @@ where
     }
     let solved = solve::<H, E, S, C, CAREFUL, D, K>(system, prepared, t, h, q, p, dw, memory, carry);
     if solved.is_ok() {
-        let [next_q, next_p, lost_q, lost_p] = &memory.next;
+        let [next_q, next_p, lost_q, lost_p] = quarters(&mut memory.next, q.len());
         q.copy_from_slice(next_q);
         p.copy_from_slice(next_p);
         if C::CARRIES {
@@ -184,6 +185,14 @@ where
     Ok(())
 }
 
+/// The lists of so many numbers that one of four times as many is.
+#[inline(always)]
+fn quarters<S>(list: &mut [S], length: usize) -> [&mut [S]; 4] {
+    let (half, other) = list[..4 * length].split_at_mut(2 * length);
+    let ((first, second), (third, fourth)) = (half.split_at_mut(length), other.split_at_mut(length));
+    [first, second, third, fourth]
+}
+
 /// Sites that are solved beside each other: two registers of the oldest vector instructions.
 const BESIDE: usize = 4;
 
@@ -207,11 +216,11 @@ where
     C: Carry<S>,
 {
     let Memory { next, sites: memories, prepared: own, .. } = memory;
-    let count = memories.len();
+    let count = q.len() / D;
     let prepared = if prepared.0.is_empty() { &own[..] } else { &prepared.0[..] };
-    let [next_q, next_p, lost_q, lost_p] = next.each_mut().map(|list| list.as_chunks_mut::<D>().0);
+    let [next_q, next_p, lost_q, lost_p] = quarters(next, q.len()).map(|list| list.as_chunks_mut::<D>().0);
     let (q, p) = (q.as_chunks::<D>().0, p.as_chunks::<D>().0);
-    let (q, p, next_q, next_p) = (&q[..count], &p[..count], &mut next_q[..count], &mut next_p[..count]);
+    let (next_q, next_p, memories) = (&mut next_q[..count], &mut next_p[..count], &mut memories[..count]);
     let mut effort = Effort::fast(0);
     let mut site = 0;
     if size_of::<S>() == size_of::<f64>() && H::IS_EXACT_IN_LANES && H::IS_UNIFORM && !C::CARRIES {
@@ -313,10 +322,8 @@ impl<S: Scalar, M: Clone + Default, P> Memory<S, M, P> {
     }
 
     fn allocate(&mut self, degrees: usize, sites: usize) {
-        for list in &mut self.next {
-            list.clear();
-            list.resize(degrees, S::from_f64(0.0));
-        }
+        self.next.clear();
+        self.next.resize(4 * degrees, S::from_f64(0.0));
         // A copy, or what was read from a checkpoint, comes with its past.
         if self.sites.len() != sites {
             self.sites = vec![M::default(); sites];
@@ -331,7 +338,7 @@ impl<S: Scalar, M: Clone + Debug + Default + Numbers, P: Clone + Debug> StepMemo
     }
 
     fn adopt(&mut self, left: Self) {
-        if self.next[0].is_empty() {
+        if self.next.is_empty() {
             *self = left;
         } else if self.sites.len() == left.sites.len() {
             self.sites = left.sites;

@@ -24,6 +24,12 @@ pub(super) struct Step<'a, H, S> {
     pub(super) increment: Option<&'a [S]>,
 }
 
+/// What a sum starts with: adding to `-0.0` is nothing, where compilers see it, and not so for `0.0`.
+#[inline(always)]
+pub(super) fn nothing<S: Scalar>() -> S {
+    S::from_f64(-0.0)
+}
+
 impl<H, S> Clone for Step<'_, H, S> {
     #[inline(always)]
     fn clone(&self) -> Self {
@@ -34,35 +40,6 @@ impl<H, S> Clone for Step<'_, H, S> {
 impl<H, S> Copy for Step<'_, H, S> {}
 
 impl<'a, H: Elements, S: Scalar> Step<'a, H, S> {
-    /// From a state whose coordinates fit the system.
-    ///
-    /// # Errors
-    /// [`StepFailure::Dimension`] or [`StepFailure::Increments`] if the others do not.
-    #[inline(always)]
-    pub(super) fn new(
-        system: &'a H,
-        scheme: &'a Scheme,
-        t: f64,
-        h: f64,
-        q: &'a [S],
-        p: &'a [S],
-        dw: &'a [S],
-    ) -> Result<Self, StepFailure> {
-        let degrees = match system.degrees() {
-            0 => q.len(),
-            known => known,
-        };
-        if p.len() != degrees {
-            return Err(StepFailure::Dimension { expected: degrees, got: p.len() });
-        }
-        if dw.len() != system.noises() {
-            return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
-        }
-        // Lengths that are constants.
-        let (q, p) = (&q[..degrees], &p[..degrees]);
-        Ok(Self { system, scheme, t, h, q, p, dw, increment: None })
-    }
-
     /// The degrees of freedom.
     #[inline(always)]
     pub(super) fn degrees(&self) -> usize {
@@ -83,7 +60,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             }
         } else {
             for ((momentum, u), (&p, &x)) in momentum.iter_mut().zip(&mut **u).zip(self.p.iter().zip(&**x)) {
-                (*u, *momentum) = (S::from_f64(0.0), p + x);
+                (*u, *momentum) = (nothing(), p + x);
             }
             match self.increment {
                 Some(known) => u.copy_from_slice(known),
@@ -100,7 +77,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let Lists { x, correction, u, momentum, by_p, stages, .. } = lists;
         let is_both = self.scheme.unknowns == Unknowns::Both;
         if is_both {
-            by_p.fill(S::from_f64(0.0));
+            by_p.fill(nothing());
         }
         let wanted = if is_both { Slopes::ALL } else { Slopes::BY_COORDINATES };
         for (s, stage) in self.scheme.stages.iter().enumerate() {
@@ -141,7 +118,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     fn place(&self, stage: &Stage, q: &mut [S], by_q: &mut [S], u: &[S]) {
         for ((point, slope), (&q, &u)) in q.iter_mut().zip(by_q).zip(self.q.iter().zip(u)) {
             *point = q + u * stage.point;
-            *slope = S::from_f64(0.0);
+            *slope = nothing();
         }
     }
 
@@ -167,7 +144,11 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     ) {
         let at = self.at(stage, q, p);
         for &(part, weight) in stage.parts {
-            self.system.slopes(part, weight, &at, wanted, by_q, by_p);
+            if size_of::<S>() == size_of::<f64>() {
+                self.system.slopes(part, weight, &at, wanted, by_q, by_p);
+            } else {
+                slopes_apart(self.system, part, weight, &at, wanted, by_q, by_p);
+            }
         }
     }
 
@@ -222,6 +203,21 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             }
         }
     }
+}
+
+/// [`Elements::slopes`] as a function of its own: that its lists do not overlap, which numbers of several parts take to be
+/// fast, is lost where it is inlined.
+#[inline(never)]
+fn slopes_apart<H: Elements, S: Scalar>(
+    system: &H,
+    part: usize,
+    weight: f64,
+    at: &Point<'_, S>,
+    wanted: Slopes,
+    by_q: &mut [S],
+    by_p: &mut [S],
+) {
+    system.slopes(part, weight, at, wanted, by_q, by_p);
 }
 
 impl<S: Scalar> Lists<'_, S> {

@@ -5,7 +5,7 @@ use super::job::{Job, Stop};
 use super::passage::Watch;
 use super::paths::Paths;
 use super::source::Source;
-use super::starts::{STARTS, Starts};
+use super::starts::{self, ByPath, Drawn, STARTS, SYSTEMS};
 use super::statistics::Wanted;
 use super::{Ensemble, Extras};
 use crate::error::{ConfigError, Error, UnknownName};
@@ -47,18 +47,26 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
         let seed = setup.source.as_ref().map_or(0, Source::seed);
         let starts = setup.starts.filter(|_| setup.span.start.is_none());
         if let Some(starts) = &starts {
-            setup.span.start = starts.of(seed, 0);
+            setup.span.start = starts.of(Drawn::Start, seed, 0);
         }
         let (start, grid) = setup.span.checked::<H, E>(system, h)?;
         let steps = grid.steps;
-        let listed = starts.as_ref().and_then(Starts::listed);
-        let paths = setup.paths.or(listed).ok_or(ConfigError::Missing(PATHS))?;
+        let listed = [
+            (starts.as_ref().and_then(ByPath::listed), STARTS),
+            (setup.systems.as_ref().and_then(ByPath::listed), SYSTEMS),
+        ];
+        let fewest = listed.iter().filter_map(|(number, _)| *number).min();
+        let paths = setup.paths.or(fewest).ok_or(ConfigError::Missing(PATHS))?;
         if paths == 0 {
             return Err(ConfigError::Setting("0 paths: take at least 1".into()).into());
         }
-        if listed.is_some_and(|listed| listed < paths) {
-            return Err(ConfigError::Missing(STARTS).into());
+        if let Some((_, what)) = listed.iter().find(|(number, _)| number.is_some_and(|number| number < paths))
+        {
+            return Err(ConfigError::Missing(what).into());
         }
+        let systems = setup.systems.map(|systems| systems.into_list(Drawn::System, seed, paths));
+        let systems = systems.unwrap_or_default();
+        starts::check_systems::<H, E>(&systems, system, start.q.components().len())?;
         let end = grid.time(steps);
         if !end.is_finite() {
             return Err(ConfigError::End { start: start.t, end, h }.into());
@@ -77,12 +85,12 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
         }
         let recorded = setup.recorded.checked(0, &grid)?;
         let recorded = recorded.all(&grid, MOST_NODES)?;
-        let observables = if setup.observables.is_empty() {
-            standard(system, start.q.components().len())
-        } else {
-            setup.observables
-        };
+        let is_standard = setup.observables.is_empty();
+        let observables =
+            if is_standard { standard(system, start.q.components().len()) } else { setup.observables };
         let (names, observables) = observables.checked("observables")?;
+        // The last one of those that nobody asked for.
+        let own_energy = (is_standard && !systems.is_empty()).then(|| names.len() - 1);
         let (event_names, events) = setup.events.checked("events")?;
         if has_pairs && !events.is_empty() {
             return Err(ConfigError::Setting(
@@ -110,6 +118,8 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
             h,
             start,
             starts,
+            systems,
+            own_energy,
             seed,
             grid,
             paths,

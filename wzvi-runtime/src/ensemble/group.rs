@@ -1,19 +1,17 @@
 //! Paths that run beside each other in the lanes of vector registers: their steps, and which of them failed.
 
+mod alone;
 mod inside;
 
 use super::increments::LaneIncrements;
 use super::job::Job;
 use super::statistics::PathFailure;
 use crate::carry::Plain;
-use crate::continuation::Hard;
-use crate::error::{Error, InternalError, StepError, StepFailure};
+use crate::error::{ConfigError, Error, StepError};
 use crate::increments::Interval;
 use crate::lanes::Lanes;
 use crate::memory::StepMemory;
-use crate::numbers::{Numbers, Tape};
-use crate::plan::Solver;
-use crate::retry::{Subdivision, is_curable};
+use crate::retry::Subdivision;
 use crate::scalar::Scalar;
 use crate::state::{State, Vector};
 use crate::step::{ResolutionMonitor, Stepper};
@@ -46,10 +44,10 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     state: State<H::Vector>,
     /// Increments of one lane.
     alone: Vec<f64>,
-    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]): one stepper for each.
-    steppers: Vec<Stepper<'a, H, E, Plain>>,
+    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]), or each path has its own system: one stepper for each.
+    steppers: Vec<Stepper<'j, H, E, Plain>>,
     /// Halves steps, once one has to be.
-    subdivision: Option<Subdivision<'a, H, E, Plain>>,
+    subdivision: Option<Subdivision<'j, H, E, Plain>>,
     /// The last step of each lane that was halved, and how often.
     halved: [(u64, u32); L],
     /// Whether the last step, which is shorter, has been taken: by steppers.
@@ -97,8 +95,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         self.path = path;
         self.counts = std::array::from_fn(|lane| path + (lane as u64) < end);
         for lane in 0..L {
-            // A lane without a path follows the first.
-            let start = self.job.start_of(path + if self.counts[lane] { lane as u64 } else { 0 })?;
+            let start = self.job.start_of(self.source_of(lane))?;
             self.put(lane, &start.q, &start.p);
         }
         (self.failed, self.any_failed) = ([false; L], false);
@@ -107,15 +104,30 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         self.apart.clear();
         self.resolution = [ResolutionMonitor::default(); L];
         self.increments.begin(path);
-        if Self::IS_STEPPED {
-            let stepper = |_| Stepper::new(self.job.system, self.job.h).map(Stepper::plain);
+        if self.is_stepped() {
+            let stepper = |lane| {
+                let path = self.source_of(lane);
+                let stepper = Stepper::new(self.job.system_of(path), self.job.h).map(Stepper::plain);
+                stepper.map_err(|cause| match self.job.systems.is_empty() {
+                    true => cause,
+                    false => ConfigError::PathSystem { path, cause: Box::new(cause) },
+                })
+            };
             self.steppers = (0..L).map(stepper).collect::<Result<_, _>>()?;
         }
         Ok(())
     }
 
+    /// The path whose start and system a lane has: one without a path has those of the first.
+    fn source_of(&self, lane: usize) -> u64 {
+        self.path + if self.counts[lane] { lane as u64 } else { 0 }
+    }
+
     /// Whether each path has a stepper of its own.
-    const IS_STEPPED: bool = !H::IN_LANES;
+    #[inline(always)]
+    fn is_stepped(&self) -> bool {
+        !H::IN_LANES || !self.job.systems.is_empty()
+    }
 
     fn time(&self, step: u64) -> f64 {
         self.job.grid.time(step)
@@ -139,7 +151,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     #[inline(always)]
     pub(super) fn step(&mut self, step: u64) -> Result<(), Error> {
         let job = self.job;
-        if Self::IS_STEPPED {
+        if self.is_stepped() {
             return self.by_steppers(step);
         }
         if self.any_failed && !self.mirror(step) {
@@ -196,62 +208,6 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         true
     }
 
-    /// The step that not all lanes can take the short way.
-    #[cold]
-    #[inline(never)]
-    fn one_by_one(&mut self, step: u64, t: f64) -> Result<(), Error> {
-        self.split()?;
-        for lane in 0..L {
-            if self.failed[lane] {
-                continue;
-            }
-            match self.single(lane, step, t) {
-                Ok(()) => {}
-                Err(Error::Step(error)) => self.halve_or_fail(lane, step, error)?,
-                Err(error) => return Err(error),
-            }
-        }
-        self.join();
-        Ok(())
-    }
-
-    /// The step of one path again, in halves, if that is allowed; the path fails if it is not, or does not help.
-    ///
-    /// # Errors
-    /// That of a noise that has no increments.
-    fn halve_or_fail(&mut self, lane: usize, step: u64, error: StepError) -> Result<(), Error> {
-        let is_tried = self.job.retry.most() > 0 && is_curable(error.cause) && self.counts[lane];
-        match if is_tried { self.halve(lane, step, error) } else { Err(error.into()) } {
-            Ok(state) => {
-                self.put(lane, &state.q, &state.p);
-                self.resolution[lane] = ResolutionMonitor::default();
-                if let Some(memory) = self.apart.get_mut(lane) {
-                    memory.forget();
-                }
-            }
-            Err(Error::Step(error)) => self.fail(lane, error),
-            // A step that is too short to be prepared: the path ends with what made it necessary.
-            Err(Error::Config(_)) => self.fail(lane, error),
-            Err(error) => return Err(error),
-        }
-        Ok(())
-    }
-
-    fn halve(&mut self, lane: usize, step: u64, error: StepError) -> Result<State<H::Vector>, Error> {
-        let job = self.job;
-        let mut state = self.state_of(lane, error.t);
-        let subdivision = match &mut self.subdivision {
-            Some(subdivision) => subdivision,
-            none => none.insert(Subdivision::new(job.system, job.h, job.retry, true)?),
-        };
-        let mut noise = (!self.alone.is_empty()).then(|| job.source.path(self.path + lane as u64));
-        let interval = Interval { start: job.start.t, h: job.h, step };
-        let noise = &mut noise.as_deref_mut();
-        let info = subdivision.subdivide(&mut state, &interval, noise, &mut self.alone, 1)?;
-        self.halved[lane] = (step, info.halvings);
-        Ok(state)
-    }
-
     fn fail(&mut self, lane: usize, error: StepError) {
         (self.failed[lane], self.any_failed) = (true, true);
         if self.counts[lane] {
@@ -282,81 +238,6 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         let components = self.state.q.components().iter().chain(self.state.p.components());
         for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(components) {
             to.set(lane, *from);
-        }
-    }
-
-    /// One lane, as it goes alone: the short way, then the careful one of a [`Stepper`].
-    fn single(&mut self, lane: usize, step: u64, t: f64) -> Result<(), Error> {
-        let job = self.job;
-        let alone = |lanes: &[Lanes<L>]| -> Vec<_> { lanes.iter().map(|x| Lanes::new([x[lane]])).collect() };
-        let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(self.increments.of(step)));
-        let mut forgetful = H::Memory::default();
-        let outcome = job.system.advance_carrying::<Lanes<1>, Plain, false>(
-            &job.prepared,
-            t,
-            job.h,
-            &mut q,
-            &mut p,
-            &dw,
-            self.apart.get_mut(lane).unwrap_or(&mut forgetful),
-            &mut Plain,
-        );
-        match outcome {
-            Ok(_) => {
-                for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(q.iter().chain(&p)) {
-                    to.set(lane, from[0]);
-                }
-                Ok(())
-            }
-            Err(cause) if matches!(H::PLAN.solver, Solver::Newton) => self.careful(lane, step, &dw, cause),
-            Err(cause) => Err(StepError { step, t, h: job.h, cause }.into()),
-        }
-    }
-
-    /// The careful way, of one lane.
-    fn careful(&mut self, lane: usize, step: u64, dw: &[Lanes<1>], cause: StepFailure) -> Result<(), Error> {
-        let (job, t) = (self.job, self.time(step));
-        let State { q, p, t } = self.state_of(lane, t);
-        let dw: Vec<f64> = dw.iter().map(|dw| dw[0]).collect();
-        let (system, h, prepared) = (job.system, job.h, job.prepared.clone());
-        let hard = Hard { system, prepared, t, h, q, p, dw: &dw, carry: Plain };
-        let solved = self.resolution[lane].careful_step(hard, step, cause);
-        let mut solved = solved.map_err(|cause| StepError { step, t, h, cause })?;
-        self.put(lane, &solved.q, &solved.p);
-        if let Some(memory) = self.apart.get_mut(lane) {
-            let words = Tape::write(|tape| solved.memory.pass(tape));
-            Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
-        }
-        Ok(())
-    }
-
-    /// From now on, each lane remembers by itself.
-    fn split(&mut self) -> Result<(), InternalError> {
-        if !H::REMEMBERS || !self.apart.is_empty() {
-            return Ok(());
-        }
-        for lane in 0..L {
-            let words = Tape::split(lane, |tape| self.memory.pass(tape));
-            let mut memory = H::Memory::default();
-            Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
-            self.apart.push(memory);
-        }
-        Ok(())
-    }
-
-    /// Lanes go on together if what they remember is of the same shape. One that has failed remembers what the path does that it follows.
-    fn join(&mut self) {
-        let Some(living) = (0..L).find(|&lane| !self.failed[lane]) else { return };
-        if self.apart.is_empty() {
-            return;
-        }
-        let words = |lane: usize| {
-            let lane = if self.failed[lane] { living } else { lane };
-            Tape::write(|tape| self.apart[lane].pass(tape))
-        };
-        let words = (0..L).map(words).collect();
-        if Tape::join(words, |tape| self.memory.pass(tape)).is_some() {
-            self.apart.clear();
         }
     }
 
@@ -412,11 +293,6 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         failures.sort_unstable_by_key(|failure| failure.path);
         failures
     }
-}
-
-/// What one scheme leaves has the same shape for every number.
-fn other_memory() -> InternalError {
-    InternalError::new("what a step leaves is the same for lanes and alone", "a group of paths")
 }
 
 impl<H: Discretized<E>, E, const L: usize> Advance for Group<'_, '_, H, E, L> {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::block::PATHS;
 use super::source::Source;
-use super::starts::{self, STARTS, Starts};
+use super::starts::{self, ByPath, Drawn, STARTS};
 use super::statistics::Wanted;
 use crate::error::ConfigError;
 use crate::options::Observable;
@@ -23,7 +23,11 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     /// The start of all paths, or of path 0.
     pub(super) start: State<H::Vector>,
     /// Those of all paths, if each has its own.
-    pub(super) starts: Option<Starts<'a, H::Vector>>,
+    pub(super) starts: Option<ByPath<'a, State<H::Vector>>>,
+    /// Those of all paths, if each has its own; else none.
+    pub(super) systems: Vec<H>,
+    /// The observable that is the energy of a path's own system.
+    pub(super) own_energy: Option<usize>,
     pub(super) seed: u64,
     pub(super) grid: Grid,
     pub(super) paths: u64,
@@ -52,14 +56,19 @@ impl<H: Discretized<E>, E> Job<'_, H, E> {
         !self.sections.is_empty() || (!self.events.is_empty() && self.system.noises() == 0)
     }
 
+    /// The system of a path.
+    pub(super) fn system_of(&self, path: u64) -> &H {
+        usize::try_from(path).ok().and_then(|path| self.systems.get(path)).unwrap_or(self.system)
+    }
+
     /// The start of a path.
     ///
     /// # Errors
     /// If it is none.
     pub(super) fn start_of(&self, path: u64) -> Result<State<H::Vector>, ConfigError> {
         let Some(starts) = &self.starts else { return Ok(self.start.clone()) };
-        let start = starts.of(self.seed, path).ok_or(ConfigError::Missing(STARTS))?;
-        starts::check(self.system, &start, path, (self.start.q.components().len(), self.start.t))?;
+        let start = starts.of(Drawn::Start, self.seed, path).ok_or(ConfigError::Missing(STARTS))?;
+        starts::check(self.system_of(path), &start, path, (self.start.q.components().len(), self.start.t))?;
         Ok(start)
     }
 

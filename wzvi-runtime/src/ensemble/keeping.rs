@@ -110,6 +110,7 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Des
         settings.push(("the crossings that are kept".to_owned(), job.wanted.most_crossings.to_string()));
     }
     settings.extend(checkpoint::between(&job.grid, &job.sections, &job.start));
+    settings.extend(systems(job));
     settings.extend(job.source.identity().map(Identity::into_settings).unwrap_or_default());
     Ok(Described::new(job.system, &job.prepared, job.h, &job.start, settings, &observed(job)?))
 }
@@ -127,6 +128,17 @@ fn starts<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Option<(String, S
     Ok(Some((name, checkpoint::checksum(&bits))))
 }
 
+/// What tells systems apart: the numbers that their Hamiltonians read.
+fn systems<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Option<(String, String)> {
+    let numbers = job.systems.iter().flat_map(|system| {
+        let named = (0..).map_while(|index| system.parameter(index));
+        named.map(|(_, value)| value.to_bits())
+    });
+    let bits: Vec<u64> = numbers.collect();
+    (!job.systems.is_empty())
+        .then(|| ("the systems of the paths (checksum)".into(), checkpoint::checksum(&bits)))
+}
+
 /// What tells functions apart that cannot be compared: their values at the start and at the first nodes of path 0, which the run
 /// visits itself. `p` and `p²` are the same at rest, but not a step later.
 fn observed<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Vec<f64>, Error> {
@@ -135,7 +147,7 @@ fn observed<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Vec<f64>, Error
     let (mut state, mut dw) = (job.start.clone(), vec![0.0; job.system.noises()]);
     values.see(&state);
     let (start, h, steps) = (state.t, job.h, job.grid.whole().min(COMPARED_STEPS));
-    let stepper = &mut Stepper::<H, E>::new(job.system, h)?.plain();
+    let stepper = &mut Stepper::<H, E>::new(job.system_of(0), h)?.plain();
     let (state, noise, dw, account) = (&mut state, &mut Some(job.source.path(0)), &mut dw[..], &mut ());
     let noise = &mut noise.as_deref_mut();
     let mut path = Single { stepper, state, noise, dw, start, h, account };

@@ -373,6 +373,8 @@ where
             h,
             start: start.clone(),
             starts: None,
+            systems: Vec::new(),
+            own_energy: None,
             seed: normals.seed_number().unwrap_or(0),
             grid: Grid::of(start.t, h, steps),
             paths: u64::MAX,

@@ -222,6 +222,9 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             for (value, observable) in self.values.iter_mut().zip(&job.observables) {
                 *value = observable(state);
             }
+            if let Some(energy) = job.own_energy {
+                self.values[energy] = job.system_of(path).energy(state);
+            }
             moments.push(&self.values, &mut self.scratch, &job.wanted);
             if let Some(paths) = &mut self.statistics.paths {
                 paths.put(self.kept[lane], place, &self.values);

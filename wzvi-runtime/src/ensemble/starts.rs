@@ -1,4 +1,4 @@
-//! Where the paths of an ensemble start: all at one state, or each at its own.
+//! What each path of an ensemble may have of its own: the state where it starts, and its system.
 
 use crate::error::{ConfigError, StepFailure};
 use crate::noise::chacha;
@@ -6,29 +6,48 @@ use crate::noise::normal::pair;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
 
-/// A function from the generator of a path to its start.
-pub(super) type Sampler<'a, V> = Box<dyn Fn(&mut Draw) -> State<V> + Send + Sync + 'a>;
+/// A function from the generator of a path.
+pub(super) type Sampler<'a, T> = Box<dyn Fn(&mut Draw) -> T + Send + Sync + 'a>;
 
-/// The first states, by path.
-pub(super) enum Starts<'a, V> {
-    Listed(Vec<State<V>>),
-    Drawn(Sampler<'a, V>),
+/// What each path has of its own: its first state, or its system.
+pub(super) enum ByPath<'a, T> {
+    Listed(Vec<T>),
+    Drawn(Sampler<'a, T>),
 }
 
-impl<V: Clone> Starts<'_, V> {
+/// What is drawn: starts and systems are independent.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Drawn {
+    Start,
+    System,
+}
+
+impl<T: Clone> ByPath<'_, T> {
+    /// That of a path; `None` beyond the end of a list.
+    pub(super) fn of(&self, drawn: Drawn, seed: u64, path: u64) -> Option<T> {
+        match self {
+            Self::Listed(list) => usize::try_from(path).ok().and_then(|path| list.get(path)).cloned(),
+            Self::Drawn(sampler) => Some(sampler(&mut Draw::new(drawn, seed, path))),
+        }
+    }
+}
+
+impl<T> ByPath<'_, T> {
     /// How many there are, if they are listed.
     pub(super) fn listed(&self) -> Option<u64> {
         match self {
-            Self::Listed(states) => Some(states.len() as u64),
+            Self::Listed(list) => Some(list.len() as u64),
             Self::Drawn(_) => None,
         }
     }
 
-    /// The start of a path; `None` beyond the end of a list.
-    pub(super) fn of(&self, seed: u64, path: u64) -> Option<State<V>> {
+    /// Those of so many paths; fewer if the list is shorter.
+    pub(super) fn into_list(self, drawn: Drawn, seed: u64, paths: u64) -> Vec<T> {
         match self {
-            Self::Listed(states) => usize::try_from(path).ok().and_then(|path| states.get(path)).cloned(),
-            Self::Drawn(sampler) => Some(sampler(&mut Draw::new(seed, path))),
+            Self::Listed(list) => list,
+            Self::Drawn(sampler) => {
+                (0..paths).map(|path| sampler(&mut Draw::new(drawn, seed, path))).collect()
+            }
         }
     }
 }
@@ -36,6 +55,9 @@ impl<V: Clone> Starts<'_, V> {
 /// What a list that is too short is told.
 pub(super) const STARTS: &str =
     "a start for each path: give `.starts_from(states)` as many as there are paths";
+
+pub(super) const SYSTEMS: &str =
+    "a system for each path: give `.systems_from(systems)` as many as there are paths";
 
 /// Whether `state` can be where path `path` starts, at the time `t` of the others.
 ///
@@ -64,9 +86,32 @@ pub(super) fn check<H: Discretized<E>, E>(
     system.check(degrees).map_err(|cause| ConfigError::PathStart { path, cause })
 }
 
-/// Random numbers for the start of one path, by the seed of the ensemble and the number of the path.
+/// Whether every path's system can be in the place of `system`.
 ///
-/// They are those of ChaCha8 under a key that no increment is drawn with, so that starts and noise are independent, and they depend on
+/// # Errors
+/// [`ConfigError::PathSystem`]: of another size, with another number of noises, or with indices out of range.
+pub(super) fn check_systems<H: Discretized<E>, E>(
+    systems: &[H],
+    system: &H,
+    degrees: usize,
+) -> Result<(), ConfigError> {
+    for (path, own) in systems.iter().enumerate() {
+        let noises = [own.noises(), system.noises()];
+        let cause = match own.check(degrees) {
+            Err(cause) => ConfigError::Start(cause),
+            Ok(()) if noises[0] != noises[1] => {
+                ConfigError::Setting(format!("it has {} noises, the others have {}", noises[0], noises[1]))
+            }
+            Ok(()) => continue,
+        };
+        return Err(ConfigError::PathSystem { path: path as u64, cause: Box::new(cause) });
+    }
+    Ok(())
+}
+
+/// Random numbers for the start, or for the system, of one path, by the seed of the ensemble and the number of the path.
+///
+/// They are those of ChaCha8 under a key that no increment is drawn with, so that starts, systems and noise are independent, and they depend on
 /// neither the step size nor the scheme: two ensembles of the same seed start at the same states.
 #[derive(Clone, Debug)]
 pub struct Draw {
@@ -84,8 +129,8 @@ const VERSION: u32 = 0x8000_0003;
 const TRIPLES: u64 = 5;
 
 impl Draw {
-    fn new(seed: u64, path: u64) -> Self {
-        let key = [seed as u32, (seed >> 32) as u32, 0, 0, 0, 0, VERSION, 0];
+    fn new(drawn: Drawn, seed: u64, path: u64) -> Self {
+        let key = [seed as u32, (seed >> 32) as u32, drawn as u32, 0, 0, 0, VERSION, 0];
         Self { key, path, used: 0, block: [0; 16], spare: None }
     }
 
@@ -126,7 +171,7 @@ impl Draw {
 
 #[cfg(test)]
 mod tests {
-    use super::Draw;
+    use super::{Draw, Drawn};
     use crate::noise::step_normals;
 
     /// 20 000 of each: mean and variance of both distributions within five standard errors; no two paths or seeds alike.
@@ -134,7 +179,7 @@ mod tests {
     fn draws_have_their_distributions() {
         let n = 20_000;
         let sample = |draw: fn(&mut Draw) -> f64, seed, path| {
-            let mut generator = Draw::new(seed, path);
+            let mut generator = Draw::new(Drawn::Start, seed, path);
             (0..n).map(|_| draw(&mut generator)).collect::<Vec<f64>>()
         };
         let count = f64::from(n);
@@ -162,6 +207,6 @@ mod tests {
     /// Keys of increments differ from those of starts, whatever seed, process, step size and level.
     #[test]
     fn starts_have_a_key_of_their_own() {
-        assert_ne!(Draw::new(1, 0).key[6], step_normals::key(1, 0, 0.1, 0)[6]);
+        assert_ne!(Draw::new(Drawn::System, 1, 0).key[6], step_normals::key(1, 0, 0.1, 0)[6]);
     }
 }

@@ -37,19 +37,21 @@ impl<S: Infinitesimals> Infinitesimals for Dual<1, S> {
 
 type Second = Dual<1, Dual<1>>;
 type Third = Dual<1, Second>;
+type Fourth = Dual<1, Third>;
+type Fifth = Dual<1, Fourth>;
 
 /// `∂_q` and `∂_p` of something.
 type Slopes = [Vec<f64>; 2];
 
-/// Contractions at one state; what is beyond each edge is evaluated once. Trees of more than three vertices need second and
-/// third derivatives of the gradient, which are not compiled unless they are `DEEP`.
-pub(super) struct Contractions<'s, H: Hamiltonian, const DEEP: bool> {
+/// Contractions at one state; what is beyond each edge is evaluated once. Derivatives of the gradient are
+/// compiled up to that of order `DEPTH`: trees of three, five and seven vertices need those of order 1, 3 and 5.
+pub(super) struct Contractions<'s, H: Hamiltonian, const DEPTH: usize> {
     system: &'s H,
     state: &'s State<H::Vector>,
     known: BTreeMap<Tree, Slopes>,
 }
 
-impl<'s, H: Hamiltonian, const DEEP: bool> Contractions<'s, H, DEEP> {
+impl<'s, H: Hamiltonian, const DEPTH: usize> Contractions<'s, H, DEPTH> {
     pub(super) fn at(system: &'s H, state: &'s State<H::Vector>) -> Self {
         Self { system, state, known: BTreeMap::new() }
     }
@@ -88,10 +90,13 @@ impl<'s, H: Hamiltonian, const DEEP: bool> Contractions<'s, H, DEEP> {
         let slopes = match directions.len() {
             0 => self.along::<f64>(&directions),
             1 => self.along::<Dual<1>>(&directions),
-            // No value: trees of schemes that are not deep do not come here.
-            _ if const { !DEEP } => [(); 2].map(|()| vec![f64::NAN; self.state.q.components().len()]),
+            // No value: trees that are as deep do not come here.
+            _ if const { DEPTH < 2 } => [(); 2].map(|()| vec![f64::NAN; self.state.q.components().len()]),
             2 => self.along::<Second>(&directions),
-            _ => self.along::<Third>(&directions),
+            3 => self.along::<Third>(&directions),
+            _ if const { DEPTH < 4 } => [(); 2].map(|()| vec![f64::NAN; self.state.q.components().len()]),
+            4 => self.along::<Fourth>(&directions),
+            _ => self.along::<Fifth>(&directions),
         };
         self.known.insert(tree.clone(), slopes.clone());
         slopes

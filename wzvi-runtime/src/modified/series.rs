@@ -2,136 +2,190 @@
 //! Hamiltonians that generate them, are written in.
 
 use std::collections::BTreeMap;
+use std::iter::successors;
 use std::sync::OnceLock;
 
 use super::tree::{Half, Tree, rooted};
 
-/// The trees of a series have fewer vertices than this.
-const SIZES: usize = 6;
+/// `B_m / m!` for the Bernoulli numbers with `B_1 = 1/2`.
+const BERNOULLI: [f64; 7] = [1.0, 0.5, 1.0 / 12.0, 0.0, -1.0 / 720.0, 0.0, 1.0 / 30240.0];
 
-/// `B_n / n!` for the Bernoulli numbers with `B_1 = 1/2`, as many as brackets of so few vertices can need.
-const BERNOULLI: [f64; SIZES - 1] = [1.0, 0.5, 1.0 / 12.0, 0.0, -1.0 / 720.0];
+/// The largest order that a basis is made for: the numbers of trees of 1 to 9 vertices are 1, 1, 3, 8, 27, 91, 350, 1376, 5743.
+pub(super) const HIGHEST_ORDER: u32 = 6;
 
-/// The trees, and the brackets of each two of them.
+/// The trees up to a number of vertices, and the brackets of each two of them.
 pub(super) struct Basis {
-    /// By size.
+    /// All trees are smaller.
+    sizes: usize,
+    /// By size, which stands beside them.
     pub(super) trees: Vec<(Tree, usize)>,
-    /// `{τ_a, τ_b}` has `c` times the tree `n`: `(a, b, n, c)`.
-    brackets: Vec<(usize, usize, usize, f64)>,
+    /// The rooted trees of the stage of a step with one quadrature point.
+    stage: Vec<Rooted>,
+    /// By the sizes of `τ_a` and `τ_b`.
+    brackets: BTreeMap<[usize; 2], Vec<Bracket>>,
+}
+
+/// Which tree a rooted tree is, its [edges](Tree::edges), and the inverse of the number of its symmetries.
+struct Rooted {
+    n: usize,
+    edges: [i32; 2],
+    weight: f64,
+}
+
+/// `{τ_a, τ_b}` has `weight` times the tree `n`.
+struct Bracket {
+    a: usize,
+    b: usize,
+    n: usize,
+    weight: f64,
 }
 
 impl Basis {
-    /// The one that all series are in.
-    pub(super) fn get() -> &'static Self {
-        static BASIS: OnceLock<Basis> = OnceLock::new();
-        BASIS.get_or_init(Self::new)
+    /// For the first terms of schemes of this order, made once: up to `h^r` with the least even `r` that is not below the order.
+    pub(super) fn of_order(order: u32) -> &'static Self {
+        static BASES: [OnceLock<Basis>; 3] = [const { OnceLock::new() }; 3];
+        let half = order.clamp(1, HIGHEST_ORDER).div_ceil(2) as usize;
+        BASES[half - 1].get_or_init(|| Self::new(2 * half + 2))
     }
 
-    fn new() -> Self {
-        let mut trees = Vec::new();
-        for (size, rooted) in rooted(SIZES, [1.0, 1.0]).into_iter().enumerate() {
-            let mut free: Vec<Tree> = rooted.iter().map(|(tree, _)| tree.free()).collect();
-            free.sort();
-            free.dedup();
-            trees.extend(free.into_iter().map(|tree| (tree, size)));
-        }
-        let mut brackets = Vec::new();
-        for (a, (first, size)) in trees.iter().enumerate() {
-            for (b, (second, other_size)) in trees.iter().enumerate() {
-                if size + other_size < SIZES {
+    fn new(sizes: usize) -> Self {
+        let rooted = rooted(sizes).into_iter().enumerate();
+        let rooted: Vec<(Tree, usize, [i32; 2], f64)> = rooted
+            .flat_map(|(size, trees)| {
+                trees.into_iter().map(move |(tree, weight)| (tree.free(), size, tree.edges(), weight))
+            })
+            .collect();
+        let mut trees: Vec<(usize, Tree)> =
+            rooted.iter().map(|(tree, size, ..)| (*size, tree.clone())).collect();
+        trees.sort();
+        trees.dedup();
+        let trees = trees.into_iter().map(|(size, tree)| (tree, size)).collect();
+        let mut basis = Self { sizes, trees, stage: Vec::new(), brackets: BTreeMap::new() };
+        let positions = basis.positions();
+        let stage = rooted.iter().filter_map(|(tree, _, edges, weight)| {
+            Some(Rooted { n: *positions.get(tree)?, edges: *edges, weight: *weight })
+        });
+        basis.stage = stage.collect();
+        basis.brackets = basis.bracket_all();
+        basis
+    }
+
+    fn bracket_all(&self) -> BTreeMap<[usize; 2], Vec<Bracket>> {
+        let positions = self.positions();
+        let rootings: Vec<Vec<Tree>> = self.trees.iter().map(|(tree, _)| tree.rootings()).collect();
+        let mut brackets: BTreeMap<[usize; 2], Vec<Bracket>> = BTreeMap::new();
+        for (a, first) in rootings.iter().enumerate() {
+            for (b, second) in rootings.iter().enumerate() {
+                if first.len() + second.len() < self.sizes {
                     let sum = bracket(first, second);
-                    brackets.extend(
-                        sum.iter()
-                            .filter(|(_, weight)| **weight != 0.0)
-                            .filter_map(|(tree, &weight)| Some((a, b, position(&trees, tree)?, weight))),
-                    );
+                    let terms = sum.iter().filter(|(_, weight)| **weight != 0.0);
+                    let terms = terms.filter_map(|(tree, &weight)| {
+                        Some(Bracket { a, b, n: *positions.get(tree)?, weight })
+                    });
+                    brackets.entry([first.len(), second.len()]).or_default().extend(terms);
                 }
             }
         }
-        Self { trees, brackets }
+        brackets
+    }
+
+    fn positions(&self) -> BTreeMap<&Tree, usize> {
+        self.trees.iter().enumerate().map(|(n, (tree, _))| (tree, n)).collect()
     }
 }
 
-fn position(trees: &[(Tree, usize)], free: &Tree) -> Option<usize> {
-    trees.iter().position(|(tree, _)| tree == free)
-}
-
 /// `{f, g} = f_p · g_q - f_q · g_p` puts an edge between each vertex of one and each of the other.
-fn bracket(first: &Tree, second: &Tree) -> BTreeMap<Tree, f64> {
+fn bracket(first: &[Tree], second: &[Tree]) -> BTreeMap<Tree, f64> {
     let mut sum = BTreeMap::new();
-    for one in first.rootings() {
-        for other in second.rootings() {
+    for one in first {
+        for other in second {
             for (half, sign) in [(Half::Momenta, 1.0), (Half::Coordinates, -1.0)] {
-                *sum.entry(one.joined(half, &other).free()).or_insert(0.0) += sign;
+                *sum.entry(one.joined(half, other).free()).or_insert(0.0) += sign;
             }
         }
     }
     sum
 }
 
-/// A coefficient for each tree of the [`Basis`].
-#[derive(Clone, Debug)]
-pub(super) struct Series(pub(super) Vec<f64>);
+/// A coefficient for each tree of a basis.
+#[derive(Clone)]
+pub(super) struct Series {
+    pub(super) basis: &'static Basis,
+    pub(super) coefficients: Vec<f64>,
+}
 
 impl Series {
-    fn zero() -> Self {
-        Self(vec![0.0; Basis::get().trees.len()])
+    fn zero(basis: &'static Basis) -> Self {
+        Self { basis, coefficients: vec![0.0; basis.trees.len()] }
+    }
+
+    /// The coefficients, with their trees and the sizes of these.
+    pub(super) fn terms(&self) -> impl Iterator<Item = (f64, &'static (Tree, usize))> {
+        self.coefficients.iter().copied().zip(&self.basis.trees)
     }
 
     fn add(&mut self, other: &Self, factor: f64) {
-        self.0.iter_mut().zip(&other.0).for_each(|(sum, c)| *sum += factor * c);
+        let both = self.coefficients.iter_mut().zip(&other.coefficients);
+        both.for_each(|(sum, c)| *sum += factor * c);
+    }
+
+    /// With each coefficient by its size.
+    fn map(&self, map: impl Fn(f64, usize) -> f64) -> Self {
+        let coefficients = self.terms().map(|(c, &(_, size))| map(c, size)).collect();
+        Self { basis: self.basis, coefficients }
     }
 
     /// The part with `size` vertices.
     fn part(&self, size: usize) -> Self {
-        let trees = Basis::get().trees.iter();
-        Self(self.0.iter().zip(trees).map(|(&c, (_, own))| if *own == size { c } else { 0.0 }).collect())
+        self.map(|c, own| if own == size { c } else { 0.0 })
     }
 
     /// The series at `w h` in the place of `h`.
-    pub(super) fn dilated(&self, w: f64) -> Self {
+    fn dilated(&self, w: f64) -> Self {
         let powers: Vec<f64> =
-            std::iter::successors(Some(1.0), |power| Some(power * w)).take(SIZES).collect();
-        let trees = Basis::get().trees.iter();
-        Self(self.0.iter().zip(trees).map(|(c, (_, size))| c * powers[*size]).collect())
+            successors(Some(1.0), |power| Some(power * w)).take(self.basis.sizes).collect();
+        self.map(|c, size| c * powers[size])
+    }
+
+    /// Adds the bracket of the parts of `first` and `second` with these sizes.
+    fn add_bracket(&mut self, first: &Self, second: &Self, sizes: [usize; 2]) {
+        for &Bracket { a, b, n, weight } in self.basis.brackets.get(&sizes).into_iter().flatten() {
+            self.coefficients[n] += weight * first.coefficients[a] * second.coefficients[b];
+        }
     }
 
     fn bracket(&self, other: &Self) -> Self {
-        let mut sum = Self::zero();
-        for &(a, b, n, weight) in &Basis::get().brackets {
-            sum.0[n] += weight * self.0[a] * other.0[b];
+        let mut sum = Self::zero(self.basis);
+        self.basis.brackets.keys().for_each(|&sizes| sum.add_bracket(self, other, sizes));
+        sum
+    }
+
+    /// What generates the step with one quadrature point `l` as a function of where it leads to, times `h`: `h H(w)` with
+    /// the stage `w = (q - (1 - l) h H_p(w), p + l h H_q(w))`, for `h ∂/∂h` of it is the flow of that.
+    fn generator(basis: &'static Basis, l: f64) -> Self {
+        let mut sum = Self::zero(basis);
+        for &Rooted { n, edges: [q, p], weight } in &basis.stage {
+            sum.coefficients[n] += weight * (l - 1.0).powi(q) * l.powi(p);
         }
         sum
     }
 
-    /// `h d/dh` of a step with one quadrature point `l` is the flow of `h H(w)` with the inner stage `w`, as a function of where it
-    /// leads to: `w = (q - (1 - l) h H_p(w), p + l h H_q(w))`.
-    pub(super) fn generator(l: f64) -> Self {
-        let mut sum = Self::zero();
-        let basis = &Basis::get().trees;
-        for (tree, weight) in rooted(SIZES, [l - 1.0, l]).iter().flatten() {
-            if let Some(n) = position(basis, &tree.free()) {
-                sum.0[n] += weight;
-            }
-        }
-        sum
-    }
-
-    /// `Z(h)`, of whose flow for a unit of time `h d/dh` is that of `self`: `h` times the modified Hamiltonian (W. Magnus, "On the
+    /// `Z` whose flow for a unit of time is the map that `self` generates: `h` times the modified Hamiltonian (W. Magnus, "On the
     /// exponential solution of differential equations for a linear operator", Comm. Pure Appl. Math. 7, 1954).
-    pub(super) fn logarithm(&self) -> Self {
-        // n Z_n = Σ_m (-1)^m B_m/m! T_(m, n), where T_(m, n) is the part of size n of m brackets with Z around `self`;
-        // brackets here apply flows from the left, which turns the sign of B_1.
-        let mut z = Self::zero();
-        let mut nested: Vec<Vec<Self>> = vec![vec![Self::zero()]; SIZES - 1];
-        for n in 1..SIZES {
+    ///
+    /// `n Z_n = Σ_m B_m/m! T_(m, n)`, where `T_(m, n)` is the part with `n` vertices of `{Z, {Z, ... {Z, G}}}` with `m` brackets.
+    fn logarithm(&self) -> Self {
+        let sizes = self.basis.sizes;
+        let mut z = Self::zero(self.basis);
+        let mut nested: Vec<Vec<Self>> = vec![vec![Self::zero(self.basis)]; sizes - 1];
+        for n in 1..sizes {
             let own = self.part(n);
             let mut sum = own.clone();
             nested[0].push(own);
-            for m in 1..SIZES - 1 {
-                let mut of_depth = Self::zero();
+            for m in 1..sizes - 1 {
+                let mut of_depth = Self::zero(self.basis);
                 for k in 1..n {
-                    of_depth.add(&z.part(k).bracket(&nested[m - 1][n - k]), 1.0);
+                    of_depth.add_bracket(&z, &nested[m - 1][n - k], [k, n - k]);
                 }
                 sum.add(&of_depth, BERNOULLI[m]);
                 nested[m].push(of_depth);
@@ -144,23 +198,23 @@ impl Series {
     /// What `self` becomes where the flow of `z` follows: `e^(-{z, ·}) self`.
     fn carried_by(&self, z: &Self) -> Self {
         let (mut sum, mut term) = (self.clone(), self.clone());
-        for k in 1..SIZES - 1 {
-            let mut next = Self::zero();
-            next.add(&z.bracket(&term), -1.0 / k as f64);
-            sum.add(&next, 1.0);
-            term = next;
+        for k in 1..self.basis.sizes - 1 {
+            term = z.bracket(&term).map(|c, _| -c / k as f64);
+            sum.add(&term, 1.0);
         }
         sum
     }
 }
 
-/// `h` times the modified Hamiltonian of steps with quadrature points `l` of fractions `w` of the step, one after the other.
-pub(super) fn modified(steps: &[(f64, f64)]) -> Series {
+/// `h` times the modified Hamiltonian of steps with quadrature points `l` of fractions `w` of the step, one after the other, as
+/// far as [`Basis::of_order`] goes.
+pub(super) fn modified(steps: &[(f64, f64)], order: u32) -> Series {
+    let basis = Basis::of_order(order);
     let mut known: Vec<(f64, Series, Series)> = Vec::new();
-    let mut generator = Series::zero();
+    let mut generator = Series::zero(basis);
     for &(l, w) in steps {
         if !known.iter().any(|(point, ..)| *point == l) {
-            let own = Series::generator(l);
+            let own = Series::generator(basis, l);
             let flow = own.logarithm();
             known.push((l, own, flow));
         }

@@ -43,6 +43,15 @@ impl Tree {
         1 + self.branches.iter().map(|(_, tree)| tree.size()).sum::<usize>()
     }
 
+    /// How many edges have their end at the root's side differentiated by coordinates, and by momenta.
+    pub(super) fn edges(&self) -> [i32; 2] {
+        let of_branch = |(half, tree): &Branch| {
+            let [q, p] = tree.edges();
+            if *half == Half::Coordinates { [q + 1, p] } else { [q, p + 1] }
+        };
+        self.branches.iter().map(of_branch).fold([0, 0], |[q, p], [a, b]| [q + a, p + b])
+    }
+
     fn with(&self, branch: Branch) -> Self {
         Self::new(self.branches.iter().cloned().chain(once(branch)).collect())
     }
@@ -89,50 +98,45 @@ impl Tree {
     }
 }
 
-/// All rooted trees of each size below `sizes`, from 0, whose branches have these factors, each with the product of the factors
-/// over its symmetries: the terms of `H(w)` for `w = z + h (c_q H_p(w), c_p H_q(w))` with the factors `[c_q, c_p]` of
-/// branches by coordinates and by momenta.
-pub(super) fn rooted(sizes: usize, factors: [f64; 2]) -> Vec<Vec<(Tree, f64)>> {
+/// All rooted trees of each size below `sizes`, from 0, each with the inverse of the number of its symmetries.
+pub(super) fn rooted(sizes: usize) -> Vec<Vec<(Tree, f64)>> {
     let mut trees: Vec<Vec<(Tree, f64)>> = vec![Vec::new()];
     for size in 1..sizes {
-        let branches: Vec<(Branch, usize, f64)> = [Half::Coordinates, Half::Momenta]
-            .into_iter()
-            .zip(factors)
-            .flat_map(|(half, factor)| {
-                trees.iter().enumerate().flat_map(move |(size, trees)| {
-                    trees.iter().map(move |(tree, weight)| ((half, tree.clone()), size, factor * weight))
-                })
-            })
-            .collect();
+        let mut branches = Vec::new();
+        for (size, trees) in trees.iter().enumerate() {
+            for half in [Half::Coordinates, Half::Momenta] {
+                branches.extend(trees.iter().map(|(tree, weight)| ((half, tree.clone()), size, *weight)));
+            }
+        }
         let mut of_size = Vec::new();
-        grow(&branches, size - 1, Vec::new(), 1.0, &mut of_size);
+        grow(&branches, size - 1, &mut Vec::new(), 1.0, &mut of_size);
         trees.push(of_size);
     }
     trees
 }
 
-/// Adds the trees whose branches are those of `chosen` and `left` vertices more from `branches`.
+/// Adds the trees whose branches are those that were chosen, and others of `branches`, which are sorted by size, with `left`
+/// vertices.
 fn grow(
     branches: &[(Branch, usize, f64)],
     left: usize,
-    chosen: Vec<Branch>,
+    chosen: &mut Vec<Branch>,
     weight: f64,
     into: &mut Vec<(Tree, f64)>,
 ) {
     if left == 0 {
-        into.push((Tree::new(chosen), weight));
+        into.push((Tree::new(chosen.clone()), weight));
         return;
     }
-    let Some(((branch, size, factor), rest)) = branches.split_first() else { return };
-    let (mut chosen, mut weight, mut left) = (chosen, weight, left);
-    for times in 1.. {
-        grow(rest, left, chosen.clone(), weight, into);
-        if *size > left {
-            break;
+    let fitting = branches.iter().take_while(|(_, size, _)| *size <= left);
+    for (i, (branch, size, factor)) in fitting.enumerate() {
+        let (before, mut weight) = (chosen.len(), weight);
+        for times in 1..=left / size {
+            weight *= factor / times as f64;
+            chosen.push(branch.clone());
+            grow(&branches[i + 1..], left - times * size, chosen, weight, into);
         }
-        left -= size;
-        weight *= factor / f64::from(times);
-        chosen.push(branch.clone());
+        chosen.truncate(before);
     }
 }
 
@@ -143,7 +147,7 @@ mod tests {
     #[test]
     fn there_are_as_many_trees_as_are_counted() {
         // Rooted and free trees with oriented edges: sequences A000151 and A000238 of the encyclopedia of integer sequences.
-        let trees = rooted(6, [1.0, 1.0]);
+        let trees = rooted(6);
         let rooted: Vec<usize> = trees.iter().map(Vec::len).collect();
         assert_eq!(rooted, [0, 1, 2, 7, 26, 107]);
         let free = |trees: &Vec<(Tree, f64)>| {
@@ -157,7 +161,7 @@ mod tests {
 
     #[test]
     fn a_tree_is_the_same_from_every_vertex() {
-        for (tree, _) in rooted(6, [1.0, 1.0]).into_iter().flatten() {
+        for (tree, _) in rooted(6).into_iter().flatten() {
             let rootings = tree.rootings();
             assert_eq!(rootings.len(), tree.size());
             for other in rootings {

@@ -1,4 +1,7 @@
-//! What is written down of a run while it goes on.
+//! A trajectory in the making.
+
+#[cfg(feature = "serde")]
+mod kept;
 
 use std::marker::PhantomData;
 
@@ -9,18 +12,20 @@ use crate::section::Crossing;
 use crate::state::{State, Vector};
 use crate::step::StepInfo;
 use crate::sum::Sum;
+#[cfg(feature = "serde")]
+pub(crate) use kept::Kept;
 
-/// A trajectory in the making.
+/// Takes down what a run passes.
 pub(crate) struct Recorder<V> {
-    pub(super) path: Path<V>,
-    pub(super) recording: Recording,
+    path: Path<V>,
+    recording: Recording,
     /// Sums of the increments since the last recorded node.
-    pub(super) pending: Vec<Sum>,
+    pending: Vec<Sum>,
     /// The step of the last recorded node, and that of the next.
-    pub(super) kept: u64,
-    pub(super) next: u64,
+    kept: u64,
+    next: u64,
     /// How many of the times inside steps are recorded.
-    pub(super) inside: usize,
+    inside: usize,
 }
 
 impl<V: Vector> Recorder<V> {

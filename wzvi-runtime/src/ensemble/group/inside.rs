@@ -1,6 +1,7 @@
-//! Inside the steps of single lanes, and their last step.
+//! Between the nodes of a group: its dense output, and a last step that ends where no other does.
 
 use super::Group;
+use super::alone::subdivision_of;
 use crate::dense::DenseOutput;
 use crate::error::{Error, StepError};
 use crate::increments::Interval;
@@ -8,7 +9,7 @@ use crate::state::State;
 use crate::step::Stepper;
 use crate::system::Discretized;
 
-impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
+impl<H: Discretized<E>, E, const L: usize> Group<'_, '_, H, E, L> {
     /// The last step, where it is shorter than the others: it is that of a stepper, and is not halved.
     ///
     /// # Errors
@@ -18,7 +19,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     pub(super) fn finish(&mut self, step: u64, h: f64) -> Result<(), Error> {
         let (job, t) = (self.job, self.time(step));
         let interval = Interval { start: job.start.t, h: job.h, step };
-        let stepper = |_| Stepper::new(job.system, h).map(Stepper::plain);
+        let stepper = |lane| Stepper::new(job.system_of(self.source_of(lane)), h).map(Stepper::plain);
         let mut steppers: Vec<_> = (0..L).map(stepper).collect::<Result<_, _>>()?;
         for (lane, stepper) in steppers.iter_mut().enumerate() {
             if !self.counts[lane] || self.failed[lane] {
@@ -58,10 +59,12 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         self.state_at(lane, node);
         self.increments_of(lane, step);
         let nodes = [before, &self.state];
-        if let (Some(subdivision), (halved, halvings)) = (&self.subdivision, self.halved[lane])
+        if let (halved, halvings) = self.halved[lane]
             && halved == step
         {
-            let mut noise = (!self.alone.is_empty()).then(|| job.source.path(self.path(lane)));
+            let path = self.path(lane);
+            let subdivision = subdivision_of(&mut self.subdivision, job, path)?;
+            let mut noise = (!self.alone.is_empty()).then(|| job.source.path(path));
             let interval = Interval { start: job.start.t, h: job.h, step };
             let mut parts = 1_u64 << halvings;
             return subdivision.revisit(
@@ -77,7 +80,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             );
         }
         match self.steppers.get(lane) {
-            Some(stepper) if Self::IS_STEPPED || self.is_over => stepper.fill(nodes, &self.alone, dense),
+            Some(stepper) if self.is_stepped() || self.is_over => stepper.fill(nodes, &self.alone, dense),
             // What the scheme knows between its nodes is not kept by lanes: the step again.
             _ if H::HAS_POLYNOMIAL => {
                 let mut stepper = Stepper::<H, E>::new(job.system, job.h)?.plain();

@@ -24,10 +24,12 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             wanted,
             execution,
             starts,
+            systems,
             ..
         } = self.setup;
         let refused = [
             (settings.is_antithetic, "antithetic paths"),
+            (systems.is_some(), "paths that have systems of their own"),
             (starts.is_some() && span.start.is_none(), "paths that start at states of their own"),
             (!events.is_empty(), "first passages"),
             (!sections.is_empty(), "sections"),

@@ -1,10 +1,11 @@
 //! What of a trajectory in the making a checkpoint keeps.
 
-use super::{Iterations, Path, Recorder};
+use super::Recorder;
 use crate::numbers::Tape;
 use crate::recording::Recording;
 use crate::section::Crossing;
 use crate::state::{State, Vector};
+use crate::trajectory::{Iterations, Path};
 
 /// Nodes after the start and the increments between them, by rows.
 pub(crate) type Kept<V> = (Vec<State<V>>, Vec<f64>);

@@ -1,0 +1,166 @@
+//! A lane of a group that goes alone: where the short way fails, and each remembers by itself.
+
+use super::Group;
+use crate::carry::Plain;
+use crate::continuation::Hard;
+use crate::ensemble::job::Job;
+use crate::error::{ConfigError, Error, InternalError, StepError, StepFailure};
+use crate::increments::Interval;
+use crate::lanes::Lanes;
+use crate::memory::StepMemory;
+use crate::numbers::{Numbers, Tape};
+use crate::plan::Solver;
+use crate::retry::{Subdivision, is_curable};
+use crate::state::State;
+use crate::step::ResolutionMonitor;
+use crate::system::Discretized;
+
+impl<H: Discretized<E>, E, const L: usize> Group<'_, '_, H, E, L> {
+    /// The step that not all lanes can take the short way.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn one_by_one(&mut self, step: u64, t: f64) -> Result<(), Error> {
+        self.split()?;
+        for lane in 0..L {
+            if self.failed[lane] {
+                continue;
+            }
+            match self.single(lane, step, t) {
+                Ok(()) => {}
+                Err(Error::Step(error)) => self.halve_or_fail(lane, step, error)?,
+                Err(error) => return Err(error),
+            }
+        }
+        self.join();
+        Ok(())
+    }
+
+    /// The step of one path again, in halves, if that is allowed; the path fails if it is not, or does not help.
+    ///
+    /// # Errors
+    /// That of a noise that has no increments.
+    pub(super) fn halve_or_fail(&mut self, lane: usize, step: u64, error: StepError) -> Result<(), Error> {
+        let is_tried = self.job.retry.most() > 0 && is_curable(error.cause) && self.counts[lane];
+        match if is_tried { self.halve(lane, step, error) } else { Err(error.into()) } {
+            Ok(state) => {
+                self.put(lane, &state.q, &state.p);
+                self.resolution[lane] = ResolutionMonitor::default();
+                if let Some(memory) = self.apart.get_mut(lane) {
+                    memory.forget();
+                }
+            }
+            Err(Error::Step(error)) => self.fail(lane, error),
+            // A step that is too short to be prepared: the path ends with what made it necessary.
+            Err(Error::Config(_)) => self.fail(lane, error),
+            Err(error) => return Err(error),
+        }
+        Ok(())
+    }
+
+    fn halve(&mut self, lane: usize, step: u64, error: StepError) -> Result<State<H::Vector>, Error> {
+        let job = self.job;
+        let mut state = self.state_of(lane, error.t);
+        let subdivision = subdivision_of(&mut self.subdivision, job, self.path + lane as u64)?;
+        let mut noise = (!self.alone.is_empty()).then(|| job.source.path(self.path + lane as u64));
+        let interval = Interval { start: job.start.t, h: job.h, step };
+        let noise = &mut noise.as_deref_mut();
+        let info = subdivision.subdivide(&mut state, &interval, noise, &mut self.alone, 1)?;
+        self.halved[lane] = (step, info.halvings);
+        Ok(state)
+    }
+
+    /// One lane, as it goes alone: the short way, then the careful one of a [`Stepper`].
+    fn single(&mut self, lane: usize, step: u64, t: f64) -> Result<(), Error> {
+        let job = self.job;
+        let alone = |lanes: &[Lanes<L>]| -> Vec<_> { lanes.iter().map(|x| Lanes::new([x[lane]])).collect() };
+        let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(self.increments.of(step)));
+        let mut forgetful = H::Memory::default();
+        let outcome = job.system.advance_carrying::<Lanes<1>, Plain, false>(
+            &job.prepared,
+            t,
+            job.h,
+            &mut q,
+            &mut p,
+            &dw,
+            self.apart.get_mut(lane).unwrap_or(&mut forgetful),
+            &mut Plain,
+        );
+        match outcome {
+            Ok(_) => {
+                for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(q.iter().chain(&p)) {
+                    to.set(lane, from[0]);
+                }
+                Ok(())
+            }
+            Err(cause) if matches!(H::PLAN.solver, Solver::Newton) => self.careful(lane, step, &dw, cause),
+            Err(cause) => Err(StepError { step, t, h: job.h, cause }.into()),
+        }
+    }
+
+    /// The careful way, of one lane.
+    fn careful(&mut self, lane: usize, step: u64, dw: &[Lanes<1>], cause: StepFailure) -> Result<(), Error> {
+        let (job, t) = (self.job, self.time(step));
+        let State { q, p, t } = self.state_of(lane, t);
+        let dw: Vec<f64> = dw.iter().map(|dw| dw[0]).collect();
+        let (system, h, prepared) = (job.system, job.h, job.prepared.clone());
+        let hard = Hard { system, prepared, t, h, q, p, dw: &dw, carry: Plain };
+        let solved = self.resolution[lane].careful_step(hard, step, cause);
+        let mut solved = solved.map_err(|cause| StepError { step, t, h, cause })?;
+        self.put(lane, &solved.q, &solved.p);
+        if let Some(memory) = self.apart.get_mut(lane) {
+            let words = Tape::write(|tape| solved.memory.pass(tape));
+            Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
+        }
+        Ok(())
+    }
+
+    /// From now on, each lane remembers by itself.
+    fn split(&mut self) -> Result<(), InternalError> {
+        if !H::REMEMBERS || !self.apart.is_empty() {
+            return Ok(());
+        }
+        for lane in 0..L {
+            let words = Tape::split(lane, |tape| self.memory.pass(tape));
+            let mut memory = H::Memory::default();
+            Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
+            self.apart.push(memory);
+        }
+        Ok(())
+    }
+
+    /// Lanes go on together if what they remember is of the same shape. One that has failed remembers what the path does that it follows.
+    fn join(&mut self) {
+        let Some(living) = (0..L).find(|&lane| !self.failed[lane]) else { return };
+        if self.apart.is_empty() {
+            return;
+        }
+        let words = |lane: usize| {
+            let lane = if self.failed[lane] { living } else { lane };
+            Tape::write(|tape| self.apart[lane].pass(tape))
+        };
+        let words = (0..L).map(words).collect();
+        if Tape::join(words, |tape| self.memory.pass(tape)).is_some() {
+            self.apart.clear();
+        }
+    }
+}
+
+/// What halves the steps of a path: made when it is first needed, and anew for each path that has its own system.
+pub(super) fn subdivision_of<'s, 'j, H: Discretized<E>, E>(
+    kept: &'s mut Option<Subdivision<'j, H, E, Plain>>,
+    job: &'j Job<'_, H, E>,
+    path: u64,
+) -> Result<&'s mut Subdivision<'j, H, E, Plain>, ConfigError> {
+    if !job.systems.is_empty() {
+        *kept = None;
+    }
+    match kept {
+        Some(subdivision) => Ok(subdivision),
+        none => Ok(none.insert(Subdivision::new(job.system_of(path), job.h, job.retry, true)?)),
+    }
+}
+
+/// What one scheme leaves has the same shape for every number.
+fn other_memory() -> InternalError {
+    InternalError::new("what a step leaves is the same for lanes and alone", "a group of paths")
+}
