@@ -22,7 +22,7 @@ use crate::state::{State, Vector};
 use crate::system::Discretized;
 use hermite::Hermite;
 pub use slopes::Slopes;
-pub(crate) use slopes::legendre;
+use slopes::{Weights, weights};
 
 /// The most that [`DenseOutput::order`] is for schemes without a polynomial of their own.
 const MOST_HERMITE_ORDER: u32 = 9;
@@ -102,10 +102,24 @@ impl<V: Vector> DenseOutput<V> {
         let [start, end] = &self.ends;
         // From the nearer node, so that rounding grows from both.
         let (node, part) = if theta <= 0.5 { (start, theta) } else { (end, theta - 1.0) };
-        into.t = node.t + part * self.h;
+        self.write_from(node, &weights(theta, part, self.slopes.rows()), into);
+    }
+
+    /// [`DenseOutput::write`] from a node, at the point of the step that has these weights.
+    #[inline]
+    fn write_from(&self, node: &State<V>, weights: &Weights, into: &mut State<V>) {
+        into.t = node.t + weights[0] * self.h;
         copy(&mut into.q, &node.q);
         copy(&mut into.p, &node.p);
-        self.slopes.add(theta, part, [into.q.components_mut(), into.p.components_mut()]);
+        self.slopes.add(weights, [into.q.components_mut(), into.p.components_mut()]);
+    }
+
+    /// The state at sample `i` of [`Samples`].
+    #[inline]
+    pub(crate) fn write_sample(&self, samples: &Samples, i: usize, into: &mut State<V>) {
+        let [start, end] = &self.ends;
+        let node = if 2 * i <= samples.parts { start } else { end };
+        self.write_from(node, &samples.weights[i], into);
     }
 
     /// The next step may be one of another system.
@@ -142,8 +156,8 @@ impl<V: Vector> DenseOutput<V> {
         let degrees = ends[0].q.components().len();
         dense.slopes.resize(1, degrees);
         for d in 0..degrees {
-            dense.slopes.row_mut(0)[d] = ends[1].q.components()[d] - ends[0].q.components()[d];
-            dense.slopes.row_mut(0)[degrees + d] = ends[1].p.components()[d] - ends[0].p.components()[d];
+            dense.slopes.of_mut(d)[0] = ends[1].q.components()[d] - ends[0].q.components()[d];
+            dense.slopes.of_mut(degrees + d)[0] = ends[1].p.components()[d] - ends[0].p.components()[d];
         }
         (dense.h, dense.ends) = (ends[1].t - ends[0].t, ends);
         dense
@@ -193,7 +207,30 @@ impl<V: Vector> DenseOutput<V> {
     }
 }
 
+/// Equidistant points of a step, both ends included.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Samples {
+    rows: usize,
+    parts: usize,
+    weights: Vec<Weights>,
+}
+
+impl Samples {
+    /// The ends of so many parts of a step with a polynomial of so many coefficients. Computes only what has not been there.
+    pub(crate) fn set(&mut self, rows: usize, parts: usize) {
+        if (self.rows, self.parts) != (rows, parts) {
+            (self.rows, self.parts) = (rows, parts);
+            self.weights.clear();
+            self.weights.extend((0..=parts).map(|i| {
+                let theta = i as f64 / parts as f64;
+                weights(theta, if 2 * i <= parts { theta } else { theta - 1.0 }, rows)
+            }));
+        }
+    }
+}
+
 /// Copies without allocating, unless the length changes.
+#[inline]
 pub(crate) fn copy<V: Vector>(into: &mut V, from: &V) {
     let (old, new) = (into.components_mut(), from.components());
     if old.len() == new.len() {

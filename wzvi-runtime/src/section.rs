@@ -19,7 +19,7 @@ mod root;
 use std::fmt;
 use std::sync::Arc;
 
-use crate::dense::DenseOutput;
+use crate::dense::{DenseOutput, Samples};
 use crate::options::Observable;
 use crate::state::{State, Vector};
 use root::{lowest, root};
@@ -114,6 +114,7 @@ pub(crate) struct Watch<V> {
     sides: Vec<Side<V>>,
     /// Where functions are evaluated.
     room: State<V>,
+    samples: Samples,
 }
 
 /// On which side of a section a path is.
@@ -137,7 +138,7 @@ impl<V> Side<V> {
 impl<V: Vector> Watch<V> {
     /// Of a path that starts at `start`.
     pub(crate) fn new(sections: &Sections<'_, V>, start: &State<V>) -> Self {
-        let mut watch = Self { sides: Vec::new(), room: start.clone() };
+        let mut watch = Self { sides: Vec::new(), room: start.clone(), samples: Samples::default() };
         watch.begin(sections, start);
         watch
     }
@@ -156,9 +157,11 @@ impl<V: Vector> Watch<V> {
         dense: &DenseOutput<V>,
         mut found: impl FnMut(Crossing<V>),
     ) {
+        let parts = dense.rows().clamp(LEAST_PARTS, MOST_PARTS);
+        self.samples.set(dense.rows(), parts);
         for (section, (side, (wanted, value))) in self.sides.iter_mut().zip(&sections.0).enumerate() {
             let mut step = Step { dense, value: &**value, room: &mut self.room };
-            step.follow(side, |direction, state| {
+            step.follow(side, &self.samples, parts, |direction, state| {
                 if wanted.is_none_or(|wanted| wanted == direction) {
                     found(Crossing { section, direction, state });
                 }
@@ -230,13 +233,19 @@ impl<V: Vector> Step<'_, V> {
         (self.value)(self.room)
     }
 
-    fn follow(&mut self, side: &mut Side<V>, mut found: impl FnMut(Direction, State<V>)) {
-        let parts = self.dense.rows().clamp(LEAST_PARTS, MOST_PARTS);
+    fn follow(
+        &mut self,
+        side: &mut Side<V>,
+        samples: &Samples,
+        parts: usize,
+        mut found: impl FnMut(Direction, State<V>),
+    ) {
         let theta = |i: usize| i as f64 / parts as f64;
         let mut values = [0.0; MOST_PARTS + 1];
         values[0] = side.value;
         for (i, value) in values.iter_mut().enumerate().take(parts).skip(1) {
-            *value = self.at(theta(i));
+            self.dense.write_sample(samples, i, self.room);
+            *value = (self.value)(self.room);
         }
         values[parts] = (self.value)(self.dense.end());
         let values = &values[..=parts];

@@ -356,7 +356,6 @@ impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
     }
 
     /// Looks into the step that ended at a node.
-    #[cold]
     #[inline(never)]
     fn look_inside<H, E, N>(&mut self, path: &mut OnePath<'_, '_, H, E, N>, node: u64) -> Result<(), Error>
     where

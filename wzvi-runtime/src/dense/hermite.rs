@@ -10,7 +10,7 @@
 //! Hermite, with an error of order 4; that with `n` points, whose rates are taken on one of order `n`, has order `n + 1`.
 
 use super::copy_state;
-use super::slopes::{Slopes, legendre};
+use super::slopes::{Slopes, Weights, legendre, weights};
 use crate::state::{State, Vector};
 use crate::system::Hamiltonian;
 
@@ -18,6 +18,8 @@ use crate::system::Hamiltonian;
 #[derive(Clone, Debug)]
 struct Points {
     x: Vec<f64>,
+    /// Weights at the points, of the polynomial through fewer.
+    weights: Vec<Weights>,
     /// By `k` and point.
     projection: Vec<Vec<f64>>,
 }
@@ -36,7 +38,9 @@ impl Points {
         let norm = |k: usize| if k + 1 == n { top } else { 2.0 * k as f64 + 1.0 };
         let row =
             |k: usize| values.iter().map(|values| norm(k) * weight(values) * values[k]).collect::<Vec<_>>();
-        Self { x: y.iter().map(|y| 0.5 * (y + 1.0)).collect(), projection: (0..n).map(row).collect() }
+        let x: Vec<f64> = y.iter().map(|y| 0.5 * (y + 1.0)).collect();
+        let weights = x.iter().map(|&x| weights(x, x, n.max(3))).collect();
+        Self { x, weights, projection: (0..n).map(row).collect() }
     }
 }
 
@@ -117,10 +121,11 @@ impl<V: Vector> Hermite<V> {
         for (level, points) in levels.iter().enumerate() {
             let n = points.x.len();
             if level > 0 {
-                for (x, rates) in points.x[..n - 1].iter().zip(&mut *rates).skip(1) {
+                let points = points.x.iter().zip(&points.weights).take(n - 1);
+                for ((x, weights), rates) in points.zip(&mut *rates).skip(1) {
                     copy_state(inside, &ends[0]);
                     inside.t += x * h;
-                    slopes.add(*x, *x, [inside.q.components_mut(), inside.p.components_mut()]);
+                    slopes.add(weights, [inside.q.components_mut(), inside.p.components_mut()]);
                     rate(system, inside, h, dw, gradient, rates);
                 }
             }
@@ -133,20 +138,18 @@ impl<V: Vector> Hermite<V> {
 fn project<V: Vector>(points: &Points, rates: &[Vec<f64>], ends: &[State<V>; 2], slopes: &mut Slopes) {
     let (n, degrees) = (points.x.len(), ends[0].q.components().len());
     slopes.resize(n.max(3), degrees);
-    for k in 0..n.max(3) {
-        let row = slopes.row_mut(k);
-        row.fill(0.0);
-        let Some(projection) = points.projection.get(k) else { continue };
-        let last = rates.iter().skip(rates.len() - 1);
-        for (factor, rates) in projection.iter().zip(rates[..n - 1].iter().chain(last)) {
-            row.iter_mut().zip(rates).for_each(|(a, rate)| *a += factor * rate);
-        }
-    }
     let [start, end] = ends.each_ref().map(|state| state.q.components().iter().chain(state.p.components()));
-    for (i, (start, end)) in start.zip(end).enumerate() {
-        let rest = (end - start) - slopes.row_mut(0)[i];
-        slopes.row_mut(0)[i] += rest;
-        slopes.row_mut(2)[i] -= rest;
+    let last = &rates[rates.len() - 1];
+    for (c, (start, end)) in start.zip(end).enumerate() {
+        let of = slopes.of_mut(c);
+        of.fill(0.0);
+        for (a, factors) in of.iter_mut().zip(&points.projection) {
+            let inner = factors.iter().zip(&rates[..n - 1]).map(|(factor, rates)| factor * rates[c]);
+            *a = inner.sum::<f64>() + factors[n - 1] * last[c];
+        }
+        let rest = (end - start) - of[0];
+        of[0] += rest;
+        of[2] -= rest;
     }
 }
 
@@ -210,7 +213,10 @@ mod tests {
         let at = |i: u32| {
             let theta = f64::from(i) / 64.0;
             let mut state = ends[0];
-            slopes.add(theta, theta, [state.q.components_mut(), state.p.components_mut()]);
+            slopes.add(
+                &weights(theta, theta, slopes.rows()),
+                [state.q.components_mut(), state.p.components_mut()],
+            );
             let right = exact(theta * h);
             (state.q - right.q).norm().max((state.p - right.p).norm())
         };
@@ -237,9 +243,8 @@ mod tests {
             for (end, state) in ends.iter().enumerate() {
                 let [q, p] = [state.p[0], -state.q[0]].map(|x| x * RADIUS * RADIUS * 0.3);
                 let sign = |k: usize| if end == 0 && k % 2 == 1 { -1.0 } else { 1.0 };
-                let rate = |i: usize| {
-                    (0..slopes.rows()).map(|k| sign(k) * slopes.clone().row_mut(k)[i]).sum::<f64>()
-                };
+                let rate =
+                    |i: usize| (0..slopes.rows()).map(|k| sign(k) * slopes.clone().of_mut(i)[k]).sum::<f64>();
                 assert!((rate(0) - q).abs() < 1e-13 && (rate(1) - p).abs() < 1e-13, "{order} {end}");
             }
         }

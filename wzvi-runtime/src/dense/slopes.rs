@@ -6,15 +6,20 @@
 /// The most coefficients of a component: those of `Gauss<16>` in its Nyström form.
 const MOST_ROWS: usize = 17;
 
+/// What the coefficients of a component are multiplied by, for its change from a node.
+pub(crate) type Weights = [f64; MOST_ROWS];
+
 /// The coefficients `a_k` of `du/dθ` for every coordinate and momentum.
 #[derive(Clone, Debug, Default)]
 pub struct Slopes {
     degrees: usize,
     rows: usize,
-    /// By `k`: those of the coordinates, then those of the momenta.
+    /// Of the coordinates, then of the momenta, those of each beside each other.
     coefficients: Vec<f64>,
-    /// Room for two lists of one number per degree of freedom.
-    room: [Vec<f64>; 2],
+    /// Room for three lists of one number per degree of freedom.
+    room: [Vec<f64>; 3],
+    /// What makes coefficients of slopes at the nodes of the scheme.
+    projection: Vec<f64>,
 }
 
 impl Slopes {
@@ -30,41 +35,60 @@ impl Slopes {
         self.rows
     }
 
-    /// `a_k` of all coordinates and momenta.
-    pub(crate) fn row_mut(&mut self, k: usize) -> &mut [f64] {
-        let width = 2 * self.degrees;
-        &mut self.coefficients[k * width..(k + 1) * width]
+    /// The coefficients of a component: a coordinate, or a momentum from the number of degrees of freedom on.
+    #[inline]
+    pub(crate) fn of_mut(&mut self, component: usize) -> &mut [f64] {
+        &mut self.coefficients[component * self.rows..(component + 1) * self.rows]
     }
 
-    /// Room for two lists of one number per degree of freedom, to give back.
-    pub(crate) fn take_room(&mut self) -> [Vec<f64>; 2] {
+    /// Room for three lists of one number per degree of freedom, to give back.
+    pub(crate) fn take_room(&mut self) -> [Vec<f64>; 3] {
         std::mem::take(&mut self.room)
     }
 
-    pub(crate) fn give_back(&mut self, room: [Vec<f64>; 2]) {
+    pub(crate) fn give_back(&mut self, room: [Vec<f64>; 3]) {
         self.room = room;
     }
 
-    /// Adds `u(θ) - u(0)` to coordinates and momenta where `part` is `θ`, and `u(θ) - u(1)` where it is `θ - 1`.
-    pub(crate) fn add(&self, theta: f64, part: f64, [q, p]: [&mut [f64]; 2]) {
-        let weights = weights(theta, part);
-        for (row, weight) in self.coefficients.chunks_exact((2 * self.degrees).max(1)).zip(weights) {
-            let (by_q, by_p) = row.split_at(self.degrees);
-            for (x, slope) in q.iter_mut().chain(&mut *p).zip(by_q.iter().chain(by_p)) {
-                *x += weight * slope;
+    /// Adds `u(θ) - u(0)` to coordinates and momenta where `weights` are those of the start of the step, and `u(θ) - u(1)` for those of its end.
+    #[inline]
+    pub(crate) fn add(&self, weights: &Weights, [q, p]: [&mut [f64]; 2]) {
+        let slopes = self.coefficients.chunks_exact(self.rows.max(1));
+        for (x, slopes) in q.iter_mut().chain(p).zip(slopes) {
+            *x += slopes.iter().zip(weights).map(|(slope, weight)| slope * weight).sum::<f64>();
+        }
+    }
+
+    /// `(2k + 1) P_k(2c_i - 1)` by `k` and node, row by row: computed once for the nodes of a scheme.
+    pub(crate) fn projection(&mut self, nodes: &[f64]) -> Vec<f64> {
+        let n = nodes.len();
+        if self.projection.len() != n * n {
+            self.projection.resize(n * n, 0.0);
+            let mut values = vec![0.0; n];
+            for (i, c) in nodes.iter().enumerate() {
+                legendre(2.0 * c - 1.0, &mut values);
+                for (k, value) in values.iter().enumerate() {
+                    self.projection[k * n + i] = (2.0 * k as f64 + 1.0) * value;
+                }
             }
         }
+        std::mem::take(&mut self.projection)
+    }
+
+    /// Takes it back.
+    pub(crate) fn keep_projection(&mut self, projection: Vec<f64>) {
+        self.projection = projection;
     }
 }
 
-/// `part`, then `∫_0^θ P_k(2x - 1) dx` for `k ≥ 1`.
-fn weights(theta: f64, part: f64) -> [f64; MOST_ROWS] {
+/// `part`, then `∫_0^θ P_k(2x - 1) dx` for `1 ≤ k < rows`: `part` is `θ` from the start of a step, and `θ - 1` from its end.
+pub(crate) fn weights(theta: f64, part: f64, rows: usize) -> Weights {
     let y = 2.0 * theta - 1.0;
     let mut weights = [0.0; MOST_ROWS];
     weights[0] = part;
     // `P_k` and `P_k'`, and those before.
     let (mut before, mut now) = ([1.0, 0.0], [y, 1.0]);
-    for (k, weight) in weights.iter_mut().enumerate().skip(1) {
+    for (k, weight) in weights.iter_mut().enumerate().take(rows).skip(1) {
         let n = k as f64;
         *weight = -2.0 * theta * (1.0 - theta) * now[1] / (n * (n + 1.0));
         let next = ((2.0 * n + 1.0) * y * now[0] - n * before[0]) / (n + 1.0);
@@ -94,14 +118,14 @@ mod tests {
             let mut polynomials = [0.0; MOST_ROWS];
             legendre(2.0 * theta - 1.0, &mut polynomials);
             let step = 1e-5;
-            let [low, high] = [theta - step, theta + step].map(|theta| weights(theta, theta));
+            let [low, high] = [theta - step, theta + step].map(|theta| weights(theta, theta, MOST_ROWS));
             for k in 0..MOST_ROWS {
                 let slope = (high[k] - low[k]) / (2.0 * step);
                 // Central differences: h²/6 P_k'', below k^4 h² / 6.
                 assert!((slope - polynomials[k]).abs() < 4e-6 * polynomials[k].abs().max(1.0), "{theta} {k}");
             }
         }
-        assert_eq!(weights(0.0, 0.0), [0.0; MOST_ROWS]);
-        assert_eq!(weights(1.0, 0.0), [0.0; MOST_ROWS]);
+        assert_eq!(weights(0.0, 0.0, MOST_ROWS), [0.0; MOST_ROWS]);
+        assert_eq!(weights(1.0, 0.0, MOST_ROWS), [0.0; MOST_ROWS]);
     }
 }

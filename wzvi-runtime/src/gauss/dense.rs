@@ -14,7 +14,7 @@ use super::Field;
 use super::advance::Prepared;
 use super::kept::Memory;
 use super::stages::Stages;
-use crate::dense::{Slopes, hermite_order, legendre};
+use crate::dense::{Slopes, hermite_order};
 use crate::plan::Plan;
 use crate::state::{State, Vector};
 
@@ -38,26 +38,22 @@ pub fn slopes_between<F: Field, const N: usize>(
     let degrees = before.q.components().len();
     debug_assert_eq!(by_q.len(), degrees, "a step has left its slopes");
     slopes.resize(if F::IS_NYSTROM { N + 1 } else { N }, degrees);
-    // `(2k + 1) P_k(2c_i - 1)` by `k`.
-    let mut factors = [[0.0; N]; N];
-    for (i, c) in prepared.table().c.iter().enumerate() {
-        let mut values = [0.0; N];
-        legendre(2.0 * c - 1.0, &mut values);
-        for (k, (factors, value)) in factors.iter_mut().zip(values).enumerate() {
-            factors[i] = (2.0 * k as f64 + 1.0) * value;
+    let projection = slopes.projection(&prepared.table().c);
+    let factors = projection.as_chunks::<N>().0;
+    for d in 0..degrees {
+        for (slope, factors) in slopes.of_mut(degrees + d).iter_mut().zip(factors) {
+            *slope = -by_q[d].times(factors).total();
+        }
+        if F::IS_NYSTROM {
+            slopes.of_mut(degrees + d)[N] = 0.0;
+            continue;
+        }
+        for (slope, factors) in slopes.of_mut(d).iter_mut().zip(factors) {
+            *slope = by_p[d].times(factors).total();
         }
     }
-    for (k, factors) in factors.iter().enumerate() {
-        let (of_q, of_p) = slopes.row_mut(k).split_at_mut(degrees);
-        for d in 0..degrees {
-            of_p[d] = -by_q[d].times(factors).total();
-            if !F::IS_NYSTROM {
-                of_q[d] = by_p[d].times(factors).total();
-            }
-        }
-    }
+    slopes.keep_projection(projection);
     if F::IS_NYSTROM {
-        slopes.row_mut(N).fill(0.0);
         drift(system, before, h, dw, slopes);
     }
 }
@@ -66,19 +62,19 @@ pub fn slopes_between<F: Field, const N: usize>(
 fn drift<F: Field>(system: &F, before: &State<F::Vector>, h: f64, dw: &[f64], slopes: &mut Slopes) {
     let (q, p) = (before.q.components(), before.p.components());
     let (degrees, rows) = (q.len(), slopes.rows());
-    let [mut momenta, mut spare] = slopes.take_room();
+    let [mut momenta, mut spare, mut of_q] = slopes.take_room();
     for k in 0..rows {
         let n = k as f64;
         for (d, momentum) in momenta.iter_mut().enumerate() {
-            *momentum = if k == 0 { p[d] } else { 0.0 };
-            let mut add = |row: usize, factor: f64| *momentum += factor * slopes.row_mut(row)[degrees + d];
-            add(k.saturating_sub(1), if k == 0 { 0.5 } else { 0.5 / (2.0 * n - 1.0) });
-            if k + 1 < rows {
-                add(k + 1, -0.5 / (2.0 * n + 3.0));
-            }
+            let a = slopes.of_mut(degrees + d);
+            let before = if k == 0 { p[d] + 0.5 * a[0] } else { 0.5 * a[k - 1] / (2.0 * n - 1.0) };
+            let after = a.get(k + 1).map_or(0.0, |a| 0.5 * a / (2.0 * n + 3.0));
+            *momentum = before - after;
         }
-        let of_q = &mut slopes.row_mut(k)[..degrees];
-        system.slopes::<f64, false, true>(before.t, h, q, &momenta, dw, &mut spare, of_q);
+        system.slopes::<f64, false, true>(before.t, h, q, &momenta, dw, &mut spare, &mut of_q);
+        for (d, slope) in of_q.iter().enumerate() {
+            slopes.of_mut(d)[k] = *slope;
+        }
     }
-    slopes.give_back([momenta, spare]);
+    slopes.give_back([momenta, spare, of_q]);
 }
