@@ -9,6 +9,7 @@
 mod by_hand;
 mod c;
 mod scenes;
+mod starts;
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -88,4 +89,5 @@ fn main() {
             single / double,
         );
     }
+    starts::print(PATHS, REPETITIONS, only.as_deref());
 }
