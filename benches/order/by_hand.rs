@@ -4,7 +4,7 @@
 //! Products and sums are fused where the target of the build has such an instruction (`RUSTFLAGS="-C target-cpu=native"`); the
 //! library never fuses them, so that its bits are the same everywhere.
 
-use wzvi_runtime::lanes::instructions::{InstructionSet, Kernel};
+use wzvi::lanes::instructions::{InstructionSet, Kernel};
 
 /// A system with unit masses.
 pub(crate) trait Force<const D: usize> {
@@ -61,11 +61,10 @@ fn sine(x: f64) -> f64 {
     let n = shifted - ROUNDER;
     let r = fused(-n, LOW, fused(-n, HIGH, x));
     let y = r * r;
-    let (y2, y3) = (y * y, y * y * y);
+    let y2 = y * y;
     let y4 = y2 * y2;
     let low = fused(fused(C[3], y, C[2]), y2, fused(C[1], y, C[0]));
     let high = fused(C[8], y4, fused(fused(C[7], y, C[6]), y2, fused(C[5], y, C[4])));
-    let _ = y3;
     f64::from_bits(fused(fused(high, y4, low), r * y, r).to_bits() ^ (shifted.to_bits() << 63))
 }
 
@@ -175,7 +174,9 @@ impl<F: Force<D>, const D: usize, const S: usize> Kernel for Run<'_, F, D, S> {
 
     #[inline(always)]
     fn run<const L: usize>(self) -> End<D> {
-        let Self { start: [mut q, mut p], h, steps, table: &Coefficients { c, b, ref eta, ref kappa }, .. } = self;
+        let Self {
+            start: [mut q, mut p], h, steps, table: &Coefficients { c, b, ref eta, ref kappa }, ..
+        } = self;
         let (mut lost_q, mut lost_p) = ([0.0; D], [0.0; D]);
         let mut slopes = [[0.0; S]; D];
         let mut weights = b;

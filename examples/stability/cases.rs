@@ -115,6 +115,12 @@ fn stiff_spring() -> Result<Vec<Row>, Error> {
             let case = |remedy: &str| format!("k = 1e{exponent} {name}{remedy}");
             let run = || spring.simulate::<Midpoint>(0.01).until(100.0);
             let plain = energy_row(case(""), "Midpoint", &spring, &start, 1.0, run)?;
+            if exponent <= 8 {
+                let run = || spring.simulate::<Verlet>(0.01).until(100.0);
+                rows.push(energy_row(case(""), "Verlet", &spring, &start, 1.0, run)?);
+                let run = || spring.simulate::<Gauss<4>>(0.01).until(100.0);
+                rows.push(energy_row(case(""), "Gauss<4>", &spring, &start, 1.0, run)?);
+            }
             let failed = plain.outcome.starts_with("error");
             rows.push(plain);
             if failed {
@@ -154,6 +160,19 @@ fn oscillator() -> Result<Vec<Row>, Error> {
         let run = || oscillator.simulate::<DeltaPlus>(1.0).start(start).steps(100_000);
         let size = |state: &Point| state.q[0].hypot(state.p[0]);
         rows.push(row(format!("omega h = {omega}"), "DeltaPlus", "r", run, size)?);
+    }
+    let size = |state: &Point| state.q[0].hypot(state.p[0]);
+    // The limit of explicit steps is `ωh = 2`; above it the radius grows by the same factor in each step.
+    for omega in [1.9, 1.999_999, 2.0, 2.000_001, 2.1] {
+        let oscillator = Oscillator { omega };
+        let run = || oscillator.simulate::<Verlet>(1.0).start(start).steps(100_000);
+        rows.push(row(format!("omega h = {omega}"), "Verlet", "r", run, size)?);
+    }
+    for omega in [1.0, 5.0, 50.0, 1e4, 1e8] {
+        let oscillator = Oscillator { omega };
+        let run = || oscillator.simulate::<Gauss<8>>(1.0).start(start).steps(100_000);
+        let growth = |state: &Point| (size(state) - 1.0).abs();
+        rows.push(row(format!("omega h = {omega:e}"), "Gauss<8>", "|r-1|", run, growth)?);
     }
     Ok(rows)
 }

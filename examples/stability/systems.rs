@@ -8,7 +8,7 @@ use wzvi::prelude::*;
         let stretch = (x * x + y * y).sqrt() - 1.0;
         0.5 * (px * px + py * py) + y + 0.5 * stiffness * stretch * stretch
     },
-    embedding = Midpoint,
+    embedding = [Midpoint, Verlet, Gauss<4>],
 )]
 pub(crate) struct Spring {
     pub(crate) stiffness: f64,
@@ -27,7 +27,7 @@ pub(crate) struct PolarSpring {
 }
 
 /// A linear oscillator of angular frequency `omega`.
-#[hamiltonian(drift = |q, p| 0.5 * omega * (q * q + p * p), embedding = [DeltaPlus, Midpoint])]
+#[hamiltonian(drift = |q, p| 0.5 * omega * (q * q + p * p), embedding = [DeltaPlus, Midpoint, Verlet, Gauss<8>])]
 pub(crate) struct Oscillator {
     pub(crate) omega: f64,
 }

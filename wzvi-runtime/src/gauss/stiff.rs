@@ -52,6 +52,12 @@ impl<T: Copy> Modal<T> {
         self.before.clear();
         self.before.extend_from_slice(stages);
     }
+
+    /// The stages before the last sweep.
+    #[inline(always)]
+    pub(super) fn before(&self) -> &[T] {
+        &self.before
+    }
 }
 
 impl<const N: usize> Modes<N> {
@@ -131,11 +137,6 @@ impl<const N: usize> Modes<N> {
                 }
             }
         }
-    }
-
-    /// Stages before the last sweep.
-    pub(super) fn before<T>(modal: &Modal<T>) -> &[T] {
-        &modal.before
     }
 }
 

@@ -4,7 +4,7 @@ use super::Field;
 use super::advance::{Placement, Step};
 use super::kept::{Given, Lists};
 use super::stages::{Changes, Observer, Scratch, Stages};
-use super::stiff::{Modal, Modes};
+use super::stiff::Modal;
 use crate::error::StepFailure;
 use crate::scalar::{Rounded, Scalar};
 use crate::solve::Effort;
@@ -18,10 +18,11 @@ const SLOW: f64 = 0.36;
 /// Changes below this fraction of an unknown change nothing.
 const ROUNDING: f64 = f64::EPSILON;
 /// Nor does the sweep after one that changes no more than this, whatever it leaves of it.
-const SMALL: f64 = 0.25 * ROUNDING;
+const SMALL: f64 = 0.0005 * ROUNDING;
 
-/// What the next sweep would change, in units of rounding: not random as rounding is, so that over many steps it adds up.
-pub(super) const UNSEEN: f64 = 0.02;
+/// What the next sweep would change, in units of rounding: not random as rounding is, so that over many steps it adds up. (With a fiftieth the energy of
+/// a Kepler orbit drifts by as much in each step; with this it walks at random.)
+pub(super) const UNSEEN: f64 = 1e-6;
 
 /// How a step was solved.
 pub(super) struct Solved {
@@ -77,21 +78,8 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         let mut sweeps = 0;
         loop {
             sweeps += 1;
-            self.field(lists, scratch);
             let mut relative = Relative { start: self.start, changes: Changes::default() };
-            match self.prepared.modes() {
-                Some(modes) if F::IS_STIFF => {
-                    modal.remember(lists.at[0].as_ref());
-                    self.follow(lists, scratch, &mut ());
-                    modes.filter::<S>(lists.at[0].as_mut(), modal);
-                    for (d, (old, new)) in
-                        Modes::<N>::before(modal).iter().zip(lists.at[0].as_ref()).enumerate()
-                    {
-                        relative.see(0, d, *old, *new);
-                    }
-                }
-                _ => self.follow(lists, scratch, &mut relative),
-            }
+            self.sweep(lists, scratch, modal, &mut relative);
             // Stored stage beside stage, they are found in lanes.
             lists.changes = relative.changes;
             let (change, is_tiny) = lists.changes.largest(SMALL);
@@ -102,7 +90,14 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
             let is_small = is_tiny || (contracts && change * change <= UNSEEN * ROUNDING * last);
             let is_settled = is_small || (!contracts && sweeps > 2 && self.is_rounding(lists, scratch));
             if is_settled {
-                self.follow_derivatives(sweeps, lists, scratch);
+                // Derivatives that a number carries converge as fast as it does, but later.
+                if size_of::<S>() != size_of::<f64>() {
+                    (0..sweeps + 2).for_each(|_| self.sweep(lists, scratch, modal, &mut ()));
+                }
+                if F::IS_STIFF && self.prepared.modes().is_some() {
+                    // The slopes are those before the last change, by which a stiff force differs more than the stages do.
+                    self.field(lists, scratch);
+                }
                 return Ok(Solved { effort: Effort::fast(sweeps), prefers_newton: false });
             }
             // False for NaN, which no other sweep makes finite.
@@ -114,14 +109,26 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         }
     }
 
-    /// Derivatives that a number carries converge as fast as it does, but later.
+    /// One sweep: new slopes, and the stages that follow from them.
     #[inline(always)]
-    fn follow_derivatives(&self, sweeps: u32, lists: &mut Lists<S, F::Shape, N>, scratch: &mut Scratch<S>) {
-        if size_of::<S>() != size_of::<f64>() {
-            for _ in 0..sweeps + 2 {
-                self.field(lists, scratch);
+    fn sweep(
+        &self,
+        lists: &mut Lists<S, F::Shape, N>,
+        scratch: &mut Scratch<S>,
+        modal: &mut Modal<S::Stages<N>>,
+        observer: &mut impl Observer<S::Stages<N>>,
+    ) {
+        self.field(lists, scratch);
+        match self.prepared.modes() {
+            Some(modes) if F::IS_STIFF => {
+                modal.remember(lists.at[0].as_ref());
                 self.follow(lists, scratch, &mut ());
+                modes.filter::<S>(lists.at[0].as_mut(), modal);
+                for (d, (old, new)) in modal.before().iter().zip(lists.at[0].as_ref()).enumerate() {
+                    observer.see(0, d, *old, *new);
+                }
             }
+            _ => self.follow(lists, scratch, observer),
         }
     }
 
