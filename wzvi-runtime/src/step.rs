@@ -276,7 +276,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             dw,
             carry: self.carry.clone(),
         };
-        let solved = self.resolution.careful_step(hard, self.steps(), cause)?;
+        let (solved, resolution) = self.resolution.careful_step(hard, self.steps(), cause)?;
+        self.resolution = resolution;
         (state.q, state.p) = (solved.q, solved.p);
         self.memory.adopt(solved.memory);
         self.carry = solved.carry;

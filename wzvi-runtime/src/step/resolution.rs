@@ -61,22 +61,24 @@ impl ResolutionMonitor {
         Self { is_ignored: self.is_ignored, ..Self::default() }
     }
 
-    /// Takes step number `step`, which failed for `cause` in the short way, from zero and with care.
+    /// Takes step number `step`, which failed for `cause` in the short way, from zero and with care. By value, as all of [`Hard`]: the
+    /// caller keeps its own in registers.
     ///
     /// # Errors
     /// Those of [`solve_by_continuation`], and [`StepFailure::Unresolved`] where it does harm.
+    #[inline(always)]
     pub(crate) fn careful_step<H: Discretized<E>, E, C: Carry<f64>>(
-        &mut self,
+        self,
         hard: Hard<'_, H, E, C>,
         step: u64,
         cause: StepFailure,
-    ) -> Result<Taken<H, E, C>, StepFailure> {
+    ) -> Result<(Taken<H, E, C>, Self), StepFailure> {
         let (system, h, t) = (hard.system, hard.h, hard.t);
         let from = State { q: hard.q.clone(), p: hard.p.clone(), t };
         let solved = solve_by_continuation(hard, cause)?;
         let to = State { q: solved.q, p: solved.p, t };
-        *self = self.after::<H, E>(system, &from, &to, h, step)?;
-        Ok(Continued { q: to.q, p: to.p, ..solved })
+        let watched = self.after::<H, E>(system, &from, &to, h, step)?;
+        Ok((Continued { q: to.q, p: to.p, ..solved }, watched))
     }
 
     /// With the hard step number `step` from `from` to `to`.

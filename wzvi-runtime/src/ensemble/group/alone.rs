@@ -105,7 +105,8 @@ impl<H: Discretized<E>, E, const L: usize> Group<'_, '_, H, E, L> {
         let (system, h, prepared) = (job.system, job.h, job.prepared.clone());
         let hard = Hard { system, prepared, t, h, q, p, dw: &dw, carry: Plain };
         let solved = self.resolution[lane].careful_step(hard, step, cause);
-        let mut solved = solved.map_err(|cause| StepError { step, t, h, cause })?;
+        let (mut solved, watched) = solved.map_err(|cause| StepError { step, t, h, cause })?;
+        self.resolution[lane] = watched;
         self.put(lane, &solved.q, &solved.p);
         if let Some(memory) = self.apart.get_mut(lane) {
             let words = Tape::write(|tape| solved.memory.pass(tape));
