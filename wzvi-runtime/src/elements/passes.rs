@@ -97,9 +97,23 @@ pub(super) fn largest<S: Scalar>(x: &[S]) -> f64 {
     largest.get()
 }
 
+/// Whether numbers have several parts, which are beside each other already: their arrays would be copied in memory.
+#[inline(always)]
+fn has_parts<S>() -> bool {
+    size_of::<S>() != size_of::<f64>()
+}
+
 /// `sums += base`, and whether every part of every sum is finite.
 #[inline(always)]
 pub(super) fn add<S: Scalar>(sums: &mut [S], base: &[S]) -> bool {
+    if has_parts::<S>() {
+        let mut zero = S::from_f64(0.0);
+        for (sum, &base) in sums.iter_mut().zip(base) {
+            *sum = base + *sum;
+            zero = zero + *sum * 0.0;
+        }
+        return zero.is_finite().all();
+    }
     let mut zeros = [S::from_f64(0.0); LANES];
     let (chunks, rest) = sums.as_chunks_mut::<LANES>();
     let (bases, other) = base.as_chunks::<LANES>();
@@ -117,6 +131,10 @@ pub(super) fn add<S: Scalar>(sums: &mut [S], base: &[S]) -> bool {
 /// Whether every part of every number is finite.
 #[inline(always)]
 pub(crate) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
+    if has_parts::<S>() {
+        let zero = numbers.iter().fold(S::from_f64(0.0), |zero, &number| zero + number * 0.0);
+        return zero.is_finite().all();
+    }
     let mut zeros = [S::from_f64(0.0); LANES];
     let (chunks, rest) = numbers.as_chunks::<LANES>();
     for chunk in chunks {
