@@ -6,6 +6,7 @@ use super::halt::Halt;
 use super::job::Job;
 use super::observation::Observation;
 use super::statistics::Statistics;
+use crate::lanes::instructions::beside;
 use crate::steps::take_steps;
 use crate::system::Discretized;
 
@@ -23,7 +24,11 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Block<'_, '_, H, E, WI
 
     #[inline(always)]
     fn run<const L: usize>(self) -> Self::Output {
-        if WIDTH == 0 { self.of_width::<L>() } else { self.of_width::<WIDTH>() }
+        if WIDTH == 0 {
+            beside!(H::Vector, L, PATHS_BESIDE => self.of_width::<PATHS_BESIDE>())
+        } else {
+            self.of_width::<WIDTH>()
+        }
     }
 }
 

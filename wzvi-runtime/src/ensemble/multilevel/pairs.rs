@@ -10,6 +10,7 @@ use super::super::pace::Pace;
 use super::estimate::{LevelError, LevelFailure, Samples};
 use crate::error::Error;
 use crate::lanes::Lanes;
+use crate::lanes::instructions::beside;
 use crate::options::Observable;
 use crate::scalar::Scalar;
 use crate::steps::{Advance, Monitor, take_steps};
@@ -36,7 +37,11 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Pairs<'_, '_, H, E, WI
 
     #[inline(always)]
     fn run<const L: usize>(self) -> Self::Output {
-        if WIDTH == 0 { self.of_width::<L>() } else { self.of_width::<WIDTH>() }
+        if WIDTH == 0 {
+            beside!(H::Vector, L, PATHS_BESIDE => self.of_width::<PATHS_BESIDE>())
+        } else {
+            self.of_width::<WIDTH>()
+        }
     }
 }
 
