@@ -48,6 +48,7 @@ mod source;
 mod starts;
 mod statistics;
 mod table;
+mod width;
 
 use std::marker::PhantomData;
 

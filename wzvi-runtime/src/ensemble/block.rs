@@ -6,7 +6,7 @@ use super::halt::Halt;
 use super::job::Job;
 use super::observation::Observation;
 use super::statistics::Statistics;
-use crate::lanes::instructions::beside;
+use super::width::beside;
 use crate::steps::take_steps;
 use crate::system::Discretized;
 
