@@ -162,7 +162,7 @@ fn in_pairs<T: Copy, const N: usize>(mut list: [T; N], join: impl Fn(T, T) -> T)
 pub struct Scratch<S> {
     one: [Vec<S>; 4],
     dw: Vec<S>,
-    /// The same for numbers that know their rounding, made where it is needed first.
+    /// The same for numbers that know their rounding.
     rounded: Option<Box<Scratch<Rounded>>>,
 }
 
@@ -178,10 +178,13 @@ impl<S> Scratch<S> {
         self.rounded.get_or_insert_default()
     }
 
-    /// Makes room for so many degrees of freedom and noises.
+    /// Makes room for so many degrees of freedom and noises, also of numbers that know their rounding, which few steps ask for.
     pub(super) fn reserve(&mut self, degrees: usize, noises: usize) {
         self.one.iter_mut().for_each(|list| list.reserve(degrees));
         self.dw.reserve(noises);
+        let Scratch { one, dw, .. } = self.rounded();
+        one.iter_mut().for_each(|list| list.reserve(degrees));
+        dw.reserve(noises);
     }
 }
 
