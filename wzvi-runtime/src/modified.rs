@@ -15,7 +15,7 @@
 //! ```
 //!
 //! and for [`Verlet`] `H_2 = 0`, `H_3 = H_qq(H_p, H_p)/12 - H_pp(H_q, H_q)/24 + H_pq(H_q, H_p)/12`. Every term is a combination of
-//! contractions of derivatives of `H`, which are [trees](tree), and Poisson brackets put them together ([series]): this is
+//! contractions of derivatives of `H`, which are trees, and Poisson brackets put them together (`modified/series.rs`): this is
 //! how the terms are found, for compositions, too.
 
 mod contraction;
