@@ -154,10 +154,11 @@ fn inverse_mass<F: Field>(system: &F, degrees: usize) -> DMatrix<f64> {
     matrix
 }
 
-/// `|B^64|^(1/64)`: the spectral radius but for a few per cent.
+/// `|B^4096|^(1/4096)`, by squaring: the spectral radius but for a factor of at most `κ^(1/4096)`, `κ` the condition of the
+/// eigenvectors of `B`.
 fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
     let (mut power, mut logarithm) = (matrix.clone(), 0.0);
-    for doubling in 0..=6 {
+    for doubling in 0..=12 {
         let norm = power.norm();
         if norm == 0.0 {
             return 0.0;
@@ -180,7 +181,8 @@ mod tests {
             let table = Table::<N>::get();
             let square = DMatrix::from_fn(N, N, |i, j| table.eta[j][i] * table.b[j]);
             let radius = spectral_radius(&square);
-            assert!((radius / exact - 1.0).abs() < 0.1, "{N}: {radius}");
+            // The condition of the eigenvectors is at most 2.9e8 (16 stages), and 2.9e8^(1/4096) = 1.0048.
+            assert!((radius / exact - 1.0).abs() < 0.005, "{N}: {radius}");
         }
         check::<2>(0.083_333_3);
         check::<4>(0.027_351_9);
