@@ -48,7 +48,6 @@ mod source;
 mod starts;
 mod statistics;
 mod table;
-mod width;
 
 use std::marker::PhantomData;
 
@@ -347,8 +346,6 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
 impl<H, E, N, R> Ensemble<'_, H, E, N, R>
 where
     H: Discretized<E> + Sync,
-    H::Vector: Send + Sync,
-    H::Prepared: Send + Sync,
     N: Noise,
 {
     /// Runs all paths.
