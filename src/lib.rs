@@ -80,7 +80,7 @@ pub use wzvi_runtime::noise;
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
     calculus, compose, dense, elements, embedding, error, increments, integrate, lanes, memory, modified,
-    numbers, plan, retry, scalar, section, simulate, state, step, system, trajectory,
+    numbers, plan, retry, scalar, section, simulate, state, step, system, table, trajectory, variables,
 };
 
 #[cfg(not(all(feature = "report", feature = "serde")))]
@@ -147,6 +147,7 @@ pub mod __private {
     pub use wzvi_runtime::system::{
         Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, array_mut, gradient, increments,
     };
+    pub use wzvi_runtime::variables::{Labels, Variables};
     pub use wzvi_runtime::{__composition as composition, __gauss as gauss, gauss};
 
     /// What bindings of generated code are called until they are bound: a pattern may shadow a function, and not a

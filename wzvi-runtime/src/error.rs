@@ -10,7 +10,6 @@ use std::fmt;
 
 pub use crate::calculus::DomainError;
 pub use crate::increments::NoiseError;
-#[cfg(any(feature = "ensemble", feature = "serde"))]
 pub use crate::persist::FileError;
 #[doc(hidden)]
 pub use index::Name;
@@ -304,8 +303,8 @@ impl fmt::Display for UnknownName {
 
 impl std::error::Error for UnknownName {}
 
-/// Anything that can go wrong, for `main` and `?`.
-#[derive(Clone, Debug, PartialEq)]
+/// Anything that can go wrong, for `main` and `?`: its `Debug` is its `Display`, which is what a `main` that returns it shows.
+#[derive(Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
     /// The run could not start.
@@ -323,7 +322,6 @@ pub enum Error {
     /// A mistake of the library.
     Internal(InternalError),
     /// A file could not be written.
-    #[cfg(feature = "ensemble")]
     File(FileError),
     /// A path of a multilevel run has no value.
     #[cfg(feature = "ensemble")]
@@ -355,7 +353,6 @@ impl fmt::Display for Error {
             Self::Name(error) => error.fmt(f),
             Self::Domain(error) => error.fmt(f),
             Self::Internal(error) => error.fmt(f),
-            #[cfg(feature = "ensemble")]
             Self::File(error) => error.fmt(f),
             #[cfg(feature = "ensemble")]
             Self::Level(error) => error.fmt(f),
@@ -373,6 +370,12 @@ impl fmt::Display for Error {
     }
 }
 
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
 impl std::error::Error for Error {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
@@ -383,7 +386,6 @@ impl std::error::Error for Error {
             Self::Name(error) => Some(error),
             Self::Domain(error) => Some(error),
             Self::Internal(error) => Some(error),
-            #[cfg(feature = "ensemble")]
             Self::File(error) => Some(error),
             #[cfg(feature = "ensemble")]
             Self::Level(error) => Some(error),
@@ -407,7 +409,6 @@ impl From<ConfigError> for Error {
     }
 }
 
-#[cfg(feature = "ensemble")]
 impl From<FileError> for Error {
     fn from(error: FileError) -> Self {
         Self::File(error)

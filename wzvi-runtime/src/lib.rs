@@ -4,11 +4,11 @@ mod between;
 pub mod calculus;
 pub mod carry;
 mod checksum;
-#[cfg(feature = "ensemble")]
 mod clock;
 pub mod compose;
 mod continuation;
 pub mod dense;
+mod due;
 pub mod elements;
 pub mod embedding;
 #[cfg(feature = "ensemble")]
@@ -35,7 +35,6 @@ pub mod numbers;
 mod options;
 mod persist;
 pub mod plan;
-#[cfg(feature = "ensemble")]
 mod progress;
 mod recording;
 #[cfg(feature = "report")]
@@ -54,6 +53,7 @@ mod steps;
 mod sum;
 pub mod system;
 pub mod trajectory;
+pub mod variables;
 
 #[doc(hidden)]
 pub use core;
@@ -65,3 +65,4 @@ pub use nalgebra;
 pub use persist::checkpoint;
 #[cfg(not(feature = "serde"))]
 use persist::checkpoint;
+pub use persist::table;
