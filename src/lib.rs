@@ -76,6 +76,8 @@ pub use wzvi_runtime::mpi;
 pub use wzvi_runtime::nalgebra;
 #[cfg(feature = "noise")]
 pub use wzvi_runtime::noise;
+#[cfg(feature = "plot")]
+pub use wzvi_runtime::plot;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{

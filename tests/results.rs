@@ -181,3 +181,92 @@ fn a_plan_reads_as_a_sentence() {
     );
     assert!(plan.ends_with("the energy of the system changes"), "{plan}");
 }
+
+#[cfg(feature = "plot")]
+mod plots {
+    use wzvi::plot::{Figure, PlotError, Sheet};
+    use wzvi::section::Direction;
+
+    use super::*;
+
+    /// The numbers of a series.
+    fn points(figure: &Figure, series: usize) -> &[(f64, f64)] {
+        &figure.series[series].points
+    }
+
+    #[test]
+    fn figures_show_the_numbers_of_the_path() {
+        let path = kepler();
+        let portrait = path.plot().phase_portrait();
+        assert_eq!((portrait.x.label.as_str(), portrait.y.label.as_str()), ("x, y", "px, py"));
+        assert!(points(&portrait, 1).iter().copied().eq(path.iter().map(|state| (state.q[1], state.p[1]))));
+        let series = path.plot().degrees([1, 7]).time_series();
+        let names: Vec<&str> = series.series.iter().map(|series| series.name.as_str()).collect();
+        assert_eq!(names, ["y", "py"]);
+        assert!(points(&series, 1).iter().copied().eq(path.iter().map(|state| (state.t, state.p[1]))));
+        let drift = path.plot().energy_drift(&Kepler);
+        let largest = |series| points(&drift, series).iter().map(|point| point.1.abs()).fold(0.0, f64::max);
+        assert_eq!(largest(0), path.energy_drift(&Kepler));
+        assert_eq!(largest(1), path.invariant_drift(&Kepler, 0));
+        assert_eq!(shaken().plot().time_series().x.label, "time");
+    }
+
+    #[test]
+    fn sections_show_the_crossings() {
+        let start = State::new([0.5, 0.0], [0.0, 3.0_f64.sqrt()]);
+        let run = Kepler.simulate::<Verlet>(0.01).start(start).until(20.0).record_every(0);
+        let path = run.section_towards(Direction::Rising, |state| state.q[1]).run().unwrap();
+        let section = path.plot().degrees([0]).section();
+        assert!(points(&section, 0).len() >= 2);
+        assert!(
+            points(&section, 0)
+                .iter()
+                .copied()
+                .eq(path.crossings().iter().map(|crossing| (crossing.state.q[0], crossing.state.p[0])))
+        );
+    }
+
+    #[test]
+    fn files_are_drawings_with_the_names_in_them() {
+        let (path, folder) = (kepler(), folder("plots"));
+        let [svg, png, other] = ["a/portrait.svg", "drift.png", "drift.pdf"].map(|name| folder.join(name));
+        path.plot().phase_portrait().equal_axes().write(&svg).unwrap();
+        let text = fs::read_to_string(svg).unwrap();
+        for word in ["Phase portrait", "px against x", "py against y"] {
+            assert!(text.contains(word), "{word}");
+        }
+        path.plot().energy_drift(&Kepler).write(&png).unwrap();
+        let mut reader =
+            png::Decoder::new(std::io::BufReader::new(fs::File::open(png).unwrap())).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        assert_eq!((info.width, info.height), (1280, 880));
+        // The colours of the curves, of text and of the ground.
+        for colour in [[0, 114, 178], [213, 94, 0], [17, 17, 17], [255, 255, 255]] {
+            assert!(pixels.chunks(3).any(|pixel| pixel == colour), "{colour:?}");
+        }
+        let error = path.plot().section().write(&other).unwrap_err();
+        assert_eq!(error, PlotError::Ending { path: other.clone() });
+        assert!(error.to_string().ends_with("ends in .svg or .png") && !other.exists(), "{error}");
+    }
+
+    /// A point of a sheet is where its figure is: right of the first, below the first row.
+    #[test]
+    fn sheets_place_figures_in_rows() {
+        let figure = || Figure::panel("", "", "").line("", 0, [(0.0, 0.0), (1.0, 1.0)]);
+        let sheet = (0..3).map(|_| figure()).fold(Sheet::new(2, (400, 300)), Sheet::with);
+        let svg = sheet.svg().unwrap();
+        assert!(svg.contains("width=\"800\" height=\"600\""), "{}", &svg[..200]);
+        let curves = svg.lines().filter(|line| line.contains("#0072B2"));
+        let starts: Vec<(i32, i32)> = curves
+            .map(|line| {
+                let (_, points) = line.split_once("points=\"").unwrap();
+                let (x, y) = points.split_once(' ').unwrap().0.split_once(',').unwrap();
+                (x.parse().unwrap(), y.parse().unwrap())
+            })
+            .collect();
+        let [first, second, third] = starts[..] else { panic!("{starts:?}") };
+        assert_eq!((second.0 - first.0, second.1 - first.1), (400, 0));
+        assert_eq!((third.0 - first.0, third.1 - first.1), (0, 300));
+    }
+}

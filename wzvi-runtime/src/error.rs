@@ -338,6 +338,9 @@ pub enum Error {
     /// A run on several ranks ended on all of them.
     #[cfg(feature = "mpi")]
     Cluster(crate::ensemble::cluster::ClusterError),
+    /// A plot could not be drawn or written.
+    #[cfg(feature = "plot")]
+    Plot(crate::plot::PlotError),
     /// A measurement could not be made or written.
     #[cfg(feature = "report")]
     Report(crate::report::ReportError),
@@ -364,6 +367,8 @@ impl fmt::Display for Error {
             Self::Checkpoint(error) => error.fmt(f),
             #[cfg(feature = "mpi")]
             Self::Cluster(error) => error.fmt(f),
+            #[cfg(feature = "plot")]
+            Self::Plot(error) => error.fmt(f),
             #[cfg(feature = "report")]
             Self::Report(error) => error.fmt(f),
         }
@@ -397,6 +402,8 @@ impl std::error::Error for Error {
             Self::Checkpoint(error) => Some(error),
             #[cfg(feature = "mpi")]
             Self::Cluster(error) => Some(error),
+            #[cfg(feature = "plot")]
+            Self::Plot(error) => Some(error),
             #[cfg(feature = "report")]
             Self::Report(error) => Some(error),
         }

@@ -35,6 +35,8 @@ pub mod numbers;
 mod options;
 mod persist;
 pub mod plan;
+#[cfg(feature = "plot")]
+pub mod plot;
 mod progress;
 mod recording;
 #[cfg(feature = "report")]
