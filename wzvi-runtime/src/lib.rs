@@ -1,5 +1,7 @@
 //! Runtime of `wzvi`. Users depend on the facade crate `wzvi`; see there for the tour.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 mod between;
 pub mod calculus;
 pub mod carry;
@@ -19,9 +21,9 @@ mod execution;
 pub mod gauss;
 pub mod increments;
 pub mod integrate;
-#[cfg(all(feature = "interrupt", feature = "ensemble"))]
+#[cfg(all(feature = "interrupt", feature = "ensemble", not(target_family = "wasm")))]
 mod interrupt;
-#[cfg(all(feature = "ensemble", not(feature = "interrupt")))]
+#[cfg(all(feature = "ensemble", any(not(feature = "interrupt"), target_family = "wasm")))]
 #[path = "interrupt/absent.rs"]
 mod interrupt;
 pub mod lanes;

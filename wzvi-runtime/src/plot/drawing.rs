@@ -257,13 +257,34 @@ impl<'a> Plot<'a> {
         match series.look {
             _ if points.len() < 2 => Ok(()),
             Look::Marks | Look::Dots | Look::FineDots => Ok(()),
-            Look::Joined | Look::Line => area.draw(&PathElement::new(points, style(15))),
-            Look::Broad => area.draw(&PathElement::new(points, style(40))),
+            Look::Joined | Look::Line => self.line(area, points, style(15)),
+            Look::Broad => self.line(area, points, style(40)),
             Look::Dashed => {
                 let (dash, gap) = (7 * self.scale, 5 * self.scale);
                 area.draw(&DashedPathElement::new(points, dash, gap, style(15)))
             }
         }
+    }
+
+    /// A line through points. In pixels its pieces are drawn one by one with round joints: the corners that the backend would draw
+    /// grow without bound as the angle between pieces falls.
+    fn line<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        points: Vec<(i32, i32)>,
+        style: ShapeStyle,
+    ) -> Outcome<B::ErrorType> {
+        if !self.is_bitmap {
+            return area.draw(&PathElement::new(points, style));
+        }
+        let radius = style.stroke_width / 2;
+        for piece in points.windows(2) {
+            if piece[0] != piece[1] {
+                area.draw(&PathElement::new(piece.to_vec(), style))?;
+                area.draw(&Circle::new(piece[1], radius, style.filled()))?;
+            }
+        }
+        Ok(())
     }
 
     fn mark<B: DrawingBackend>(
