@@ -213,7 +213,8 @@ impl<'a> Writer<'a> {
 pub(crate) fn written_out(system: &mut System) -> Option<Model> {
     let locals = if is_small(system) { known_locals(system) } else { None };
     let locals = locals?;
-    let System { graph, symbols, tables, parameters, t, drift, parts, noise, invariants, .. } = &mut *system;
+    let System { graph, symbols, tables, labels, parameters, t, drift, parts, noise, invariants, .. } =
+        &mut *system;
     let indices = Indices { tables, checked: true };
     let mut parameters: Vec<Parameter> = parameters
         .iter()
@@ -240,6 +241,7 @@ pub(crate) fn written_out(system: &mut System) -> Option<Model> {
     };
     Some(Model {
         phase: Phase { q, p, t },
+        labels: labels.clone(),
         parameters,
         drift: located(drift),
         parts: parts.iter().map(&mut located).collect(),

@@ -19,8 +19,6 @@ mod block;
 mod checks;
 #[cfg(feature = "mpi")]
 pub mod cluster;
-#[cfg(feature = "columnar")]
-mod columnar;
 mod control;
 mod crossings;
 mod draws;

@@ -120,6 +120,7 @@ impl Site {
         let mut model = Model {
             graph: std::mem::take(&mut system.graph),
             phase: Phase { q: self.phase.q.clone(), p: self.phase.p.clone(), t: self.phase.t },
+            labels: system.labels.clone(),
             parameters,
             drift: located(self.drift, &system.drift),
             parts: Vec::new(),

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::{degrees, noise_count, vector_type};
-use crate::emit::{count, f64_type, number_of, parameter};
+use crate::emit::{count, f64_type, number_of, parameter, variables};
 use crate::model::System;
 
 /// `impl Hamiltonian`
@@ -25,6 +25,7 @@ pub(super) fn emit(model: &System) -> TokenStream {
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let parameter = parameter(&model.graph, &model.parameters);
+    let variables = variables(&model.labels, model.graph.symbol_name(model.t));
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::Hamiltonian for #name #arguments #filter {
@@ -42,6 +43,8 @@ pub(super) fn emit(model: &System) -> TokenStream {
             #noises
 
             #invariants
+
+            #variables
 
             #parameter
 
