@@ -10,7 +10,7 @@ use std::ops::Range;
 use crate::carry::Carry;
 use crate::error::{ConfigError, Error, StepError, StepFailure};
 use crate::increments::{Divisible, Interval, Noise};
-use crate::state::State;
+use crate::state::{State, Vector};
 use crate::step::{StepInfo, Stepper};
 use crate::steps::{Account, Monitor, Single, TakeStep, Unmonitored, take_steps};
 use crate::system::Discretized;
@@ -85,7 +85,7 @@ pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = <H as Discretized<E>
 impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
     pub(crate) fn new(system: &'a H, h: f64, retry: Retry, is_watched: bool) -> Result<Self, ConfigError> {
         let stepper = Self::stepper(system, h, is_watched)?;
-        Ok(Self { system, h, retry, is_watched, way: Way::Whole, stepper, part: vec![0.0; system.noises()] })
+        Ok(Self { system, h, retry, is_watched, way: Way::Whole, stepper, part: Vec::new() })
     }
 
     fn stepper(system: &'a H, h: f64, is_watched: bool) -> Result<Stepper<'a, H, E, C>, ConfigError> {
@@ -131,7 +131,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         see: impl FnMut(&Stepper<'a, H, E, C>, [&State<H::Vector>; 2], &[f64]),
     ) -> Result<(), Error> {
         let mut stepper = Self::stepper(self.system, part_of(self.h, halvings), self.is_watched)?;
-        let (mut state, mut part) = (before.clone(), self.part.clone());
+        let (mut state, mut part) =
+            (before.clone(), vec![0.0; self.system.increments(before.q.components().len())]);
         let mut path = Single {
             stepper: &mut stepper,
             state: &mut state,
@@ -210,6 +211,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
             ))
         })?;
         dw.fill(0.0);
+        self.part.resize(dw.len(), 0.0);
         let mut account = Parts { dw, iterations: 0 };
         let mut path = Single {
             stepper,
@@ -318,6 +320,7 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         | StepFailure::Increments { .. }
         | StepFailure::Dimension { .. }
         | StepFailure::Index(_)
+        | StepFailure::Bath(_)
         | StepFailure::NonFiniteInput => false,
     }
 }

@@ -304,7 +304,7 @@ impl<V: Vector, E> Trajectory<V, E> {
     }
 
     /// The largest residual of the discrete Euler-Lagrange equations, in absolute value: over the interior nodes
-    /// `|D_2 L_d(step i-1) + D_1 L_d(step i)|`, over all steps `|∂L_d/∂P|`. NaN if one is. At rounding level on any
+    /// `|D_2 L_d(step i-1) + D_1 L_d(step i)|`, over all steps `|∂L_d/∂P|`. NaN if one is, and where steps follow from no Lagrangian: with a [bath](crate::bath). At rounding level on any
     /// path that the scheme computed.
     ///
     /// # Errors
@@ -320,12 +320,12 @@ impl<V: Vector, E> Trajectory<V, E> {
         Ok(largest(both.chain(&first).flat_map(|vector| vector.components()).copied()))
     }
 
-    fn check_every_step<H: Hamiltonian<Vector = V>>(&self, system: &H) -> Result<(), PathError> {
+    fn check_every_step<H: Discretized<E, Vector = V>>(&self, system: &H) -> Result<(), PathError> {
         if self.path.every != 1 && self.path.steps > 1 {
             return Err(PathError::Gaps { every: self.path.every });
         }
         let path = (self.last().q.components().len(), self.processes());
-        let asked = (system.degrees(), system.noises());
+        let asked = (system.degrees(), system.increments(path.0));
         if system.fits(path.0) && path.1 == asked.1 {
             Ok(())
         } else {
