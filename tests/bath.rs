@@ -4,6 +4,8 @@
 
 #[path = "bath/refusals.rs"]
 mod refusals;
+#[path = "bath/runs.rs"]
+mod runs;
 #[path = "bath/steps.rs"]
 mod steps;
 #[path = "bath/systems.rs"]

@@ -56,7 +56,7 @@ fn the_number_of_increments_is_that_of_the_parts() {
     let state = State::new([0.3], [-0.4]);
     let cause = |outcome: Result<_, wzvi::error::StepError>| outcome.map_err(|error| error.cause);
     let step = |dw: &[f64]| {
-        let mut after = state.clone();
+        let mut after = state;
         let outcome = cause(OSCILLATOR.stepper::<Obabo>(0.1).expect("steps").step(&mut after, dw));
         assert!(outcome.is_ok() || after == state);
         outcome.map(|_| ())
@@ -76,11 +76,11 @@ fn the_number_of_increments_is_that_of_the_parts() {
 fn friction_that_becomes_negative_is_an_error_of_the_step() {
     let system = Rough { m: 1.0, gamma: 0.5, edge: 0.35, kt: Some(1.0) };
     let start = State::new([0.3], [1.0]);
-    let mut state = start.clone();
+    let mut state = start;
     let mut stepper = system.stepper::<Baoab>(0.2).expect("steps");
     let error = stepper.step(&mut state, &[0.1]).expect_err("the middle of the step is beyond the edge");
     assert!(matches!(error.cause, StepFailure::Bath(BathError::Friction { rate }) if rate < 0.0), "{error}");
-    assert_eq!((state.clone(), stepper.steps()), (start.clone(), 0));
+    assert_eq!((state, stepper.steps()), (start, 0));
     let mut stepper = system.stepper::<Thermostat<Midpoint>>(0.2).expect("steps");
     let error = stepper.step(&mut state, &[0.0, 0.1]).expect_err("the end of the step is beyond the edge");
     assert!(matches!(error.cause, StepFailure::Bath(BathError::Friction { rate }) if rate < 0.0), "{error}");

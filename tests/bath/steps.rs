@@ -285,7 +285,7 @@ fn friction_of_a_place_is_that_of_a_constant_there() {
     let same = Oscillator { m: 0.6, k: 1.0, b: 0.0, gamma: 0.5 * (1.0 + x * x), kt: Some(1.1) };
     let (p, q) = (0.5, x - 0.5 * h * 0.5 / 0.6);
     let begin = State::new([q], [p + 0.5 * h * q]);
-    let [mut a, mut b] = [begin.clone(), begin];
+    let [mut a, mut b] = [begin, begin];
     rough.stepper::<Baoab>(h).expect("steps").step(&mut a, &[0.3]).expect("a step");
     same.stepper::<Baoab>(h).expect("steps").step(&mut b, &[0.3]).expect("a step");
     assert!((a.q[0] - b.q[0]).abs() < 10.0 * f64::EPSILON && (a.p[0] - b.p[0]).abs() < 10.0 * f64::EPSILON);
@@ -302,7 +302,7 @@ fn listed_noises_come_before_the_bath() {
     let mut stepper = silent.stepper::<Obabo>(h).expect("steps");
     stepper.step(&mut b, &[0.05, -0.2]).expect("a step");
     let shift = -0.5 * 0.4 * dw;
-    let decay = (-0.5 * 1.2 * h as f64).exp();
+    let decay = (-0.5 * 1.2 * h).exp();
     // The step is linear: the first kick drifts, the second one does not.
     let moved = h * shift;
     assert!((a.q[0] - b.q[0] - moved).abs() < 10.0 * f64::EPSILON);

@@ -223,3 +223,17 @@ damped! {
     |own, q, gamma| gamma.fill((q[0] * q[0] + S::from_f64(1.0)) * own.gamma),
     splittings: [Baoab], around: [Midpoint]
 }
+
+/// A wall at `q = 0`, where energies are undefined.
+#[hamiltonian(drift = |q, p| 0.5 * p * p + q + 2.0 / q.sqrt(), embedding = Verlet)]
+#[derive(Clone, Debug)]
+pub(crate) struct Wall {
+    pub(crate) gamma: f64,
+    pub(crate) kt: Option<f64>,
+}
+
+damped! {
+    Wall, per_state: false, matrix: false, diagonal_masses: true,
+    |own, _q, gamma| gamma[0] = S::from_f64(own.gamma),
+    splittings: [Baoab], around: []
+}

@@ -116,7 +116,9 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
 
     /// Goes on with a last step of another size, which is not halved.
     pub(crate) fn finish_with(&mut self, h: f64) -> Result<(), ConfigError> {
+        let exchanged = self.stepper.exchanged();
         (self.stepper, self.way) = (Self::stepper(self.system, h, self.is_watched)?, Way::Last);
+        self.stepper.set_exchanged(exchanged);
         Ok(())
     }
 
@@ -159,12 +161,19 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         let mut level = from;
         loop {
             let mut end = state.clone();
+            let before = self.stepper.exchanged();
             let outcome = if self.way == Way::Halved(level) {
                 self.parts(None, &mut end, interval, noise, dw, level)
             } else {
                 let mut finer = Self::stepper(self.system, part_of(self.h, level), self.is_watched)?;
-                self.parts(Some(&mut finer), &mut end, interval, noise, dw, level)
+                finer.set_exchanged(before);
+                let outcome = self.parts(Some(&mut finer), &mut end, interval, noise, dw, level);
+                self.stepper.set_exchanged(finer.exchanged());
+                outcome
             };
+            if outcome.is_err() {
+                self.stepper.set_exchanged(before);
+            }
             match outcome {
                 Ok(iterations) => {
                     end.t = interval.end();

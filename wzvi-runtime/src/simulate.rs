@@ -237,7 +237,8 @@ where
                 }
             }
         };
-        let trajectory = account.recorder.finish(state).observing(names, &functions);
+        let exchanged = stepper.stepper.exchanged();
+        let trajectory = account.recorder.finish(state).observing(names, &functions).exchanging(exchanged);
         Ok((trajectory, error))
     }
 }

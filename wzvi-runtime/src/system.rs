@@ -263,6 +263,7 @@ pub fn increments<S: Copy, const K: usize>(dw: &[S]) -> Result<[S; K], StepFailu
 
 /// Energy that a system took from outside, in units of energy: what left it counts negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Exchange {
     /// By forces.
     pub work: f64,

@@ -2,6 +2,8 @@
 //!
 //! Kicks and drifts are the flows of [`compose::flows`](crate::compose), with the increments of the noises; the force at the end of a step is that at the
 //! start of the next.
+//!
+//! Generated, for a system with [`Flows`] and [`Damped`]: `composition! { [impl Discretized<Baoab> for System] Baoab, Splitting<Baoab>, 2, "text", [] }`.
 
 use std::fmt::Debug;
 use std::marker::PhantomData;

@@ -1,4 +1,7 @@
 //! O parts around the steps of any scheme: [`Thermostat`](super::Thermostat).
+//!
+//! Generated, for a system with [`Damped`] and `Discretized<I>`, where `I` steps its Hamiltonians and forces without friction:
+//! `composition! { [impl Discretized<Thermostat<E>> for System] Thermostat<E>, Around<I>, 1, "text", [] }`. It is of the order that `I` has, but not above 2.
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
