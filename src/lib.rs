@@ -79,8 +79,8 @@ pub use wzvi_runtime::noise;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
-    calculus, compose, dense, elements, embedding, error, increments, integrate, lanes, memory, modified,
-    numbers, plan, retry, scalar, section, simulate, state, step, system, trajectory,
+    bath, calculus, compose, dense, elements, embedding, error, increments, integrate, lanes, memory,
+    modified, numbers, plan, retry, scalar, section, simulate, state, step, system, trajectory,
 };
 
 #[cfg(not(all(feature = "report", feature = "serde")))]
@@ -100,9 +100,9 @@ pub mod prelude {
     pub use wzvi_runtime::checkpoint::Checkpoint;
     pub use wzvi_runtime::elements::Iteration;
     pub use wzvi_runtime::embedding::{
-        Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, Composed, Corrected, DeltaMinus, DeltaPlus, Gauss,
-        KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Srkn6, Suzuki4, SuzukiUmeno8, TakahashiImada4,
-        Uncorrected, Verlet, Yoshida4, Yoshida6,
+        Aba864, Aba1064, Baoab, BlanesMoan4, BlanesMoan6, Chin4, Composed, Corrected, DeltaMinus, DeltaPlus,
+        Gauss, KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Obabo, Srkn6, Suzuki4, SuzukiUmeno8,
+        TakahashiImada4, Thermostat, Uncorrected, Verlet, Yoshida4, Yoshida6,
     };
     pub use wzvi_runtime::increments::{Increments, Noise};
     pub use wzvi_runtime::integrate::Integrate;
@@ -133,6 +133,7 @@ pub mod __private {
 
     pub use wzvi_macros::__continue;
 
+    pub use wzvi_runtime::bath;
     pub use wzvi_runtime::carry::{Carry, Compensation, Plain};
     pub use wzvi_runtime::compose;
     pub use wzvi_runtime::elements;

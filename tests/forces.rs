@@ -9,3 +9,5 @@ mod systems;
 mod orders;
 #[path = "forces/principle.rs"]
 mod principle;
+#[path = "forces/thermostats.rs"]
+mod thermostats;

@@ -14,6 +14,7 @@ use crate::discretise::sites::Site;
 use crate::discretise::{Scheme, discretise};
 use crate::elements;
 use crate::elements::flows::Flows;
+use crate::elements::kinetic::Kinetic;
 use crate::elements::plan::{Strategy, strategy};
 use crate::elements::split;
 use crate::emit::{Beside, emit};
@@ -67,13 +68,18 @@ pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts
         }
     });
     let swept: Vec<_> = swept.collect();
-    let beside = match swept.is_empty() {
-        true => Beside::default(),
-        false => model.lend(system, |system| Beside {
-            generated: elements::emit::steps(system, facts, &swept),
-            user_tokens: elements::emit::user_tokens(system),
-        }),
-    };
+    let has_thermostat = listed.iter().any(Embedding::is_thermostat);
+    let beside = model.lend(system, |system| {
+        let kinetic = if has_thermostat { Kinetic::of(system) } else { None };
+        match swept.is_empty() {
+            true => Beside { kinetic, ..Beside::default() },
+            false => Beside {
+                kinetic,
+                generated: elements::emit::steps(system, facts, &swept),
+                user_tokens: elements::emit::user_tokens(system),
+            },
+        }
+    });
     let inline = steps.iter().zip(&texts.of_parts).filter_map(|(step, text)| match step {
         Step::Inline(scheme) => is_stepped(&scheme.embedding).then_some((&**scheme, text.as_str())),
         Step::Swept(..) => None,

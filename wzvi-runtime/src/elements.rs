@@ -39,7 +39,7 @@ mod scheme;
 pub mod sites;
 mod step;
 
-pub use bath::{damping, damping_by_masses, damping_matrix, inverse_mass, rate_times_masses};
+pub use bath::{damping, rates};
 pub use explicit::advance_explicit;
 pub use hamiltonian::{differentiate, evaluate, force, invariant};
 pub use iterate::advance;

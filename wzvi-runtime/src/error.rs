@@ -3,10 +3,13 @@
 #[cfg(all(feature = "serde", feature = "ensemble"))]
 mod words;
 
+mod bath;
 mod index;
 mod internal;
 
 use std::fmt;
+
+pub use bath::BathError;
 
 pub use crate::calculus::DomainError;
 pub use crate::increments::NoiseError;
@@ -49,9 +52,9 @@ pub enum StepFailure {
     },
     /// The new state (or an intermediate value) overflowed or is undefined.
     NonFinite,
-    /// The number of increments is not the number of noises.
+    /// The number of increments is not the number of those that drive a step.
     Increments {
-        /// Number of noises.
+        /// Number of noises, and of the normals of a bath.
         expected: usize,
         /// Number of increments given.
         got: usize,
@@ -65,6 +68,8 @@ pub enum StepFailure {
     },
     /// An integer of the system is out of range.
     Index(IndexError),
+    /// Friction, temperature or masses make no sense at this state.
+    Bath(BathError),
     /// The state or an increment that was given is NaN or infinite.
     NonFiniteInput,
 }
@@ -72,7 +77,7 @@ pub enum StepFailure {
 impl StepFailure {
     /// Whether no way to solve the step would change it: the system, the state and the increments do not belong together.
     pub(crate) fn is_of_arguments(&self) -> bool {
-        matches!(self, Self::Increments { .. } | Self::Dimension { .. } | Self::Index(_))
+        matches!(self, Self::Increments { .. } | Self::Dimension { .. } | Self::Index(_) | Self::Bath(_))
     }
 }
 
@@ -116,6 +121,7 @@ impl fmt::Display for StepFailure {
                 write!(f, "the system has {expected} degrees of freedom, but the state has {got}")
             }
             Self::Index(error) => error.fmt(f),
+            Self::Bath(error) => error.fmt(f),
             Self::NonFiniteInput => write!(f, "the state or an increment is NaN or infinite before the step"),
         }
     }
@@ -151,6 +157,8 @@ pub enum ConfigError {
     Parameter,
     /// An integer of the system is out of range.
     Index(IndexError),
+    /// Friction, temperature or masses make no sense.
+    Bath(BathError),
     /// A matrix that does not change from step to step is singular.
     Singular {
         /// Step size.
@@ -202,6 +210,7 @@ impl fmt::Display for ConfigError {
                 )
             }
             Self::Index(error) => error.fmt(f),
+            Self::Bath(error) => error.fmt(f),
             Self::Singular { h, pivot, scale } => write!(
                 f,
                 "the matrix of the step is singular for h = {h} (pivot {pivot:.1e} at scale {scale:.1e}); \

@@ -1,5 +1,6 @@
 //! Runtime of `wzvi`. Users depend on the facade crate `wzvi`; see there for the tour.
 
+pub mod bath;
 mod between;
 pub mod calculus;
 pub mod carry;

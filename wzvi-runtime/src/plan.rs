@@ -16,6 +16,8 @@ pub enum Solver {
 pub enum NoiseClass {
     /// There is none.
     None,
+    /// As that of a thermostat alone, whose part of a step is exact in law.
+    Thermal,
     /// Every noise Hamiltonian is affine in (q, p): a constant shift.
     Additive,
     /// Every noise Hamiltonian reads q (and t) only.
@@ -64,6 +66,7 @@ impl Plan {
         match (self.noise, self.consistent, self.commuting) {
             (NoiseClass::None, ..) => Some(self.order as f64),
             (_, false, _) => None,
+            (NoiseClass::Thermal, true, _) => Some(1.0),
             (_, true, Knowledge::Proven) => Some(1.0),
             (_, true, _) => Some(0.5),
         }
@@ -74,6 +77,7 @@ impl Plan {
         match (self.noise, self.consistent) {
             (NoiseClass::None, _) => Some(self.order as f64),
             (_, false) => None,
+            (NoiseClass::Thermal, true) => Some(self.order as f64),
             (_, true) => Some(1.0),
         }
     }
@@ -82,6 +86,6 @@ impl Plan {
     /// enters its equations, so that an unbounded increment could hit a pole of the scheme.
     pub const fn truncates_increments(&self) -> bool {
         !matches!(self.solver, Solver::Explicit)
-            && !matches!(self.noise, NoiseClass::None | NoiseClass::Additive)
+            && !matches!(self.noise, NoiseClass::None | NoiseClass::Thermal | NoiseClass::Additive)
     }
 }

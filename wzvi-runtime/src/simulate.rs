@@ -191,7 +191,7 @@ where
         let mut stepper = Subdivision::<H, E>::new(system, h, retry, is_watched)?;
         let (start, grid) = span.checked::<H, E>(system, h)?;
         let recording = recorded.checked(1, &grid)?;
-        let processes = system.noises();
+        let processes = system.increments(start.q.components().len());
         let mut noise = prepared::<H, E, N>(noise, &grid, processes)?;
         let looks_inside = !sections.is_empty() || !recording.between.is_empty();
         let between = || looks_inside.then(|| Box::new(Between::new(&sections, &start)));
@@ -237,7 +237,8 @@ where
                 }
             }
         };
-        let trajectory = account.recorder.finish(state).observing(names, &functions);
+        let exchanged = stepper.stepper.exchanged();
+        let trajectory = account.recorder.finish(state).observing(names, &functions).exchanging(exchanged);
         Ok((trajectory, error))
     }
 }

@@ -14,7 +14,7 @@ use crate::memory::{Iteration, Method, StepMemory};
 use crate::plan::Solver;
 use crate::solve::Effort;
 use crate::state::{State, Vector};
-use crate::system::Discretized;
+use crate::system::{Discretized, Exchange};
 pub(crate) use resolution::ResolutionMonitor;
 
 /// What one step took.
@@ -51,6 +51,8 @@ pub struct Stepper<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f6
     /// `q` and `p` after the last step.
     reached: [H::Vector; 2],
     resolution: ResolutionMonitor,
+    /// What all steps exchanged.
+    exchanged: Exchange,
     scheme: PhantomData<E>,
 }
 
@@ -99,6 +101,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             clock: Clock::started(f64::NAN),
             reached: [H::Vector::zeros(d), H::Vector::zeros(d)],
             resolution: ResolutionMonitor::default(),
+            exchanged: Exchange::default(),
             scheme: PhantomData,
         })
     }
@@ -126,6 +129,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             memory: self.memory,
             reached: self.reached,
             resolution: self.resolution,
+            exchanged: self.exchanged,
             scheme: PhantomData,
         }
     }
@@ -173,7 +177,18 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self.before + self.clock.ticks
     }
 
-    /// One step of `state` with the given increments, one per noise (`&[]` without noise).
+    /// The energy that its successful steps so far took from forces and bath, in units of energy.
+    pub fn exchanged(&self) -> Exchange {
+        self.exchanged
+    }
+
+    /// Accounts for what other steps exchanged, too.
+    pub(crate) fn set_exchanged(&mut self, exchanged: Exchange) {
+        self.exchanged = exchanged;
+    }
+
+    /// One step of `state` with the given increments: one per noise (`&[]` without noise), and after them `√h` times the standard normals of a
+    /// [bath](crate::bath), which [`Discretized::increments`] counts.
     ///
     /// # Errors
     /// [`StepError`] with time, step number and cause. The state is then bit for bit what it was, and so is the
@@ -246,6 +261,9 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     fn arrive(&mut self, state: &mut State<H::Vector>, at: Clock) {
         self.clock = at;
         state.t = at.now;
+        if H::EXCHANGES {
+            self.exchanged += self.system.exchanged(&self.memory);
+        }
         if Self::REMEMBERS {
             copy(&mut self.reached[0], &state.q);
             copy(&mut self.reached[1], &state.p);

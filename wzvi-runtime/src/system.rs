@@ -1,6 +1,7 @@
 //! The traits that `#[hamiltonian]` implements.
 
 use std::fmt::Debug;
+use std::ops::AddAssign;
 
 use nalgebra::SVector;
 
@@ -289,6 +290,23 @@ pub fn increments<S: Copy, const K: usize>(dw: &[S]) -> Result<[S; K], StepFailu
     dw.try_into().map_err(|_| StepFailure::Increments { expected: K, got: dw.len() })
 }
 
+/// Energy that a system took from outside, in units of energy: what left it counts negative.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Exchange {
+    /// By forces.
+    pub work: f64,
+    /// By friction and bath.
+    pub heat: f64,
+}
+
+impl AddAssign for Exchange {
+    fn add_assign(&mut self, other: Self) {
+        self.work += other.work;
+        self.heat += other.heat;
+    }
+}
+
 /// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no discretisation by `{E}`",
@@ -342,6 +360,22 @@ pub trait Discretized<E>: Hamiltonian {
         let _ = (prepared, memory, before, h, dw, slopes);
     }
 
+    /// Whether the scheme accounts for what forces and bath do: [`Discretized::exchanged`].
+    const EXCHANGES: bool = false;
+
+    /// How many numbers drive a step of a state with so many degrees of freedom: the increments of the noises, and after them `√h` times
+    /// the standard normals of a bath.
+    fn increments(&self, degrees: usize) -> usize {
+        let _ = degrees;
+        self.noises()
+    }
+
+    /// What the step exchanged that was the last to leave something in `memory`.
+    fn exchanged(&self, memory: &Self::Memory<f64>) -> Exchange {
+        let _ = memory;
+        Exchange::default()
+    }
+
     /// The memory of a new stepper: all that its steps will need, where the system knows its size.
     fn memory(&self) -> Self::Memory<f64> {
         Default::default()
@@ -350,7 +384,7 @@ pub trait Discretized<E>: Hamiltonian {
     /// Computes what does not change from step to step; fails if a matrix that is factored here is singular.
     fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError>;
 
-    /// One step from `(q, p)` at `t` in place. Slices have [`Hamiltonian::degrees`] and [`Hamiltonian::noises`]
+    /// One step from `(q, p)` at `t` in place. Slices have [`Hamiltonian::degrees`] and [`Discretized::increments`]
     /// elements. On `Err`, `q`, `p`, `memory` and `carry` are as they were.
     ///
     /// Unless `CAREFUL`, an iteration that does not converge fast is given up; what then follows is the

@@ -61,14 +61,13 @@ impl Embedding {
     }
 
     /// The schemes with one quadrature point that a step is made of, one after the other; none where it has several at
-    /// once.
+    /// once, or other parts between.
     pub(crate) fn parts(&self) -> Vec<Self> {
         let uncorrected = |half: Self| Self::Uncorrected(Box::new(half));
         match self {
             Self::Verlet => vec![uncorrected(Self::DeltaPlus), uncorrected(Self::DeltaMinus)],
             Self::Gauss(1) => vec![Self::Midpoint],
-            Self::Gauss(_) | Self::Baoab | Self::Obabo => Vec::new(),
-            Self::Thermostat(inner) => inner.parts(),
+            Self::Gauss(_) | Self::Baoab | Self::Obabo | Self::Thermostat(_) => Vec::new(),
             whole => vec![whole.clone()],
         }
     }
@@ -78,7 +77,6 @@ impl Embedding {
         match self {
             Self::Gauss(1) => None,
             Self::Gauss(stages) => Some(*stages),
-            Self::Thermostat(inner) => inner.stages(),
             _ => None,
         }
     }

@@ -21,6 +21,7 @@ use crate::describe::Texts;
 use crate::discretise::Scheme;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
+use crate::elements::kinetic::Kinetic;
 use crate::model::Model;
 
 pub(crate) use names::{Names, Surroundings, readable};
@@ -31,6 +32,8 @@ pub(crate) use system::{count, friction_rate, number_of, parameter, parameter_na
 /// Steps that are emitted another way, and what they read of the struct.
 #[derive(Default)]
 pub(crate) struct Beside {
+    /// The kinetic energy, where a thermostat needs to know.
+    pub(crate) kinetic: Option<Kinetic>,
     pub(crate) generated: TokenStream,
     pub(crate) user_tokens: Vec<TokenStream>,
 }
@@ -50,7 +53,7 @@ pub(crate) fn emit(
     generated.extend(beside.generated);
     generated.extend(gauss::emit(model, facts, texts));
     generated.extend(parts::emit(model, facts, texts));
-    generated.extend(texts.listed.iter().any(|(known, _)| known.is_thermostat()).then(|| bath::emit(model)));
+    generated.extend(bath::emit(model, beside.kinetic));
     let surroundings = Surroundings {
         crate_path: &model.crate_path,
         tokens: with_header(

@@ -30,6 +30,10 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
     let given = declaration.friction.iter().map(|friction| &friction.given).chain(&declaration.temperature);
     let given = given.map(|given| check_given(system, given));
     let checks = energies.chain(covectors).chain(given);
+    let schemes = declaration.embeddings.iter().zip(&declaration.embedding_types).map(|(embedding, written)| {
+        let meant = embedding_type(&embedding.value, &declaration.crate_path);
+        quote! { __wzvi_scheme(::core::marker::PhantomData::<#meant>, ::core::marker::PhantomData::<#written>); }
+    });
     let vector = shape.tokens();
     // Functions inside of a method do not see the generics around it.
     let sizes: Vec<&syn::ConstParam> = system.item.generics.const_params().collect();

@@ -19,6 +19,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
             clock,
             reached,
             resolution,
+            exchanged,
             scheme: _,
         } = self;
         let Clock { start, ticks, now } = clock;
@@ -37,6 +38,9 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
         memory.pass(tape);
         carry.pass(tape);
         resolution.pass(tape);
+        if H::EXCHANGES {
+            tape.numbers([&mut exchanged.work, &mut exchanged.heat]);
+        }
     }
 
     /// What is computed once for all steps, for people and checksums.

@@ -18,27 +18,18 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
     let numbers = Numbers::of(model);
     let (number, is_matrix) = (count(numbers.friction), friction.is_matrix);
     let is_per_state = friction.term.elements.iter().any(|element| element.coordinates().next().is_some());
-    let is_diagonal = is_diagonal && !is_matrix;
-    let elements = quote!(__wzvi::elements);
-    let damping = match (is_matrix, is_diagonal) {
-        (true, _) => quote!(#elements::damping_matrix(self, #number, __gamma)),
-        (false, true) => quote!(#elements::damping(self, #number, __q, __gamma)),
-        (false, false) => quote!(#elements::damping_by_masses(self, #number, __gamma)),
+    let damping = match is_matrix {
+        true => quote!(__wzvi::elements::damping(self, #number, __q, __into)),
+        false => quote!(__wzvi::elements::rates(self, #number, __q, __into)),
     };
     let temperature = match &model.temperature {
         None => quote!(__wzvi::None),
         Some(_) => {
             let number = count(numbers.temperature);
-            quote!(__wzvi::Some(#elements::value_of_part(self, #number, 0.0, &[], &[])))
+            quote!(__wzvi::Some(__wzvi::elements::value_of_part(self, #number, 0.0, &[], &[])))
         }
     };
-    Damped {
-        shape: quote!(__wzvi::gauss::Dynamic),
-        is_per_state,
-        is_diagonal,
-        damping,
-        inverse_mass: quote!(#elements::inverse_mass::<_, #is_diagonal>(self, __inverse)),
-        temperature,
-    }
-    .emit(&model.item)
+    let has_diagonal_masses = is_diagonal;
+    let damped = Damped { is_matrix, is_per_state, has_diagonal_masses, damping, temperature };
+    damped.emit(&model.item)
 }

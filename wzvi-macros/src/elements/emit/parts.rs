@@ -36,11 +36,21 @@ pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
     let weight = quote!(__S::from_f64(__at.h));
     let numbers = Numbers::of(model);
     let parts = model.parts.iter().cloned().zip(numbers.parts..);
-    let friction = model.friction.iter().map(|friction| (friction.term.clone(), numbers.friction));
+    let friction = model.friction.clone().map(|mut friction| {
+        if !friction.is_matrix {
+            // Rates alone, without the momenta that they act on.
+            let one = model.graph.integer(1);
+            for element in &mut friction.term.elements {
+                let momenta = element.momenta().map(|(momentum, _)| (momentum, one)).collect();
+                element.value = model.graph.substitute(&[element.value], &momenta)[0];
+            }
+        }
+        (friction.term, numbers.friction)
+    });
     let temperature = model.temperature.iter().map(|term| (term.clone(), numbers.temperature));
     let of_bath: Vec<_> = match wanted {
         Wanted::Value => temperature.collect(),
-        Wanted::Slopes | Wanted::Curvature => friction.collect(),
+        Wanted::Slopes | Wanted::Curvature => friction.into_iter().collect(),
     };
     let terms: Vec<_> = parts.chain(of_bath).collect();
     let arms = terms.into_iter().map(|(term, number)| {
