@@ -50,6 +50,9 @@ pub trait Hamiltonian {
     /// Whether friction of one rate for all degrees of freedom, `dp = ... - γ p dt`, is a part of every step, which is then conformally symplectic.
     const IS_CONFORMAL: bool = false;
 
+    /// Whether there is a force beside the drift: [`Hamiltonian::force`].
+    const IS_FORCED: bool = false;
+
     /// That rate, in 1/time.
     fn friction_rate(&self) -> f64 {
         0.0

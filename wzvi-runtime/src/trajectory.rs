@@ -133,7 +133,9 @@ impl<V: Vector, E> Trajectory<V, E> {
         self.path.states.iter()
     }
 
-    /// The energy that the path took from forces, in units of energy: what it gave them counts negative.
+    /// The energy that the path took from forces, in units of energy: what it gave them counts negative. Noises that the system lists count, and where it
+    /// has a force the explicit time of its drift too. By quadrature along the dense output of each step: to the error of the scheme. 0 where a system has
+    /// neither force nor friction.
     pub fn work(&self) -> f64 {
         self.path.exchanged.work
     }

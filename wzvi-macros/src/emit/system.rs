@@ -172,6 +172,8 @@ fn force(model: &mut Model) -> Option<TokenStream> {
         arms(model, &quote!(__S), &components, &|values| quote!(__wzvi::covector(__into, [#(#values),*])));
     let f64 = f64_type();
     Some(quote! {
+        const IS_FORCED: __wzvi::bool = true;
+
         fn force<__S: __wzvi::Scalar>(&self, __q: &[__S], __p: &[__S], __t: #f64, __into: &mut [__S]) {
             match (0, __q, __p) {
                 #(#arms)*

@@ -20,6 +20,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
             reached,
             resolution,
             exchanged,
+            ledger: _,
             scheme: _,
         } = self;
         let Clock { start, ticks, now } = clock;
@@ -38,7 +39,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
         memory.pass(tape);
         carry.pass(tape);
         resolution.pass(tape);
-        if H::EXCHANGES {
+        if Self::MAY_EXCHANGE {
             tape.numbers([&mut exchanged.work, &mut exchanged.heat]);
         }
     }

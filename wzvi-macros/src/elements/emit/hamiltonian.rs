@@ -29,6 +29,8 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
     let parameter = parameter(&model.graph, &model.parameters);
     let force = model.force.is_some().then(|| {
         quote! {
+            const IS_FORCED: __wzvi::bool = true;
+
             fn force<__S: __wzvi::Scalar>(&self, __q: &[__S], __p: &[__S], __t: #f64, __into: &mut [__S]) {
                 __wzvi::elements::force(self, __q, __p, __t, __into);
             }
