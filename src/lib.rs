@@ -80,7 +80,7 @@ pub use wzvi_runtime::noise;
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
     bath, calculus, compose, dense, elements, embedding, error, increments, integrate, lanes, memory,
-    modified, numbers, plan, retry, scalar, section, simulate, state, step, system, trajectory,
+    modified, numbers, plan, retry, scalar, section, series, simulate, state, step, system, trajectory,
 };
 
 #[cfg(not(all(feature = "report", feature = "serde")))]

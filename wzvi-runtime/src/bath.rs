@@ -68,11 +68,6 @@ pub struct Obabo;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Thermostat<E>(PhantomData<E>);
 
-/// `E` of the system without its bath: the step of its Hamiltonians and forces that a [`Thermostat`] stands around.
-#[doc(hidden)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Isolated<E>(PhantomData<E>);
-
 /// A system `dp = -∂H/∂q dt - Γ M⁻¹ p dt + noise of covariance 2 kT Γ dt` with the quadratic kinetic energy `p · M⁻¹ p / 2`, which the compiler has
 /// proven; generated.
 #[doc(hidden)]

@@ -15,6 +15,7 @@ pub use crate::calculus::DomainError;
 pub use crate::increments::NoiseError;
 #[cfg(any(feature = "ensemble", feature = "serde"))]
 pub use crate::persist::FileError;
+pub use crate::series::SeriesError;
 #[doc(hidden)]
 pub use index::Name;
 pub use index::{IndexError, IndexLimit};
@@ -259,6 +260,8 @@ pub enum PathError {
     },
     /// The nodes are no time scale.
     Domain(DomainError),
+    /// The values along the path have no such estimate.
+    Series(SeriesError),
 }
 
 impl fmt::Display for PathError {
@@ -282,6 +285,7 @@ impl fmt::Display for PathError {
                 path.0, path.1, system.0, system.1
             ),
             Self::Domain(error) => error.fmt(f),
+            Self::Series(error) => error.fmt(f),
         }
     }
 }

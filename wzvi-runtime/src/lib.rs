@@ -46,6 +46,7 @@ pub mod scalar;
 #[cfg(feature = "ensemble")]
 mod schedule;
 pub mod section;
+pub mod series;
 pub mod simulate;
 pub mod solve;
 mod span;

@@ -1,5 +1,7 @@
 //! One path: a builder, and the loop that it starts.
 
+mod visit;
+
 use std::marker::PhantomData;
 
 use crate::between::{Between, Part};
@@ -110,7 +112,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
 }
 
 impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
-    options!(start, end, exact, record, observe, section);
+    options!(start, end, exact, record, observe, temperatures, section);
 
     /// Where the increments come from; [`Increments`](crate::increments::Increments) for given ones. A `&mut` to a
     /// source leaves it with the caller, to continue with. A system without noise takes any source and asks it
