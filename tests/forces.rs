@@ -5,6 +5,10 @@
 #[path = "forces/systems.rs"]
 mod systems;
 
+#[path = "forces/friction.rs"]
+mod friction;
+#[path = "forces/noise.rs"]
+mod noise;
 #[path = "forces/orders.rs"]
 mod orders;
 #[path = "forces/principle.rs"]

@@ -76,6 +76,6 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     }
     Ok(document
         .heading("The linear equation")
-        .text("dX = a X dt + b X ∘ dW with a = 1.5, b = 1, X(0) = 1, 100 steps of 0.01; X is the coordinate of H_0 = a q p, H_1 = b q p.")
+        .text("dX = a X dt + b X ∘ dW with a = 1.5, b = 1, X(0) = 1, 100 steps of 0.01; X is the coordinate of H₀ = a q p, H₁ = b q p.")
         .figure(figure))
 }

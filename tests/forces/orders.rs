@@ -7,11 +7,11 @@ use crate::systems::*;
 
 type V = SVector<f64, 1>;
 
-const DRAG: f64 = 0.3;
-const PUSH: f64 = 0.8;
+pub(crate) const DRAG: f64 = 0.3;
+pub(crate) const PUSH: f64 = 0.8;
 
 /// `q'' + g q' + q = f cos 2t`: the steady part and the decaying one.
-fn exact(t: f64, q0: f64, p0: f64) -> [f64; 2] {
+pub(crate) fn exact(t: f64, q0: f64, p0: f64) -> [f64; 2] {
     // Steady: q = a cos 2t + b sin 2t with (1 - 4) a + 2 g b = f, (1 - 4) b - 2 g a = 0.
     let d = 9.0 + 4.0 * DRAG * DRAG;
     let (a, b) = (-3.0 * PUSH / d, 2.0 * DRAG * PUSH / d);
@@ -44,7 +44,7 @@ fn order<E, H: Discretized<E, Vector = V>>(system: &H, h: f64, expected: f64) {
     assert!(fine < 0.05, "{fine}");
 }
 
-fn orders<H>(system: &H)
+pub(crate) fn orders<H>(system: &H)
 where
     H: Discretized<DeltaPlus, Vector = V>
         + Discretized<DeltaMinus, Vector = V>

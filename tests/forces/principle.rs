@@ -1,79 +1,64 @@
 //! The equations of the principle themselves: residuals, loops beside straight lines, virtual work.
 
-use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
+use wzvi::state::Vector;
 use wzvi::system::Segment;
 
 use crate::systems::*;
 
-/// Steps of two systems that are the same leave the same states, to the tolerance of their iterations.
-fn same<E, A, B, V>(a: &A, b: &B, start: &State<V>, dw: &[f64])
-where
-    V: wzvi::state::Vector,
-    A: Discretized<E>,
-    B: Discretized<E>,
-    E: 'static,
-{
+/// A state of these coordinates, then momenta.
+fn state<V: Vector>([q, p]: [&[f64]; 2]) -> State<V> {
+    let vector = |list: &[f64]| {
+        let mut vector = V::zeros(list.len());
+        vector.components_mut().copy_from_slice(list);
+        vector
+    };
+    State { q: vector(q), p: vector(p), t: 0.0 }
+}
+
+fn numbers<V: Vector>(state: &State<V>) -> Vec<f64> {
+    state.q.components().iter().chain(state.p.components()).copied().collect()
+}
+
+/// Steps of two systems that are the same leave the same states.
+pub(crate) fn same<E, A: Discretized<E>, B: Discretized<E>>(a: &A, b: &B, start: [&[f64]; 2], dw: &[f64]) {
     let h = 0.05;
-    let mut one = a.stepper::<E>(h).unwrap();
-    let mut other = b.stepper::<E>(h).unwrap();
-    let list = |v: &V| v.components().to_vec();
-    let mut x = State::<A::Vector> {
-        q: vector::<A::Vector>(&list(&start.q)),
-        p: vector::<A::Vector>(&list(&start.p)),
-        t: start.t,
-    };
-    let mut y = State::<B::Vector> {
-        q: vector::<B::Vector>(&list(&start.q)),
-        p: vector::<B::Vector>(&list(&start.p)),
-        t: start.t,
-    };
+    let (mut one, mut other) = (a.stepper::<E>(h).unwrap(), b.stepper::<E>(h).unwrap());
+    let (mut x, mut y) = (state::<A::Vector>(start), state::<B::Vector>(start));
     for step in 0..20 {
-        let dw: Vec<f64> = dw.iter().enumerate().map(|(k, dw)| dw * ((step * 7 + k) as f64).sin()).collect();
-        let before = [x.clone()];
+        let dw: Vec<f64> =
+            dw.iter().enumerate().map(|(k, dw)| dw * f64::from(step * 7 + k as u32).sin()).collect();
         one.step(&mut x, &dw).unwrap();
         other.step(&mut y, &dw).unwrap();
-        let numbers = |q: &[f64], p: &[f64]| -> Vec<f64> { q.iter().chain(p).copied().collect() };
-        let (one, other) =
-            (numbers(x.q.components(), x.p.components()), numbers(y.q.components(), y.p.components()));
-        for (a, b) in one.iter().zip(&other) {
+        for (a, b) in numbers(&x).iter().zip(&numbers(&y)) {
             // Some twenty roundings of numbers below 4, and the tolerance of two iterations.
             assert!((a - b).abs() < 4e-14, "{} step {step}: {a} {b}", std::any::type_name::<E>());
         }
-        let _ = before;
     }
-}
-
-use wzvi::state::Vector;
-
-fn vector<V: Vector>(list: &[f64]) -> V {
-    let mut v = V::zeros(list.len());
-    v.components_mut().copy_from_slice(list);
-    v
 }
 
 #[test]
 fn loops_do_what_straight_lines_do() {
     let (a, b) = (DrivenInline { drag: 0.4, push: 0.9 }, DrivenLoops { drag: 0.4, push: 0.9 });
-    let start: State<SVector<f64, 1>> = State::new([0.7], [-0.6]);
-    same::<DeltaPlus, _, _, _>(&a, &b, &start, &[]);
-    same::<DeltaMinus, _, _, _>(&a, &b, &start, &[]);
-    same::<Midpoint, _, _, _>(&a, &b, &start, &[]);
-    same::<Lambda<1, 3>, _, _, _>(&a, &b, &start, &[]);
-    same::<Verlet, _, _, _>(&a, &b, &start, &[]);
-    same::<Gauss<2>, _, _, _>(&a, &b, &start, &[]);
-    same::<Gauss<3>, _, _, _>(&a, &b, &start, &[]);
+    let start: [&[f64]; 2] = [&[0.7], &[-0.6]];
+    same::<DeltaPlus, _, _>(&a, &b, start, &[]);
+    same::<DeltaMinus, _, _>(&a, &b, start, &[]);
+    same::<Midpoint, _, _>(&a, &b, start, &[]);
+    same::<Lambda<1, 3>, _, _>(&a, &b, start, &[]);
+    same::<Verlet, _, _>(&a, &b, start, &[]);
+    same::<Gauss<2>, _, _>(&a, &b, start, &[]);
+    same::<Gauss<3>, _, _>(&a, &b, start, &[]);
 
     let mass = [1.0, 0.5, 2.0, 1.5, 0.8];
     let a = ChainInline { mass, drag: 0.3, sigma: 0.2 };
     let b = ChainLoops { mass: mass.to_vec(), drag: 0.3, sigma: 0.2 };
-    let start: State<SVector<f64, 5>> = State::new([0.1, -0.2, 0.4, 0.0, 0.3], [0.5, -0.4, 0.2, 0.9, -0.7]);
+    let start: [&[f64]; 2] = [&[0.1, -0.2, 0.4, 0.0, 0.3], &[0.5, -0.4, 0.2, 0.9, -0.7]];
     let dw = [0.2, -0.1, 0.3, 0.15, -0.25];
-    same::<Midpoint, _, _, _>(&a, &b, &start, &dw);
-    same::<DeltaPlus, _, _, _>(&a, &b, &start, &dw);
-    same::<DeltaMinus, _, _, _>(&a, &b, &start, &dw);
-    same::<Verlet, _, _, _>(&a, &b, &start, &dw);
-    same::<Gauss<2>, _, _, _>(&a, &b, &start, &dw);
+    same::<Midpoint, _, _>(&a, &b, start, &dw);
+    same::<DeltaPlus, _, _>(&a, &b, start, &dw);
+    same::<DeltaMinus, _, _>(&a, &b, start, &dw);
+    same::<Verlet, _, _>(&a, &b, start, &dw);
+    same::<Gauss<2>, _, _>(&a, &b, start, &dw);
 }
 
 /// The segment between two states.
@@ -88,7 +73,7 @@ fn segment<E, H: Discretized<E>>(
     Segment { q0: a.q.clone(), q1: b.q.clone(), p, t: a.t, h }
 }
 
-fn residual<E, H: Discretized<E>>(system: &H, start: State<H::Vector>, dw: &[f64]) {
+pub(crate) fn residual<E, H: Discretized<E>>(system: &H, start: State<H::Vector>, dw: &[f64]) {
     let h = 0.07;
     let mut stepper = system.stepper::<E>(h).unwrap();
     let mut states = vec![start.clone()];

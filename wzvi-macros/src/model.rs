@@ -15,7 +15,7 @@ use self::index::{Index, Loop};
 use self::symbols::Symbols;
 use crate::diagnostics::internal::Promised;
 use crate::discretise::embedding::Embedding;
-use crate::input::{Emission, Shape};
+use crate::input::{Emission, Labels, Shape};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 pub(crate) mod index;
@@ -220,6 +220,8 @@ pub(crate) struct System {
     pub(crate) components: i128,
     /// Names of coordinates and momenta.
     pub(crate) names: [String; 2],
+    /// What people are to be told that their components are called.
+    pub(crate) labels: [Labels; 2],
     /// What the symbols in it stand for, besides time and parameters.
     pub(crate) symbols: Symbols,
     pub(crate) t: Symbol,
@@ -325,6 +327,7 @@ impl Model {
 pub(crate) struct Model {
     pub(crate) graph: Graph,
     pub(crate) phase: Phase,
+    pub(crate) labels: [Labels; 2],
     pub(crate) parameters: Vec<Parameter>,
     pub(crate) drift: Located<Expr>,
     /// The parts of the drift, where the user has parted it.

@@ -230,6 +230,7 @@ pub(crate) fn written_out(system: &mut System) -> Option<Model> {
         graph,
         symbols,
         tables,
+        labels,
         parameters,
         t,
         drift,
@@ -282,6 +283,7 @@ pub(crate) fn written_out(system: &mut System) -> Option<Model> {
     let bath = of_friction.map(|work| Bath::of(&mut graph, &phase, (work, is_matrix), of_temperature));
     Some(Model {
         phase,
+        labels: labels.clone(),
         parameters,
         drift,
         parts,

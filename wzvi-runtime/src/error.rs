@@ -13,7 +13,6 @@ pub use bath::BathError;
 
 pub use crate::calculus::DomainError;
 pub use crate::increments::NoiseError;
-#[cfg(any(feature = "ensemble", feature = "serde"))]
 pub use crate::persist::FileError;
 pub use crate::series::SeriesError;
 #[doc(hidden)]
@@ -317,8 +316,8 @@ impl fmt::Display for UnknownName {
 
 impl std::error::Error for UnknownName {}
 
-/// Anything that can go wrong, for `main` and `?`.
-#[derive(Clone, Debug, PartialEq)]
+/// Anything that can go wrong, for `main` and `?`: its `Debug` is its `Display`, which is what a `main` that returns it shows.
+#[derive(Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
     /// The run could not start.
@@ -336,7 +335,6 @@ pub enum Error {
     /// A mistake of the library.
     Internal(InternalError),
     /// A file could not be written.
-    #[cfg(feature = "ensemble")]
     File(FileError),
     /// A path of a multilevel run has no value.
     #[cfg(feature = "ensemble")]
@@ -353,6 +351,9 @@ pub enum Error {
     /// A run on several ranks ended on all of them.
     #[cfg(feature = "mpi")]
     Cluster(crate::ensemble::cluster::ClusterError),
+    /// A plot could not be drawn or written.
+    #[cfg(feature = "plot")]
+    Plot(crate::plot::PlotError),
     /// A measurement could not be made or written.
     #[cfg(feature = "report")]
     Report(crate::report::ReportError),
@@ -368,7 +369,6 @@ impl fmt::Display for Error {
             Self::Name(error) => error.fmt(f),
             Self::Domain(error) => error.fmt(f),
             Self::Internal(error) => error.fmt(f),
-            #[cfg(feature = "ensemble")]
             Self::File(error) => error.fmt(f),
             #[cfg(feature = "ensemble")]
             Self::Level(error) => error.fmt(f),
@@ -380,9 +380,17 @@ impl fmt::Display for Error {
             Self::Checkpoint(error) => error.fmt(f),
             #[cfg(feature = "mpi")]
             Self::Cluster(error) => error.fmt(f),
+            #[cfg(feature = "plot")]
+            Self::Plot(error) => error.fmt(f),
             #[cfg(feature = "report")]
             Self::Report(error) => error.fmt(f),
         }
+    }
+}
+
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 
@@ -396,7 +404,6 @@ impl std::error::Error for Error {
             Self::Name(error) => Some(error),
             Self::Domain(error) => Some(error),
             Self::Internal(error) => Some(error),
-            #[cfg(feature = "ensemble")]
             Self::File(error) => Some(error),
             #[cfg(feature = "ensemble")]
             Self::Level(error) => Some(error),
@@ -408,6 +415,8 @@ impl std::error::Error for Error {
             Self::Checkpoint(error) => Some(error),
             #[cfg(feature = "mpi")]
             Self::Cluster(error) => Some(error),
+            #[cfg(feature = "plot")]
+            Self::Plot(error) => Some(error),
             #[cfg(feature = "report")]
             Self::Report(error) => Some(error),
         }
@@ -420,7 +429,6 @@ impl From<ConfigError> for Error {
     }
 }
 
-#[cfg(feature = "ensemble")]
 impl From<FileError> for Error {
     fn from(error: FileError) -> Self {
         Self::File(error)

@@ -1,15 +1,17 @@
 //! Runtime of `wzvi`. Users depend on the facade crate `wzvi`; see there for the tour.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 pub mod bath;
 mod between;
 pub mod calculus;
 pub mod carry;
 mod checksum;
-#[cfg(feature = "ensemble")]
 mod clock;
 pub mod compose;
 mod continuation;
 pub mod dense;
+mod due;
 pub mod elements;
 pub mod embedding;
 #[cfg(feature = "ensemble")]
@@ -20,9 +22,9 @@ mod execution;
 pub mod gauss;
 pub mod increments;
 pub mod integrate;
-#[cfg(all(feature = "interrupt", feature = "ensemble"))]
+#[cfg(all(feature = "interrupt", feature = "ensemble", not(target_family = "wasm")))]
 mod interrupt;
-#[cfg(all(feature = "ensemble", not(feature = "interrupt")))]
+#[cfg(all(feature = "ensemble", any(not(feature = "interrupt"), target_family = "wasm")))]
 #[path = "interrupt/absent.rs"]
 mod interrupt;
 pub mod lanes;
@@ -36,7 +38,8 @@ pub mod numbers;
 mod options;
 mod persist;
 pub mod plan;
-#[cfg(feature = "ensemble")]
+#[cfg(feature = "plot")]
+pub mod plot;
 mod progress;
 mod recording;
 #[cfg(feature = "report")]
@@ -56,6 +59,7 @@ mod steps;
 mod sum;
 pub mod system;
 pub mod trajectory;
+pub mod variables;
 
 #[doc(hidden)]
 pub use core;
@@ -67,3 +71,4 @@ pub use nalgebra;
 pub use persist::checkpoint;
 #[cfg(not(feature = "serde"))]
 use persist::checkpoint;
+pub use persist::table;

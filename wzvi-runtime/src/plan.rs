@@ -1,5 +1,7 @@
 //! What the compiler found out about one scheme of one system.
 
+use std::fmt;
+
 /// How the step is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solver {
@@ -56,6 +58,40 @@ pub struct Plan {
     pub conserves_energy: Knowledge,
     /// Whether `{H_j, H_k}` is constant for all noises: then the strong order of a consistent scheme is one.
     pub commuting: Knowledge,
+}
+
+/// One line: `linear step (one unknown) of order 2; multiplicative noise: strong order 1, weak order 1; the system keeps its energy`.
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.solver, self.unknowns) {
+            (Solver::Explicit, _) => f.write_str("explicit step")?,
+            (Solver::Linear, 1) => f.write_str("linear step (one unknown)")?,
+            (Solver::Linear, unknowns) => write!(f, "linear step ({unknowns} unknowns)")?,
+            (Solver::Newton, 1) => f.write_str("step by Newton's method (one unknown)")?,
+            (Solver::Newton, unknowns) => write!(f, "step by Newton's method ({unknowns} unknowns)")?,
+        }
+        write!(f, " of order {}", self.order)?;
+        let noise = match self.noise {
+            NoiseClass::None => None,
+            NoiseClass::Thermal => Some("noise of a bath"),
+            NoiseClass::Additive => Some("additive noise"),
+            NoiseClass::Position => Some("noise of positions"),
+            NoiseClass::Momentum => Some("noise of momenta"),
+            NoiseClass::Multiplicative => Some("multiplicative noise"),
+        };
+        match (noise, self.strong_order(), self.weak_order()) {
+            (None, ..) => {}
+            (Some(noise), Some(strong), Some(weak)) => {
+                write!(f, "; {noise}: strong order {strong}, weak order {weak}")?;
+            }
+            (Some(noise), ..) => write!(f, "; {noise}: does not converge to the Stratonovich system")?,
+        }
+        f.write_str(match self.conserves_energy {
+            Knowledge::Proven => "; the system keeps its energy",
+            Knowledge::Refuted => "; the energy of the system changes",
+            Knowledge::Unknown => "; whether the system keeps its energy is not known",
+        })
+    }
 }
 
 impl Plan {

@@ -13,6 +13,7 @@ use crate::plan::{NoiseClass, Plan};
 use crate::scalar::{Mask, Scalar};
 use crate::solve::Effort;
 use crate::state::{State, Vector};
+use crate::variables::Variables;
 
 /// A partial derivative with respect to the coordinates and one with respect to the momenta.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +75,11 @@ pub trait Hamiltonian {
     /// Number of first integrals that the compiler has proven.
     fn invariants(&self) -> usize {
         0
+    }
+
+    /// What the closure of the drift calls coordinates, momenta and time: for tables and plots.
+    fn variables(&self) -> Variables {
+        Variables::unnamed(self.degrees())
     }
 
     /// Name and value of a number that the Hamiltonians read from the system, as they name it; `None` from some `index`
@@ -324,7 +330,7 @@ pub trait Discretized<E>: Hamiltonian {
     const EQUATIONS: &'static str;
 
     /// Everything that depends on the system and the step size only.
-    type Prepared: Clone + Debug;
+    type Prepared: Clone + Debug + Send + Sync;
 
     /// What one step leaves for the starting value of the next; `()` where nothing is iterated.
     type Memory<S: Scalar>: StepMemory;

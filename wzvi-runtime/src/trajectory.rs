@@ -3,6 +3,7 @@
 mod recorder;
 #[cfg(feature = "serde")]
 mod serial;
+mod table;
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -17,9 +18,11 @@ use crate::state::{State, Vector};
 use crate::step::StepInfo;
 use crate::sum::Sum;
 use crate::system::{Discretized, EulerLagrangeResidual, Exchange, Hamiltonian, Segment};
+use crate::variables::Variables;
 #[cfg(feature = "serde")]
 pub(crate) use recorder::Kept;
 pub(crate) use recorder::Recorder;
+pub use table::PathTable;
 
 /// Newton iterations of a run, and what its steps took besides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,6 +48,8 @@ pub struct Iterations {
 /// It does not hold the system; what depends on it takes it again, as in `path.energy_drift(&kubo)`.
 pub struct Trajectory<V, E> {
     path: Path<V>,
+    /// Of no weight: what is read from a file has none.
+    variables: Option<Variables>,
     scheme: PhantomData<fn() -> E>,
 }
 
@@ -75,7 +80,7 @@ struct Path<V> {
 
 impl<V: Clone, E> Clone for Trajectory<V, E> {
     fn clone(&self) -> Self {
-        Self { path: self.path.clone(), scheme: PhantomData }
+        Self { path: self.path.clone(), variables: self.variables, scheme: PhantomData }
     }
 }
 
@@ -167,6 +172,17 @@ impl<V: Vector, E> Trajectory<V, E> {
             name: name.to_owned(),
             known: self.path.observed.iter().map(|(known, _)| known.clone()).collect(),
         })
+    }
+
+    /// What the closure of the drift calls the variables of the path; `q`, `p` and `t` after a path was read from a file.
+    pub fn variables(&self) -> Variables {
+        self.variables.unwrap_or_else(|| Variables::unnamed(self.path.last.q.components().len()))
+    }
+
+    /// The same, with the names of its system.
+    pub(crate) fn named(mut self, variables: Variables) -> Self {
+        self.variables = Some(variables);
+        self
     }
 
     /// Adds what functions of the state, by name, are at the recorded nodes.

@@ -141,6 +141,7 @@ impl Site {
         let mut model = Model {
             graph,
             phase,
+            labels: system.labels.clone(),
             parameters,
             drift: located(self.drift, &system.drift),
             parts: Vec::new(),

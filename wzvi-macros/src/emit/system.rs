@@ -8,6 +8,7 @@ use quote::{format_ident, quote};
 use super::names::Names;
 use super::print::{Printer, f64_type};
 use super::program::{Level, Lowering, Op};
+use crate::input::Labels;
 use crate::model::{Model, Parameter};
 use crate::symbolic::{Expr, Graph, Symbol};
 
@@ -127,6 +128,7 @@ pub(crate) fn emit(model: &mut Model) -> TokenStream {
         number_of("invariants", &quote!(#invariants))
     });
     let parameter = parameter(&model.graph, &model.parameters);
+    let variables = variables(&model.labels, model.graph.symbol_name(model.phase.t));
     let mut terms: Vec<Expr> = [model.drift].iter().chain(&model.noise).map(|term| term.value).collect();
     // Noise forces have no energy.
     terms.extend(model.noise_forces.iter().map(|_| model.graph.integer(0)));
@@ -151,6 +153,8 @@ pub(crate) fn emit(model: &mut Model) -> TokenStream {
             #noises
 
             #invariants
+
+            #variables
 
             #parameter
 
@@ -310,6 +314,30 @@ pub(crate) fn parameter(graph: &Graph, parameters: &[Parameter]) -> Option<Token
             fn parameter(&self, __index: __wzvi::usize) -> #option<(&'static __wzvi::str, #f64)> {
                 [#(#entries),*].get(__index).copied()
             }
+        }
+    })
+}
+
+/// What people are told that the variables are called; the default of the trait if that is the same.
+pub(crate) fn variables(labels: &[Labels; 2], t: &str) -> Option<TokenStream> {
+    let is_default = |labels: &Labels, name: &str| match labels {
+        Labels::Each(names) => *names == [name],
+        Labels::Array(array, inner) => array == name && inner.is_empty(),
+    };
+    let [q, p] = labels;
+    if t == "t" && is_default(q, "q") && is_default(p, "p") {
+        return None;
+    }
+    let [q, p] = labels.each_ref().map(|labels| match labels {
+        Labels::Each(names) => quote!(__wzvi::Labels::Each(&[#(#names),*])),
+        Labels::Array(name, inner) => {
+            let inner = inner.iter().map(|&length| count(length));
+            quote!(__wzvi::Labels::Array { name: #name, inner: &[#(#inner),*] })
+        }
+    });
+    Some(quote! {
+        fn variables(&self) -> __wzvi::Variables {
+            __wzvi::Variables { q: #q, p: #p, t: #t }
         }
     })
 }

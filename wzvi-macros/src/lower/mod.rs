@@ -91,6 +91,7 @@ pub(crate) fn lower(
         size: space.size,
         components: space.inner.iter().product(),
         names: phase_space.names.clone(),
+        labels: phase_space.labels.clone(),
         symbols,
         t,
         parameters,

@@ -37,7 +37,7 @@ pub trait Sequence<H: Hamiltonian> {
     /// As `Discretized::EXCHANGES`.
     const EXCHANGES: bool = false;
     /// What is computed once for all steps of one size.
-    type Prepared: Clone + Debug;
+    type Prepared: Clone + Debug + Send + Sync;
     /// What a step leaves for the next.
     type Memory<S: Scalar>: StepMemory;
     /// Compensated sums.

@@ -3,9 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::figure::Figure;
-use super::plot::Plot;
 use super::{ReportError, create_folder, number, write_file};
+use crate::plot::{Figure, Layout, Plot};
 
 /// A table is cut to about so many rows on the page; its file has all.
 const ROWS: usize = 120;
@@ -112,7 +111,7 @@ impl Document {
         create_folder(folder)?;
         for part in &self.parts {
             if let Part::Figure(figure) = part {
-                let plot = Plot::new(figure);
+                let plot = Plot::new(figure, Layout::wide(figure), 1);
                 let file = |ending: &str| folder.join(format!("{}.{ending}", figure.id));
                 write_file(&file("svg"), plot.svg()?.as_bytes())?;
                 write_file(&file("png"), &plot.png()?)?;
@@ -125,16 +124,40 @@ impl Document {
 
 /// A figure: plot, sentence, table.
 fn drawn(figure: &Figure) -> Result<String, ReportError> {
-    let plot = Plot::new(figure);
     let (id, title) = (escaped(&figure.id), escaped(&figure.title));
-    let svg = plot.svg()?;
-    // Within a page the name space is implied, and the drawing has a name of its own for readers of screens.
+    let plots = [
+        svg(figure, &Plot::new(figure, Layout::wide(figure), 1), "wide")?,
+        svg(figure, &Plot::new(figure, Layout::narrow(figure), 1), "narrow")?,
+    ];
+    let (headings, rows) = figure.table();
+    let stride = rows.len().div_ceil(ROWS).max(1);
+    let caption = match stride {
+        1 => format!("The numbers behind “{}”", figure.title),
+        _ => {
+            format!("One in {stride} of the numbers behind “{}”; all are in {}.csv", figure.title, figure.id)
+        }
+    };
+    let rows: Vec<_> = rows.into_iter().step_by(stride).collect();
+    Ok(format!(
+        "<figure id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h3 id=\"{id}-title\">{title}</h3>\n\
+         {}<figcaption>{}</figcaption>\n\
+         <details><summary>Numbers</summary>\n{}<p class=\"files\">Files: {id}.csv, {id}.svg, {id}.png</p></details>\n</figure>\n",
+        plots.concat(),
+        escaped(&figure.shows),
+        table(&caption, &headings, &rows)
+    ))
+}
+
+/// A drawing for screens of one kind, with the numbers of its points for who points at them.
+fn svg(figure: &Figure, plot: &Plot<'_>, screens: &str) -> Result<String, ReportError> {
     let alternative = format!(
         "Plot of {} against {}: {}. The numbers are in the table below.",
         figure.y.label,
         figure.x.label,
         figure.series.iter().map(|series| series.name.as_str()).collect::<Vec<_>>().join(", ")
     );
+    // Within a page the name space is implied, and the drawing has a name of its own for readers of screens.
+    let svg = plot.svg()?;
     let open = svg.find("<svg").unwrap_or(0);
     let inner = svg[open..].find('>').map_or("", |end| &svg[open + end + 1..]);
     let inner = inner.trim_end().trim_end_matches("</svg>");
@@ -155,23 +178,11 @@ fn drawn(figure: &Figure) -> Result<String, ReportError> {
             placed.at.0, placed.at.1
         );
     }
-    let (headings, rows) = figure.table();
-    let stride = rows.len().div_ceil(ROWS).max(1);
-    let caption = match stride {
-        1 => format!("The numbers behind “{}”", figure.title),
-        _ => {
-            format!("One in {stride} of the numbers behind “{}”; all are in {}.csv", figure.title, figure.id)
-        }
-    };
-    let rows: Vec<_> = rows.into_iter().step_by(stride).collect();
+    let (width, height) = plot.size();
     Ok(format!(
-        "<figure id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h3 id=\"{id}-title\">{title}</h3>\n\
-         <div class=\"plot\"><svg viewBox=\"0 0 900 460\" role=\"group\" aria-label=\"{}\">\n\
-         <g aria-hidden=\"true\">{inner}</g>\n<g>{points}</g></svg></div>\n<figcaption>{}</figcaption>\n\
-         <details><summary>Numbers</summary>\n{}<p class=\"files\">Files: {id}.csv, {id}.svg, {id}.png</p></details>\n</figure>\n",
-        escaped(&alternative),
-        escaped(&figure.shows),
-        table(&caption, &headings, &rows)
+        "<div class=\"plot {screens}\"><svg viewBox=\"0 0 {width} {height}\" role=\"group\" aria-label=\"{}\">\n\
+         <g aria-hidden=\"true\">{inner}</g>\n<g>{points}</g></svg></div>\n",
+        escaped(&alternative)
     ))
 }
 

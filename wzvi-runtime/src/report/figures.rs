@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::document::Document;
-use super::figure::{Axis, Figure, Look, Series};
 use super::fit::Slope;
 use super::{Cell, Report, ReportError, create_folder, duration, number, write_file};
+use crate::plot::{Axis, Figure, Look, Series};
 
 impl Report {
     /// Error against run time and error against step size, log-log, with the fitted slopes.

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::{degrees, noise_count, vector_type};
-use crate::emit::{count, f64_type, friction_rate, number_of, parameter};
+use crate::emit::{count, f64_type, friction_rate, number_of, parameter, variables};
 use crate::model::System;
 
 /// `impl Hamiltonian`
@@ -36,6 +36,7 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
             }
         }
     });
+    let variables = variables(&model.labels, model.graph.symbol_name(model.t));
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::Hamiltonian for #name #arguments #filter {
@@ -55,6 +56,8 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
             #noises
 
             #invariants
+
+            #variables
 
             #parameter
 
