@@ -43,11 +43,7 @@ pub use stages::{At, Scratch, Stages};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gauss<const S: usize>;
 
-/// Nodes and weights of four stages, on the interval from 0 to 1.
-pub(crate) fn quadrature() -> ([f64; 4], [f64; 4]) {
-    let table = table::Table::<4>::get();
-    (table.c, table.b)
-}
+pub(crate) use table::quadrature;
 
 /// The slopes of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`; generated.
 pub trait Field: Hamiltonian {

@@ -290,7 +290,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         if !account::is_wanted::<H, E>(self.system) {
             return;
         }
-        let ledger = self.ledger.get_or_insert_with(|| Box::new(Ledger::of(state)));
+        let ledger = self.ledger.get_or_insert_with(|| Box::new(Ledger::of(state, H::PLAN.order)));
         copy_state(&mut ledger.before, state);
     }
 

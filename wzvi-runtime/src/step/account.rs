@@ -13,9 +13,6 @@ use crate::gauss::quadrature;
 use crate::state::{State, Vector};
 use crate::system::{Discretized, Exchange, Hamiltonian};
 
-/// Nodes and weights for schemes of higher order.
-type Quadrature = ([f64; 4], [f64; 4]);
-
 /// The accountant of a stepper.
 #[derive(Clone, Debug)]
 pub(super) struct Ledger<V> {
@@ -24,7 +21,8 @@ pub(super) struct Ledger<V> {
     pub(super) dense: DenseOutput<V>,
     at: State<V>,
     force: V,
-    quadrature: Quadrature,
+    /// Nodes and weights: those of the stages of a Gauss method, so that work is of the order that its steps have.
+    quadrature: (Vec<f64>, Vec<f64>),
 }
 
 /// Whether steps of a system exchange energy by more than what their scheme accounts for.
@@ -33,9 +31,10 @@ pub(super) fn is_wanted<H: Discretized<E>, E>(system: &H) -> bool {
 }
 
 impl<V: Vector> Ledger<V> {
-    pub(super) fn of(state: &State<V>) -> Self {
+    /// For a scheme of this order.
+    pub(super) fn of(state: &State<V>, order: u32) -> Self {
         let force = V::zeros(state.q.components().len());
-        let (dense, quadrature) = (DenseOutput::of(state), quadrature());
+        let (dense, quadrature) = (DenseOutput::of(state), quadrature(order.div_ceil(2) as usize));
         Self { before: state.clone(), dense, at: state.clone(), force, quadrature }
     }
 
@@ -50,16 +49,11 @@ impl<V: Vector> Ledger<V> {
         if H::EXCHANGES {
             return self.along_the_way(system, after, dw);
         }
-        let (nodes, weights) = self.quadrature;
         let mut exchange = Exchange::default();
-        if H::PLAN.order <= 2 {
-            self.dense.write(0.5, &mut self.at);
-            exchange += self.power(system, h, dw, 1.0);
-        } else {
-            for (node, weight) in nodes.into_iter().zip(weights) {
-                self.dense.write(node, &mut self.at);
-                exchange += self.power(system, h, dw, weight);
-            }
+        for stage in 0..self.quadrature.0.len() {
+            let (node, weight) = (self.quadrature.0[stage], self.quadrature.1[stage]);
+            self.dense.write(node, &mut self.at);
+            exchange += self.power(system, h, dw, weight);
         }
         exchange
     }
