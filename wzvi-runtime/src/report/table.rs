@@ -2,16 +2,28 @@
 
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 
-use super::statistics::Estimate;
 use super::{Cell, Report, duration, number};
+use crate::plot::power_of_ten;
 
-/// `value ± standard error`, or a dash.
-fn estimate(estimate: &Estimate) -> String {
-    match estimate {
-        Estimate { value, .. } if value.is_nan() => "-".to_owned(),
-        Estimate { value, standard_error } if *standard_error == 0.0 => number(*value),
-        Estimate { value, standard_error } => format!("{} ± {standard_error:.0e}", number(*value)),
+/// `value ± uncertainty` to the first digit of the uncertainty, with one power of ten for both where they are large or small; a dash
+/// for none.
+fn estimate(value: f64, uncertainty: f64) -> String {
+    if value.is_nan() {
+        return "-".to_owned();
     }
+    // By their texts, which are rounded: 0.096 is 0.1 to one digit.
+    let exponent =
+        |text: String| text.split_once('e').and_then(|parts| parts.1.parse::<i32>().ok()).unwrap_or(0);
+    let last = exponent(format!("{uncertainty:.0e}"));
+    let size = exponent(format!("{:.2e}", value.abs().max(uncertainty)));
+    if uncertainty == 0.0 || !uncertainty.is_finite() || !value.is_finite() {
+        return number(value);
+    }
+    let power = if (-3..5).contains(&size) { 0 } else { size };
+    let unit = 10f64.powi(power);
+    let decimals = usize::try_from(power - last).unwrap_or(0);
+    let text = format!("{:.decimals$} ± {:.decimals$}", value / unit, uncertainty / unit);
+    if power == 0 { text } else { format!("({text})·{}", power_of_ten(power)) }
 }
 
 impl Report {
@@ -75,6 +87,20 @@ impl Report {
         lines
     }
 
+    /// What the columns of the table are, a sentence each.
+    pub fn terms(&self) -> Vec<String> {
+        let strong = "strong error: the root mean square over paths of the distance between the end of the run and the solution, with its \
+                      standard error";
+        let weak = "weak error: the mean of the observable minus that of the solution, with its 95 % confidence interval";
+        let energy = "trend: what the energy changes over the run, by a straight line through it; oscillation: the largest distance from that \
+                      line";
+        let rest = "failed: paths whose step had no solution; Newton: iterations in a step, mean; steps take, noise takes: the median time of a \
+                    path, with half the distance of the quartiles";
+        let has_weak = self.cells.first().is_some_and(|cell| !cell.weak.is_empty());
+        let weak = has_weak.then_some(weak);
+        [strong].into_iter().chain(weak).chain([energy, rest]).map(str::to_owned).collect()
+    }
+
     /// What was measured against what, where and when.
     pub fn conditions(&self) -> String {
         let paths = self.cells.iter().map(|cell| cell.paths + cell.failures).max().unwrap_or(0);
@@ -89,15 +115,9 @@ impl Report {
 }
 
 fn row(cell: &Cell) -> Vec<String> {
-    let mut row = vec![cell.scheme.clone(), number(cell.h), estimate(&cell.strong)];
-    row.extend(cell.weak.iter().map(|weak| {
-        let half = weak.bias.half_width();
-        if weak.bias.value.is_nan() {
-            "-".to_owned()
-        } else {
-            format!("{} ± {half:.0e}", number(weak.bias.value))
-        }
-    }));
+    let mut row =
+        vec![cell.scheme.clone(), number(cell.h), estimate(cell.strong.value, cell.strong.standard_error)];
+    row.extend(cell.weak.iter().map(|weak| estimate(weak.bias.value, weak.bias.half_width())));
     row.extend([number(cell.energy_trend.value), number(cell.energy_oscillation.value)]);
     row.push(cell.failures.to_string());
     row.push(number(cell.iterations));
@@ -107,4 +127,20 @@ fn row(cell: &Cell) -> Vec<String> {
     row.push(cell.time.map_or_else(|| "-".to_owned(), half));
     row.push(cell.noise_time.map_or_else(|| "-".to_owned(), half));
     row
+}
+
+#[cfg(test)]
+mod tests {
+    use super::estimate;
+
+    #[test]
+    fn an_estimate_has_the_digits_that_are_known() {
+        assert_eq!(estimate(0.0167, 0.0005), "0.0167 ± 0.0005");
+        assert_eq!(estimate(9.7312e-4, 3.4e-5), "(9.7 ± 0.3)·10⁻⁴");
+        assert_eq!(estimate(-1.2e-7, 0.96e-7), "(-1 ± 1)·10⁻⁷");
+        assert_eq!(estimate(1234.5, 12.0), "1234 ± 12");
+        assert_eq!(estimate(3e-9, 0.02), "0.00 ± 0.02");
+        assert_eq!(estimate(2.5e8, 3e6), "(2.50 ± 0.03)·10⁸");
+        assert_eq!((estimate(0.25, 0.0), estimate(f64::NAN, 0.1)), ("0.25".into(), "-".into()));
+    }
 }
