@@ -3,28 +3,7 @@
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 
 use super::{Cell, Report, duration, number};
-use crate::plot::power_of_ten;
-
-/// `value ± uncertainty` to the first digit of the uncertainty, with one power of ten for both where they are large or small; a dash
-/// for none.
-fn estimate(value: f64, uncertainty: f64) -> String {
-    if value.is_nan() {
-        return "-".to_owned();
-    }
-    // By their texts, which are rounded: 0.096 is 0.1 to one digit.
-    let exponent =
-        |text: String| text.split_once('e').and_then(|parts| parts.1.parse::<i32>().ok()).unwrap_or(0);
-    let last = exponent(format!("{uncertainty:.0e}"));
-    let size = exponent(format!("{:.2e}", value.abs().max(uncertainty)));
-    if uncertainty == 0.0 || !uncertainty.is_finite() || !value.is_finite() {
-        return number(value);
-    }
-    let power = if (-3..5).contains(&size) { 0 } else { size };
-    let unit = 10f64.powi(power);
-    let decimals = usize::try_from(power - last).unwrap_or(0);
-    let text = format!("{:.decimals$} ± {:.decimals$}", value / unit, uncertainty / unit);
-    if power == 0 { text } else { format!("({text})·{}", power_of_ten(power)) }
-}
+use crate::digits::estimate;
 
 impl Report {
     /// Prints [`Report::text`].
@@ -127,20 +106,4 @@ fn row(cell: &Cell) -> Vec<String> {
     row.push(cell.time.map_or_else(|| "-".to_owned(), half));
     row.push(cell.noise_time.map_or_else(|| "-".to_owned(), half));
     row
-}
-
-#[cfg(test)]
-mod tests {
-    use super::estimate;
-
-    #[test]
-    fn an_estimate_has_the_digits_that_are_known() {
-        assert_eq!(estimate(0.0167, 0.0005), "0.0167 ± 0.0005");
-        assert_eq!(estimate(9.7312e-4, 3.4e-5), "(9.7 ± 0.3)·10⁻⁴");
-        assert_eq!(estimate(-1.2e-7, 0.96e-7), "(-1 ± 1)·10⁻⁷");
-        assert_eq!(estimate(1234.5, 12.0), "1234 ± 12");
-        assert_eq!(estimate(3e-9, 0.02), "0.00 ± 0.02");
-        assert_eq!(estimate(2.5e8, 3e6), "(2.50 ± 0.03)·10⁸");
-        assert_eq!((estimate(0.25, 0.0), estimate(f64::NAN, 0.1)), ("0.25".into(), "-".into()));
-    }
 }
