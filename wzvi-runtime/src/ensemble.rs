@@ -46,7 +46,6 @@ mod source;
 mod starts;
 mod statistics;
 mod table;
-mod width;
 
 use std::marker::PhantomData;
 
@@ -345,8 +344,6 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
 impl<H, E, N, R> Ensemble<'_, H, E, N, R>
 where
     H: Discretized<E> + Sync,
-    H::Vector: Send + Sync,
-    H::Prepared: Send + Sync,
     N: Noise,
 {
     /// Runs all paths.

@@ -280,7 +280,7 @@ pub trait Discretized<E>: Hamiltonian {
     const EQUATIONS: &'static str;
 
     /// Everything that depends on the system and the step size only.
-    type Prepared: Clone + Debug;
+    type Prepared: Clone + Debug + Send + Sync;
 
     /// What one step leaves for the starting value of the next; `()` where nothing is iterated.
     type Memory<S: Scalar>: StepMemory;

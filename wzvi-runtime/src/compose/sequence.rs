@@ -31,7 +31,7 @@ pub trait Sequence<H: Hamiltonian> {
     /// As `Discretized::IN_LANES`.
     const IN_LANES: bool;
     /// What is computed once for all steps of one size.
-    type Prepared: Clone + Debug;
+    type Prepared: Clone + Debug + Send + Sync;
     /// What a step leaves for the next.
     type Memory<S: Scalar>: StepMemory;
     /// Compensated sums.

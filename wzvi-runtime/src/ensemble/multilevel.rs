@@ -178,8 +178,6 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
 impl<H, E> Multilevel<'_, H, E, Observed>
 where
     H: Discretized<E> + Sync,
-    H::Vector: Send + Sync,
-    H::Prepared: Send + Sync,
 {
     /// Runs as many paths on as many levels as it takes. The result is the same, bit for bit, for any number of threads.
     ///
@@ -319,8 +317,6 @@ struct Stage<'a, H: Discretized<E>, E> {
 impl<H, E> Run<'_, '_, H, E>
 where
     H: Discretized<E> + Sync,
-    H::Vector: Send + Sync,
-    H::Prepared: Send + Sync,
 {
     fn run<const WIDTH: usize>(mut self) -> Result<MultilevelEstimate, Error> {
         for _ in 0..LEAST_LEVELS {

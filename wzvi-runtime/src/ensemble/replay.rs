@@ -17,8 +17,6 @@ use crate::trajectory::Recorder;
 impl<H, E, N, R> Ensemble<'_, H, E, N, R>
 where
     H: Discretized<E> + Sync,
-    H::Vector: Send + Sync,
-    H::Prepared: Send + Sync,
     N: Noise,
 {
     /// The path with this number as the ensemble has it, bit for bit: as far as it goes, and what ended it early, if anything did. Nodes

@@ -81,7 +81,7 @@ pub fn advance<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: 
     }
     let run = Run::<F, S, C, N, CAREFUL> { system, prepared, t, h, q, p, dw, memory, carry };
     // Other numbers than `f64` are not side by side.
-    if size_of::<S>() == size_of::<f64>() { prepared.instructions.run(run) } else { run.run::<1>() }
+    if size_of::<S>() == size_of::<f64>() { prepared.instructions.run(run) } else { run.run::<1, 1>() }
 }
 
 impl<const N: usize> Prepared<N> {
@@ -125,7 +125,7 @@ impl<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool> Kern
     type Output = Result<Effort, StepFailure>;
 
     #[inline(always)]
-    fn run<const L: usize>(self) -> Self::Output {
+    fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
         let Self { system, prepared, t, h, q, p, dw, memory, carry } = self;
         let mut given = memory.given.take();
         given.read(&prepared.table, q, p, dw, carry);

@@ -118,8 +118,6 @@ impl<E> Embedded<E> {
 impl<H, E> Method<H> for Embedded<E>
 where
     H: Discretized<E> + Sync,
-    H::Vector: Send + Sync,
-    H::Prepared: Send + Sync,
 {
     fn name(&self) -> String {
         short_name::<E>()

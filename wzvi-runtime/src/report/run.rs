@@ -25,7 +25,6 @@ const TIMED: Duration = Duration::from_millis(1);
 impl<'a, H> WorkPrecision<'a, H>
 where
     H: Hamiltonian + Sync,
-    H::Vector: Send + Sync,
 {
     /// Measures. Ctrl-C, or [`WorkPrecision::stop_when`], ends it early: the report then holds what was measured until then.
     /// On a terminal, progress and the time that remains are shown.
