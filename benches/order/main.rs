@@ -102,6 +102,11 @@ macro_rules! measure {
             curve::<Composed<Verlet, BlanesMoan6>, _>(scene, "Composed<Verlet, BlanesMoan6>", [10, 0]),
             curve::<Composed<Verlet, KahanLi8>, _>(scene, "Composed<Verlet, KahanLi8>", [17, 0]),
             curve::<Composed<Verlet, SuzukiUmeno8>, _>(scene, "Composed<Verlet, SuzukiUmeno8>", [15, 0]),
+            curve::<Composed<Verlet, Srkn6>, _>(scene, "Composed<Verlet, Srkn6>", [14, 0]),
+            // The kernel takes the slope of |V'|², about one more force.
+            curve::<Composed<Verlet, Chin4>, _>(scene, "Composed<Verlet, Chin4>", [3, 0]),
+            curve::<Composed<Midpoint, Yoshida4>, _>(scene, "Composed<Midpoint, Yoshida4>", [0, 1]),
+            curve::<Composed<Midpoint, KahanLi8>, _>(scene, "Composed<Midpoint, KahanLi8>", [0, 1]),
             curve::<Gauss<2>, _>(scene, "Gauss<2>", [0, 2]),
             curve::<Gauss<4>, _>(scene, "Gauss<4>", [0, 4]),
             curve::<Gauss<6>, _>(scene, "Gauss<6>", [0, 6]),

@@ -151,13 +151,13 @@ pub(crate) fn solar_system() -> Scene<SolarSystem> {
     Scene { name: "solar_system", title, system, start, end, exact, fewest: 100 }
 }
 
-/// The first mode with amplitude 1, 1024 particles.
+/// 1024 particles with momenta between -1 and 1 (multiples of the golden section): all modes have energy.
 pub(crate) fn fput() -> Scene<Fput> {
     let n = 1024;
-    let mode = |i: usize| (std::f64::consts::PI * (i + 1) as f64 / (n + 1) as f64).sin();
-    let start = State::new((0..n).map(mode).collect::<Vec<_>>(), vec![0.0; n]);
-    let (system, end) = (Fput { beta: 0.25 }, 50.0);
+    let momentum = |i: usize| 2.0 * (0.618_033_988_749_894_9 * i as f64).fract() - 1.0;
+    let start = State::new(vec![0.0; n], (0..n).map(momentum).collect::<Vec<_>>());
+    let (system, end) = (Fput { beta: 0.25 }, 10.0);
     let exact = followed(&system, &start, end, 400);
-    let title = "FPUT-β chain, 1024 particles, first mode, to T = 50";
+    let title = "FPUT-β chain, 1024 particles with momenta of all modes, to T = 10";
     Scene { name: "fput", title, system, start, end, exact, fewest: 25 }
 }
