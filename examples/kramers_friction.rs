@@ -120,13 +120,21 @@ fn main() -> Result<(), Box<dyn Error>> {
             (gamma, rate(gamma))
         })
     };
-    let little = curve(|gamma| slowest_attempt() * with_little_friction(gamma), 8e-3, 0.08);
-    let much = curve(|gamma| slowest_attempt() * with_much_friction(gamma), 8e-3, 12.0);
-    let figure = Figure::panel("Rate of escape, kT = B/5", "friction γ", "rate")
+    let panel = Figure::panel("Rate of escape, kT = B/5", "friction γ", "rate")
         .log_log()
-        .points(Look::Dashed, "little friction", Colour::BLUE, little)
-        .points(Look::Dashed, "much friction", Colour::VERMILION, much)
+        .points(
+            Look::Dashed,
+            "little friction",
+            Colour::BLUE,
+            curve(|gamma| slowest_attempt() * with_little_friction(gamma), 8e-3, 0.08),
+        )
+        .points(
+            Look::Dashed,
+            "much friction",
+            Colour::VERMILION,
+            curve(|gamma| slowest_attempt() * with_much_friction(gamma), 8e-3, 12.0),
+        )
         .line("Mel'nikov and Meshkov", Colour::GREEN, curve(expected, 8e-3, 12.0))
         .points(Look::Dots, "paths", Colour::INK, points);
-    plot::save("kramers_friction", "turnover", 1, (1100, 800), &[figure])
+    plot::save("kramers_friction", "turnover", 1, (1100, 800), &[panel])
 }

@@ -16,7 +16,7 @@ fn documents() -> Vec<PathBuf> {
         let entries = fs::read_dir(root().join(folder)).unwrap().map(|entry| entry.unwrap().path());
         entries.filter(|path| path.extension().is_some_and(|ending| ending == "md")).collect::<Vec<_>>()
     };
-    ["", "docs", "docs/guide"].into_iter().flat_map(in_folder).collect()
+    ["", "docs", "docs/guide", "examples"].into_iter().flat_map(in_folder).collect()
 }
 
 /// The text with what it includes, and without code.

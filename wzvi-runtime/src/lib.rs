@@ -11,6 +11,8 @@ mod clock;
 pub mod compose;
 mod continuation;
 pub mod dense;
+#[cfg(any(feature = "ensemble", feature = "plot"))]
+mod digits;
 mod due;
 pub mod elements;
 pub mod embedding;

@@ -105,8 +105,12 @@ pub fn advance<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: 
         return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
     }
     let run = Run::<F, S, C, N, CAREFUL> { system, prepared, t, h, q, p, dw, memory, carry };
-    // Other numbers than `f64` are not side by side.
-    if size_of::<S>() == size_of::<f64>() { prepared.instructions.run(run) } else { run.run::<1, 1>() }
+    // Other numbers than `f64` are not side by side, and care is not compiled for each set of instructions.
+    if size_of::<S>() == size_of::<f64>() && !CAREFUL {
+        prepared.instructions.run(run)
+    } else {
+        run.run::<1, 1>()
+    }
 }
 
 impl<const N: usize> Prepared<N> {

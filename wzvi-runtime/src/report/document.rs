@@ -52,7 +52,7 @@ impl Document {
         self
     }
 
-    /// Adds a table.
+    /// Adds a table. A cell that begins with ✓, ◐ or ✗ is coloured as good, in part, or bad.
     #[must_use]
     pub fn table(
         mut self,
@@ -76,10 +76,14 @@ impl Document {
     /// # Errors
     /// [`ReportError::Plot`].
     pub fn html(&self) -> Result<String, ReportError> {
-        let mut body = String::new();
+        let mut body = self.contents();
+        let mut section = 0;
         for part in &self.parts {
             match part {
-                Part::Heading(text) => body += &format!("<h2>{}</h2>\n", escaped(text)),
+                Part::Heading(text) => {
+                    section += 1;
+                    body += &format!("<h2 id=\"section-{section}\">{}</h2>\n", escaped(text));
+                }
                 Part::Text(text) => body += &format!("<p>{}</p>\n", escaped(text)),
                 Part::List(items) => {
                     body += "<ul>\n";
@@ -99,6 +103,22 @@ impl Document {
              <title>{title}</title>\n<style>\n{style}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n{body}</main>\n\
              <div id=\"tip\" role=\"status\" hidden></div>\n<script>\n{script}</script>\n</body>\n</html>\n"
         ))
+    }
+
+    /// The headings as links, where there are some.
+    fn contents(&self) -> String {
+        let headings = self.parts.iter().filter_map(|part| match part {
+            Part::Heading(text) => Some(text),
+            _ => None,
+        });
+        let entries: Vec<String> = headings
+            .enumerate()
+            .map(|(i, text)| format!("<li><a href=\"#section-{}\">{}</a></li>\n", i + 1, escaped(text)))
+            .collect();
+        match entries.len() {
+            0..3 => String::new(),
+            _ => format!("<nav aria-label=\"Contents\"><ol>\n{}</ol></nav>\n", entries.concat()),
+        }
     }
 
     /// Writes `index.html` and, for each figure, `<id>.svg`, `<id>.png` and `<id>.csv` into a folder, which is made if it is not
@@ -188,7 +208,7 @@ fn svg(figure: &Figure, plot: &Plot<'_>, screens: &str) -> Result<String, Report
 
 fn table(caption: &str, headings: &[String], rows: &[Vec<String>]) -> String {
     let mut text = format!(
-        "<div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\"><table>\n<caption>{0}</caption>\n<thead><tr>",
+        "<p class=\"hint\">Wide tables scroll sideways.</p>\n<div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\"><table>\n<caption>{0}</caption>\n<thead><tr>",
         escaped(caption)
     );
     for heading in headings {
@@ -200,7 +220,13 @@ fn table(caption: &str, headings: &[String], rows: &[Vec<String>]) -> String {
         for (column, cell) in row.iter().enumerate() {
             let tag = if column == 0 { "th scope=\"row\"" } else { "td" };
             let end = if column == 0 { "th" } else { "td" };
-            text += &format!("<{tag}>{}</{end}>", escaped(cell));
+            let class = match cell.chars().next() {
+                Some('✓') => " class=\"good\"",
+                Some('◐') => " class=\"part\"",
+                Some('✗') => " class=\"bad\"",
+                _ => "",
+            };
+            text += &format!("<{tag}{class}>{}</{end}>", escaped(cell));
         }
         text += "</tr>\n";
     }

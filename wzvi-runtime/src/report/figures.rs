@@ -74,6 +74,7 @@ impl Report {
         let (headings, rows) = self.rows();
         let document = document
             .table(format!("{}: what was measured", self.title), headings, rows)
+            .list(self.terms())
             .list(self.conclusions())
             .text(self.conditions());
         self.figures(id).into_iter().fold(document, Document::figure)
