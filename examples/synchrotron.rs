@@ -10,6 +10,13 @@
 //! Paths run until the standard error of the last mean is below a target. Both embeddings are symplectic for every path of the noise, and
 //! neither adds to the growth of the energy or takes from it.
 //!
+//! Electrons radiate: that damps their oscillation, and the quanta of it heat, to an equilibrium of the temperature `kT`. The same bucket with `friction` and
+//! `temperature` then has, at any step and to the scheme's error,
+//!
+//! * **Exactly**: `⟨p²⟩ = kT` and `⟨1 - cos q⟩ = 1 - I_1(x)/I_0(x)` with `x = ω²/kT`: the spread of the energy and the length of the bunch.
+//! * **For weak damping**: a life time, `1/τ = γ J/kT ω/2π e^{-2ω²/kT}` with the action `J = 16 ω` of the separatrix (H. A. Kramers, Physica 7, 1940), to
+//!   corrections of the order `kT/2ω²`.
+//!
 //! `cargo run --release --example synchrotron`, less than a minute
 
 #[path = "support/energy_diffusion.rs"]
@@ -36,6 +43,22 @@ pub struct Synchrotron {
     pub omega: f64,
     /// Intensity of the noise.
     pub s: f64,
+}
+
+/// The same with radiation: damping, and the heat of its quanta.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + omega * omega * (1.0 - q.cos()),
+    friction = gamma,
+    temperature = kt,
+    embedding = Baoab,
+)]
+pub struct Ring {
+    /// Angular frequency of small oscillations.
+    pub omega: f64,
+    /// Rate of the damping.
+    pub gamma: f64,
+    /// Temperature of the equilibrium.
+    pub kt: f64,
 }
 
 const BEAM: Synchrotron = Synchrotron { omega: 1.0, s: 0.1 };
@@ -141,5 +164,52 @@ fn main() -> Result<(), Box<dyn Error>> {
         .points(Look::Dots, "measured", Colour::BLUE, measured)
         .line("averaged equation", Colour::INK, curve);
     plot::save("synchrotron", "heating", 3, (900, 700), &[energy, deviation, bucket])?;
-    Ok(())
+    radiation()
+}
+
+/// `I_n(x)` as the mean of `e^{x cos q} cos(n q)` over the circle: equidistant points are exact to rounding here.
+fn bessel(n: f64, x: f64) -> f64 {
+    let angle = |i: u32| f64::from(i) * std::f64::consts::TAU / 256.0;
+    (0..256).map(|i| (x * (angle(i).cos() - 1.0)).exp() * (n * angle(i)).cos()).sum::<f64>() / 256.0
+}
+
+/// Damped bunches: their equilibrium, how they get there, and how long they live.
+fn radiation() -> Result<(), Box<dyn Error>> {
+    const DAMPING: f64 = 0.01;
+    const STEP: f64 = 0.1;
+    println!("\nWith radiation damping, ω = 1, γ = {DAMPING}, Baoab, h = {STEP}\n");
+    let (mut rows, mut figures) = (vec![], vec![]);
+    let mut approach = Figure::panel("Radiation damps to an equilibrium", "time t [1/ω]", "mean of p² [ω²]");
+    for (kt, color) in [(0.3, Colour::BLUE), (0.4, Colour::GREEN), (0.5, Colour::VERMILION)] {
+        let ring = Ring { omega: 1.0, gamma: DAMPING, kt };
+        let rate = DAMPING * 16.0 / kt / std::f64::consts::TAU * (-2.0 / kt).exp();
+        let run = ring.ensemble::<Baoab>(STEP).paths(4096).seed(3).start(State::new([1.5], [0.0]));
+        let run = run
+            .observe("p²", |state| state.p[0].powi(2))
+            .observe("1 - cos q", |state| 1.0 - state.q[0].cos());
+        let run = run.first_passage("loss", |state| std::f64::consts::PI + 0.5 - state.q[0].abs());
+        let run = run.record_every(100).until(1500.0).run()?;
+        let losses = run.passage("loss")?;
+        let end = run.last().ok_or("an ensemble has an end")?;
+        let x = 1.0 / kt;
+        rows.push([
+            format!("{kt}"),
+            format!("{:.4} ± {:.4}", end.mean(0), end.standard_error(0)),
+            format!("{:.4} ± {:.4}", end.mean(1), end.standard_error(1)),
+            format!("{:.4}", 1.0 - bessel(1.0, x) / bessel(0.0, x)),
+            format!("{:.2e} ± {:.0e}", losses.rate(), losses.rate() / (losses.passed() as f64).sqrt()),
+            format!("{rate:.2e}"),
+        ]);
+        let means = run.nodes().iter().map(|node| (node.time(), node.mean(0)));
+        approach = approach.line(format!("kT = {kt}"), color, means.collect::<Vec<_>>()).points(
+            Look::Dashed,
+            "",
+            color,
+            [(0.0, kt), (1500.0, kt)],
+        );
+    }
+    figures.push(approach);
+    table::print(["kT", "mean p²", "mean 1 - cos q", "exactly", "loss rate", "Kramers, weak damping"], &rows);
+    println!();
+    plot::save("synchrotron", "radiation", 1, (1000, 700), &figures)
 }
