@@ -133,8 +133,9 @@ pub use wzvi_runtime::plot;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
-    calculus, compose, dense, elements, embedding, error, increments, integrate, lanes, memory, modified,
-    numbers, plan, retry, scalar, section, simulate, state, step, system, table, trajectory, variables,
+    bath, calculus, compose, dense, elements, embedding, error, increments, integrate, lanes, memory,
+    modified, numbers, plan, retry, scalar, section, series, simulate, state, step, system, table,
+    trajectory, variables,
 };
 
 #[cfg(not(all(feature = "report", feature = "serde")))]
@@ -154,9 +155,9 @@ pub mod prelude {
     pub use wzvi_runtime::checkpoint::Checkpoint;
     pub use wzvi_runtime::elements::Iteration;
     pub use wzvi_runtime::embedding::{
-        Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, Composed, Corrected, DeltaMinus, DeltaPlus, Gauss,
-        KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Srkn6, Suzuki4, SuzukiUmeno8, TakahashiImada4,
-        Uncorrected, Verlet, Yoshida4, Yoshida6,
+        Aba864, Aba1064, Baoab, BlanesMoan4, BlanesMoan6, Chin4, Composed, Corrected, DeltaMinus, DeltaPlus,
+        Gauss, KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Obabo, Srkn6, Suzuki4, SuzukiUmeno8,
+        TakahashiImada4, Thermostat, Uncorrected, Verlet, Yoshida4, Yoshida6,
     };
     pub use wzvi_runtime::increments::{Increments, Noise};
     pub use wzvi_runtime::integrate::Integrate;
@@ -187,6 +188,7 @@ pub mod __private {
 
     pub use wzvi_macros::__continue;
 
+    pub use wzvi_runtime::bath;
     pub use wzvi_runtime::carry::{Carry, Compensation, Plain};
     pub use wzvi_runtime::compose;
     pub use wzvi_runtime::elements;
@@ -199,7 +201,8 @@ pub mod __private {
     pub use wzvi_runtime::solve::*;
     pub use wzvi_runtime::state::{State, Vector};
     pub use wzvi_runtime::system::{
-        Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, array_mut, gradient, increments,
+        Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, array_mut, covector, gradient,
+        increments,
     };
     pub use wzvi_runtime::variables::{Labels, Variables};
     pub use wzvi_runtime::{__composition as composition, __gauss as gauss, gauss};

@@ -186,7 +186,7 @@ impl<'a, H: Discretized<E>, E, R> Ensemble<'a, H, E, StepNormals, R> {
 }
 
 impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
-    options!(start, end, exact, record, observe, section, execution, instructions);
+    options!(start, end, exact, record, observe, temperatures, section, execution, instructions);
 
     /// The first state of each path, at one time for all: that of [`Draw::path`], or drawn at random by the seed of the ensemble (0 if it has
     /// none). It is called once for each path, from several threads, and has to depend on nothing but its argument.

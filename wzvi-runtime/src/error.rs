@@ -3,14 +3,18 @@
 #[cfg(all(feature = "serde", feature = "ensemble"))]
 mod words;
 
+mod bath;
 mod index;
 mod internal;
 
 use std::fmt;
 
+pub use bath::BathError;
+
 pub use crate::calculus::DomainError;
 pub use crate::increments::NoiseError;
 pub use crate::persist::FileError;
+pub use crate::series::SeriesError;
 #[doc(hidden)]
 pub use index::Name;
 pub use index::{IndexError, IndexLimit};
@@ -48,9 +52,9 @@ pub enum StepFailure {
     },
     /// The new state (or an intermediate value) overflowed or is undefined.
     NonFinite,
-    /// The number of increments is not the number of noises.
+    /// The number of increments is not the number of those that drive a step.
     Increments {
-        /// Number of noises.
+        /// Number of noises, and of the normals of a bath.
         expected: usize,
         /// Number of increments given.
         got: usize,
@@ -64,6 +68,8 @@ pub enum StepFailure {
     },
     /// An integer of the system is out of range.
     Index(IndexError),
+    /// Friction, temperature or masses make no sense at this state.
+    Bath(BathError),
     /// The state or an increment that was given is NaN or infinite.
     NonFiniteInput,
 }
@@ -71,7 +77,7 @@ pub enum StepFailure {
 impl StepFailure {
     /// Whether no way to solve the step would change it: the system, the state and the increments do not belong together.
     pub(crate) fn is_of_arguments(&self) -> bool {
-        matches!(self, Self::Increments { .. } | Self::Dimension { .. } | Self::Index(_))
+        matches!(self, Self::Increments { .. } | Self::Dimension { .. } | Self::Index(_) | Self::Bath(_))
     }
 }
 
@@ -115,6 +121,7 @@ impl fmt::Display for StepFailure {
                 write!(f, "the system has {expected} degrees of freedom, but the state has {got}")
             }
             Self::Index(error) => error.fmt(f),
+            Self::Bath(error) => error.fmt(f),
             Self::NonFiniteInput => write!(f, "the state or an increment is NaN or infinite before the step"),
         }
     }
@@ -150,6 +157,8 @@ pub enum ConfigError {
     Parameter,
     /// An integer of the system is out of range.
     Index(IndexError),
+    /// Friction, temperature or masses make no sense.
+    Bath(BathError),
     /// A matrix that does not change from step to step is singular.
     Singular {
         /// Step size.
@@ -201,6 +210,7 @@ impl fmt::Display for ConfigError {
                 )
             }
             Self::Index(error) => error.fmt(f),
+            Self::Bath(error) => error.fmt(f),
             Self::Singular { h, pivot, scale } => write!(
                 f,
                 "the matrix of the step is singular for h = {h} (pivot {pivot:.1e} at scale {scale:.1e}); \
@@ -249,6 +259,8 @@ pub enum PathError {
     },
     /// The nodes are no time scale.
     Domain(DomainError),
+    /// The values along the path have no such estimate.
+    Series(SeriesError),
 }
 
 impl fmt::Display for PathError {
@@ -272,6 +284,7 @@ impl fmt::Display for PathError {
                 path.0, path.1, system.0, system.1
             ),
             Self::Domain(error) => error.fmt(f),
+            Self::Series(error) => error.fmt(f),
         }
     }
 }

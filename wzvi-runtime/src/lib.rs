@@ -2,6 +2,7 @@
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+pub mod bath;
 mod between;
 pub mod calculus;
 pub mod carry;
@@ -50,6 +51,7 @@ pub mod scalar;
 #[cfg(feature = "ensemble")]
 mod schedule;
 pub mod section;
+pub mod series;
 pub mod simulate;
 pub mod solve;
 mod span;

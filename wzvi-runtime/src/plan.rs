@@ -18,6 +18,8 @@ pub enum Solver {
 pub enum NoiseClass {
     /// There is none.
     None,
+    /// As that of a thermostat alone, whose part of a step is exact in law.
+    Thermal,
     /// Every noise Hamiltonian is affine in (q, p): a constant shift.
     Additive,
     /// Every noise Hamiltonian reads q (and t) only.
@@ -71,6 +73,7 @@ impl fmt::Display for Plan {
         write!(f, " of order {}", self.order)?;
         let noise = match self.noise {
             NoiseClass::None => None,
+            NoiseClass::Thermal => Some("noise of a bath"),
             NoiseClass::Additive => Some("additive noise"),
             NoiseClass::Position => Some("noise of positions"),
             NoiseClass::Momentum => Some("noise of momenta"),
@@ -99,6 +102,7 @@ impl Plan {
         match (self.noise, self.consistent, self.commuting) {
             (NoiseClass::None, ..) => Some(self.order as f64),
             (_, false, _) => None,
+            (NoiseClass::Thermal, true, _) => Some(1.0),
             (_, true, Knowledge::Proven) => Some(1.0),
             (_, true, _) => Some(0.5),
         }
@@ -109,6 +113,7 @@ impl Plan {
         match (self.noise, self.consistent) {
             (NoiseClass::None, _) => Some(self.order as f64),
             (_, false) => None,
+            (NoiseClass::Thermal, true) => Some(self.order as f64),
             (_, true) => Some(1.0),
         }
     }
@@ -117,6 +122,6 @@ impl Plan {
     /// enters its equations, so that an unbounded increment could hit a pole of the scheme.
     pub const fn truncates_increments(&self) -> bool {
         !matches!(self.solver, Solver::Explicit)
-            && !matches!(self.noise, NoiseClass::None | NoiseClass::Additive)
+            && !matches!(self.noise, NoiseClass::None | NoiseClass::Thermal | NoiseClass::Additive)
     }
 }

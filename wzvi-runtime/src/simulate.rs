@@ -1,5 +1,7 @@
 //! One path: a builder, and the loop that it starts.
 
+mod visit;
+
 use std::marker::PhantomData;
 
 use crate::between::{Between, Part};
@@ -113,7 +115,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
 }
 
 impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
-    options!(start, end, exact, record, observe, section);
+    options!(start, end, exact, record, observe, temperatures, section);
 
     /// Where the increments come from; [`Increments`](crate::increments::Increments) for given ones. A `&mut` to a
     /// source leaves it with the caller, to continue with. A system without noise takes any source and asks it
@@ -201,7 +203,7 @@ where
         let mut stepper = Subdivision::<H, E>::new(system, h, retry, is_watched)?;
         let (start, grid) = span.checked::<H, E>(system, h)?;
         let recording = recorded.checked(1, &grid)?;
-        let processes = system.noises();
+        let processes = system.increments(start.q.components().len());
         let mut noise = prepared::<H, E, N>(noise, &grid, processes)?;
         let looks_inside = !sections.is_empty() || !recording.between.is_empty();
         let between = || looks_inside.then(|| Box::new(Between::new(&sections, &start)));
@@ -248,8 +250,9 @@ where
                 }
             }
         };
-        let trajectory =
-            account.recorder.finish(state).observing(names, &functions).named(system.variables());
+        let exchanged = stepper.stepper.exchanged();
+        let trajectory = account.recorder.finish(state).observing(names, &functions);
+        let trajectory = trajectory.exchanging(exchanged).named(system.variables());
         Ok((trajectory, error))
     }
 }

@@ -153,6 +153,8 @@ pub(crate) fn read_phase_space(
     };
     declaration.second_part = declaration.second_part.take().filter(&mut agrees);
     declaration.noise.retain(&mut agrees);
+    declaration.force = declaration.force.take().filter(&mut agrees);
+    declaration.noise_forces.retain(&mut agrees);
     declaration.invariants.retain(&mut agrees);
     phase_space
 }

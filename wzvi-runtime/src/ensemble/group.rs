@@ -57,7 +57,7 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
         // That of the system, which may not know it.
-        let (d, processes) = (job.start.q.components().len(), job.system.noises());
+        let (d, processes) = (job.start.q.components().len(), job.processes());
         let zero = Lanes::from_f64(0.0);
         Self {
             job,

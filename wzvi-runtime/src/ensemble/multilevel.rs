@@ -48,7 +48,7 @@ use crate::retry::Retry;
 use crate::schedule::in_order;
 use crate::section::Sections;
 use crate::span::{End, Grid, MOST_STEPS, Span};
-use crate::state::State;
+use crate::state::{State, Vector};
 use crate::system::{Discretized, Hamiltonian};
 
 /// The part `θ` of the squared error that is left to the bias.
@@ -362,7 +362,7 @@ where
         let steps = steps.checked_mul(1 << level).filter(|&steps| steps <= MOST_STEPS && end.is_finite());
         let steps = steps.ok_or(ConfigError::End { start: start.t, end, h })?;
         let mut normals = self.normals.clone().on_level(level);
-        normals.prepare(&H::PLAN, h, system.noises(), start.t)?;
+        normals.prepare(&H::PLAN, h, system.increments(start.q.components().len()), start.t)?;
         let job = Job {
             system: *system,
             prepared: system.prepare(h)?,

@@ -45,7 +45,7 @@ where
         }
         let recording = recorded.checked(0, &job.grid)?;
         let start = job.start_of(path)?;
-        let recorder = Recorder::new(&start, job.h, job.system.noises(), &recording, job.steps)?;
+        let recorder = Recorder::new(&start, job.h, job.processes(), &recording, job.steps)?;
         // Antithetic paths come in pairs.
         let (first, lane) = (path - path % 2, (path % 2) as usize);
         let mut group = Group::<H, E, 2>::new(&job);

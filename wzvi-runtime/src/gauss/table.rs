@@ -50,6 +50,12 @@ impl<const N: usize> Table<N> {
     }
 }
 
+/// Nodes and weights of so many stages, on the interval from 0 to 1.
+pub(crate) fn quadrature(stages: usize) -> (Vec<f64>, Vec<f64>) {
+    let Coefficients { c, b, .. } = Coefficients::new(stages.clamp(1, MOST_STAGES));
+    (c, b)
+}
+
 /// `P_0(y) ... P_top(y)`
 fn legendre(y: Wide, top: usize) -> Vec<Wide> {
     let mut p = vec![Wide::from(1.0), y];

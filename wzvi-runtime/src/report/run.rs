@@ -127,6 +127,14 @@ where
             }
             usize::try_from(steps).map_err(|_| ConfigError::End { start: start.t, end, h })
         };
+        let (degrees, noises) = (start.q.components().len(), self.system.noises());
+        let mut methods = self.methods.iter();
+        if let Some(method) = methods.find(|method| method.increments(self.system, degrees) != noises) {
+            return Err(ConfigError::Setting(format!(
+                "schemes are compared on paths that they share, but {} draws the normals of its bath for itself: compare averages of                  ensembles instead",
+                method.name()
+            )));
+        }
         let paths = if self.system.noises() == 0 { 1 } else { self.paths };
         let mut sizes = self.steps.clone();
         sizes.sort_by(|a, b| b.abs().total_cmp(&a.abs()));

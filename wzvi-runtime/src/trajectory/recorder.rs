@@ -12,6 +12,7 @@ use crate::section::Crossing;
 use crate::state::{State, Vector};
 use crate::step::StepInfo;
 use crate::sum::Sum;
+use crate::system::Exchange;
 #[cfg(feature = "serde")]
 pub(crate) use kept::Kept;
 
@@ -65,6 +66,7 @@ impl<V: Vector> Recorder<V> {
             chosen: 0,
             observed: Vec::new(),
             crossings: Vec::new(),
+            exchanged: Exchange::default(),
         };
         let (recording, next) = (recording.clone(), recording.next(0));
         Ok(Self { path, recording, pending: vec![Sum::default(); processes], kept: 0, next, inside: 0 })

@@ -23,8 +23,8 @@ pub(super) enum Target {
     Total,
     /// `vector[index] += value`
     Slope { vector: Ident, index: Index },
-    /// `into.method(row, column, is_diagonal, value)`
-    Curvature { method: Ident, row: Index, column: Index, is_diagonal: bool },
+    /// `into.method(row, column, is_diagonal, value)`, where a pair of variables may be one twice
+    Curvature { method: Ident, row: Index, column: Index, is_diagonal: Option<bool> },
 }
 
 /// What the elements of one system share.
@@ -33,6 +33,8 @@ pub(super) struct Context<'a> {
     pub(super) parameters: &'a [Parameter],
     pub(super) tables: &'a [Table],
     pub(super) t: Symbol,
+    /// What momenta are larger by, where friction is taken in.
+    pub(super) scale: Option<Symbol>,
     /// The symbol of the weight `c`, and what it is: a value of the scalar type, in scope of the loops.
     pub(super) weight: Option<(Symbol, &'a TokenStream)>,
     /// Whether only the noises that act count.
@@ -44,9 +46,9 @@ pub(super) struct Context<'a> {
 }
 
 /// What the code around an element names.
-const LIVE: [&str; 21] = [
+const LIVE: [&str; 22] = [
     "ahead", "at", "base", "by_p", "by_q", "end", "factor", "into", "len", "low", "nan", "p", "part",
-    "place", "q", "size", "t", "total", "value", "wanted", "weight",
+    "place", "q", "scale", "size", "t", "total", "value", "wanted", "weight",
 ];
 
 /// Loop variables, slices, buffers, and what is carried from one place to another.
@@ -96,6 +98,10 @@ pub(super) fn emit(
     }
     lowering.program.declare(context.t, Level::Time);
     inputs.push((lowering.program.input(context.t), format_ident!("__t")));
+    if let Some(scale) = context.scale {
+        lowering.program.declare(scale, Level::Time);
+        inputs.push((lowering.program.input(scale), format_ident!("__scale")));
+    }
     for (parameter, name) in context.parameters.iter().zip(parameters) {
         lowering.program.declare(parameter.symbol, Level::Prepared);
         inputs.push((lowering.program.input(parameter.symbol), name));

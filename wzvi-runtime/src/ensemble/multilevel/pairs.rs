@@ -103,7 +103,7 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
     #[inline(always)]
     fn of_width<const L: usize>(self) -> Result<Samples, Halt> {
         let mut samples = Samples::default();
-        let still = || vec![Lanes::from_f64(0.0); self.fine.system.noises()];
+        let still = || vec![Lanes::from_f64(0.0); self.fine.processes()];
         let mut pair = Coupled {
             fine: Group::<H, E, L>::new(self.fine),
             coarse: self.coarse.map(|job| (Group::new(job), still())),

@@ -62,7 +62,7 @@ impl Keeping {
             settings,
             derived: identity::derived(stepper.system(), stepper.prepared(), state),
             start: format::words(Tape::write(|tape| state.pass(tape))),
-            nodes: Nodes::new(own.path(), degrees, stepper.system().noises()),
+            nodes: Nodes::new(own.path(), degrees, stepper.system().increments(degrees)),
             own,
         };
         let first = match keep.own.read()? {
