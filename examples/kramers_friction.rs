@@ -23,7 +23,7 @@ mod table;
 use std::error::Error;
 use std::f64::consts::TAU;
 
-use plot::{BLACK, BLUE, GREEN, Panel, VERMILION};
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 /// A particle in one of two wells, with friction and a temperature.
@@ -120,19 +120,21 @@ fn main() -> Result<(), Box<dyn Error>> {
             (gamma, rate(gamma))
         })
     };
-    let panel = Panel::new("Rate of escape, kT = B/5", "friction γ", "rate")
+    let panel = Figure::panel("Rate of escape, kT = B/5", "friction γ", "rate")
         .log_log()
-        .dashes(
+        .points(
+            Look::Dashed,
             "little friction",
-            BLUE,
+            Colour::BLUE,
             curve(|gamma| slowest_attempt() * with_little_friction(gamma), 8e-3, 0.08),
         )
-        .dashes(
+        .points(
+            Look::Dashed,
             "much friction",
-            VERMILION,
+            Colour::VERMILION,
             curve(|gamma| slowest_attempt() * with_much_friction(gamma), 8e-3, 12.0),
         )
-        .line("Mel'nikov and Meshkov", GREEN, curve(expected, 8e-3, 12.0))
-        .dots("paths", BLACK, 5, points);
+        .line("Mel'nikov and Meshkov", Colour::GREEN, curve(expected, 8e-3, 12.0))
+        .points(Look::Dots, "paths", Colour::INK, points);
     plot::save("kramers_friction", "turnover", 1, (1100, 800), &[panel])
 }
