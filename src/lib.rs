@@ -234,6 +234,7 @@ mod documents {
         Errors: "docs/guide/errors.md",
         Facts: "docs/guide/facts.md",
         First: "docs/guide/first.md",
+        Baths: "docs/guide/forces.md",
         Introduction: "docs/guide/introduction.md",
         Language: "docs/guide/language.md",
         Long: "docs/guide/long.md",

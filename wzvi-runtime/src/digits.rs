@@ -1,10 +1,11 @@
 //! Numbers as people read them.
 
 /// Digits of a number that are written one by one up to the first uncertain one.
+#[cfg(feature = "ensemble")]
 const MOST_DIGITS: i32 = 10;
 
 /// A number with three significant digits, for people.
-pub fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
@@ -34,6 +35,7 @@ pub(crate) fn power_of_ten(exponent: i32) -> String {
 
 /// `value ± uncertainty` to the first digit of the uncertainty, with one power of ten for both where they are large or small; a dash
 /// for none.
+#[cfg(feature = "ensemble")]
 pub(crate) fn estimate(value: f64, uncertainty: f64) -> String {
     if value.is_nan() {
         return "-".to_owned();
@@ -56,7 +58,7 @@ pub(crate) fn estimate(value: f64, uncertainty: f64) -> String {
     if power == 0 { text } else { format!("({text})·{}", power_of_ten(power)) }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "ensemble"))]
 mod tests {
     use super::{estimate, number};
 

@@ -27,4 +27,7 @@ pub(crate) use layout::Layout;
 pub use path::PathPlot;
 pub use sheet::Sheet;
 
-pub use crate::digits::number;
+/// A number with three significant digits, for people.
+pub fn number(value: f64) -> String {
+    crate::digits::number(value)
+}
