@@ -134,8 +134,8 @@ pub use wzvi_runtime::plot;
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
     bath, calculus, compose, dense, elements, embedding, error, increments, integrate, lanes, memory,
-    modified, numbers, plan, retry, scalar, section, series, simulate, state, step, system, table, trajectory,
-    variables,
+    modified, numbers, plan, retry, scalar, section, series, simulate, state, step, system, table,
+    trajectory, variables,
 };
 
 #[cfg(not(all(feature = "report", feature = "serde")))]
@@ -226,6 +226,7 @@ mod documents {
         Benchmarks: "docs/benchmarks.md",
         Elements: "docs/elements.md",
         Ensembles: "docs/ensembles.md",
+        Forces: "docs/forces.md",
         Order: "docs/order.md",
         Output: "docs/output.md",
         Stability: "docs/stability.md",
