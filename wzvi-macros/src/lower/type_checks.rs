@@ -135,7 +135,7 @@ fn fields_in(system: &Container, tokens: &TokenStream) -> Vec<TokenStream> {
 fn with_entries(system: &Container, covector: &Hamiltonian, entries: &TokenStream) -> TokenStream {
     let mut closure = plain_scalars(system, covector).unwrap_or_else(|| covector.closure.clone());
     let body = &closure.body;
-    closure.body = Box::new(syn::parse_quote!({ #entries(#body) }));
+    *closure.body = syn::parse_quote!({ #entries(#body) });
     closure.output = syn::ReturnType::Default;
     closure.to_token_stream()
 }
