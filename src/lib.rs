@@ -226,6 +226,7 @@ mod documents {
         Benchmarks: "docs/benchmarks.md",
         Elements: "docs/elements.md",
         Ensembles: "docs/ensembles.md",
+        Forces: "docs/forces.md",
         Order: "docs/order.md",
         Output: "docs/output.md",
         Stability: "docs/stability.md",

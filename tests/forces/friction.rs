@@ -244,3 +244,48 @@ fn dense_output_knows_of_friction() {
         assert!((state.q[0] - q).abs() < 2e-5 && (state.p[0] - p).abs() < 2e-5, "{state:?} {q} {p}");
     }
 }
+
+#[test]
+fn friction_that_makes_no_sense_is_refused_by_steppers() {
+    use wzvi::error::{BathError, ConfigError};
+    let refused = |error: Option<ConfigError>| match error {
+        Some(ConfigError::Bath(error)) => error,
+        other => panic!("{other:?}"),
+    };
+    let of = |gamma: f64| refused(Pendulum { gamma }.stepper::<Midpoint>(0.1).err());
+    assert_eq!(of(-0.1), BathError::Friction { rate: -0.1 });
+    assert!(matches!(of(f64::INFINITY), BathError::Friction { .. }));
+    let loops = refused(PendulumLoops { gamma: -0.1 }.stepper::<Gauss<2>>(0.1).err());
+    assert_eq!(loops, BathError::Friction { rate: -0.1 });
+    for error in [
+        List { m: 1.4, gamma: -0.7 }.stepper::<Midpoint>(0.1).err(),
+        ListLoops { m: 1.4, gamma: -0.7 }.stepper::<Midpoint>(0.1).err(),
+        // The determinant of the matrix is 0.05 - 0.04, then 0.005 - 0.04.
+        Matrix { m: 1.4, gamma: 0.01 }.stepper::<Midpoint>(0.1).err(),
+        MatrixLoops { m: 1.4, gamma: 0.01 }.stepper::<Midpoint>(0.1).err(),
+    ] {
+        assert!(matches!(refused(error), BathError::Friction { rate } if rate < 0.0));
+    }
+    assert!(Matrix { m: 1.4, gamma: 0.1 }.stepper::<Midpoint>(0.1).is_ok());
+}
+
+#[test]
+fn no_friction_is_the_bare_scheme() {
+    #[hamiltonian(drift = |q, p| 0.5 * p * p - q.cos(), embedding = [Midpoint, Gauss<2>])]
+    struct Bare;
+    macro_rules! same {
+        ($($scheme:ty),*) => {$(
+            let (mut x, mut y) = (State::new([2.0], [0.3]), State::new([2.0], [0.3]));
+            let still = Pendulum { gamma: 0.0 };
+            let (mut one, mut other) =
+                (still.stepper::<$scheme>(0.1).unwrap().plain(), Bare.stepper::<$scheme>(0.1).unwrap().plain());
+            for _ in 0..50 {
+                one.step(&mut x, &[]).unwrap();
+                other.step(&mut y, &[]).unwrap();
+                // Sums in another order.
+                assert!((x.q - y.q).norm() < 1e-14 && (x.p - y.p).norm() < 1e-14);
+            }
+        )*};
+    }
+    same!(Midpoint, Gauss<2>);
+}

@@ -72,3 +72,35 @@ fn driven_oscillators_have_the_order_of_the_scheme() {
     orders(&OscillatorInline { drag: DRAG, push: PUSH });
     orders(&OscillatorLoops { drag: DRAG, push: PUSH });
 }
+
+/// A force of positions that has no potential, and one that turns in time.
+#[hamiltonian(
+    drift = |[x, y], [px, py]| 0.5 * (px * px + 0.7 * py * py + 0.3 * px * py) + 0.25 * (x * x + y * y).powi(2),
+    force = |[x, y], _p, t| [-0.6 * y + 0.2 * t.cos(), 0.6 * x + 0.1 * x * y],
+    embedding = [Verlet, Gauss<6>],
+)]
+struct Curl;
+
+/// The error at `t = 2`, beside much finer steps of high order.
+fn error_of_curl<E>(h: f64) -> f64
+where
+    Curl: Discretized<E, Vector = SVector<f64, 2>>,
+{
+    let start = State::new([0.8, -0.3], [0.2, 0.5]);
+    let path = Curl.simulate::<E>(h).start(start).until(2.0).run().unwrap();
+    let fine = Curl.simulate::<Gauss<6>>(0.05).start(start).until(2.0).run().unwrap();
+    (path.last().q - fine.last().q).norm() + (path.last().p - fine.last().p).norm()
+}
+
+#[test]
+fn tables_of_kicks_take_forces_without_a_potential() {
+    macro_rules! order {
+        ($($table:ty, $h:expr, $order:expr);*) => {$(
+            let [coarse, fine] = [$h, $h / 2.0].map(error_of_curl::<Composed<Verlet, $table>>);
+            let measured = (coarse / fine).log2();
+            assert!((measured - $order).abs() < 0.25, "{measured}: {coarse:e} {fine:e}");
+        )*};
+    }
+    order!(Chin4, 0.1, 4.0; Srkn6, 0.2, 6.0; BlanesMoan6, 0.2, 6.0);
+    const { assert!(matches!(<Curl as Discretized<Verlet>>::PLAN.solver, Solver::Explicit)) };
+}

@@ -68,9 +68,8 @@ pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts
         }
     });
     let swept: Vec<_> = swept.collect();
-    let has_thermostat = listed.iter().any(Embedding::is_thermostat);
     let beside = model.lend(system, |system| {
-        let kinetic = if has_thermostat { Kinetic::of(system) } else { None };
+        let kinetic = if system.friction.is_some() { Kinetic::of(system) } else { None };
         match swept.is_empty() {
             true => Beside { kinetic, ..Beside::default() },
             false => Beside {
@@ -126,12 +125,10 @@ pub(crate) fn in_loops(system: &mut System, facts: &Facts) -> TokenStream {
 fn values(embeddings: &[Located<Embedding>]) -> Vec<Embedding> {
     let mut values = Vec::new();
     for Located { value, .. } in embeddings {
-        let inside = if let Embedding::Thermostat(inner) = value { Some(&**inner) } else { None };
-        for value in inside.into_iter().chain([value]) {
-            if !values.contains(value) {
-                values.push(value.clone());
-            }
+        if let Embedding::Thermostat(inner) = value {
+            values.push(Embedding::Isolated(inner.clone()));
         }
+        values.push(value.clone());
     }
     values
 }

@@ -35,8 +35,8 @@ pub(crate) fn derived(listed: &[Embedding]) -> Vec<Embedding> {
 
 impl Texts {
     /// The schemes with several stages that were listed, and how many they have.
-    pub(crate) fn staged(&self) -> impl Iterator<Item = (u32, &String)> {
-        self.listed.iter().filter_map(|(embedding, text)| Some((embedding.stages()?, text)))
+    pub(crate) fn staged(&self) -> impl Iterator<Item = (&Embedding, u32, &String)> {
+        self.listed.iter().filter_map(|(embedding, text)| Some((embedding, embedding.stages()?, text)))
     }
 
     /// `of_parts` are those of `derived(listed)`; `staged` derives a scheme with several stages,

@@ -38,6 +38,7 @@ mod thermostat;
 
 use std::marker::PhantomData;
 
+use crate::error::{BathError, ConfigError};
 use crate::plan::{Knowledge, NoiseClass, Plan};
 use crate::scalar::Scalar;
 use crate::system::Hamiltonian;
@@ -67,6 +68,30 @@ pub struct Obabo;
 /// `Thermostat<Gauss<S>>` too, and otherwise a bias of order `2S`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Thermostat<E>(PhantomData<E>);
+
+/// `E` of the system without its bath, which a [`Thermostat`] stands around: not to be called for by itself.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Isolated<E>(PhantomData<E>);
+
+/// Whether friction and masses make sense, of a system whose steps have friction and no bath.
+///
+/// # Errors
+/// [`ConfigError::Bath`]
+#[doc(hidden)]
+pub fn validate<T: Damped>(system: &T) -> Result<(), ConfigError> {
+    let degrees = system.degrees();
+    if T::IS_CONFORMAL {
+        let rate = system.friction_rate();
+        let is_rate = rate.is_finite() && rate >= 0.0;
+        return if is_rate { Ok(()) } else { Err(ConfigError::Bath(BathError::Friction { rate })) };
+    }
+    if degrees != 0 {
+        // Forwards, by any step: friction alone may go back.
+        Relaxation::new(system, degrees, 1.0, 1.0).map_err(ConfigError::Bath)?;
+    }
+    Ok(())
+}
 
 /// A system `dp = -∂H/∂q dt - Γ M⁻¹ p dt + noise of covariance 2 kT Γ dt` with the quadratic kinetic energy `p · M⁻¹ p / 2`, which the compiler has
 /// proven; generated.

@@ -89,7 +89,8 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     ///
     /// # Errors
     /// [`ConfigError::StepSize`] unless `h` is finite and not zero; [`ConfigError::Parameter`] and
-    /// [`ConfigError::Singular`] if what is computed once for all steps is not finite or not invertible.
+    /// [`ConfigError::Singular`] if what is computed once for all steps is not finite or not invertible; [`ConfigError::Bath`] if friction,
+    /// temperature or masses make no sense.
     pub fn new(system: &'a H, h: f64) -> Result<Self, ConfigError> {
         if !h.is_finite() || h == 0.0 {
             return Err(ConfigError::StepSize(h));
@@ -98,7 +99,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         Ok(Self {
             system,
             h,
-            prepared: system.prepare(h)?,
+            prepared: system.validate().and_then(|()| system.prepare(h))?,
             memory: system.memory(),
             carry: Default::default(),
             before: 0,

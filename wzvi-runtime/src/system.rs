@@ -59,6 +59,14 @@ pub trait Hamiltonian {
         0.0
     }
 
+    /// Whether friction, where there is some, makes sense.
+    ///
+    /// # Errors
+    /// [`ConfigError::Bath`] if a rate is negative or no number, a matrix of damping not symmetric, or a mass with friction not positive.
+    fn validate(&self) -> Result<(), ConfigError> {
+        Ok(())
+    }
+
     /// The force beside the drift into `into`, one component per degree of freedom; NaN where [`Hamiltonian::evaluate`] would be. Friction other than that of
     /// [`Hamiltonian::friction_rate`] and of thermostats is in it.
     fn force<S: Scalar>(&self, q: &[S], p: &[S], t: f64, into: &mut [S]) {

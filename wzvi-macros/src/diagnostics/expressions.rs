@@ -257,12 +257,11 @@ pub(crate) fn family_count(found: impl ToTokens) -> Error {
 
 /// A covector, or a part of it, with another number of entries.
 pub(crate) fn entries(found: impl ToTokens, expected: &str, length: Option<&str>) -> Error {
-    let has =
-        length.map_or("a number of them that is not known".to_owned(), |length| format!("{length} of them"));
+    let has = length.unwrap_or("of a number that is not known");
     at(
         found,
         format!(
-            "this has one entry for each degree of freedom, arranged as the coordinates are: {expected} entries are expected here, and there is \
+            "this has one entry for each degree of freedom, arranged as the coordinates are: {expected} entries are expected here, and these are \
              {has}"
         ),
     )

@@ -28,6 +28,8 @@ pub(crate) enum Embedding {
     Obabo,
     /// Half of the flow of the bath, a step of `E`, the other half; `E` is no thermostat.
     Thermostat(Box<Embedding>),
+    /// `E` of the system without its bath, inside of a thermostat; users have no name for it.
+    Isolated(Box<Embedding>),
 }
 
 /// What to do about an inconsistent limit.
@@ -56,7 +58,10 @@ impl Embedding {
                 (l, l)
             }
             Self::Mixed(drift, noise) => (drift.quadrature().0, noise.quadrature().1),
-            Self::Corrected(inner) | Self::Uncorrected(inner) | Self::Thermostat(inner) => inner.quadrature(),
+            Self::Corrected(inner)
+            | Self::Uncorrected(inner)
+            | Self::Thermostat(inner)
+            | Self::Isolated(inner) => inner.quadrature(),
         }
     }
 
@@ -67,6 +72,8 @@ impl Embedding {
         match self {
             Self::Verlet => vec![uncorrected(Self::DeltaPlus), uncorrected(Self::DeltaMinus)],
             Self::Gauss(1) => vec![Self::Midpoint],
+            Self::Isolated(inner) if **inner == Self::Verlet => inner.parts(),
+            Self::Isolated(inner) if inner.stages().is_some() => Vec::new(),
             Self::Gauss(_) | Self::Baoab | Self::Obabo | Self::Thermostat(_) => Vec::new(),
             whole => vec![whole.clone()],
         }
@@ -77,6 +84,7 @@ impl Embedding {
         match self {
             Self::Gauss(1) => None,
             Self::Gauss(stages) => Some(*stages),
+            Self::Isolated(inner) => inner.stages(),
             _ => None,
         }
     }
@@ -92,6 +100,7 @@ impl Embedding {
             Self::Gauss(stages) => 2 * stages,
             // Two halves of another flow around it.
             Self::Thermostat(inner) => inner.order().min(2),
+            Self::Isolated(inner) => inner.order(),
             _ if self.quadrature().0 == Rational::HALF => 2,
             _ => 1,
         }
@@ -106,7 +115,7 @@ impl Embedding {
     pub(crate) fn takes_flows(&self) -> bool {
         match self {
             Self::Verlet | Self::Baoab | Self::Obabo => true,
-            Self::Thermostat(inner) => inner.takes_flows(),
+            Self::Thermostat(inner) | Self::Isolated(inner) => inner.takes_flows(),
             _ => false,
         }
     }
@@ -115,7 +124,7 @@ impl Embedding {
         match self {
             Self::Corrected(_) => Correction::Corrected,
             Self::Uncorrected(_) => Correction::Uncorrected,
-            Self::Thermostat(inner) => inner.correction(),
+            Self::Thermostat(inner) | Self::Isolated(inner) => inner.correction(),
             _ => Correction::Bare,
         }
     }
@@ -136,6 +145,7 @@ impl fmt::Display for Embedding {
             Self::Baoab => f.write_str("Baoab"),
             Self::Obabo => f.write_str("Obabo"),
             Self::Thermostat(inner) => write!(f, "Thermostat<{inner}>"),
+            Self::Isolated(inner) => inner.fmt(f),
         }
     }
 }

@@ -33,7 +33,10 @@ pub(crate) fn check(system: &mut System, diagnostics: &mut Diagnostics) {
 }
 
 fn form(system: &mut System, part: usize) -> Result<Form, &'static str> {
-    let System { graph, parts, t, size, noise, .. } = system;
+    let System { graph, parts, t, size, noise, force, conformal, .. } = system;
+    if part > 0 && (force.is_some() || conformal.is_some()) {
+        return Err("the forces and the friction of the system belong to neither part");
+    }
     let (term, others) = (&parts[part], &parts[..part]);
     if part > 0 && !noise.is_empty() {
         return Err("the noises of the system belong to neither part");

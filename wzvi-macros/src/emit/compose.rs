@@ -52,7 +52,9 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
             generated.extend(thermostat(embedding, text).emit(item, &item.generics, &scheme));
             continue;
         }
-        let flows = texts.flows.filter(|_| *embedding == Embedding::Verlet);
+        // Inside of a thermostat, what the step is made of has the name that it has outside.
+        let own = if let Embedding::Isolated(inner) = embedding { inner } else { embedding };
+        let flows = texts.flows.filter(|_| *own == Embedding::Verlet);
         let structure = match flows {
             None => quote!(__wzvi::compose::General),
             Some(Flows { is_nystrom: false, .. }) => quote!(__wzvi::compose::Separable),
@@ -63,7 +65,7 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
         let whole = match embedding.parts().as_slice() {
             [] => None,
             [whole] => (whole != embedding).then(|| embedding_type(whole, &quote!(__wzvi))),
-            _ => Some(scheme.clone()),
+            _ => Some(embedding_type(own, &quote!(__wzvi))),
         };
         if let Some(whole) = whole {
             let composition = Composition {
@@ -124,7 +126,7 @@ fn thermostat(embedding: &Embedding, text: &str) -> Composition {
     let sequence = match embedding {
         Embedding::Thermostat(inner) => {
             let inner = embedding_type(inner, &quote!(__wzvi));
-            quote!(__wzvi::bath::Around<#inner>)
+            quote!(__wzvi::bath::Around<__wzvi::bath::Isolated<#inner>>)
         }
         word => {
             let word = embedding_type(word, &quote!(__wzvi));

@@ -6,14 +6,15 @@ use std::collections::HashMap;
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::compose;
 use super::names::Names;
 use super::plan::Plan;
 use super::print::f64_type;
 use super::program::Level;
 use super::step::increment_names;
 use super::system::{Body, Inputs, Letters, body, count};
+use super::{compose, embedding_type};
 use crate::describe::Texts;
+use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::gauss::StepSlopes;
 use crate::model::Model;
@@ -21,7 +22,7 @@ use crate::symbolic::Expr;
 
 /// Every `Gauss<S>` that was listed, and the flows.
 pub(super) fn emit(model: &mut Model, facts: &Facts, texts: &Texts) -> TokenStream {
-    let staged: Vec<(u32, &String)> = texts.staged().collect();
+    let staged: Vec<(&Embedding, u32, &String)> = texts.staged().collect();
     if staged.is_empty() && texts.flows.is_none() {
         return TokenStream::new();
     }
@@ -42,12 +43,12 @@ pub(super) fn emit(model: &mut Model, facts: &Facts, texts: &Texts) -> TokenStre
         commuting: &facts.commuting,
     }
     .emit();
-    for (stages, text) in staged {
-        let stages = Literal::u32_unsuffixed(stages);
+    for (embedding, stages, text) in staged {
+        let (scheme, stages) = (embedding_type(embedding, &quote!(__wzvi)), Literal::u32_unsuffixed(stages));
         generated.extend(quote! {
             __wzvi::gauss! {
-                [impl #generics __wzvi::Discretized<__wzvi::embedding::Gauss<#stages>> for #name #arguments #filter]
-                #stages, #midpoint, #degrees, #text
+                [impl #generics __wzvi::Discretized<#scheme> for #name #arguments #filter]
+                #scheme, #stages, #midpoint, #degrees, #text
             }
         });
     }

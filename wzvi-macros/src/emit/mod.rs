@@ -27,7 +27,7 @@ use crate::model::Model;
 pub(crate) use names::{Names, Surroundings, readable};
 pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
-pub(crate) use system::{count, friction_rate, number_of, parameter, parameter_names, variables};
+pub(crate) use system::{count, friction_rate, number_of, parameter, parameter_names, validate, variables};
 
 /// Steps that are emitted another way, and what they read of the struct.
 #[derive(Default)]
@@ -142,6 +142,10 @@ pub(crate) fn embedding_type(embedding: &Embedding, wzvi: &impl ToTokens) -> Tok
         Embedding::Baoab => quote!(#wzvi::embedding::Baoab),
         Embedding::Obabo => quote!(#wzvi::embedding::Obabo),
         Embedding::Thermostat(inner) => wrapped("Thermostat", inner),
+        Embedding::Isolated(inner) => {
+            let inner = embedding_type(inner, wzvi);
+            quote!(#wzvi::bath::Isolated<#inner>)
+        }
         Embedding::Corrected(inner) => wrapped("Corrected", inner),
         Embedding::Uncorrected(inner) => wrapped("Uncorrected", inner),
     }

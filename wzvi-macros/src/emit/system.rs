@@ -8,8 +8,9 @@ use quote::{format_ident, quote};
 use super::names::Names;
 use super::print::{Printer, f64_type};
 use super::program::{Level, Lowering, Op};
+use crate::discretise::embedding::Embedding;
 use crate::input::Labels;
-use crate::model::{Model, Parameter};
+use crate::model::{Located, Model, Parameter};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// A function body that evaluates expressions of symbols which are bound to names before it.
@@ -134,7 +135,8 @@ pub(crate) fn emit(model: &mut Model) -> TokenStream {
     terms.extend(model.noise_forces.iter().map(|_| model.graph.integer(0)));
     let evaluate = evaluate(model, &terms);
     let differentiate = differentiate(model, &terms);
-    let (force, friction) = (force(model), friction(model));
+    let (force, friction, validate) =
+        (force(model), friction(model), validate(&model.embeddings, model.bath.is_some()));
     let invariant = invariant(model);
 
     let name = &model.item.ident;
@@ -164,6 +166,8 @@ pub(crate) fn emit(model: &mut Model) -> TokenStream {
 
             #force
 
+            #validate
+
             #invariant
         }
     }
@@ -191,6 +195,18 @@ fn force(model: &mut Model) -> Option<TokenStream> {
 fn friction(model: &mut Model) -> Option<TokenStream> {
     let rate = model.conformal?;
     Some(friction_rate(&mut model.graph, &model.parameters, rate))
+}
+
+/// `Hamiltonian::validate` of a system whose steps have friction and no bath; with a bath that is done where its steps are prepared.
+pub(crate) fn validate(embeddings: &[Located<Embedding>], has_friction: bool) -> Option<TokenStream> {
+    let is_bare = embeddings.iter().all(|known| !known.value.is_thermostat());
+    (has_friction && is_bare).then(|| {
+        quote! {
+            fn validate(&self) -> __wzvi::Result<(), __wzvi::ConfigError> {
+                __wzvi::bath::validate(self)
+            }
+        }
+    })
 }
 
 /// What a system with friction that steps take in says of itself.

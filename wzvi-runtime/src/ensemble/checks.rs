@@ -114,7 +114,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
         }
         Ok(Job {
             system,
-            prepared: system.prepare(h)?,
+            prepared: system.validate().and_then(|()| system.prepare(h))?,
             h,
             start,
             starts,

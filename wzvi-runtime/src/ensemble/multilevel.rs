@@ -365,7 +365,7 @@ where
         normals.prepare(&H::PLAN, h, system.increments(start.q.components().len()), start.t)?;
         let job = Job {
             system: *system,
-            prepared: system.prepare(h)?,
+            prepared: system.validate().and_then(|()| system.prepare(h))?,
             h,
             start: start.clone(),
             starts: None,

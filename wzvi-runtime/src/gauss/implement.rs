@@ -4,7 +4,7 @@
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __gauss {
-    ([$($header:tt)*] $stages:literal, $midpoint:expr, $degrees:expr, $text:expr) => {
+    ([$($header:tt)*] $scheme:ty, $stages:literal, $midpoint:expr, $degrees:expr, $text:expr) => {
         #[automatically_derived]
         $($header)* {
             const PLAN: $crate::plan::Plan = $crate::gauss::plan(
@@ -32,7 +32,7 @@ macro_rules! __gauss {
                 $stages > 1 && !<Self as $crate::system::Hamiltonian>::IS_CONFORMAL;
             const DENSE_ORDER: $crate::core::primitive::u32 = $crate::gauss::dense_order(
                 if <Self as $crate::system::Hamiltonian>::IS_CONFORMAL { 1 } else { $stages },
-                &<Self as $crate::system::Discretized<$crate::gauss::Gauss<$stages>>>::PLAN,
+                &<Self as $crate::system::Discretized<$scheme>>::PLAN,
             );
 
             fn slopes_between(
@@ -95,7 +95,7 @@ macro_rules! __gauss {
                 __segment: &$crate::system::Segment<Self::Vector>,
                 __dw: &[$crate::core::primitive::f64],
             ) -> $crate::system::LagrangianGradient<Self::Vector> {
-                $crate::compose::gradient::<Self, $crate::gauss::Gauss<$stages>>(self, __segment, __dw)
+                $crate::compose::gradient::<Self, $scheme>(self, __segment, __dw)
             }
 
             fn step_momentum(

@@ -10,12 +10,12 @@ use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::elements::plan::Unknowns;
 use crate::elements::staged::is_nystrom;
-use crate::emit::compose;
+use crate::emit::{compose, embedding_type};
 use crate::model::System;
 
 /// Every `Gauss<S>` that was listed, and the flows.
 pub(super) fn emit(model: &mut System, facts: &Facts, texts: &Texts) -> TokenStream {
-    let staged: Vec<(u32, &String)> = texts.staged().collect();
+    let staged: Vec<(&Embedding, u32, &String)> = texts.staged().collect();
     if staged.is_empty() && texts.flows.is_none() {
         return TokenStream::new();
     }
@@ -56,12 +56,12 @@ pub(super) fn emit(model: &mut System, facts: &Facts, texts: &Texts) -> TokenStr
     if let Some(flows) = texts.flows {
         generated.extend(compose::flows(&model.item, flows, facts, &in_place()));
     }
-    for (stages, text) in staged {
-        let stages = Literal::u32_unsuffixed(stages);
+    for (embedding, stages, text) in staged {
+        let (scheme, stages) = (embedding_type(embedding, &quote!(__wzvi)), Literal::u32_unsuffixed(stages));
         generated.extend(quote! {
             __wzvi::gauss! {
-                [impl #generics __wzvi::Discretized<__wzvi::embedding::Gauss<#stages>> for #name #arguments #filter]
-                #stages, #midpoint, { #midpoint }.unknowns, #text
+                [impl #generics __wzvi::Discretized<#scheme> for #name #arguments #filter]
+                #scheme, #stages, #midpoint, { #midpoint }.unknowns, #text
             }
         });
     }

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::{degrees, noise_count, vector_type};
-use crate::emit::{count, f64_type, friction_rate, number_of, parameter, variables};
+use crate::emit::{count, f64_type, friction_rate, number_of, parameter, validate, variables};
 use crate::model::System;
 
 /// `impl Hamiltonian`
@@ -27,6 +27,7 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let parameter = parameter(&model.graph, &model.parameters);
+    let validate = validate(&model.embeddings, model.friction.is_some());
     let force = model.force.is_some().then(|| {
         quote! {
             const IS_FORCED: __wzvi::bool = true;
@@ -78,6 +79,8 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
             }
 
             #force
+
+            #validate
 
             #invariant
         }

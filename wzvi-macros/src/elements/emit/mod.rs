@@ -47,7 +47,7 @@ pub(crate) fn emit(model: &mut System, facts: &Facts, schemes: &[Step<'_>], text
     generated.extend(steps(model, facts, schemes));
     generated.extend(gauss::emit(model, facts, texts));
     generated.extend(parts::emit(model, facts, texts));
-    generated.extend(texts.listed.iter().any(|(known, _)| known.is_thermostat()).then(|| bath::emit(model)));
+    generated.extend(bath::emit(model));
     let surroundings = Surroundings {
         crate_path: &model.crate_path,
         tokens: with_header(&model.item, user_tokens(model).iter()),
