@@ -66,6 +66,32 @@
 //! }
 //! ```
 //!
+//! What is not Hamiltonian stands beside it. Friction and a temperature make a heat bath, whose part of the step is exact:
+//!
+//! ```
+//! use wzvi::prelude::*;
+//!
+//! #[hamiltonian(
+//!     drift = |q, p| 0.5 * p * p + 0.25 * (q * q - 1.0).powi(2),
+//!     force = |q, p, t| push * t.cos(),
+//!     friction = gamma,
+//!     temperature = kt,
+//!     embedding = Baoab,
+//! )]
+//! struct DoubleWell {
+//!     push: f64,
+//!     gamma: f64,
+//!     kt: f64,
+//! }
+//!
+//! fn main() -> Result<(), wzvi::Error> {
+//!     let well = DoubleWell { push: 0.1, gamma: 0.5, kt: 0.2 };
+//!     let run = well.simulate::<Baoab>(0.05).start(State::new([-1.0], [0.0])).noise(StepNormals::seed(1));
+//!     println!("{:?}", run.until(100.0).run()?.last());
+//!     Ok(())
+//! }
+//! ```
+//!
 //! # The tour
 //!
 //! * **System.** With drift `H_0` and noises `H_k`, in the sense of Stratonovich,
