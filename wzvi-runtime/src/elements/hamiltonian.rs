@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Elements, Point, Slopes, check};
+use super::{Elements, Point, Slopes, check, slopes};
 use crate::scalar::Scalar;
 use crate::state::{State, Vector};
 
@@ -50,7 +50,7 @@ pub fn differentiate<H: Elements, S: Scalar>(
     by_p.fill(start);
     if is_known {
         let (dw, (part, acting)) = ([S::from_f64(1.0)], part_of(term));
-        system.slopes(part, 1.0, &Point { q, p, t, h: 1.0, dw: &dw, acting }, Slopes::ALL, by_q, by_p);
+        slopes(system, part, 1.0, &Point { q, p, t, h: 1.0, dw: &dw, acting }, Slopes::ALL, by_q, by_p);
     }
 }
 

@@ -17,7 +17,8 @@ pub(super) const END: usize = Part::CounterTerm as usize + 1;
 
 /// The arms of values or slopes.
 pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
-    let weight = quote!(__S::from_f64(__at.h));
+    let number = wanted.number();
+    let weight = quote!(#number::from_f64(__at.h));
     let terms = model.parts.clone();
     let arms = terms.iter().enumerate().map(|(k, term)| {
         let code: TokenStream = match wanted {
