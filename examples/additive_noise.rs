@@ -14,10 +14,10 @@ mod table;
 
 use std::error::Error;
 
-use plot::{BLACK, BLUE, GREEN, GREY, Panel, VERMILION};
 use table::Mean;
 use wzvi::nalgebra::SVector;
 use wzvi::noise::{Interval, NoiseError, Paths};
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 #[hamiltonian(
@@ -164,11 +164,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let curve = energies.iter().enumerate().map(move |(n, means)| (time(n), means[which].value()));
         curve.collect::<Vec<_>>()
     };
-    let panel = Panel::new(&format!("Mean energy of {PATHS} paths"), "time t", "E[H]")
-        .broad("exact solution", GREY, curve(0))
-        .line("DeltaPlus", VERMILION, curve(1))
-        .line("Midpoint", BLUE, curve(2))
-        .dashes("(σ² + γ²) t/2", BLACK, [(0.0, 0.0), (end, growth * end)]);
+    let panel = Figure::panel(format!("Mean energy of {PATHS} paths"), "time t", "E[H]")
+        .points(Look::Broad, "exact solution", Colour::GREY, curve(0))
+        .line("DeltaPlus", Colour::VERMILION, curve(1))
+        .line("Midpoint", Colour::BLUE, curve(2))
+        .points(Look::Dashed, "(σ² + γ²) t/2", Colour::INK, [(0.0, 0.0), (end, growth * end)]);
     plot::save("additive_noise", "energy", 1, (1400, 700), &[panel])
 }
 
@@ -188,13 +188,13 @@ fn one_path() -> Result<(), Box<dyn Error>> {
         })
     };
     let panels = [
-        Panel::new("From rest, driven by one path", "time t", "q")
-            .broad("exact", GREY, curve(|all| all.exact))
-            .line("DeltaPlus", VERMILION, curve(|all| all.delta_plus)),
-        Panel::new("Distance from the exact solution", "time t", "|z - exact|")
-            .line("DeltaPlus", VERMILION, distance(|all| all.delta_plus))
-            .line("Midpoint", BLUE, distance(|all| all.midpoint))
-            .line("E[exact | increments]", GREEN, distance(|all| all.conditional)),
+        Figure::panel("From rest, driven by one path", "time t", "q")
+            .points(Look::Broad, "exact", Colour::GREY, curve(|all| all.exact))
+            .line("DeltaPlus", Colour::VERMILION, curve(|all| all.delta_plus)),
+        Figure::panel("Distance from the exact solution", "time t", "|z - exact|")
+            .line("DeltaPlus", Colour::VERMILION, distance(|all| all.delta_plus))
+            .line("Midpoint", Colour::BLUE, distance(|all| all.midpoint))
+            .line("E[exact | increments]", Colour::GREEN, distance(|all| all.conditional)),
     ];
     plot::save("additive_noise", "path", 1, (1700, 620), &panels)
 }

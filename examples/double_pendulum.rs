@@ -13,8 +13,8 @@ mod table;
 
 use std::error::Error;
 
-use plot::{BLUE, GREY, Panel, VERMILION};
 use wzvi::nalgebra::SVector;
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 #[hamiltonian(
@@ -77,15 +77,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     let time = "time t [√(l/g)]";
     let growth = (0..=100).map(|t| (f64::from(t), APART * (exponent * f64::from(t)).exp()));
     let panels = [
-        Panel::new("Angle of the lower rod from two starts 1e-9 rad apart", time, "angle [rad]")
-            .line("first", BLUE, angle(&first))
-            .line("second", VERMILION, angle(&second)),
-        Panel::new("Distance in phase space", time, "distance")
+        Figure::panel("Angle of the lower rod from two starts 1e-9 rad apart", time, "angle [rad]")
+            .line("first", Colour::BLUE, angle(&first))
+            .line("second", Colour::VERMILION, angle(&second)),
+        Figure::panel("Distance in phase space", time, "distance")
             .log_y()
             .y_range(1e-10..1e2)
-            .line("measured", BLUE, separations)
-            .dashes(&format!("1e-9 exp({exponent:.2} t), from the long run"), GREY, growth),
-        Panel::new("Energy error", time, "H - H(0) [m g l]").line("first", BLUE, errors),
+            .line("measured", Colour::BLUE, separations)
+            .points(
+                Look::Dashed,
+                format!("1e-9 exp({exponent:.2} t), from the long run"),
+                Colour::GREY,
+                growth,
+            ),
+        Figure::panel("Energy error", time, "H - H(0) [m g l]").line("first", Colour::BLUE, errors),
     ];
     plot::save("double_pendulum", "chaos", 1, (1500, 560), &panels)
 }

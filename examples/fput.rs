@@ -25,9 +25,9 @@ mod table;
 use std::error::Error;
 use std::f64::consts::{PI, TAU};
 
-use plot::{BLUE, GREEN, GREY, ORANGE, PURPLE, Panel, VERMILION};
 use table::Mean;
 use wzvi::nalgebra::DVector;
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 #[hamiltonian(
@@ -163,7 +163,7 @@ impl History {
 }
 
 /// The experiment of 1955.
-fn fermi_pasta_ulam() -> Result<Panel, Box<dyn Error>> {
+fn fermi_pasta_ulam() -> Result<Figure, Box<dyn Error>> {
     let (modes, fput) = (Modes { n: 31 }, Fput { alpha: 0.25, beta: 0.0 });
     let period = TAU / modes.frequency(1);
     let end = 180.0 * period;
@@ -190,19 +190,25 @@ fn fermi_pasta_ulam() -> Result<Panel, Box<dyn Error>> {
         "  Its step is not small. It leaves 1 - h² of the chain's dispersion, and delays the return by (1 - h²)^(-1/2):"
     );
     println!("  from {:.1} periods to {:.1}.\n", fine / period, expected / period);
-    let mut panel = Panel::new(
+    let mut panel = Figure::panel(
         "Fermi, Pasta, Ulam, figure 1: α = 1/4, 32 springs (Midpoint, h = 0.05)",
         "time [periods of mode 1]",
         "energy",
     );
-    for (k, color) in [(1, BLUE), (2, VERMILION), (3, GREEN), (4, ORANGE), (5, PURPLE)] {
-        panel = panel.line(&format!("mode {k}"), color, history.curve(k, period));
+    for (k, color) in [
+        (1, Colour::BLUE),
+        (2, Colour::VERMILION),
+        (3, Colour::GREEN),
+        (4, Colour::OCHRE),
+        (5, Colour::PURPLE),
+    ] {
+        panel = panel.line(format!("mode {k}"), color, history.curve(k, period));
     }
     Ok(panel)
 }
 
 /// Springs that pull as they push.
-fn symmetric() -> Result<Panel, Box<dyn Error>> {
+fn symmetric() -> Result<Figure, Box<dyn Error>> {
     let (modes, fput) = (Modes { n: 31 }, Fput { alpha: 0.0, beta: 8.0 });
     let period = TAU / modes.frequency(1);
     let history = History::of::<Midpoint>(&fput, modes.n, 1.0, 0.05, 100.0 * period)?;
@@ -216,13 +222,13 @@ fn symmetric() -> Result<Panel, Box<dyn Error>> {
         "\n  The even modes have none by symmetry; measured at most {even:.1e} of {:.2}: rounding.\n",
         history.energies[0][0]
     );
-    let mut panel = Panel::new(
+    let mut panel = Figure::panel(
         "Fermi, Pasta, Ulam, figure 4: β = 8, 32 springs (Midpoint, h = 0.05)",
         "time [periods of mode 1]",
         "energy",
     );
-    for (k, color) in [(1, BLUE), (3, GREEN), (5, PURPLE)] {
-        panel = panel.line(&format!("mode {k}"), color, history.curve(k, period));
+    for (k, color) in [(1, Colour::BLUE), (3, Colour::GREEN), (5, Colour::PURPLE)] {
+        panel = panel.line(format!("mode {k}"), color, history.curve(k, period));
     }
     Ok(panel)
 }
@@ -285,7 +291,7 @@ fn scaling() -> Result<(), Box<dyn Error>> {
 }
 
 /// A hot chain of 1024 particles.
-fn equilibrium() -> Result<[Panel; 2], Box<dyn Error>> {
+fn equilibrium() -> Result<[Figure; 2], Box<dyn Error>> {
     const N: usize = 1024;
     const H: f64 = 0.05;
     let fput = Fput { alpha: 0.0, beta: 1.0 };
@@ -364,12 +370,17 @@ fn equilibrium() -> Result<[Panel; 2], Box<dyn Error>> {
         .map(|i| -4.0 + 0.05 * f64::from(i))
         .map(|d| (d, (-fput.spring(d) / temperature).exp() / partition));
     Ok([
-        Panel::new("N = 1024: kinetic temperature", "time", "Σ p²/N")
-            .line("Midpoint, h = 0.05", BLUE, approach)
-            .dashes("equilibrium at this energy", GREY, [(0.0, temperature), (1000.0, temperature)]),
-        Panel::new("N = 1024: lengths of the springs", "d", "density")
-            .line("exp(-V(d)/T)/Z", GREY, curve)
-            .dots("measured", VERMILION, 5, density),
+        Figure::panel("N = 1024: kinetic temperature", "time", "Σ p²/N")
+            .line("Midpoint, h = 0.05", Colour::BLUE, approach)
+            .points(
+                Look::Dashed,
+                "equilibrium at this energy",
+                Colour::GREY,
+                [(0.0, temperature), (1000.0, temperature)],
+            ),
+        Figure::panel("N = 1024: lengths of the springs", "d", "density")
+            .line("exp(-V(d)/T)/Z", Colour::GREY, curve)
+            .points(Look::Dots, "measured", Colour::VERMILION, density),
     ])
 }
 

@@ -14,7 +14,7 @@ mod table;
 use std::collections::BTreeSet;
 use std::error::Error;
 
-use plot::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Panel, SKY, VERMILION};
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 use wzvi::section::Direction;
 
@@ -29,15 +29,23 @@ const END: f64 = 40_000.0;
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("Hénon-Heiles, Gauss<8>, h = {H}, t ≤ {END}\n");
-    let colors = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK];
+    let colors = [
+        Colour::BLUE,
+        Colour::VERMILION,
+        Colour::GREEN,
+        Colour::OCHRE,
+        Colour::PURPLE,
+        Colour::VIOLET,
+        Colour::INK,
+    ];
     // (y, py) on the section.
     let regular = [(0.0, 0.05), (0.0, 0.12), (0.0, 0.17), (0.0, -0.17), (0.0, 0.3), (0.18, 0.0), (-0.3, 0.0)];
     let mixed = [(0.0, 0.07), (0.0, 0.15), (0.0, 0.4), (0.15, 0.0), (0.25, 0.0), (-0.15, 0.0), (-0.27, 0.0)];
     let (mut rows, mut panels) = (Vec::new(), Vec::new());
     for (name, energy, starts) in [("1/12", 1.0 / 12.0, regular), ("1/8", 0.125, mixed)] {
-        let mut panel = Panel::new(&format!("E = {name}: section x = 0, px > 0"), "y", "py")
+        let mut panel = Figure::panel(format!("E = {name}: section x = 0, px > 0"), "y", "py")
             .equal_axes()
-            .line("edge of what the energy allows", GREY, edge(energy));
+            .line("edge of what the energy allows", Colour::GREY, edge(energy));
         for ((y, py), color) in starts.into_iter().zip(colors) {
             let Section { points, drift, off } = section(energy, y, py)?;
             let dimension = dimension(&points);
@@ -50,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 format!("{dimension:.2}"),
                 if dimension > 1.3 { "fills an area" } else { "keeps to a curve" }.into(),
             ]);
-            panel = panel.dots("", color, 2, points);
+            panel = panel.points(Look::FineDots, "", color, points);
         }
         panels.push(panel);
     }

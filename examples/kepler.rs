@@ -16,8 +16,8 @@ mod table;
 use std::error::Error;
 use std::f64::consts::TAU;
 
-use plot::{BLACK, BLUE, Panel, VERMILION};
 use wzvi::nalgebra::SVector;
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 #[hamiltonian(
@@ -55,32 +55,36 @@ fn main() -> Result<(), Box<dyn Error>> {
     let steps = 500;
     let (first, second) = (follow::<DeltaPlus>(steps)?, follow::<Midpoint>(steps)?);
     let orbit = |name: &str, color, run: &Run| {
-        Panel::new(&format!("{name}, {steps} steps per period"), "x [a]", "y [a]")
+        Figure::panel(format!("{name}, {steps} steps per period"), "x [a]", "y [a]")
             .equal_axes()
             .line("one period in 250", color, run.orbit.iter().copied())
-            .dots("centre", BLACK, 9, [(0.0, 0.0)])
+            .points(Look::Marks, "centre", Colour::INK, [(0.0, 0.0)])
     };
     plot::save(
         "kepler",
         "orbit",
         2,
         (900, 900),
-        &[orbit("DeltaPlus", VERMILION, &first), orbit("Midpoint", BLUE, &second)],
+        &[orbit("DeltaPlus", Colour::VERMILION, &first), orbit("Midpoint", Colour::BLUE, &second)],
     )?;
     let panel = |title: &str, unit: &str, of: fn(&Period) -> f64| {
         let curve = |run: &Run| {
             let curve = run.periods.iter().enumerate().map(move |(n, period)| (n as f64 + 1.0, of(period)));
             curve.collect::<Vec<_>>()
         };
-        let panel = Panel::new(title, "periods", unit).log_y();
-        panel.line("DeltaPlus", VERMILION, curve(&first)).line("Midpoint", BLUE, curve(&second))
+        let panel = Figure::panel(title, "periods", unit).log_y();
+        panel.line("DeltaPlus", Colour::VERMILION, curve(&first)).line(
+            "Midpoint",
+            Colour::BLUE,
+            curve(&second),
+        )
     };
     let panels = [
         panel("Largest energy error of each period", "|H - H(0)|", |period| period.energy),
         panel("Largest error of the angular momentum of each period", "|L - L(0)|", |period| period.momentum),
-        Panel::new("Direction of the perihelion", "periods", "angle [°]")
-            .line("DeltaPlus", VERMILION, first.perihelia.iter().copied())
-            .line("Midpoint", BLUE, second.perihelia.iter().copied()),
+        Figure::panel("Direction of the perihelion", "periods", "angle [°]")
+            .line("DeltaPlus", Colour::VERMILION, first.perihelia.iter().copied())
+            .line("Midpoint", Colour::BLUE, second.perihelia.iter().copied()),
     ];
     plot::save("kepler", "conservation", 1, (1500, 560), &panels)
 }

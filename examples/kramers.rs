@@ -24,8 +24,8 @@ mod table;
 use std::error::Error;
 
 use energy_diffusion::Well;
-use plot::{BLACK, BLUE, GREEN, GREY, ORANGE, Panel, VERMILION};
 use wzvi::ensemble::Passages;
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 /// A particle between two wells, kicked.
@@ -95,7 +95,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let speed = well.integral(2, BARRIER) / well.integral(1, BARRIER);
 
     let (mut rows, mut escapes) = (vec![], vec![]);
-    for (s, color) in [(0.2, ORANGE), (0.1, GREEN), (0.05, BLUE)] {
+    for (s, color) in [(0.2, Colour::OCHRE), (0.1, Colour::GREEN), (0.05, Colour::BLUE)] {
         let (system, unit) = (DoubleWell { s }, 2.0 * BARRIER / (s * s));
         let statistics = system
             .ensemble::<Midpoint>(H)
@@ -147,22 +147,22 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("  E H there: mean energy on arrival in the other well, s² E τ/2, above the barrier's 0.25\n");
 
     let x = "time t [2B/s²]";
-    let mut curves = Panel::new("Not yet at the barrier", x, "probability").log_y();
-    let mut densities = Panel::new("Density of the time to the barrier", x, "density [s²/2B]");
+    let mut curves = Figure::panel("Not yet at the barrier", x, "probability").log_y();
+    let mut densities = Figure::panel("Density of the time to the barrier", x, "density [s²/2B]");
     for (s, color, escape) in escapes {
         let some = escape.survival.iter().copied().filter(|point| point.1 > 1e-3);
-        curves = curves.dots(&format!("s = {s}"), color, 6, some.collect::<Vec<_>>());
+        curves = curves.points(Look::Dots, format!("s = {s}"), color, some.collect::<Vec<_>>());
         if s != 0.2 {
-            densities = densities.dots(&format!("s = {s}"), color, 6, escape.density);
+            densities = densities.points(Look::Dots, format!("s = {s}"), color, escape.density);
         }
     }
     let late = theory.iter().copied().filter(|point| point.1 > 1e-3).collect::<Vec<_>>();
-    curves = curves.line("averaged equation", BLACK, late);
+    curves = curves.line("averaged equation", Colour::INK, late);
     let slope = theory.windows(2).step_by(10).map(|w| (0.5 * (w[0].0 + w[1].0), (w[0].1 - w[1].1) * 1000.0));
-    densities = densities.line("averaged equation", BLACK, slope.collect::<Vec<_>>());
-    let path = Panel::new("One path, s = 0.1", x, "position q")
-        .line("", VERMILION, sample(0.1, 50.0)?)
-        .dashes("barrier", GREY, [(0.0, 0.0), (1.5, 0.0)]);
+    densities = densities.line("averaged equation", Colour::INK, slope.collect::<Vec<_>>());
+    let path = Figure::panel("One path, s = 0.1", x, "position q")
+        .line("", Colour::VERMILION, sample(0.1, 50.0)?)
+        .points(Look::Dashed, "barrier", Colour::GREY, [(0.0, 0.0), (1.5, 0.0)]);
     plot::save("kramers", "escape", 3, (900, 700), &[path, curves, densities])?;
     Ok(())
 }

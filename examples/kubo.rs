@@ -16,11 +16,10 @@ use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
-use plot::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Panel, SKY, VERMILION};
-use plotters::style::RGBColor;
 use table::Mean;
 use wzvi::nalgebra::SVector;
 use wzvi::noise::{Interval, Paths};
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 /// Kubo oscillator: a rotation whose angle diffuses.
@@ -47,18 +46,18 @@ const SEED: u64 = 7;
 macro_rules! each {
     ($function:ident($($argument:expr),*)) => {
         [
-            $function::<Uncorrected<DeltaPlus>>(("Uncorrected<DeltaPlus>", VERMILION), $($argument),*)?,
-            $function::<Uncorrected<DeltaMinus>>(("Uncorrected<DeltaMinus>", ORANGE), $($argument),*)?,
-            $function::<Uncorrected<Lambda<1, 4>>>(("Uncorrected<Lambda<1, 4>>", PURPLE), $($argument),*)?,
-            $function::<Corrected<DeltaPlus>>(("Corrected<DeltaPlus>", SKY), $($argument),*)?,
-            $function::<Mixed<DeltaPlus, Midpoint>>(("Mixed<DeltaPlus, Midpoint>", GREEN), $($argument),*)?,
-            $function::<Midpoint>(("Midpoint", BLUE), $($argument),*)?,
+            $function::<Uncorrected<DeltaPlus>>(("Uncorrected<DeltaPlus>", Colour::VERMILION), $($argument),*)?,
+            $function::<Uncorrected<DeltaMinus>>(("Uncorrected<DeltaMinus>", Colour::OCHRE), $($argument),*)?,
+            $function::<Uncorrected<Lambda<1, 4>>>(("Uncorrected<Lambda<1, 4>>", Colour::PURPLE), $($argument),*)?,
+            $function::<Corrected<DeltaPlus>>(("Corrected<DeltaPlus>", Colour::VIOLET), $($argument),*)?,
+            $function::<Mixed<DeltaPlus, Midpoint>>(("Mixed<DeltaPlus, Midpoint>", Colour::GREEN), $($argument),*)?,
+            $function::<Midpoint>(("Midpoint", Colour::BLUE), $($argument),*)?,
         ]
     };
 }
 
 /// Name and colour of a scheme.
-type Scheme = (&'static str, RGBColor);
+type Scheme = (&'static str, usize);
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("Kubo oscillator, a = {}, σ = {}, from q = 0, p = 1", KUBO.a, KUBO.sigma);
@@ -127,12 +126,10 @@ fn one_path() -> Result<(), Box<dyn Error>> {
     let circle = || (0..=180).map(|i| (f64::from(i) * 2.0).to_radians().sin_cos());
     let phase = |run: &Run, title: &str| {
         let points = run.states.iter().map(|state| (state.q[0], state.p[0]));
-        Panel::new(title, "q", "p").equal_axes().broad("exact", GREY, circle()).dots(
-            run.scheme.0,
-            run.scheme.1,
-            4,
-            points,
-        )
+        Figure::panel(title, "q", "p")
+            .equal_axes()
+            .points(Look::Broad, "exact", Colour::GREY, circle())
+            .points(Look::Dots, run.scheme.0, run.scheme.1, points)
     };
     let panels = [phase(order_1, "Order 1"), phase(order_2, "Order 2")];
     plot::save("kubo", "phase", 2, (900, 900), &panels)?;
@@ -140,9 +137,14 @@ fn one_path() -> Result<(), Box<dyn Error>> {
     let curve = || order_2.states.iter().zip(&order_2.wiener).map(|(z, &w)| (z.t, exact(z.t, w)[0]));
     let time = "time t";
     let mut panels = [
-        Panel::new("Not consistent: the limit is another system", time, "q").broad("exact", GREY, curve()),
-        Panel::new("Consistent", time, "q").broad("exact", GREY, curve()),
-        Panel::new("Distance from the exact solution", time, "|z - exact|").log_y().y_range(1e-3..1e1),
+        Figure::panel("Not consistent: the limit is another system", time, "q").points(
+            Look::Broad,
+            "exact",
+            Colour::GREY,
+            curve(),
+        ),
+        Figure::panel("Consistent", time, "q").points(Look::Broad, "exact", Colour::GREY, curve()),
+        Figure::panel("Distance from the exact solution", time, "|z - exact|").log_y().y_range(1e-3..1e1),
     ];
     for (n, run) in runs.iter().enumerate() {
         let [wrong, right, errors] = panels;
@@ -164,13 +166,13 @@ fn one_path() -> Result<(), Box<dyn Error>> {
         }
         let energy = run.states.iter().map(|z| (z.t, KUBO.energy(z)));
         let label = run.scheme.0;
-        panels.push(Panel::new(&format!("Wong-Zakai energy, order {order}"), time, "H0 + H1 dWε/dt").line(
+        panels.push(Figure::panel(format!("Wong-Zakai energy, order {order}"), time, "H0 + H1 dWε/dt").line(
             label,
             run.scheme.1,
             wong_zakai,
         ));
-        let panel = Panel::new(&format!("Unperturbed energy, order {order}"), time, "H0")
-            .broad("exact", GREY, [(0.0, 0.75), (T, 0.75)])
+        let panel = Figure::panel(format!("Unperturbed energy, order {order}"), time, "H0")
+            .points(Look::Broad, "exact", Colour::GREY, [(0.0, 0.75), (T, 0.75)])
             .line(label, run.scheme.1, energy);
         panels.push(if order == 2 { panel.y_range(0.0..1.5) } else { panel });
     }
@@ -348,18 +350,32 @@ fn strong_errors() -> Result<(), Box<dyn Error>> {
     println!("  Order: from 2^-6 to 2^-10. Times: steps with given increments.\n");
 
     let mut by_step =
-        Panel::new("Strong error against step size", "step size h", "rms |z(1) - exact|").log_log();
-    let mut by_time =
-        Panel::new("Strong error against run time", "time per path, steps only [μs]", "rms |z(1) - exact|")
-            .log_log();
+        Figure::panel("Strong error against step size", "step size h", "rms |z(1) - exact|").log_log();
+    let mut by_time = Figure::panel(
+        "Strong error against run time",
+        "time per path, steps only [μs]",
+        "rms |z(1) - exact|",
+    )
+    .log_log();
     for (n, (name, color)) in schemes.into_iter().enumerate() {
         let levels = || grids.iter().zip(&results);
-        by_step = by_step.marked(name, color, levels().map(|(grid, result)| (grid.h, result[n].0)));
-        by_time = by_time.marked(name, color, levels().map(|(_, result)| (1e6 * result[n].1, result[n].0)));
+        by_step =
+            by_step.points(Look::Joined, name, color, levels().map(|(grid, result)| (grid.h, result[n].0)));
+        by_time = by_time.points(
+            Look::Joined,
+            name,
+            color,
+            levels().map(|(_, result)| (1e6 * result[n].1, result[n].0)),
+        );
     }
     let ends = [grids[6].h, grids[0].h];
     let predicted = ends.map(|h| (h, constant * h));
-    let by_step = by_step.slope("slope 1", 1.0, 3.0, ends).dashes("Midpoint, predicted", BLACK, predicted);
+    let by_step = by_step.slope("slope 1", 1.0, 3.0, ends).points(
+        Look::Dashed,
+        "Midpoint, predicted",
+        Colour::INK,
+        predicted,
+    );
     plot::save("kubo", "strong_error", 2, (1100, 900), &[by_step, by_time])
 }
 

@@ -21,8 +21,8 @@ mod table;
 use std::error::Error;
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-use plot::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Panel, SKY, VERMILION};
 use wzvi::nalgebra::DVector;
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 #[hamiltonian(
@@ -178,7 +178,7 @@ fn contour(torus: &Torus, state: &Field) -> (f64, Vec<(f64, f64)>) {
 }
 
 /// The fall of a circular wall, on two lattices.
-fn wall() -> Result<[Panel; 2], Box<dyn Error>> {
+fn wall() -> Result<[Figure; 2], Box<dyn Error>> {
     println!("2. A circular wall of radius {RADIUS} on a torus of 80 by 80, Midpoint, h = a/5\n");
     let (coarse, fine) = (Fall::on(0.5)?, Fall::on(0.25)?);
     let mut rows = Vec::new();
@@ -206,17 +206,25 @@ fn wall() -> Result<[Panel; 2], Box<dyn Error>> {
     );
     let exact = (0..=390).map(|i| 0.1 * f64::from(i)).map(|t| (t, RADIUS * (t / RADIUS).cos()));
     let mut picture =
-        Panel::new("Where the field vanishes, every 6 units of time (a = 1/4)", "x", "y").equal_axes();
-    let colors = [BLACK, BLUE, SKY, GREEN, ORANGE, VERMILION, PURPLE];
+        Figure::panel("Where the field vanishes, every 6 units of time (a = 1/4)", "x", "y").equal_axes();
+    let colors = [
+        Colour::INK,
+        Colour::BLUE,
+        Colour::VIOLET,
+        Colour::GREEN,
+        Colour::OCHRE,
+        Colour::VERMILION,
+        Colour::PURPLE,
+    ];
     for ((t, points), color) in fine.contours.into_iter().zip(colors) {
-        picture = picture.dots(&format!("t = {t:.0}"), color, 2, points);
+        picture = picture.points(Look::FineDots, format!("t = {t:.0}"), color, points);
     }
     Ok([
         picture,
-        Panel::new("Radius of the wall", "t", "R")
-            .broad("R_0 cos(t/R_0)", GREY, exact)
-            .line("a = 1/2", VERMILION, coarse.radii)
-            .line("a = 1/4", BLUE, fine.radii),
+        Figure::panel("Radius of the wall", "t", "R")
+            .points(Look::Broad, "R_0 cos(t/R_0)", Colour::GREY, exact)
+            .line("a = 1/2", Colour::VERMILION, coarse.radii)
+            .line("a = 1/4", Colour::BLUE, fine.radii),
     ])
 }
 

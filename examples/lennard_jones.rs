@@ -21,8 +21,8 @@ mod table;
 use std::error::Error;
 use std::f64::consts::PI;
 
-use plot::{BLUE, GREY, Panel, VERMILION};
 use wzvi::nalgebra::{DVector, Vector3};
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 #[hamiltonian(
@@ -216,7 +216,7 @@ fn breath(minimum: &Cluster) -> Result<(), Box<dyn Error>> {
 }
 
 /// Temperature and fluctuation of distances at several energies.
-fn melting(minimum: &Cluster) -> Result<[Panel; 2], Box<dyn Error>> {
+fn melting(minimum: &Cluster) -> Result<[Figure; 2], Box<dyn Error>> {
     const H: f64 = 0.01;
     /// Degrees of freedom without those of translation and rotation.
     const VIBRATIONS: f64 = 33.0;
@@ -270,12 +270,12 @@ fn melting(minimum: &Cluster) -> Result<[Panel; 2], Box<dyn Error>> {
     println!("\n  The fluctuation passes a tenth between E/13 = {:.2} and {:.2}.", melts[0].0, melts[1].0);
     let edge = [(-3.4, 0.1), (-2.3, 0.1)];
     Ok([
-        Panel::new("13 atoms: temperature by energy", "E/13", "temperature")
-            .dashes("harmonic, 2 <K>/33 = (E - E_0)/33", GREY, harmonic)
-            .marked("measured", BLUE, heats),
-        Panel::new("13 atoms: fluctuation of distances", "E/13", "mean of δr/<r>")
-            .dashes("a tenth: liquid above", GREY, edge)
-            .marked("measured", VERMILION, wobbles),
+        Figure::panel("13 atoms: temperature by energy", "E/13", "temperature")
+            .points(Look::Dashed, "harmonic, 2 <K>/33 = (E - E_0)/33", Colour::GREY, harmonic)
+            .points(Look::Joined, "measured", Colour::BLUE, heats),
+        Figure::panel("13 atoms: fluctuation of distances", "E/13", "mean of δr/<r>")
+            .points(Look::Dashed, "a tenth: liquid above", Colour::GREY, edge)
+            .points(Look::Joined, "measured", Colour::VERMILION, wobbles),
     ])
 }
 

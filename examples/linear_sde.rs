@@ -20,11 +20,10 @@ mod table;
 
 use std::error::Error;
 
-use plot::{BLUE, GREEN, GREY, ORANGE, Panel, VERMILION};
-use plotters::style::RGBColor;
 use table::Mean;
 use wzvi::nalgebra::SVector;
 use wzvi::noise::Paths;
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 #[hamiltonian(
@@ -71,20 +70,26 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
 
     let exact = path::<X2>()?.1;
-    let mut paths = Panel::new("One path", "time t", "X").broad("exact", GREY, exact.iter().copied());
-    let mut ratios = Panel::new("Divided by the exact solution", "time t", "X / exact")
+    let mut paths = Figure::panel("One path", "time t", "X").points(
+        Look::Broad,
+        "exact",
+        Colour::GREY,
+        exact.iter().copied(),
+    );
+    let mut ratios = Figure::panel("Divided by the exact solution", "time t", "X / exact")
         .y_range(0.5..1.1)
-        .broad("exact", GREY, [(0.0, 1.0), (1.0, 1.0)])
-        .dashes(
+        .points(Look::Broad, "exact", Colour::GREY, [(0.0, 1.0), (1.0, 1.0)])
+        .points(
+            Look::Dashed,
             "exp(-b² t/2)",
-            GREY,
+            Colour::GREY,
             exact.iter().map(|&(t, _)| (t, (-0.5 * LINEAR.b * LINEAR.b * t).exp())),
         );
-    let curves: [(&str, RGBColor, Curve); 4] = [
-        ("X1", VERMILION, path::<X1>()?.0),
-        ("X21", ORANGE, path::<X21>()?.0),
-        ("X12", GREEN, path::<X12>()?.0),
-        ("X2", BLUE, path::<X2>()?.0),
+    let curves: [(&str, usize, Curve); 4] = [
+        ("X1", Colour::VERMILION, path::<X1>()?.0),
+        ("X21", Colour::OCHRE, path::<X21>()?.0),
+        ("X12", Colour::GREEN, path::<X12>()?.0),
+        ("X2", Colour::BLUE, path::<X2>()?.0),
     ];
     for (label, color, curve) in curves {
         let ratio = curve.iter().zip(&exact).map(|(&(t, x), &(_, exact))| (t, x / exact)).collect::<Curve>();

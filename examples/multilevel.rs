@@ -15,7 +15,7 @@ mod table;
 use std::error::Error;
 use std::time::Instant;
 
-use plot::{BLACK, BLUE, Panel, VERMILION};
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 /// A rotation whose angle diffuses.
@@ -156,31 +156,34 @@ fn main() -> Result<(), Box<dyn Error>> {
     let guide = |cost: Option<&Cost>, order: i32| {
         cost.map_or(f64::NAN, |cost| 1.6 * cost.steps * cost.target.powi(order))
     };
-    let cost = Panel::new(
+    let cost = Figure::panel(
         "Kubo oscillator, mean of q at t = 1",
         "root mean square error asked for",
         "steps of all paths",
     )
     .log_log()
-    .marked("multilevel", BLUE, points(&levels, |cost| cost.steps))
-    .marked("one step size", VERMILION, points(&single, |cost| cost.steps))
+    .points(Look::Joined, "multilevel", Colour::BLUE, points(&levels, |cost| cost.steps))
+    .points(Look::Joined, "one step size", Colour::VERMILION, points(&single, |cost| cost.steps))
     .slope("ε⁻²", -2.0, guide(last_levels, 2), [1.3e-4, 1.6e-2])
     .slope("ε⁻³", -3.0, guide(last_single, 3), [1e-3, 1.6e-2]);
     let error =
-        Panel::new("What was asked and what was got", "root mean square error asked for", "error made")
+        Figure::panel("What was asked and what was got", "root mean square error asked for", "error made")
             .log_log()
-            .marked("multilevel", BLUE, points(&levels, |cost| cost.error))
-            .marked("one step size", VERMILION, points(&single, |cost| cost.error))
-            .dashes("as asked", BLACK, [1.25e-4, 1.6e-2].map(|x| (x, x)));
+            .points(Look::Joined, "multilevel", Colour::BLUE, points(&levels, |cost| cost.error))
+            .points(Look::Joined, "one step size", Colour::VERMILION, points(&single, |cost| cost.error))
+            .points(Look::Dashed, "as asked", Colour::INK, [1.25e-4, 1.6e-2].map(|x| (x, x)));
     let variances = one.levels().iter().skip(1).map(|level| (level.h(), level.variance()));
     let means = one.levels().iter().skip(1).map(|level| (level.h(), level.mean().abs()));
     let first = one.levels().get(1).map_or(f64::NAN, |level| level.variance() / level.h().powi(2));
-    let rates =
-        Panel::new("Differences between levels, ε = 1e-3", "step size h of the finer path", "mean, variance")
-            .log_log()
-            .marked("|mean|", BLUE, means)
-            .marked("variance", VERMILION, variances)
-            .slope("h²", 2.0, 0.5 * first, [1e-3, 0.125]);
+    let rates = Figure::panel(
+        "Differences between levels, ε = 1e-3",
+        "step size h of the finer path",
+        "mean, variance",
+    )
+    .log_log()
+    .points(Look::Joined, "|mean|", Colour::BLUE, means)
+    .points(Look::Joined, "variance", Colour::VERMILION, variances)
+    .slope("h²", 2.0, 0.5 * first, [1e-3, 0.125]);
     plot::save("multilevel", "cost", 3, (900, 700), &[cost, error, rates])?;
     Ok(())
 }

@@ -20,9 +20,9 @@ mod table;
 
 use std::error::Error;
 
-use plot::{BLUE, GREY, Panel, VERMILION};
 use table::Mean;
 use wzvi::nalgebra::{DMatrix, DVector, SymmetricEigen};
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 #[hamiltonian(
@@ -163,7 +163,7 @@ fn small(network: &Network, modes: &Modes) -> Result<(), Box<dyn Error>> {
 }
 
 /// Rotors that turn over.
-fn hot(network: &Network) -> Result<Panel, Box<dyn Error>> {
+fn hot(network: &Network) -> Result<Figure, Box<dyn Error>> {
     const END: f64 = 200.0;
     println!("2. Momenta up to 3, t ≤ {END}\n");
     let start = network.start(3.0, 2);
@@ -203,15 +203,15 @@ fn hot(network: &Network) -> Result<Panel, Box<dyn Error>> {
         "\n  The energy is kept up to h²: order {:.2} from the last two. Σ p = {total:.3} to rounding.\n",
         (drifts[1] / drifts[2]).log2()
     );
-    let mut panel = Panel::new("Turning rotors: energy", "t", "H/H(0) - 1");
-    for ((h, curve), color) in curves.into_iter().zip([GREY, VERMILION, BLUE]) {
-        panel = panel.line(&format!("h = {h}"), color, curve);
+    let mut panel = Figure::panel("Turning rotors: energy", "t", "H/H(0) - 1");
+    for ((h, curve), color) in curves.into_iter().zip([Colour::GREY, Colour::VERMILION, Colour::BLUE]) {
+        panel = panel.line(format!("h = {h}"), color, curve);
     }
     Ok(panel)
 }
 
 /// Every site has its own Wiener process.
-fn pushed(network: &Network, modes: &Modes) -> Result<Panel, Box<dyn Error>> {
+fn pushed(network: &Network, modes: &Modes) -> Result<Figure, Box<dyn Error>> {
     const H: f64 = 0.2;
     const PATHS: u64 = 60;
     const SIGMA: f64 = 0.05;
@@ -251,10 +251,10 @@ fn pushed(network: &Network, modes: &Modes) -> Result<Panel, Box<dyn Error>> {
     table::print(["", "<H>", "σ² N t/2", "with this step", "standard errors apart"], &rows);
     println!();
     let times = || (0..51).map(|i| H * f64::from(i));
-    Ok(Panel::new("Pushed at every site: energy", "t", "<H>")
-        .dashes("σ² N t/2, continuous time", GREY, times().map(|t| (t, exact(t))))
-        .line("with this step", VERMILION, times().map(|t| (t, taken * exact(t))))
-        .dots("mean of 60 paths", BLUE, 5, times().zip(energies.iter().map(Mean::value))))
+    Ok(Figure::panel("Pushed at every site: energy", "t", "<H>")
+        .points(Look::Dashed, "σ² N t/2, continuous time", Colour::GREY, times().map(|t| (t, exact(t))))
+        .line("with this step", Colour::VERMILION, times().map(|t| (t, taken * exact(t))))
+        .points(Look::Dots, "mean of 60 paths", Colour::BLUE, times().zip(energies.iter().map(Mean::value))))
 }
 
 /// Steps too large for the fixed point.

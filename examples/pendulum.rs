@@ -14,8 +14,8 @@ use std::error::Error;
 use std::f64::consts::TAU;
 use std::time::Instant;
 
-use plot::{BLUE, GREY, Panel, VERMILION};
 use wzvi::nalgebra::SVector;
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 type Point = SVector<f64, 1>;
@@ -101,18 +101,21 @@ where
 }
 
 /// Swings inside the separatrix, rotations outside, at h = 0.05.
-fn portrait() -> Result<Panel, wzvi::Error> {
-    let mut panel =
-        Panel::new("Pendulum: phase portrait, Midpoint, h = 0.05", "angle q [rad]", "momentum p [m √(g l³)]")
-            .x_range(-TAU..TAU)
-            .y_range(-3.0..3.0);
+fn portrait() -> Result<Figure, wzvi::Error> {
+    let mut panel = Figure::panel(
+        "Pendulum: phase portrait, Midpoint, h = 0.05",
+        "angle q [rad]",
+        "momentum p [m √(g l³)]",
+    )
+    .x_range(-TAU..TAU)
+    .y_range(-3.0..3.0);
     let mut labels = ["swings", "rotations"];
     let swings = [0.5, 1.0, 1.5, 2.0, 2.5, 2.9].map(|q| (0, q, 0.0, 14.0));
     let rotations = [2.1, 2.3, 2.6].map(|p| (1, -TAU, p, 14.0));
     for (kind, q, p, time) in swings.into_iter().chain(rotations) {
         let path = Pendulum.simulate::<Midpoint>(0.05).start(State::new([q], [p])).until(time).run()?;
         let points: Vec<(f64, f64)> = path.iter().map(|state| (state.q[0], state.p[0])).collect();
-        let color = [BLUE, VERMILION][kind];
+        let color = [Colour::BLUE, Colour::VERMILION][kind];
         // The portrait is 2π-periodic in q and symmetric in p.
         for shift in if kind == 0 { vec![-TAU, 0.0, TAU] } else { vec![0.0] } {
             let label = std::mem::take(&mut labels[kind]);
@@ -127,19 +130,24 @@ fn portrait() -> Result<Panel, wzvi::Error> {
             .map(move |i| f64::from(i) * TAU / 200.0)
             .map(move |q| (q, sign * 2.0 * (0.5 * q).cos().abs()))
     };
-    Ok(panel.dashes("separatrix p = ±2 cos(q/2)", GREY, separatrix(1.0)).dashes("", GREY, separatrix(-1.0)))
+    Ok(panel.points(Look::Dashed, "separatrix p = ±2 cos(q/2)", Colour::GREY, separatrix(1.0)).points(
+        Look::Dashed,
+        "",
+        Colour::GREY,
+        separatrix(-1.0),
+    ))
 }
 
-fn energy() -> Result<Panel, wzvi::Error> {
-    let panel = Panel::new(
+fn energy() -> Result<Figure, wzvi::Error> {
+    let panel = Figure::panel(
         "Pendulum: largest energy error of each swing, h = 0.05, released at 2.5 rad",
         "time t [√(l/g)]",
         "max |H - H(0)| [m g l]",
     )
     .log_y()
     .y_range(1e-4..1e-1);
-    let panel = panel.line("DeltaPlus", VERMILION, errors::<DeltaPlus>()?);
-    Ok(panel.line("Midpoint", BLUE, errors::<Midpoint>()?))
+    let panel = panel.line("DeltaPlus", Colour::VERMILION, errors::<DeltaPlus>()?);
+    Ok(panel.line("Midpoint", Colour::BLUE, errors::<Midpoint>()?))
 }
 
 /// The largest error of each swing.

@@ -18,10 +18,10 @@ mod plot;
 #[path = "support/table.rs"]
 mod table;
 
-use plot::{BLUE, GREY, Panel, VERMILION};
 use std::error::Error;
 use table::Mean;
 use wzvi::nalgebra::DVector;
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 #[hamiltonian(
@@ -113,7 +113,7 @@ impl SineGordon {
 }
 
 /// The kink without noise, on finer and finer lattices.
-fn moving() -> Result<Panel, Box<dyn Error>> {
+fn moving() -> Result<Figure, Box<dyn Error>> {
     const V: f64 = 0.3;
     const END: f64 = 20.0;
     let expected = MASS / (1.0 - V * V).sqrt();
@@ -143,10 +143,10 @@ fn moving() -> Result<Panel, Box<dyn Error>> {
             |state: &Field| state.q.iter().enumerate().map(|(i, &q)| (system.x(i), q)).collect::<Vec<_>>();
         let sharp = system.kink(0.35 * LENGTH + V * END, V);
         panel = Some(
-            Panel::new("A kink of velocity 0.3, without noise (a = 0.1)", "x", "φ")
-                .dashes("t = 0", BLUE, shape(&start))
-                .broad("continuum, t = 20", GREY, shape(&sharp))
-                .line("Midpoint, t = 20", BLUE, shape(end)),
+            Figure::panel("A kink of velocity 0.3, without noise (a = 0.1)", "x", "φ")
+                .points(Look::Dashed, "t = 0", Colour::BLUE, shape(&start))
+                .points(Look::Broad, "continuum, t = 20", Colour::GREY, shape(&sharp))
+                .line("Midpoint, t = 20", Colour::BLUE, shape(end)),
         );
     }
     rows.push(["continuum".into(), format!("{expected:.5}"), format!("{V:.5}"), String::new()]);
@@ -226,7 +226,7 @@ fn row(name: String, mean: &Mean, exact: f64, taken: f64) -> [String; 5] {
 }
 
 /// Every site is pushed.
-fn pushed() -> Result<[Panel; 2], Box<dyn Error>> {
+fn pushed() -> Result<[Figure; 2], Box<dyn Error>> {
     const STRENGTH: f64 = 0.03;
     const PATHS: u64 = 400;
     const END: f64 = 12.0;
@@ -248,22 +248,36 @@ fn pushed() -> Result<[Panel; 2], Box<dyn Error>> {
     let curve = |means: &[Mean]| -> Vec<(f64, f64)> {
         all.times.iter().copied().zip(means.iter().map(Mean::value)).collect()
     };
-    let mut tracks = Panel::new("Pushed kinks: 20 of 400, and ±<X²>^(1/2) of a Brownian particle", "t", "X");
+    let mut tracks =
+        Figure::panel("Pushed kinks: 20 of 400, and ±<X²>^(1/2) of a Brownian particle", "t", "X");
     for track in &all.tracks {
-        tracks = tracks.line("", GREY, track.iter().copied());
+        tracks = tracks.line("", Colour::GREY, track.iter().copied());
     }
     let bound = |sign: f64| all.times.iter().map(|&t| (t, sign * diffusion(t).sqrt())).collect::<Vec<_>>();
     Ok([
-        Panel::new("Pushed at every site: energy", "t", "<E> - E(0)")
-            .dashes("s² L t/2, continuous time", VERMILION, all.times.iter().map(|&t| (t, heat(t))))
-            .line("with this step", VERMILION, all.times.iter().map(|&t| (t, system.taken() * heat(t))))
-            .dots("mean of 400 paths", BLUE, 6, curve(&all.energies)),
-        tracks.line("s (t³/24)^(1/2)", VERMILION, bound(1.0)).line("", VERMILION, bound(-1.0)),
+        Figure::panel("Pushed at every site: energy", "t", "<E> - E(0)")
+            .points(
+                Look::Dashed,
+                "s² L t/2, continuous time",
+                Colour::VERMILION,
+                all.times.iter().map(|&t| (t, heat(t))),
+            )
+            .line(
+                "with this step",
+                Colour::VERMILION,
+                all.times.iter().map(|&t| (t, system.taken() * heat(t))),
+            )
+            .points(Look::Dots, "mean of 400 paths", Colour::BLUE, curve(&all.energies)),
+        tracks.line("s (t³/24)^(1/2)", Colour::VERMILION, bound(1.0)).line(
+            "",
+            Colour::VERMILION,
+            bound(-1.0),
+        ),
     ])
 }
 
 /// The potential of every site shakes.
-fn shaken() -> Result<Panel, Box<dyn Error>> {
+fn shaken() -> Result<Figure, Box<dyn Error>> {
     const PATHS: u64 = 400;
     const END: f64 = 12.0;
     let system = SineGordon::new(0.2, 0.0, 0.3);
@@ -282,8 +296,17 @@ fn shaken() -> Result<Panel, Box<dyn Error>> {
     let curve = |means: &[Mean], by: f64| -> Vec<(f64, f64)> {
         all.times.iter().copied().zip(means.iter().map(move |mean| by * mean.value())).collect()
     };
-    Ok(Panel::new("Shaken potential: energy", "t", "<E> - E(0)")
-        .line("a τ²/2 ∫ <Σ sin² q> dt, with this step", VERMILION, curve(&all.shaking, rate * system.taken()))
-        .dashes("4 τ² t/3, a kink that stays as it is", GREY, all.times.iter().map(|&t| (t, kink * t)))
-        .dots("mean of 400 paths", BLUE, 6, curve(&all.energies, 1.0)))
+    Ok(Figure::panel("Shaken potential: energy", "t", "<E> - E(0)")
+        .line(
+            "a τ²/2 ∫ <Σ sin² q> dt, with this step",
+            Colour::VERMILION,
+            curve(&all.shaking, rate * system.taken()),
+        )
+        .points(
+            Look::Dashed,
+            "4 τ² t/3, a kink that stays as it is",
+            Colour::GREY,
+            all.times.iter().map(|&t| (t, kink * t)),
+        )
+        .points(Look::Dots, "mean of 400 paths", Colour::BLUE, curve(&all.energies, 1.0)))
 }

@@ -21,8 +21,8 @@ mod table;
 
 use std::error::Error;
 
-use plot::{BLACK, BLUE, GREEN, ORANGE, Panel, SKY, VERMILION};
 use wzvi::nalgebra::{SVector, Vector3};
+use wzvi::plot::{Colour, Figure};
 use wzvi::prelude::*;
 
 #[hamiltonian(
@@ -110,23 +110,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     periods(finest);
     approaches(finest)?;
     println!();
-    let colors = [BLACK, ORANGE, GREEN, SKY, BLUE, VERMILION];
+    let colors = [Colour::INK, Colour::OCHRE, Colour::GREEN, Colour::VIOLET, Colour::BLUE, Colour::VERMILION];
     let mut orbits =
-        Panel::new("Orbits of 250 years in the plane of Jupiter's start", "x [AU]", "y [AU]").equal_axes();
+        Figure::panel("Orbits of 250 years in the plane of Jupiter's start", "x [AU]", "y [AU]").equal_axes();
     for ((name, color), orbit) in NAMES.into_iter().zip(colors).zip(&finest.orbits) {
         orbits = orbits.line(name, color, orbit.iter().copied());
     }
     let years = |points: &[(f64, f64)]| points.iter().map(|&(t, y)| (t / 365.25, y)).collect::<Vec<_>>();
-    let errors = Panel::new("Energy, h = 10 days", "time [years]", "|H/H(0) - 1|")
+    let errors = Figure::panel("Energy, h = 10 days", "time [years]", "|H/H(0) - 1|")
         .log_y()
-        .line("DeltaPlus", VERMILION, years(&first[2].energies))
-        .line("Midpoint", BLUE, years(&finest.energies));
-    let distances = Panel::new("Pluto's distance", "time [years]", "distance [AU]")
-        .line("from Neptune", BLUE, years(&finest.distances[1]))
-        .line("from Uranus", SKY, years(&finest.distances[0]));
-    let crossing = Panel::new("Distance from the sun", "time [years]", "distance [AU]")
-        .line("Neptune", BLUE, years(&finest.distances[2]))
-        .line("Pluto", VERMILION, years(&finest.distances[3]));
+        .line("DeltaPlus", Colour::VERMILION, years(&first[2].energies))
+        .line("Midpoint", Colour::BLUE, years(&finest.energies));
+    let distances = Figure::panel("Pluto's distance", "time [years]", "distance [AU]")
+        .line("from Neptune", Colour::BLUE, years(&finest.distances[1]))
+        .line("from Uranus", Colour::VIOLET, years(&finest.distances[0]));
+    let crossing = Figure::panel("Distance from the sun", "time [years]", "distance [AU]")
+        .line("Neptune", Colour::BLUE, years(&finest.distances[2]))
+        .line("Pluto", Colour::VERMILION, years(&finest.distances[3]));
     plot::save("solar_system", "planets", 2, (1000, 700), &[orbits, errors, distances, crossing])
 }
 

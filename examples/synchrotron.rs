@@ -22,7 +22,7 @@ mod table;
 use std::error::Error;
 
 use energy_diffusion::Well;
-use plot::{BLACK, BLUE, GREY, Panel, VERMILION};
+use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 /// Longitudinal motion with noise of the voltage.
@@ -128,18 +128,18 @@ fn main() -> Result<(), Box<dyn Error>> {
         run.nodes().iter().map(|node| (node.time(), node.mean(0) - exact(node.time()))).collect()
     };
     let x = "time t [1/ω]";
-    let energy = Panel::new("Mean energy", x, "mean of H [ω²]")
-        .line("exactly s² t/2", BLACK, [(0.0, 0.0), (END, exact(END))])
-        .dots("Midpoint", BLUE, 8, means(&run));
-    let deviation = Panel::new("Deviation from it", x, "mean of H - s² t/2 [ω²]")
-        .dashes("two standard errors", GREY, band(1.0))
-        .dashes("", GREY, band(-1.0))
-        .marked("Midpoint", BLUE, off(&run))
-        .marked("DeltaPlus", VERMILION, off(&other));
+    let energy = Figure::panel("Mean energy", x, "mean of H [ω²]")
+        .line("exactly s² t/2", Colour::INK, [(0.0, 0.0), (END, exact(END))])
+        .points(Look::Marks, "Midpoint", Colour::BLUE, means(&run));
+    let deviation = Figure::panel("Deviation from it", x, "mean of H - s² t/2 [ω²]")
+        .points(Look::Dashed, "two standard errors", Colour::GREY, band(1.0))
+        .points(Look::Dashed, "", Colour::GREY, band(-1.0))
+        .points(Look::Joined, "Midpoint", Colour::BLUE, off(&run))
+        .points(Look::Joined, "DeltaPlus", Colour::VERMILION, off(&other));
     let curve = theory.iter().step_by(5).map(|&(t, left)| (t * unit, left)).collect::<Vec<_>>();
-    let bucket = Panel::new("Particles still in the bucket", x, "fraction")
-        .dots("measured", BLUE, 6, measured)
-        .line("averaged equation", BLACK, curve);
+    let bucket = Figure::panel("Particles still in the bucket", x, "fraction")
+        .points(Look::Dots, "measured", Colour::BLUE, measured)
+        .line("averaged equation", Colour::INK, curve);
     plot::save("synchrotron", "heating", 3, (900, 700), &[energy, deviation, bucket])?;
     Ok(())
 }

@@ -3,7 +3,7 @@
 //! You write the Hamiltonians. `#[hamiltonian]` embeds the action principle in discrete time, differentiates the
 //! discrete Lagrangian symbolically and emits the step that solves the discrete Euler-Lagrange equations:
 //!
-//! ```ignore
+//! ```
 //! use wzvi::prelude::*;
 //!
 //! /// Kubo oscillator: a rotation whose angle diffuses.
@@ -30,6 +30,38 @@
 //!         .until(20.0)
 //!         .run()?;
 //!     println!("{:?} drift of H: {:.1e}", path.last(), path.energy_drift(&kubo));
+//!     assert!(path.energy_drift(&kubo) < 1e-13);
+//!
+//!     let statistics = kubo
+//!         .ensemble::<Midpoint>(0.02)                    // many paths, in vector registers and on all cores
+//!         .start(State::new([0.0], [1.0]))
+//!         .paths(10_000)
+//!         .seed(7)
+//!         .until(2.0)
+//!         .observe("q", |state| state.q[0])
+//!         .run()?;
+//!     println!("{} ± {}", statistics.mean("q")?, statistics.standard_error("q")?);
+//!     Ok(())
+//! }
+//! ```
+//!
+//! Without noise, order 8 and 16 are as easy to have as order 2:
+//!
+//! ```
+//! use wzvi::prelude::*;
+//!
+//! #[hamiltonian(
+//!     drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) - 1.0 / (x * x + y * y).sqrt(),
+//!     embedding = [Verlet, Gauss<8>],
+//!     invariant = [|[x, y], [px, py]| x * py - y * px],
+//! )]
+//! struct Kepler;
+//!
+//! fn main() -> Result<(), wzvi::Error> {
+//!     let start = State::new([0.5, 0.0], [0.0, 3.0_f64.sqrt()]);
+//!     let explicit = Kepler.simulate::<Composed<Verlet, KahanLi8>>(0.02).start(start).until(10.0).run()?;
+//!     let implicit = Kepler.simulate::<Gauss<8>>(0.1).start(start).until(10.0).run()?;
+//!     assert!((explicit.last().q - implicit.last().q).norm() < 1e-8);
 //!     Ok(())
 //! }
 //! ```
@@ -52,6 +84,11 @@
 //!   [`Trajectory`](trajectory::Trajectory): states, increments, drifts of energy and invariants, what is left of the
 //!   discrete Euler-Lagrange equations. Given numbers serve as noise, too:
 //!   [`Increments::from`](increments::Increments).
+//! * **Many paths**: `kubo.ensemble::<Midpoint>(h)` builds an [`Ensemble`](ensemble::Ensemble), and running it gives [`Statistics`](ensemble::Statistics), the
+//!   same bits however the work is split.
+//! * **Order**: [`Verlet`](embedding::Verlet), compositions [`Composed`](embedding::Composed) of order 4 to 8, and [`Gauss`](embedding::Gauss) of order 2 to 32.
+//! * **Results**: [`path.table()`](trajectory::Trajectory::table) has columns with the names of the closure, as CSV, JSON and (feature `columnar`) Parquet; with the
+//!   feature `plot`, `path.plot()` draws.
 //! * **Between the nodes**: [dense] output of every scheme, recorded times and exact ends, and the crossings of [sections](section).
 //! * **The discrete calculus** behind it, time scales and the operators on them, is [`calculus`];
 //!   [`Trajectory::observable`](trajectory::Trajectory::observable) takes a path there.
@@ -61,6 +98,21 @@
 //!   each other and writes tables, plots and one HTML page.
 //! * **Long runs**: with the feature `serde`, `checkpoint::Checkpoint` lets a run that was stopped go on, bit for bit.
 //! * **Errors** are values that say where, why and what to do; [`Error`] is the sum of them all.
+//!
+//! # Features
+//!
+//! | feature | default | brings |
+//! |---|---|---|
+//! | `noise` | yes | Wiener paths, Wong-Zakai approximations, normals from ChaCha8 |
+//! | `ensemble` | yes | many paths: lanes, threads, statistics |
+//! | `plot` | | `path.plot()`, figures as SVG and PNG |
+//! | `report` | | error against run time: tables, plots, one HTML page |
+//! | `serde` | | checkpoints; states and paths that serialise |
+//! | `columnar` | | Parquet files |
+//! | `interrupt` | | Ctrl-C during a long ensemble keeps what is done |
+//! | `mpi` | | ensembles on many machines (needs an MPI library) |
+
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub use wzvi_macros::{hamiltonian, hamiltonian_fn};
 #[cfg(feature = "serde")]
@@ -76,11 +128,14 @@ pub use wzvi_runtime::mpi;
 pub use wzvi_runtime::nalgebra;
 #[cfg(feature = "noise")]
 pub use wzvi_runtime::noise;
+#[cfg(feature = "plot")]
+pub use wzvi_runtime::plot;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
 pub use wzvi_runtime::{
-    calculus, compose, dense, elements, embedding, error, increments, integrate, lanes, memory, modified,
-    numbers, plan, retry, scalar, section, simulate, state, step, system, trajectory,
+    bath, calculus, compose, dense, elements, embedding, error, increments, integrate, lanes, memory,
+    modified, numbers, plan, retry, scalar, section, series, simulate, state, step, system, table,
+    trajectory, variables,
 };
 
 #[cfg(not(all(feature = "report", feature = "serde")))]
@@ -100,9 +155,9 @@ pub mod prelude {
     pub use wzvi_runtime::checkpoint::Checkpoint;
     pub use wzvi_runtime::elements::Iteration;
     pub use wzvi_runtime::embedding::{
-        Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, Composed, Corrected, DeltaMinus, DeltaPlus, Gauss,
-        KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Srkn6, Suzuki4, SuzukiUmeno8, TakahashiImada4,
-        Uncorrected, Verlet, Yoshida4, Yoshida6,
+        Aba864, Aba1064, Baoab, BlanesMoan4, BlanesMoan6, Chin4, Composed, Corrected, DeltaMinus, DeltaPlus,
+        Gauss, KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Obabo, Srkn6, Suzuki4, SuzukiUmeno8,
+        TakahashiImada4, Thermostat, Uncorrected, Verlet, Yoshida4, Yoshida6,
     };
     pub use wzvi_runtime::increments::{Increments, Noise};
     pub use wzvi_runtime::integrate::Integrate;
@@ -134,6 +189,7 @@ pub mod __private {
 
     pub use wzvi_macros::__continue;
 
+    pub use wzvi_runtime::bath;
     pub use wzvi_runtime::carry::{Carry, Compensation, Plain};
     pub use wzvi_runtime::compose;
     pub use wzvi_runtime::elements;
@@ -146,8 +202,10 @@ pub mod __private {
     pub use wzvi_runtime::solve::*;
     pub use wzvi_runtime::state::{State, Vector};
     pub use wzvi_runtime::system::{
-        Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, array_mut, gradient, increments,
+        Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, array_mut, covector, gradient,
+        increments,
     };
+    pub use wzvi_runtime::variables::{Labels, Variables};
     pub use wzvi_runtime::{__composition as composition, __gauss as gauss, gauss};
 
     /// What bindings of generated code are called until they are bound: a pattern may shadow a function, and not a
@@ -155,14 +213,38 @@ pub mod __private {
     pub fn binding() {}
 }
 
-/// What the guide says compiles and runs.
+/// What the documents say compiles and runs.
 #[cfg(doctest)]
-#[doc = include_str!("../docs/order.md")]
-#[derive(Debug)]
-pub struct OrderGuide;
+mod documents {
+    macro_rules! pages {
+        ($($page:ident: $file:literal),* $(,)?) => {
+            $(#[doc = include_str!(concat!("../", $file))] pub struct $page;)*
+        };
+    }
 
-/// Likewise.
-#[cfg(doctest)]
-#[doc = include_str!("../docs/output.md")]
-#[derive(Debug)]
-pub struct OutputGuide;
+    pages! {
+        Readme: "README.md",
+        Benchmarks: "docs/benchmarks.md",
+        Elements: "docs/elements.md",
+        Ensembles: "docs/ensembles.md",
+        Order: "docs/order.md",
+        Output: "docs/output.md",
+        Stability: "docs/stability.md",
+        Choosing: "docs/guide/choosing.md",
+        Contributors: "docs/guide/contributors.md",
+        Errors: "docs/guide/errors.md",
+        Facts: "docs/guide/facts.md",
+        First: "docs/guide/first.md",
+        Introduction: "docs/guide/introduction.md",
+        Language: "docs/guide/language.md",
+        Long: "docs/guide/long.md",
+        Noise: "docs/guide/noise.md",
+        Results: "docs/guide/results.md",
+        Theory: "docs/guide/theory.md",
+    }
+
+    #[cfg(feature = "mpi")]
+    pages! {
+        Cluster: "docs/cluster.md",
+    }
+}

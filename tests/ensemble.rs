@@ -151,7 +151,7 @@ pub struct Mechanical {
 /// were hard, and how many paths failed.
 fn as_steppers<H, E>(system: &H, h: f64, start: &State<H::Vector>, paths: u64, steps: u64) -> (u64, u64)
 where
-    H: Discretized<E, Vector: Send + Sync, Prepared: Send + Sync> + Sync,
+    H: Discretized<E> + Sync,
 {
     let seed = 9;
     let seen = Mutex::new(Vec::new());

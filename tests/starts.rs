@@ -64,7 +64,6 @@ macro_rules! ends {
 fn paths_are_those_of_steppers<E>()
 where
     HenonHeiles: Discretized<E, Vector = Plane>,
-    <HenonHeiles as Discretized<E>>::Prepared: Send + Sync,
 {
     const PATHS: usize = 75;
     let run = || HenonHeiles.ensemble::<E>(0.2).starts(cloud).seed(11);

@@ -28,7 +28,6 @@ fn start(path: u64) -> [f64; 4] {
 fn ensemble<E>(paths: u64) -> f64
 where
     HenonHeiles: Discretized<E, Vector = SVector<f64, 2>>,
-    <HenonHeiles as Discretized<E>>::Prepared: Send + Sync,
 {
     let starts = |draw: &mut Draw| {
         let [x, y, u, v] = start(draw.path());

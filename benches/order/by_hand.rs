@@ -173,7 +173,7 @@ impl<F: Force<D>, const D: usize, const S: usize> Kernel for Run<'_, F, D, S> {
     type Output = End<D>;
 
     #[inline(always)]
-    fn run<const L: usize>(self) -> End<D> {
+    fn run<const L: usize, const HALF: usize>(self) -> End<D> {
         let Self {
             start: [mut q, mut p], h, steps, table: &Coefficients { c, b, ref eta, ref kappa }, ..
         } = self;

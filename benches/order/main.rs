@@ -241,7 +241,7 @@ fn brouwer() {
         let speed = ((1.0 + e) / (1.0 - e)).sqrt();
         let mut state = State::new([(1.0 - e) * cos, (1.0 - e) * sin], [-speed * sin, speed * cos]);
         let energy = scenes::Kepler.energy(&state);
-        let mut stepper = scenes::Kepler.stepper::<Gauss<8>>(h).unwrap();
+        let mut stepper = scenes::Kepler.stepper::<Gauss<8>>(h).unwrap().compensated();
         let mut taken = 0;
         for (node, drifts) in nodes.into_iter().zip(&mut drifts) {
             while taken < node {

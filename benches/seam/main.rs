@@ -62,7 +62,7 @@ fn run<E, H: Discretized<E>>(system: &H, sites: usize, steps: u64) {
 
 fn ensemble<E, H>(system: &H, sites: usize, paths: u64, steps: u64)
 where
-    H: Discretized<E, Vector: Send + Sync, Prepared: Send + Sync> + Sync,
+    H: Discretized<E> + Sync,
 {
     let run = system.ensemble::<E>(self::H).start(start(sites)).paths(paths).steps(steps).threads(1).seed(7);
     black_box(run.observe("q", |state| state.q.components()[0]).run().unwrap());

@@ -118,7 +118,7 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     let mean = (0..=10).map(|k| (20.0 * f64::from(k), 0.5 + 10.0 * f64::from(k)));
     let energies = Figure::new("figure-4b", "Figure 4: its energy", Axis::linear("t"), Axis::linear("H"))
         .shows(format!(
-            "The noise feeds energy in: E H(t) = H(0) + gamma² t / 2, the dashed line; one path wanders about it. At the end order one is {} \
+            "The noise feeds energy in: E H(t) = H(0) + γ² t / 2, the dashed line; one path wanders about it. At the end order one is {} \
              off the exact energy, order two {}. Over {ENERGY_PATHS} paths the mean of H(200) by order two is {} ± {}, where {} is expected. {} \
              that formula.",
             number(apart_energy(&one, &reference, energy)),
@@ -134,7 +134,7 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
         .with(Series::new("order two", Look::Line, 0, series(&two, energy)));
     Ok(document
         .heading("Additive noise")
-        .text("dq = p dt, dp = -q dt + gamma dW with gamma = 1, q(0) = 0, p(0) = 1, h = 0.02, t up to 200. The exact path is drawn jointly with the \
+        .text("dq = p dt, dp = -q dt + γ dW with γ = 1, q(0) = 0, p(0) = 1, h = 0.02, t up to 200. The exact path is drawn jointly with the \
                increments: the same Wiener path, its areas included.")
         .figure(figure)
         .figure(energies)
@@ -174,12 +174,12 @@ fn distances() -> Result<Figure, wzvi::Error> {
     Ok(Figure::new("figure-4c", "Distance from the exact path", Axis::linear("t"), Axis::logarithmic("distance, root mean square"))
         .shows(format!(
             "Over {PATHS} paths. The paper's reference solution is the mean of the exact one given the increments, and so itself off: {} at \
-             t = 200, where gamma h sqrt(t / 12) = {} is expected. {} that law. A comparison with it cannot see errors below it; this one can.",
+             t = 200, where γ h √(t/12) = {} is expected. {} that law. A comparison with it cannot see errors below it; this one can.",
             number(last),
             number(law),
             if (last / law - 1.0).abs() < 0.25 { "This agrees with" } else { "This does not agree with" }
         ))
-        .with(Series::new("predicted: gamma h sqrt(t / 12)", Look::Dashed, 6, prediction.collect()))
+        .with(Series::new("predicted: γ h √(t/12)", Look::Dashed, 6, prediction.collect()))
         .with(Series::new("the paper's reference", Look::Marks, 6, series(0)))
         .with(Series::new("order one", Look::Joined, 1, series(1)))
         .with(Series::new("order two", Look::Joined, 0, series(2))))

@@ -78,11 +78,11 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     let first = Figure::new("figure-1", "Figure 1: Kubo, order one", x, y)
         .shows(format!(
             "The left-point embedding leaves the exact path: at most {} off, with growing amplitude, since it converges to the system \
-             with drift H_0 - sigma² q p / 2. {} the paper's conclusion that multiplicative noise needs order two.",
+             with drift H₀ - σ² q p / 2. {} the paper's conclusion that multiplicative noise needs order two.",
             number(off[0]),
             agrees(off[0] > 1.0)
         ))
-        .with(Series::new("exact", Look::Line, 6, exact_q.clone()))
+        .with(Series::new("exact", Look::Broad, 6, exact_q.clone()))
         .with(Series::new("order one", Look::Line, 1, over_time(&one, |state| state.q[0])));
     let (x, y) = q_axis();
     let second = Figure::new("figure-2", "Figure 2: Kubo, order two", x, y)
@@ -93,13 +93,13 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
             number(off[2]),
             agrees(off[1] < 0.3)
         ))
-        .with(Series::new("exact", Look::Line, 6, exact_q))
+        .with(Series::new("exact", Look::Broad, 6, exact_q))
         .with(Series::new("order two", Look::Line, 0, over_time(&two, |state| state.q[0])))
         .with(Series::new("order one with counter-term", Look::Dashed, 2, over_time(&corrected, |state| state.q[0])));
     let drift = two.energy_drift(&KUBO);
     let third = Figure::new("figure-3a", "Figure 3: the energy H", Axis::linear("t"), Axis::linear("H"))
         .shows(format!(
-            "H is a first integral, {{H_1, H_0}} = 0. Order two keeps it to {}; order one moves it by {}, order one with counter-term \
+            "H is a first integral, {{H₁, H₀}} = 0. Order two keeps it to {}; order one moves it by {}, order one with counter-term \
              by {}. {} the paper's conclusion that order two keeps the energy.",
             number(drift),
             number(one.energy_drift(&KUBO)),
@@ -115,8 +115,8 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     let expected = 0.5 * KUBO.sigma / H.sqrt();
     let fourth = Figure::new("figure-3b", "Figure 3: the energy H_WZ", Axis::linear("t"), Axis::linear("H_WZ"))
         .shows(format!(
-            "H_WZ = H_0 + H_1 dW_eps/dt jumps with the noise: deviation {}, where sigma |z|² / (2 sqrt(eps)) = {} is expected of order \
-             two; it grows without bound as eps goes to 0 and is no measure of a scheme. {} that law. (The paper prints this Hamiltonian without the dot on W.)",
+            "H_WZ = H₀ + H₁ dW_ε/dt jumps with the noise: deviation {}, where σ |z|² / (2 √ε) = {} is expected of order \
+             two; it grows without bound as ε goes to 0 and is no measure of a scheme. {} that law. (The paper prints this Hamiltonian without the dot on W.)",
             number(deviation),
             number(expected),
             agrees((deviation / expected - 1.0).abs() < 0.2)
@@ -144,8 +144,8 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     .with(Series::new("order two", Look::Line, 0, shift(over_time(&two, square))));
     Ok(document
         .heading("The Kubo oscillator")
-        .text("H_0 = a (q² + p²)/2, H_1 = sigma (q² + p²)/2 with a = 1.5, sigma = 1, q(0) = 0, p(0) = 1, h = eps = 0.02. For h = eps the sampled \
-               velocity of W_eps times h is the increment of W, so that both orders run on a Wiener path.")
+        .text("H₀ = a (q² + p²)/2, H₁ = σ (q² + p²)/2 with a = 1.5, σ = 1, q(0) = 0, p(0) = 1, h = ε = 0.02. For h = ε the sampled \
+               velocity of W_ε times h is the increment of W, so that both orders run on a Wiener path.")
         .figure(first)
         .figure(second)
         .figure(third)

@@ -45,10 +45,10 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
         ito.push((t, ((SYSTEM.a - 0.5 * SYSTEM.b * SYSTEM.b) * t + w).exp()));
     }
     let paths = [
-        ("X_1: both of order one", path::<X1>()?),
-        ("X_21: drift two, noise one", path::<X21>()?),
-        ("X_12: drift one, noise two", path::<X12>()?),
-        ("X_2: both of order two", path::<X2>()?),
+        ("X₁: both of order one", path::<X1>()?),
+        ("X₂₁: drift two, noise one", path::<X21>()?),
+        ("X₁₂: drift one, noise two", path::<X12>()?),
+        ("X₂: both of order two", path::<X2>()?),
     ];
     // Relative distance at the end.
     let end = |path: &[(f64, f64)]| path.last().map_or(f64::NAN, |point| point.1);
@@ -56,8 +56,8 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     let [x1, x21, x12, x2] = [0, 1, 2, 3].map(|i| off(&paths[i].1, &stratonovich));
     let holds = x1.min(x21) > 3.0 * x12.max(x2) && off(&paths[0].1, &ito).max(off(&paths[1].1, &ito)) < 0.1;
     let shows = format!(
-        "The quadrature of the noise decides. With the mid-point for the noise the end is {} % (X_12) and {} % (X_2) off the \
-         Stratonovich solution; with the left point it is {} % (X_1) and {} % (X_21) off, because those two converge to the Itô \
+        "The quadrature of the noise decides. With the mid-point for the noise the end is {} % (X₁₂) and {} % (X₂) off the \
+         Stratonovich solution; with the left point it is {} % (X₁) and {} % (X₂₁) off, because those two converge to the Itô \
          solution, exp((a - b²/2) t + b W). The order of the drift hardly matters. {} the paper's conclusion that the noise needs the second order.",
         number(100.0 * x12),
         number(100.0 * x2),
@@ -69,13 +69,15 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     let mut figure =
         Figure::new("figure-0", "Figure 0: the linear equation, four discretisations", axes.0, axes.1)
             .shows(shows)
-            .with(Series::new("Stratonovich solution", Look::Line, 6, stratonovich))
-            .with(Series::new("Itô solution", Look::Dashed, 6, ito));
+            .with(Series::new("Stratonovich solution", Look::Broad, 6, stratonovich))
+            .with(Series::new("Itô solution", Look::Broad, 4, ito));
     for (colour, (name, points)) in paths.into_iter().enumerate() {
-        figure = figure.with(Series::new(name, Look::Line, colour, points));
+        // Those of one noise nearly coincide: dashes on top of lines show both.
+        let look = if colour % 2 == 0 { Look::Line } else { Look::Dashed };
+        figure = figure.with(Series::new(name, look, colour, points));
     }
     Ok(document
         .heading("The linear equation")
-        .text("dX = a X dt + b X ∘ dW with a = 1.5, b = 1, X(0) = 1, 100 steps of 0.01; X is the coordinate of H_0 = a q p, H_1 = b q p.")
+        .text("dX = a X dt + b X ∘ dW with a = 1.5, b = 1, X(0) = 1, 100 steps of 0.01; X is the coordinate of H₀ = a q p, H₁ = b q p.")
         .figure(figure))
 }

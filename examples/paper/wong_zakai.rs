@@ -63,10 +63,10 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     }
     let mut document = document
         .heading("What the approximation of the noise costs")
-        .text("The Kubo oscillator again, by the mid-point embedding, up to t = 1. A step gets h dW_eps/dt at one point (left end, centred, or, taken \
-               literally, the quadrature point t + h/2 of the looking-ahead kernel) or the exact increment of W_eps. Root mean square errors over \
+        .text("The Kubo oscillator again, by the mid-point embedding, up to t = 1. A step gets h dW_ε/dt at one point (left end, centred, or, taken \
+               literally, the quadrature point t + h/2 of the looking-ahead kernel) or the exact increment of W_ε. Root mean square errors over \
                100 paths, against the Stratonovich solution and against the Wong-Zakai equation, whose solution is known: the angle is \
-               a t + sigma (W_eps(t) - W_eps(0)).")
+               a t + σ (W_ε(t) - W_ε(0)).")
         .figure(limits(&map))
         .figure(diagonal(&map))
         .figure(ratios()?);
@@ -80,7 +80,7 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
 
 /// h to 0 first: what is left is the error of W_eps.
 fn limits(map: &[Point]) -> Figure {
-    let (x, y) = (Axis::logarithmic("eps"), Axis::logarithmic("error against Stratonovich"));
+    let (x, y) = (Axis::logarithmic("ε"), Axis::logarithmic("error against Stratonovich"));
     let mut figure =
         Figure::new("wong-zakai-limit", "h to 0 first: the error of the Wong-Zakai equation", x, y);
     let least = steps().fold(f64::INFINITY, f64::min);
@@ -93,15 +93,13 @@ fn limits(map: &[Point]) -> Figure {
         }
         figure = figure.with(Series::new(name, Look::Marks, colour, points));
     }
-    for (name, factor, colour) in
-        [("sigma sqrt(2 eps / 3)", 2.0 / 3.0, 0), ("centred: sigma sqrt(eps / 6)", 1.0 / 6.0, 1)]
-    {
+    for (name, factor, colour) in [("σ √(2ε/3)", 2.0 / 3.0, 0), ("centred: σ √(ε/6)", 1.0 / 6.0, 1)] {
         let points = widths().map(|eps| (eps, KUBO.sigma * (factor * eps).sqrt())).collect();
         figure = figure.with(Series::new(name, Look::Dashed, colour, points));
     }
     figure.shows(format!(
-        "With h = {} the steps cost little, and the error is that of W_eps: of order 1/2 in eps, half as large for the centred kernel. The \
-         measurements are within {} % of the limits where h is small against eps and eps against 1. {} the predictions.",
+        "With h = {} the steps cost little, and the error is that of W_ε: of order 1/2 in ε, half as large for the centred kernel. The \
+         measurements are within {} % of the limits where h is small against ε and ε against 1. {} the predictions.",
         number(least),
         number(100.0 * worst),
         agrees(worst < 0.25)
@@ -110,8 +108,8 @@ fn limits(map: &[Point]) -> Figure {
 
 /// h = eps, the paper's choice.
 fn diagonal(map: &[Point]) -> Figure {
-    let (x, y) = (Axis::logarithmic("h = eps"), Axis::logarithmic("error against Stratonovich"));
-    let mut figure = Figure::new("wong-zakai-diagonal", "h = eps, the paper's choice", x, y);
+    let (x, y) = (Axis::logarithmic("h = ε"), Axis::logarithmic("error against Stratonovich"));
+    let mut figure = Figure::new("wong-zakai-diagonal", "h = ε, the paper's choice", x, y);
     let mut literal_off: f64 = 0.0;
     for (colour, (sampling, name, _)) in SAMPLINGS.into_iter().enumerate() {
         let points = map.iter().filter(|point| point.sampling == sampling && point.h == point.eps);
@@ -127,11 +125,11 @@ fn diagonal(map: &[Point]) -> Figure {
     let first = (15.0 * s.powi(6) / 144.0 + (a * s * s / 4.0).powi(2)).sqrt();
     let own = |f: fn(f64, f64) -> f64, c: f64| steps().skip(1).map(|h| (h, f(c, h))).collect();
     figure
-        .with(Series::new("literal: sigma sqrt(h)", Look::Dashed, 2, own(|c, h| c * h.sqrt(), s)))
+        .with(Series::new("literal: σ √h", Look::Dashed, 2, own(|c, h| c * h.sqrt(), s)))
         .with(Series::new("the mid-point itself: order one", Look::Dashed, 0, own(|c, h| c * h, first)))
         .shows(format!(
             "Sampled at the left end, or centred, the increments are those of the Wiener path and the strong order is one. Taken literally, the \
-             kernel looks half a step too far ahead: the order falls to 1/2, within {} % of sigma sqrt(h). {} the predictions.",
+             kernel looks half a step too far ahead: the order falls to 1/2, within {} % of σ √h. {} the predictions.",
             number(100.0 * literal_off),
             agrees(literal_off < 0.3)
         ))
@@ -159,15 +157,15 @@ fn ratios() -> Result<Figure, wzvi::Error> {
     }
     let worst = points.iter().map(|(rho, v)| (v - 1.0 - excess(*rho)).abs()).fold(0.0, f64::max);
     let law = (25..=200).map(|n| f64::from(n) / 50.0).map(|rho| (rho, 1.0 + excess(rho))).collect();
-    Ok(Figure::new("wong-zakai-ratio", "eps = rho h: the intensity of the noise", Axis::linear("rho = eps / h"), Axis::linear("v"))
+    Ok(Figure::new("wong-zakai-ratio", "ε = ρ h: the intensity of the noise", Axis::linear("ρ = ε / h"), Axis::linear("v"))
         .shows(format!(
-            "At a fixed ratio rho = eps / h the sampled increments have the variance v h in the limit, v = 1 + f (1 - f) / rho² with f the fractional \
-             part of rho: right only where rho is an integer, and twice too large at rho = 1/2. Measured as 1 + E (Σ δ_i - W(1))², h = 2^-9: within {} of \
-             the law. {} the prediction; the paper takes rho = 1, where nothing is wrong.",
+            "At a fixed ratio ρ = ε / h the sampled increments have the variance v h in the limit, v = 1 + f (1 - f) / ρ² with f the fractional \
+             part of ρ: right only where ρ is an integer, and twice too large at ρ = 1/2. Measured as 1 + E (Σ δ_i - W(1))², h = 2⁻⁹: within {} of \
+             the law. {} the prediction; the paper takes ρ = 1, where nothing is wrong.",
             number(worst),
             agrees(worst < 0.15)
         ))
-        .with(Series::new("v = 1 + f (1 - f) / rho²", Look::Dashed, 6, law))
+        .with(Series::new("v = 1 + f (1 - f) / ρ²", Look::Dashed, 6, law))
         .with(Series::new("measured", Look::Marks, 0, points)))
 }
 
@@ -184,7 +182,7 @@ fn section(map: &[Point], sampling: Sampling, name: &str, factor: f64, against: 
         if let [.., before, last] = points.as_slice() {
             orders.push((before.1 / last.1).log2() / (before.0 / last.0).log2());
         }
-        figure = figure.with(Series::new(format!("eps = {}", number(eps)), Look::Joined, colour, points));
+        figure = figure.with(Series::new(format!("ε = {}", number(eps)), Look::Joined, colour, points));
     }
     if against == 0 {
         for (colour, eps) in widths().enumerate() {
@@ -193,21 +191,21 @@ fn section(map: &[Point], sampling: Sampling, name: &str, factor: f64, against: 
             figure = figure.with(Series::new("limit as h goes to 0", Look::Dashed, colour, points));
         }
         return figure.shows(
-            "As h goes to 0 at fixed eps the error does not go to 0 but to that of W_eps, the dashed lines: smaller steps are wasted. To converge, both have \
-             to go to 0, with h a divisor of eps.",
+            "As h goes to 0 at fixed ε the error does not go to 0 but to that of W_ε, the dashed lines: smaller steps are wasted. To converge, both have \
+             to go to 0, with h a divisor of ε.",
         );
     }
     let first = orders.first().copied().unwrap_or(f64::NAN);
     let exact = sampling == Sampling::Exact;
     figure.shows(match exact {
         true => format!(
-            "Exact increments of W_eps solve the Wong-Zakai equation with order two in h: {} between the two smallest steps for the widest kernel. \
+            "Exact increments of W_ε solve the Wong-Zakai equation with order two in h: {} between the two smallest steps for the widest kernel. \
              {} the prediction, for this is a smooth equation.",
             number(first),
             agrees((first - 2.0).abs() < 0.3)
         ),
         false => format!(
-            "The velocity at one point per step is a quadrature of dW_eps/dt, which is no smoother than a Wiener path: the order in h is {} between the two \
+            "The velocity at one point per step is a quadrature of dW_ε/dt, which is no smoother than a Wiener path: the order in h is {} between the two \
              smallest steps for the widest kernel, not two. Exact increments do better.",
             number(first)
         ),

@@ -13,7 +13,7 @@ use std::error::Error;
 use std::fs;
 use std::path::PathBuf;
 
-use wzvi::report::Document;
+use wzvi::report::{Document, Machine};
 
 /// One line of the table.
 pub(crate) struct Row {
@@ -51,12 +51,24 @@ const HEADS: [&str; 7] = ["case", "scheme", "outcome", "steps", "Newton mean (ma
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut lines = vec![HEADS.map(str::to_owned)];
-    let mut page = Document::new("Where the schemes hold and where they stop");
+    let mut page = Document::new("Where the schemes hold and where they stop")
+        .text(
+            "Stiff and extreme cases, each run once by the scheme that stands beside it. A case survives if every step has a solution that \
+             continues its state; what does not is a typed error, which leaves the state as it was. docs/stability.md explains each way to \
+             fail, and what to do.",
+        )
+        .list([
+            "outcome: ✓ survived; ◐ survived in so many parts of a step, after retries; ✗ the error that ended the run, and where",
+            "steps: those that were taken; Newton mean (max): iterations in a step, where there are any",
+            "worst: the largest of what the case measures, such as the error of the energy, relative to its size at the start",
+            "ns/step: nanoseconds of a step in this run, on a machine that may do other things",
+        ])
+        .text(format!("{}.", Machine::here().line()));
     for (title, rows) in cases::all()? {
         let cells: Vec<[String; 7]> = rows.iter().map(Row::cells).collect();
         println!("\n{title}\n");
         table::print(HEADS, &cells);
-        let rows = cells.iter().map(|cells| cells.to_vec()).collect();
+        let rows = cells.iter().map(marked).collect();
         page = page.table(title, HEADS.map(str::to_owned).to_vec(), rows);
         lines.extend(cells);
     }
@@ -70,4 +82,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     page.write(&folder)?;
     println!("\ntable: {}, {}", folder.join("table.csv").display(), folder.join("index.html").display());
     Ok(())
+}
+
+/// The cells of a line for the page: with a mark before the outcome, so that colour is not all that tells.
+fn marked(cells: &[String; 7]) -> Vec<String> {
+    let mut cells = cells.to_vec();
+    if let Some(outcome) = cells.get_mut(2) {
+        let mark = match outcome.as_str() {
+            outcome if outcome.starts_with("survived") => '✓',
+            outcome if outcome.starts_with("error") => '✗',
+            _ => '◐',
+        };
+        *outcome = format!("{mark} {outcome}");
+    }
+    cells
 }

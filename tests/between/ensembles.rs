@@ -70,7 +70,6 @@ where
 fn agrees<E>()
 where
     Shaken: Discretized<E, Vector = V1>,
-    <Shaken as Discretized<E>>::Prepared: Send + Sync,
 {
     let run = shaken::<E>(21).run().unwrap();
     let times: Vec<f64> = run.nodes().iter().map(|node| node.time()).collect();
@@ -146,7 +145,6 @@ fn first_passages_are_exact_where_paths_are_smooth() {
     fn first<E>(h: f64) -> (f64, f64)
     where
         Oscillator: Discretized<E, Vector = V1>,
-        <Oscillator as Discretized<E>>::Prepared: Send + Sync,
     {
         let run = Oscillator.ensemble::<E>(h).start(start()).paths(3).until(10.0);
         let run = run.first_passage("q", |state| state.q[0]).first_passage("p", |state| state.p[0] - 0.5);

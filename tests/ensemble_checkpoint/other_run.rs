@@ -13,8 +13,6 @@ use super::systems::{EDGE, Edge, bits, contents, folder, refused, whole};
 fn fields<H, E>(file: &Path, run: Ensemble<'_, H, E>) -> Vec<String>
 where
     H: Discretized<E> + Sync,
-    H::Vector: Send + Sync,
-    H::Prepared: Send + Sync,
 {
     let before = contents(file.parent().unwrap());
     let error = refused(run.checkpoint(Checkpoint::to(file)).run());

@@ -59,9 +59,9 @@ pub struct Bodies {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
-        Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Number, Option,
-        Plain, Plan, Range, Result, Scalar, Segment, Sized, Solver, State, StepFailure,
-        bool, f64, isize, str, usize,
+        Err, Hamiltonian, Knowledge, Labels, LagrangianGradient, NoiseClass, Number,
+        Option, Plain, Plan, Range, Result, Scalar, Segment, Sized, Solver, State,
+        StepFailure, Variables, bool, f64, isize, str, usize,
         elements::{
             CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Run,
             Scheme, Slopes, Stage, Sums, Unknowns,
@@ -79,6 +79,19 @@ const _: () = {
         }
         fn check(&self, degrees: usize) -> Result<(), StepFailure> {
             wzvi::elements::check(self, degrees)
+        }
+        fn variables(&self) -> Variables {
+            Variables {
+                q: Labels::Array {
+                    name: "q",
+                    inner: &[2],
+                },
+                p: Labels::Array {
+                    name: "p",
+                    inner: &[2],
+                },
+                t: "t",
+            }
         }
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("g", self.g)].get(index).copied()

@@ -55,10 +55,10 @@ pub struct Oscillators {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, Compensation, ConfigError, Conservative, Discretized,
-        Effort, Err, Factor, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok,
-        Option, PhantomData, Plain, Plan, Result, SVector, Scalar, Segment, Solution,
-        Solver, State, StepFailure, Vector, bool, f64, str, usize,
-        compose::{Composes, Equations, General, ROOM, Structure},
+        Effort, Err, Factor, Hamiltonian, Knowledge, Labels, LagrangianGradient,
+        NoiseClass, Ok, Option, PhantomData, Plain, Plan, Result, SVector, Scalar,
+        Segment, Solution, Solver, State, StepFailure, Variables, Vector, bool, f64, str,
+        usize, compose::{Composes, Equations, General, ROOM, Structure},
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -66,6 +66,13 @@ const _: () = {
         type Vector = SVector<f64, 2>;
         fn degrees(&self) -> usize {
             2
+        }
+        fn variables(&self) -> Variables {
+            Variables {
+                q: Labels::Each(&["x", "y"]),
+                p: Labels::Each(&["px", "py"]),
+                t: "t",
+            }
         }
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("k", self.k), ("c", self.c)].get(index).copied()

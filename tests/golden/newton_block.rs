@@ -52,9 +52,9 @@ pub struct HenonHeiles;
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Block, Carry, Compensation, ConfigError, Conservative, Discretized,
-        Effort, Err, Extrapolation, Hamiltonian, Knowledge, LagrangianGradient,
+        Effort, Err, Extrapolation, Hamiltonian, Knowledge, Labels, LagrangianGradient,
         NoiseClass, Ok, Plain, Plan, Result, Rounded, SVector, Scalar, Segment, Solution,
-        Solver, State, StepFailure, Vector, bool, f64, str, usize,
+        Solver, State, StepFailure, Variables, Vector, bool, f64, str, usize,
         compose::{Composes, Equations, General, ROOM, Structure},
         embedding::{Composed, Midpoint},
     };
@@ -63,6 +63,13 @@ const _: () = {
         type Vector = SVector<f64, 2>;
         fn degrees(&self) -> usize {
             2
+        }
+        fn variables(&self) -> Variables {
+            Variables {
+                q: Labels::Each(&["x", "y"]),
+                p: Labels::Each(&["px", "py"]),
+                t: "t",
+            }
         }
         fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
             match (term, q, p) {

@@ -74,7 +74,7 @@ fn open(browser: &Path, page: &Path, arguments: &[&str]) -> (String, String) {
     let profile = page.with_extension("profile");
     let output = Command::new(browser)
         .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr"])
-        .args(["--host-resolver-rules=MAP * ~NOTFOUND", "--window-size=1000,1600"])
+        .args(["--host-resolver-rules=MAP * ~NOTFOUND"])
         .arg(format!("--user-data-dir={}", profile.display()))
         .args(arguments)
         .arg(format!("file://{}", page.display()))
@@ -114,19 +114,51 @@ fn a_browser_shows_it() {
     let html = fs::read_to_string(folder.join("index.html")).unwrap();
     let asked = folder.join("asked.html");
     fs::write(&asked, html.replace("</body>", &format!("{QUESTIONS}</body>"))).unwrap();
-    let (dom, log) = open(&browser, &asked, &["--dump-dom"]);
+    let (dom, log) = open(&browser, &asked, &["--dump-dom", "--window-size=1000,1600"]);
     let answers = "hidden:true hover:true out:true focus:true shown:true escape:true";
     let found = dom.split("data-answers=\"").nth(1).and_then(|rest| rest.split('"').next());
     assert_eq!(found, Some(answers), "{log}");
     assert!(!log.contains("CONSOLE"), "{log}");
 
-    let shot = folder.join("shot.png");
-    let (_, log) = open(&browser, &folder.join("index.html"), &[&format!("--screenshot={}", shot.display())]);
+    for (width, plots) in [(390, "narrow"), (1280, "wide")] {
+        for (scheme, ground) in [("light", [255, 255, 255]), ("dark", [22, 24, 27])] {
+            shows_all_of_it(&browser, &folder, (width, plots), (scheme, ground));
+        }
+    }
+}
+
+/// Asks whether all of the page is beside each other without scrolling, and which drawing is seen.
+const FITS: &str = "<script>
+const seen = (kind) => [...document.querySelectorAll('.' + kind)].every((plot) => plot.clientWidth > 0);
+const root = document.documentElement;
+document.body.setAttribute('data-fits', [root.scrollWidth <= innerWidth, seen('narrow') ? 'narrow' : 'wide'].join(' '));
+</script>";
+
+fn shows_all_of_it(
+    browser: &Path,
+    folder: &Path,
+    (width, plots): (u32, &str),
+    (scheme, ground): (&str, [u8; 3]),
+) {
+    let html = fs::read_to_string(folder.join("index.html")).unwrap();
+    let asked = folder.join("fits.html");
+    fs::write(&asked, html.replace("</body>", &format!("{FITS}</body>"))).unwrap();
+    let shot = folder.join(format!("shot-{width}-{scheme}.png"));
+    let number = if scheme == "dark" { 0 } else { 1 };
+    let colours = format!("--blink-settings=preferredColorScheme={number}");
+    let size = format!("--window-size={width},1600");
+    let (dom, log) = open(browser, &asked, &["--dump-dom", &size, &colours]);
+    let found = dom.split("data-fits=\"").nth(1).and_then(|rest| rest.split('"').next());
+    assert_eq!(found, Some(format!("true {plots}").as_str()), "{width} px: {log}");
+    let screenshot = format!("--screenshot={}", shot.display());
+    let (_, log) = open(browser, &folder.join("index.html"), &[&screenshot, &size, &colours]);
     assert!(!log.contains("CONSOLE"), "{log}");
     let decoder = png::Decoder::new(std::io::BufReader::new(fs::File::open(&shot).unwrap()));
     let mut reader = decoder.read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut pixels).unwrap();
+    assert_eq!(info.width, width);
     let colours: HashSet<_> = pixels.chunks(info.color_type.samples()).collect();
     assert!(colours.len() > 50, "{} colours in {} x {}", colours.len(), info.width, info.height);
+    assert_eq!(pixels[..3], ground, "{scheme}");
 }

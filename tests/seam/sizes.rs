@@ -96,8 +96,8 @@ macro_rules! spellings {
 spellings!(kubo, chain, pairs, pushed);
 
 /// A system with a scheme that ensembles run.
-trait Driven<E>: Discretized<E, Vector: Send + Sync, Prepared: Send + Sync> + Sync {}
-impl<E, H: Discretized<E, Vector: Send + Sync, Prepared: Send + Sync> + Sync> Driven<E> for H {}
+trait Driven<E>: Discretized<E> + Sync {}
+impl<E, H: Discretized<E> + Sync> Driven<E> for H {}
 
 const H: f64 = 0.05;
 const STEPS: usize = 20;

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use proc_macro2::TokenStream;
 
 use crate::describe::{Texts, derived, stepped};
-use crate::discretise::describe::{describe, properties};
+use crate::discretise::describe::{describe, hamiltonians, properties};
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::gauss::{self, StepSlopes};
@@ -14,6 +14,7 @@ use crate::discretise::sites::Site;
 use crate::discretise::{Scheme, discretise};
 use crate::elements;
 use crate::elements::flows::Flows;
+use crate::elements::kinetic::Kinetic;
 use crate::elements::plan::{Strategy, strategy};
 use crate::elements::split;
 use crate::emit::{Beside, emit};
@@ -51,11 +52,13 @@ pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts
             (stages, gauss::describe(&mut model, &slopes, stages))
         })
         .collect();
+    let mut declared = String::new();
+    hamiltonians(&model, &mut declared);
     let texts = Texts::new(
         &listed,
         (flows, parts),
         of_parts,
-        |embedding| staged.get(&embedding.stages().unwrap_or(1)).cloned().unwrap_or_default(),
+        |embedding| staged.get(&embedding.stages().unwrap_or(1)).unwrap_or(&declared).clone(),
         |embedding, text| properties(&mut model.graph, facts, embedding, text),
     );
     let swept = steps.iter().zip(&texts.of_parts).filter_map(|(step, text)| match step {
@@ -65,13 +68,18 @@ pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts
         }
     });
     let swept: Vec<_> = swept.collect();
-    let beside = match swept.is_empty() {
-        true => Beside::default(),
-        false => model.lend(system, |system| Beside {
-            generated: elements::emit::steps(system, facts, &swept),
-            user_tokens: elements::emit::user_tokens(system),
-        }),
-    };
+    let has_thermostat = listed.iter().any(Embedding::is_thermostat);
+    let beside = model.lend(system, |system| {
+        let kinetic = if has_thermostat { Kinetic::of(system) } else { None };
+        match swept.is_empty() {
+            true => Beside { kinetic, ..Beside::default() },
+            false => Beside {
+                kinetic,
+                generated: elements::emit::steps(system, facts, &swept),
+                user_tokens: elements::emit::user_tokens(system),
+            },
+        }
+    });
     let inline = steps.iter().zip(&texts.of_parts).filter_map(|(step, text)| match step {
         Step::Inline(scheme) => is_stepped(&scheme.embedding).then_some((&**scheme, text.as_str())),
         Step::Swept(..) => None,
@@ -100,11 +108,12 @@ pub(crate) fn in_loops(system: &mut System, facts: &Facts) -> TokenStream {
     let of_parts = schemes.iter().map(|(e, s)| elements::describe::describe(system, facts, e, s)).collect();
     let staged: HashMap<u32, String> =
         stages(&listed).map(|stages| (stages, elements::staged::describe(system, stages))).collect();
+    let declared = format!("\n{}", elements::describe::hamiltonians(system));
     let texts = Texts::new(
         &listed,
         (flows, parts),
         of_parts,
-        |embedding| staged.get(&embedding.stages().unwrap_or(1)).cloned().unwrap_or_default(),
+        |embedding| staged.get(&embedding.stages().unwrap_or(1)).unwrap_or(&declared).clone(),
         |embedding, text| properties(&mut system.graph, facts, embedding, text),
     );
     let stepped = stepped(&listed, flows);
@@ -113,8 +122,18 @@ pub(crate) fn in_loops(system: &mut System, facts: &Facts) -> TokenStream {
     elements::emit::emit(system, facts, &steps.collect::<Vec<_>>(), &texts)
 }
 
+/// The schemes, and those inside of thermostats.
 fn values(embeddings: &[Located<Embedding>]) -> Vec<Embedding> {
-    embeddings.iter().map(|embedding| embedding.value.clone()).collect()
+    let mut values = Vec::new();
+    for Located { value, .. } in embeddings {
+        let inside = if let Embedding::Thermostat(inner) = value { Some(&**inner) } else { None };
+        for value in inside.into_iter().chain([value]) {
+            if !values.contains(value) {
+                values.push(value.clone());
+            }
+        }
+    }
+    values
 }
 
 /// The numbers of stages of the schemes that have several.

@@ -3,6 +3,7 @@
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::embedding::{Correction, Embedding};
 use crate::discretise::facts::{Facts, Failure, Invariant};
+use crate::elements::flows::Flows;
 use crate::elements::split;
 use crate::model::{Located, System};
 use crate::symbolic::{Graph, Rational};
@@ -13,6 +14,7 @@ pub(crate) fn check(system: &mut System, facts: &Facts, diagnostics: &mut Diagno
     check_consistency(graph, embeddings, facts, diagnostics);
     check_invariants(graph, facts, diagnostics);
     split::check(system, diagnostics);
+    check_flows(system, facts, diagnostics);
 }
 
 /// A bare scheme must converge to the Stratonovich system (MATH section 3); a corrected one needs its counter-term.
@@ -27,7 +29,16 @@ fn check_consistency(
         match embedding.value.correction() {
             Correction::Bare if !facts.is_consistent(noise_l) => {
                 let defect = facts.defect(graph, noise_l);
-                diagnostics.report(messages::inconsistent(embedding, &defect, &facts.defect_is_constant));
+                diagnostics.report(match facts.force_defect_acts(noise_l) {
+                    true => {
+                        let force = facts.force_defect(graph, noise_l);
+                        messages::inconsistent_forces(embedding, &defect, &force)
+                    }
+                    false => messages::inconsistent(embedding, &defect, &facts.defect_is_constant),
+                });
+            }
+            Correction::Corrected if facts.force_defect_acts(noise_l) => {
+                diagnostics.report(messages::correction_of_forces(embedding));
             }
             Correction::Corrected if facts.counter_term_acts(noise_l) && facts.counter_term.is_none() => {
                 diagnostics.report(messages::counter_term_of_elements(embedding));
@@ -37,13 +48,22 @@ fn check_consistency(
     }
 }
 
-/// `{H_m, F}` must vanish for every term, with `∂F/∂t` for the drift.
+/// `{H_m, F}` must vanish for every term, with `∂F/∂t` and what forces do for the drift.
 fn check_invariants(graph: &mut Graph, facts: &Facts, diagnostics: &mut Diagnostics) {
     for Invariant { extent, failure, .. } in &facts.invariants {
-        if let Some(Failure { term, rate, knowledge }) = failure {
-            let number = term.checked_sub(1).and_then(|k| facts.numbers.get(k)).cloned();
+        if let Some(Failure { along, rate, knowledge }) = failure {
             let rate = facts.space.display(graph, rate, Rational::ONE);
-            diagnostics.report(messages::no_invariant(*extent, &number, &rate, knowledge, graph));
+            diagnostics.report(messages::no_invariant(*extent, along, &rate, knowledge, graph));
         }
+    }
+}
+
+/// `Baoab` and `Obabo` are made of the flows of `T(p)` and `V(q, t)`.
+fn check_flows(system: &mut System, facts: &Facts, diagnostics: &mut Diagnostics) {
+    let is_word = |known: &&Located<Embedding>| matches!(known.value, Embedding::Baoab | Embedding::Obabo);
+    let words: Vec<_> = system.embeddings.iter().filter(is_word).cloned().collect();
+    let listed: Vec<Embedding> = words.iter().map(|known| known.value.clone()).collect();
+    if !words.is_empty() && Flows::of(system, facts, &listed).is_none() {
+        words.iter().for_each(|known| diagnostics.report(messages::word_without_flows(known)));
     }
 }

@@ -7,6 +7,7 @@ use crate::check::check;
 use crate::diagnostics::{Diagnostics, internal};
 use crate::discretise::facts::Facts;
 use crate::elements::collect::collect;
+use crate::elements::friction::friction;
 use crate::emit::stubs::Stubs;
 use crate::functions::{self, Library};
 use crate::input;
@@ -66,6 +67,7 @@ fn compile(
     let mut system = lower(container, declaration, &phase_space, diagnostics)?;
     unroll(&mut system);
     collect(&mut system, diagnostics);
+    friction(&mut system, diagnostics);
     if diagnostics.has_errors() {
         return None;
     }

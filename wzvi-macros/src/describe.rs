@@ -18,7 +18,7 @@ pub(crate) struct Texts {
 
 /// Those of the derived schemes whose steps are taken: halves of `Verlet` are not where it is made of flows.
 pub(crate) fn stepped(listed: &[Embedding], flows: Option<Flows>) -> Vec<Embedding> {
-    let is_stepped = |embedding: &&Embedding| flows.is_none() || **embedding != Embedding::Verlet;
+    let is_stepped = |embedding: &&Embedding| flows.is_none() || !embedding.takes_flows();
     derived(&listed.iter().filter(is_stepped).cloned().collect::<Vec<_>>())
 }
 
@@ -54,6 +54,12 @@ impl Texts {
             known.map_or("", |(_, text)| text.as_str())
         };
         let mut text = |embedding: &Embedding| match embedding.parts().as_slice() {
+            _ if embedding.is_thermostat() => {
+                let declared = staged(&Embedding::Baoab);
+                let mut text = format!("{embedding}\n{declared}{}", thermostat(embedding));
+                facts_of(embedding, &mut text);
+                text
+            }
             [whole] => text_of(whole).to_owned(),
             [] => {
                 let mut text = staged(embedding);
@@ -80,6 +86,33 @@ impl Texts {
         let listed = listed.iter().map(|embedding| (embedding.clone(), text(embedding))).collect();
         Self { of_parts, listed, flows, parts: parts_of_drift }
     }
+}
+
+/// How a step with a bath is taken.
+fn thermostat(embedding: &Embedding) -> String {
+    let relax = |share: &str| {
+        format!(
+            "  friction and noise of {share}: p <- E p + R ξ, E = exp(-{share} Γ M⁻¹), R Rᵀ = kT (M - E M Eᵀ)\n"
+        )
+    };
+    let kick = "  kick of h/2:  p <- p - h/2 (∂V/∂q - F)\n";
+    let half_drift = "  drift of h/2:  q <- q + h/2 M⁻¹ p\n";
+    let step = match embedding {
+        Embedding::Baoab => format!("{kick}{half_drift}{}{half_drift}{kick}", relax("h")),
+        Embedding::Obabo => {
+            let drift = "  drift of h:  q <- q + h M⁻¹ p\n";
+            format!("{0}{kick}{drift}{kick}{0}", relax("h/2"))
+        }
+        Embedding::Thermostat(inner) => {
+            format!(
+                "{0}  a step of {inner} of the system without friction and noise of the bath\n{0}",
+                relax("h/2")
+            )
+        }
+        _ => String::new(),
+    };
+    let driven = "the increments of the noises, then √h times the normals ξ of each part with friction";
+    format!("\nStep\n{step}  driven by {driven}\n")
 }
 
 /// How a step of `Verlet` is taken of `T(p) + V(q, t)`.

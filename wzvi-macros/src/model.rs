@@ -15,17 +15,27 @@ use self::index::{Index, Loop};
 use self::symbols::Symbols;
 use crate::diagnostics::internal::Promised;
 use crate::discretise::embedding::Embedding;
-use crate::input::{Emission, Shape};
+use crate::input::{Emission, Labels, Shape};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 pub(crate) mod index;
 pub(crate) mod symbols;
 
 /// The phase space: one symbol per coordinate and momentum, in the order of the state vector, and time.
+#[derive(Clone)]
 pub(crate) struct Phase {
     pub(crate) q: Vec<Symbol>,
     pub(crate) p: Vec<Symbol>,
+    /// `δq`
+    pub(crate) displacements: Vec<Symbol>,
     pub(crate) t: Symbol,
+}
+
+impl Phase {
+    /// The components of a covector from `f · δq`.
+    pub(crate) fn components(&self, graph: &mut Graph, work: Expr) -> Vec<Expr> {
+        self.displacements.iter().map(|&displacement| graph.derivative(work, displacement)).collect()
+    }
 }
 
 /// A real number that a step reads from the struct or its surroundings.
@@ -86,6 +96,8 @@ pub(crate) enum Slot {
     Coordinate(Index),
     /// Component of the momenta.
     Momentum(Index),
+    /// Virtual displacement `δq` of a component of the coordinates: a covector `f` is the function `f · δq`.
+    Displacement(Index),
     /// Entry of a list of real numbers.
     Entry(u32, Vec<Index>),
     /// An integer as a real number.
@@ -132,10 +144,18 @@ impl Element {
         })
     }
 
-    /// The places in the state that it reads.
+    /// Those of the displacements: a covector has some, a Hamiltonian none.
+    pub(crate) fn displacements(&self) -> impl Iterator<Item = (Symbol, &Index)> {
+        self.locals.iter().filter_map(|local| match &local.slot {
+            Slot::Displacement(index) => Some((local.symbol, index)),
+            _ => None,
+        })
+    }
+
+    /// The places in the state that it reads, or where it acts.
     pub(crate) fn state(&self) -> Vec<&Index> {
         let places = self.locals.iter().filter_map(|local| match &local.slot {
-            Slot::Coordinate(index) | Slot::Momentum(index) => Some(index),
+            Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => Some(index),
             Slot::Entry(..) | Slot::Number(_) => None,
         });
         places.collect()
@@ -151,7 +171,7 @@ impl Element {
     }
 }
 
-/// A Hamiltonian.
+/// A Hamiltonian, or a covector as a function that is linear in displacements.
 #[derive(Clone)]
 pub(crate) struct Term {
     /// As the user wrote it, with a symbol for each sum: until elements are made of it.
@@ -168,6 +188,18 @@ pub(crate) struct Term {
 pub(crate) struct Noise {
     pub(crate) term: Term,
     pub(crate) family: Option<Family>,
+    /// Whether it is a covector.
+    pub(crate) is_force: bool,
+}
+
+/// What draws on the momenta, `-G p` with rates on the diagonal of `G`, or `-Γ M⁻¹ p`.
+#[derive(Clone)]
+pub(crate) struct Friction {
+    /// `δq · G p` or `δq · Γ p`
+    pub(crate) term: Term,
+    pub(crate) is_matrix: bool,
+    /// The rate, where it is one number for all degrees of freedom, whatever the state.
+    pub(crate) uniform: Option<Expr>,
 }
 
 /// The members `0..count` of a family of noises; `variable` is the loop variable that counts them. It is the outermost loop
@@ -188,6 +220,8 @@ pub(crate) struct System {
     pub(crate) components: i128,
     /// Names of coordinates and momenta.
     pub(crate) names: [String; 2],
+    /// What people are to be told that their components are called.
+    pub(crate) labels: [Labels; 2],
     /// What the symbols in it stand for, besides time and parameters.
     pub(crate) symbols: Symbols,
     pub(crate) t: Symbol,
@@ -196,8 +230,17 @@ pub(crate) struct System {
     pub(crate) drift: Term,
     /// The parts of the drift, where the user has parted it: `drift = [H_A, H_B]`.
     pub(crate) parts: Vec<Term>,
-    /// In the order of their increments.
+    /// In the order of their increments: Hamiltonians, then covectors.
     pub(crate) noise: Vec<Noise>,
+    /// The covector beside the drift.
+    pub(crate) force: Option<Term>,
+    pub(crate) friction: Option<Friction>,
+    /// The rate of friction that steps take in exactly: one for all degrees of freedom, without a temperature.
+    pub(crate) conformal: Option<Expr>,
+    /// `e^{γ (t - t_i)}` with this rate, where elements are emitted in loops.
+    pub(crate) scale: Option<Symbol>,
+    /// `kT`
+    pub(crate) temperature: Option<Term>,
     pub(crate) invariants: Vec<Term>,
     pub(crate) embeddings: Vec<Located<Embedding>>,
     /// The struct: attributes, visibility, name, generics and fields, to be emitted unchanged.
@@ -211,10 +254,16 @@ pub(crate) struct System {
 }
 
 impl System {
-    /// The drift, the noises, the first integrals.
+    /// The drift, the noises, the first integrals, the forces.
     pub(crate) fn terms(&self) -> impl Iterator<Item = &Term> {
         let noise = self.noise.iter().map(|noise| &noise.term);
-        [&self.drift].into_iter().chain(noise).chain(&self.invariants)
+        let bath = self.friction.iter().map(|friction| &friction.term).chain(&self.temperature);
+        [&self.drift].into_iter().chain(noise).chain(&self.invariants).chain(&self.force).chain(bath)
+    }
+
+    /// Whether there are functions of displacements.
+    pub(crate) fn has_covectors(&self) -> bool {
+        self.force.is_some() || self.friction.is_some() || self.noise.iter().any(|noise| noise.is_force)
     }
 
     /// For each noise the number of noises before it, members of families counted one by one; at last the number of all.
@@ -242,15 +291,55 @@ impl Model {
     }
 }
 
+/// What a thermostat needs to know.
+pub(crate) struct Bath {
+    /// Rates, one for each degree of freedom, or the rows of `Γ`.
+    pub(crate) damping: Vec<Expr>,
+    pub(crate) is_matrix: bool,
+    pub(crate) temperature: Option<Expr>,
+}
+
+impl Bath {
+    /// From `δq · G p`, with rates on the diagonal of `G`, or a matrix.
+    pub(crate) fn of(
+        graph: &mut Graph,
+        phase: &Phase,
+        (work, is_matrix): (Expr, bool),
+        temperature: Option<Expr>,
+    ) -> Self {
+        let mut damping = Vec::new();
+        for (i, by_displacement) in phase.components(graph, work).into_iter().enumerate() {
+            let columns = if is_matrix { &phase.p[..] } else { &phase.p[i..=i] };
+            damping.extend(columns.iter().map(|&p| graph.derivative(by_displacement, p)));
+        }
+        Self { damping, is_matrix, temperature }
+    }
+}
+
+impl Model {
+    /// The number of increments.
+    pub(crate) fn noises(&self) -> usize {
+        self.noise.len() + self.noise_forces.len()
+    }
+}
+
 /// A [`System`] whose degrees of freedom are variables of their own: every Hamiltonian as one expression without loops.
 pub(crate) struct Model {
     pub(crate) graph: Graph,
     pub(crate) phase: Phase,
+    pub(crate) labels: [Labels; 2],
     pub(crate) parameters: Vec<Parameter>,
     pub(crate) drift: Located<Expr>,
     /// The parts of the drift, where the user has parted it.
     pub(crate) parts: Vec<Located<Expr>>,
     pub(crate) noise: Vec<Located<Expr>>,
+    /// One component per degree of freedom.
+    pub(crate) force: Option<Vec<Expr>>,
+    /// The same, driven by the increments after those of the noises.
+    pub(crate) noise_forces: Vec<Vec<Expr>>,
+    pub(crate) bath: Option<Bath>,
+    /// The rate of friction that steps take in exactly.
+    pub(crate) conformal: Option<Expr>,
     pub(crate) invariants: Vec<Located<Expr>>,
     pub(crate) embeddings: Vec<Located<Embedding>>,
     /// The struct: attributes, visibility, name, generics and fields, to be emitted unchanged.

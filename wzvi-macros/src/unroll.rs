@@ -13,7 +13,7 @@ use crate::elements::emit::Indices;
 use crate::input::Emission;
 use crate::model::index::{Index, Loop};
 use crate::model::symbols::{Sum, Symbols};
-use crate::model::{Family, Local, Located, Model, Noise, Parameter, Phase, Slot, System, Table, Term};
+use crate::model::{Bath, Family, Local, Located, Model, Noise, Parameter, Phase, Slot, System, Table, Term};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// Turns of a loop, and points of a system, up to which it is written out: there, straight-line code with dense
@@ -40,9 +40,11 @@ pub(crate) fn unroll(system: &mut System) {
         return;
     }
     let mut writer = Writer::new(&mut system.graph, &mut system.symbols, &system.tables);
-    let noise = system.noise.iter_mut().map(|noise| &mut noise.term);
-    let parts = &mut system.parts;
-    for term in [&mut system.drift].into_iter().chain(parts).chain(noise).chain(&mut system.invariants) {
+    let System { drift, parts, noise, force, friction, temperature, invariants, .. } = system;
+    let noise = noise.iter_mut().map(|noise| &mut noise.term);
+    let bath = friction.iter_mut().map(|friction| &mut friction.term).chain(temperature);
+    let terms = [drift].into_iter().chain(parts).chain(noise).chain(invariants);
+    for term in terms.chain(force).chain(bath) {
         writer.spent = 0;
         term.expression = writer.without_short_sums(term.expression, OUTERMOST);
     }
@@ -59,13 +61,15 @@ fn is_small(system: &System) -> bool {
 
 /// Writes out every loop and every family; `false`, and nothing done, if that is not possible.
 fn unroll_all(system: &mut System) -> bool {
-    let System { graph, symbols, tables, drift, parts, noise, invariants, .. } = system;
+    let System {
+        graph, symbols, tables, drift, parts, noise, force, friction, temperature, invariants, ..
+    } = system;
     let mut writer = Writer::new(graph, symbols, tables);
     let Ok(of_drift) = writer.term(drift) else { return false };
     let of_parts: Result<Vec<Term>, NotWrittenOut> = parts.iter().map(|term| writer.term(term)).collect();
     let Ok(of_parts) = of_parts else { return false };
     let mut members = Vec::with_capacity(noise.len());
-    for Noise { term, family } in &*noise {
+    for Noise { term, family, is_force } in &*noise {
         let range = match family {
             None => 0..1,
             Some(Family { count, .. }) => match count.as_integer() {
@@ -77,13 +81,21 @@ fn unroll_all(system: &mut System) -> bool {
         for member in range {
             let values = family.iter().map(|family| (family.variable, member)).collect();
             let Ok(expression) = writer.at(term.expression, &values) else { return false };
-            members.push(Noise { term: Term { expression, ..term.clone() }, family: None });
+            let term = Term { expression, ..term.clone() };
+            members.push(Noise { term, family: None, is_force: *is_force });
         }
     }
     let integrals: Result<Vec<Term>, NotWrittenOut> =
         invariants.iter().map(|term| writer.term(term)).collect();
     let Ok(integrals) = integrals else { return false };
+    let mut written = |term: Option<&Term>| term.map(|term| writer.term(term)).transpose();
+    let bath = (written(friction.as_ref().map(|friction| &friction.term)), written(temperature.as_ref()));
+    let (Ok(of_force), (Ok(of_friction), Ok(of_temperature))) = (written(force.as_ref()), bath) else {
+        return false;
+    };
     (*drift, *parts, *noise, *invariants) = (of_drift, of_parts, members, integrals);
+    (*force, *temperature) = (of_force, of_temperature);
+    friction.iter_mut().zip(of_friction).for_each(|(friction, term)| friction.term = term);
     true
 }
 
@@ -213,7 +225,24 @@ impl<'a> Writer<'a> {
 pub(crate) fn written_out(system: &mut System) -> Option<Model> {
     let locals = if is_small(system) { known_locals(system) } else { None };
     let locals = locals?;
-    let System { graph, symbols, tables, parameters, t, drift, parts, noise, invariants, .. } = &mut *system;
+    let has_covectors = system.has_covectors();
+    let System {
+        graph,
+        symbols,
+        tables,
+        labels,
+        parameters,
+        t,
+        drift,
+        parts,
+        noise,
+        force,
+        friction,
+        temperature,
+        invariants,
+        ..
+    } = &mut *system;
+    let displacements = if has_covectors { symbols.displacements(graph) } else { Vec::new() };
     let indices = Indices { tables, checked: true };
     let mut parameters: Vec<Parameter> = parameters
         .iter()
@@ -221,7 +250,7 @@ pub(crate) fn written_out(system: &mut System) -> Option<Model> {
         .collect();
     for Local { symbol, slot } in locals {
         let tokens = match &slot {
-            Slot::Coordinate(_) | Slot::Momentum(_) => continue,
+            Slot::Coordinate(_) | Slot::Momentum(_) | Slot::Displacement(_) => continue,
             Slot::Number(index) => {
                 let value = indices.value(index);
                 indices.or_nan(&quote!(#value as ::core::primitive::f64))
@@ -234,17 +263,36 @@ pub(crate) fn written_out(system: &mut System) -> Option<Model> {
     parameters.sort_by_key(|parameter| parameter.symbol.index());
     let [q, p] = symbols.phase();
     let (t, mut graph) = (*t, std::mem::take(graph));
-    let mut located = |term: &Term| {
+    let phase = Phase { q, p, displacements, t };
+    let mut value = |term: &Term| {
         let values: Vec<Expr> = term.values.iter().map(|element| element.value).collect();
-        Located { value: graph.sum(&values), extent: term.extent }
+        graph.sum(&values)
     };
+    let [of_force, of_friction, of_temperature] =
+        [force.as_ref(), friction.as_ref().map(|friction| &friction.term), temperature.as_ref()]
+            .map(|term| term.map(&mut value));
+    let (forces, noise): (Vec<&Noise>, Vec<&Noise>) = noise.iter().partition(|noise| noise.is_force);
+    let forces: Vec<Expr> = forces.into_iter().map(|noise| value(&noise.term)).collect();
+    let mut located = |term: &Term| Located { value: value(term), extent: term.extent };
+    let (drift, parts) = (located(drift), parts.iter().map(&mut located).collect());
+    let noise = noise.into_iter().map(|noise| located(&noise.term)).collect();
+    let invariants = invariants.iter().map(located).collect();
+    let force = of_force.map(|work| phase.components(&mut graph, work));
+    let noise_forces = forces.into_iter().map(|work| phase.components(&mut graph, work)).collect();
+    let is_matrix = friction.as_ref().is_some_and(|friction| friction.is_matrix);
+    let bath = of_friction.map(|work| Bath::of(&mut graph, &phase, (work, is_matrix), of_temperature));
     Some(Model {
-        phase: Phase { q, p, t },
+        phase,
+        labels: labels.clone(),
         parameters,
-        drift: located(drift),
-        parts: parts.iter().map(&mut located).collect(),
-        noise: noise.iter().map(|noise| located(&noise.term)).collect(),
-        invariants: invariants.iter().map(located).collect(),
+        drift,
+        parts,
+        noise,
+        force,
+        noise_forces,
+        bath,
+        conformal: system.conformal,
+        invariants,
         embeddings: system.embeddings.clone(),
         item: system.item.clone(),
         crate_path: system.crate_path.clone(),
@@ -264,7 +312,7 @@ fn known_locals(system: &System) -> Option<Vec<Local>> {
     let read: BTreeSet<Symbol> = elements().flat_map(|e| &e.locals).map(|local| local.symbol).collect();
     let locals = system.symbols.locals_among(read.into_iter());
     let is_known = |local: &Local| match &local.slot {
-        Slot::Coordinate(index) | Slot::Momentum(index) => {
+        Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => {
             system.symbols.has_phase() && index.as_integer().is_some()
         }
         slot => !slot.indices().iter().any(Index::reads_size),

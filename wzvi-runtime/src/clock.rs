@@ -4,6 +4,8 @@ use std::time::Duration;
 
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 mod there {
+    #[cfg(feature = "report")]
+    use std::time::SystemTime;
     use std::time::{Duration, Instant};
 
     pub(crate) type Moment = Instant;
@@ -14,6 +16,11 @@ mod there {
 
     pub(crate) fn between(earlier: &Moment, later: &Moment) -> Duration {
         later.duration_since(*earlier)
+    }
+
+    #[cfg(feature = "report")]
+    pub(crate) fn date() -> Option<SystemTime> {
+        Some(SystemTime::now())
     }
 }
 
@@ -32,8 +39,15 @@ mod there {
     pub(crate) fn between(_: &Moment, later: &Moment) -> Duration {
         match *later {}
     }
+
+    #[cfg(feature = "report")]
+    pub(crate) fn date() -> Option<std::time::SystemTime> {
+        None
+    }
 }
 
+#[cfg(feature = "report")]
+pub(crate) use there::date;
 pub(crate) use there::{Moment, between, now};
 
 /// The time that has gone by since a moment.

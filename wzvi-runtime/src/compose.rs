@@ -15,16 +15,16 @@
 //! `drift = [H_A, H_B]` with the tables that are made for these ([`PartFlows`]).
 
 mod checks;
-mod flows;
+pub(crate) mod flows;
 mod gradient;
 mod implement;
-mod kept;
+pub(crate) mod kept;
 mod lagrangian;
 mod linear;
 mod pair;
 mod parts;
-mod sequence;
-mod stages;
+pub(crate) mod sequence;
+pub(crate) mod stages;
 mod structure;
 mod tables;
 mod text;
@@ -40,7 +40,7 @@ pub use checks::{check_table, check_weights};
 pub use flows::{Flows, KickDrift};
 pub use gradient::{GradientKicks, GradientTable};
 #[doc(hidden)]
-pub use lagrangian::{gradient, value};
+pub use lagrangian::{gradient, gradient_of, value};
 #[doc(hidden)]
 pub use pair::Pair;
 #[doc(hidden)]

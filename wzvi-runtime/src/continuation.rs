@@ -14,6 +14,7 @@
 
 use crate::carry::Carry;
 use crate::error::StepFailure;
+use crate::memory::StepMemory;
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::Vector;
@@ -183,8 +184,10 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                 let longest = moves.longest_relative_to([&self.q, &self.p]);
                 // Whoever takes it has no doubt.
                 let effort = Effort { iterations, doubtful: false, ..step.effort };
-                // The memory is of parts of a step: no guide for the next.
-                let end = Continued { effort, memory: H::Memory::default(), ..step };
+                let mut memory = step.memory;
+                // Of parts of a step: no guide for the next.
+                memory.forget();
+                let end = Continued { q: step.q, p: step.p, carry: step.carry, effort, memory };
                 return Ok(Curve { end, longest, is_doubtful });
             }
             memory = step.memory;

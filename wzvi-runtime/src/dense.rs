@@ -12,7 +12,7 @@
 //!
 //! `F = h H_0 + Σ_k ΔW_k H_k` is the step Hamiltonian with the increments of the step, so that with noise the polynomial follows the flow of the
 //! frozen step Hamiltonian: the interpolation of Wong and Zakai, in which each `W_k` is a straight line from node to node. The path of the
-//! stochastic equation is not smooth there, and no polynomial follows it.
+//! stochastic equation is not smooth there, and no polynomial follows it. What a [bath](crate::bath) does it shows at the nodes only.
 
 mod hermite;
 mod slopes;
@@ -192,6 +192,8 @@ impl<V: Vector> DenseOutput<V> {
         h: f64,
         dw: &[f64],
     ) {
+        // A bath acts on the momenta at once; the polynomial knows of it by the nodes.
+        let dw = dw.get(..system.noises()).unwrap_or(dw);
         let is_same = self.order == H::DENSE_ORDER && h == self.h && dw.is_empty();
         let follows = is_same && nodes[0] == &self.ends[1];
         self.go(nodes, h, H::DENSE_ORDER);

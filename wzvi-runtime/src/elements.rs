@@ -22,6 +22,7 @@
 //! narrow or small ([`Method::Band`]: chains, rings, networks, anything of a hundred unknowns), else by GMRES from
 //! products with the Jacobian, which is never stored ([`Method::Krylov`]: lattices, random graphs, all pairs).
 
+mod bath;
 mod careful;
 mod explicit;
 mod hamiltonian;
@@ -41,8 +42,9 @@ mod sums;
 mod window;
 mod windowed;
 
+pub use bath::{damping, rates};
 pub use explicit::{advance_explicit, advance_explicit_vectors};
-pub use hamiltonian::{differentiate, evaluate, invariant};
+pub use hamiltonian::{differentiate, evaluate, force, invariant};
 pub use iterate::advance;
 pub use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::{CompensationVec, Memory};
@@ -56,7 +58,7 @@ use std::ops::Range;
 pub use crate::lanes::single::{Alone, Usual};
 pub use crate::memory::{Iteration, Method};
 
-use hamiltonian::{DRIFT, NOISE};
+use hamiltonian::{DRIFT, FORCE, NOISE};
 
 use crate::error::{ConfigError, StepFailure};
 use crate::scalar::{Number, Scalar};
@@ -98,6 +100,8 @@ pub struct Point<'a, S> {
     pub dw: &'a [S],
     /// The numbers of the noises that act: all in a step, one where it is asked for.
     pub acting: Range<usize>,
+    /// `e^{γ (t - t_i)}` with the rate `γ` of friction that steps take in: momenta are so many times those of the state.
+    pub scale: f64,
 }
 
 impl<S: Copy> Point<'_, S> {
@@ -116,12 +120,16 @@ pub trait Curvature<S> {
     fn add_qp(&mut self, i: usize, j: usize, is_diagonal: bool, value: S);
     /// `∂²/∂p_i ∂p_j`
     fn add_pp(&mut self, i: usize, j: usize, is_diagonal: bool, value: S);
+    /// `-∂f_i/∂q_j` of a force
+    fn add_force_by_q(&mut self, i: usize, j: usize, value: S);
+    /// `-∂f_i/∂p_j` of a force
+    fn add_force_by_p(&mut self, i: usize, j: usize, value: S);
 }
 
 /// A system whose Hamiltonians are sums of elements.
 ///
 /// Elements with one rule for their increments are a *part*: the drift (part 0), the noises (part 1), what a scheme adds to
-/// them, and at last, for values only, the first integrals, from part [`Elements::INTEGRALS`] on. A part is weighted by
+/// them (part 2), the force beside the drift (part 3), which has the slopes `-f` by coordinates and no value, and at last, for values only, the first integrals, from part [`Elements::INTEGRALS`] on. A part is weighted by
 /// `weight` and by its increments.
 pub trait Elements: Hamiltonian {
     /// What the elements read and the compiler has not shown to be there.
@@ -130,6 +138,9 @@ pub trait Elements: Hamiltonian {
 
     /// The part that is the first of the first integrals.
     const INTEGRALS: usize;
+
+    /// Whether there is a part of the force beside the drift.
+    const HAS_FORCE: bool = false;
 
     /// A part of the list `table` of [`Elements::PLACES`], or of the list inside of it at the indices `outer`.
     #[doc(hidden)]
@@ -203,7 +214,7 @@ pub fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     by_q: &mut [S],
     by_p: &mut [S],
 ) {
-    let at = Point { q, p, t: t.lane(0), h: 1.0, dw, acting: 0..dw.len() };
+    let at = Point { q, p, t: t.lane(0), h: 1.0, dw, acting: 0..dw.len(), scale: 1.0 };
     let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
     if BY_Q {
         by_q.fill(S::from_f64(0.0));
@@ -212,6 +223,9 @@ pub fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
         by_p.fill(S::from_f64(0.0));
     }
     slopes(system, DRIFT, 1.0, &at, wanted, by_q, by_p);
+    if H::HAS_FORCE {
+        slopes(system, FORCE, 1.0, &at, wanted, by_q, by_p);
+    }
     // Weights of stages differ from lane to lane.
     if BY_Q {
         by_q.iter_mut().for_each(|slope| *slope = *slope * h);
@@ -236,9 +250,12 @@ pub fn add_slopes<H: Elements, S: Scalar>(
     into: &mut [S],
 ) {
     // Elements of one half of the phase space read nothing of the other.
-    let at = Point { q: state, p: state, t, h, dw, acting: 0..dw.len() };
+    let at = Point { q: state, p: state, t, h, dw, acting: 0..dw.len(), scale: 1.0 };
     let (by_q, by_p) = if wanted.by_q { (into, &mut [][..]) } else { (&mut [][..], into) };
     slopes(system, DRIFT, 1.0, &at, wanted, by_q, by_p);
+    if H::HAS_FORCE {
+        slopes(system, FORCE, 1.0, &at, wanted, by_q, by_p);
+    }
     if !dw.is_empty() {
         slopes(system, NOISE, 1.0, &at, wanted, by_q, by_p);
     }
@@ -259,13 +276,13 @@ pub fn slopes_of_part<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool
 ) {
     by_q.fill(S::from_f64(0.0));
     by_p.fill(S::from_f64(0.0));
-    let at = Point { q, p, t, h, dw: &[], acting: 0..0 };
+    let at = Point { q, p, t, h, dw: &[], acting: 0..0, scale: 1.0 };
     slopes(system, number, 1.0, &at, Slopes { by_q: BY_Q, by_p: BY_P }, by_q, by_p);
 }
 
 /// The value of a numbered part of the drift.
 pub fn value_of_part<H: Elements>(system: &H, number: usize, t: f64, q: &[f64], p: &[f64]) -> f64 {
-    system.value(number, 1.0, &Point { q, p, t, h: 1.0, dw: &[], acting: 0..0 })
+    system.value(number, 1.0, &Point { q, p, t, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 })
 }
 
 /// Whether scratch for `ready` degrees of freedom is for a state of `got`, which the system was checked for then.

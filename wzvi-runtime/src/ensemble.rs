@@ -19,8 +19,6 @@ mod block;
 mod checks;
 #[cfg(feature = "mpi")]
 pub mod cluster;
-#[cfg(feature = "columnar")]
-mod columnar;
 mod control;
 mod crossings;
 mod draws;
@@ -48,7 +46,6 @@ mod source;
 mod starts;
 mod statistics;
 mod table;
-mod width;
 
 use std::marker::PhantomData;
 
@@ -189,7 +186,7 @@ impl<'a, H: Discretized<E>, E, R> Ensemble<'a, H, E, StepNormals, R> {
 }
 
 impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
-    options!(start, end, exact, record, observe, section, execution, instructions);
+    options!(start, end, exact, record, observe, temperatures, section, execution, instructions);
 
     /// The first state of each path, at one time for all: that of [`Draw::path`], or drawn at random by the seed of the ensemble (0 if it has
     /// none). It is called once for each path, from several threads, and has to depend on nothing but its argument.
@@ -347,8 +344,6 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
 impl<H, E, N, R> Ensemble<'_, H, E, N, R>
 where
     H: Discretized<E> + Sync,
-    H::Vector: Send + Sync,
-    H::Prepared: Send + Sync,
     N: Noise,
 {
     /// Runs all paths.

@@ -3,15 +3,18 @@
 #[cfg(all(feature = "serde", feature = "ensemble"))]
 mod words;
 
+mod bath;
 mod index;
 mod internal;
 
 use std::fmt;
 
+pub use bath::BathError;
+
 pub use crate::calculus::DomainError;
 pub use crate::increments::NoiseError;
-#[cfg(any(feature = "ensemble", feature = "serde"))]
 pub use crate::persist::FileError;
+pub use crate::series::SeriesError;
 #[doc(hidden)]
 pub use index::Name;
 pub use index::{IndexError, IndexLimit};
@@ -49,9 +52,9 @@ pub enum StepFailure {
     },
     /// The new state (or an intermediate value) overflowed or is undefined.
     NonFinite,
-    /// The number of increments is not the number of noises.
+    /// The number of increments is not the number of those that drive a step.
     Increments {
-        /// Number of noises.
+        /// Number of noises, and of the normals of a bath.
         expected: usize,
         /// Number of increments given.
         got: usize,
@@ -65,6 +68,8 @@ pub enum StepFailure {
     },
     /// An integer of the system is out of range.
     Index(IndexError),
+    /// Friction, temperature or masses make no sense at this state.
+    Bath(BathError),
     /// The state or an increment that was given is NaN or infinite.
     NonFiniteInput,
 }
@@ -72,7 +77,7 @@ pub enum StepFailure {
 impl StepFailure {
     /// Whether no way to solve the step would change it: the system, the state and the increments do not belong together.
     pub(crate) fn is_of_arguments(&self) -> bool {
-        matches!(self, Self::Increments { .. } | Self::Dimension { .. } | Self::Index(_))
+        matches!(self, Self::Increments { .. } | Self::Dimension { .. } | Self::Index(_) | Self::Bath(_))
     }
 }
 
@@ -116,6 +121,7 @@ impl fmt::Display for StepFailure {
                 write!(f, "the system has {expected} degrees of freedom, but the state has {got}")
             }
             Self::Index(error) => error.fmt(f),
+            Self::Bath(error) => error.fmt(f),
             Self::NonFiniteInput => write!(f, "the state or an increment is NaN or infinite before the step"),
         }
     }
@@ -151,6 +157,8 @@ pub enum ConfigError {
     Parameter,
     /// An integer of the system is out of range.
     Index(IndexError),
+    /// Friction, temperature or masses make no sense.
+    Bath(BathError),
     /// A matrix that does not change from step to step is singular.
     Singular {
         /// Step size.
@@ -202,6 +210,7 @@ impl fmt::Display for ConfigError {
                 )
             }
             Self::Index(error) => error.fmt(f),
+            Self::Bath(error) => error.fmt(f),
             Self::Singular { h, pivot, scale } => write!(
                 f,
                 "the matrix of the step is singular for h = {h} (pivot {pivot:.1e} at scale {scale:.1e}); \
@@ -250,6 +259,8 @@ pub enum PathError {
     },
     /// The nodes are no time scale.
     Domain(DomainError),
+    /// The values along the path have no such estimate.
+    Series(SeriesError),
 }
 
 impl fmt::Display for PathError {
@@ -273,6 +284,7 @@ impl fmt::Display for PathError {
                 path.0, path.1, system.0, system.1
             ),
             Self::Domain(error) => error.fmt(f),
+            Self::Series(error) => error.fmt(f),
         }
     }
 }
@@ -304,8 +316,8 @@ impl fmt::Display for UnknownName {
 
 impl std::error::Error for UnknownName {}
 
-/// Anything that can go wrong, for `main` and `?`.
-#[derive(Clone, Debug, PartialEq)]
+/// Anything that can go wrong, for `main` and `?`: its `Debug` is its `Display`, which is what a `main` that returns it shows.
+#[derive(Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
     /// The run could not start.
@@ -323,7 +335,6 @@ pub enum Error {
     /// A mistake of the library.
     Internal(InternalError),
     /// A file could not be written.
-    #[cfg(feature = "ensemble")]
     File(FileError),
     /// A path of a multilevel run has no value.
     #[cfg(feature = "ensemble")]
@@ -340,6 +351,9 @@ pub enum Error {
     /// A run on several ranks ended on all of them.
     #[cfg(feature = "mpi")]
     Cluster(crate::ensemble::cluster::ClusterError),
+    /// A plot could not be drawn or written.
+    #[cfg(feature = "plot")]
+    Plot(crate::plot::PlotError),
     /// A measurement could not be made or written.
     #[cfg(feature = "report")]
     Report(crate::report::ReportError),
@@ -355,7 +369,6 @@ impl fmt::Display for Error {
             Self::Name(error) => error.fmt(f),
             Self::Domain(error) => error.fmt(f),
             Self::Internal(error) => error.fmt(f),
-            #[cfg(feature = "ensemble")]
             Self::File(error) => error.fmt(f),
             #[cfg(feature = "ensemble")]
             Self::Level(error) => error.fmt(f),
@@ -367,9 +380,17 @@ impl fmt::Display for Error {
             Self::Checkpoint(error) => error.fmt(f),
             #[cfg(feature = "mpi")]
             Self::Cluster(error) => error.fmt(f),
+            #[cfg(feature = "plot")]
+            Self::Plot(error) => error.fmt(f),
             #[cfg(feature = "report")]
             Self::Report(error) => error.fmt(f),
         }
+    }
+}
+
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 
@@ -383,7 +404,6 @@ impl std::error::Error for Error {
             Self::Name(error) => Some(error),
             Self::Domain(error) => Some(error),
             Self::Internal(error) => Some(error),
-            #[cfg(feature = "ensemble")]
             Self::File(error) => Some(error),
             #[cfg(feature = "ensemble")]
             Self::Level(error) => Some(error),
@@ -395,6 +415,8 @@ impl std::error::Error for Error {
             Self::Checkpoint(error) => Some(error),
             #[cfg(feature = "mpi")]
             Self::Cluster(error) => Some(error),
+            #[cfg(feature = "plot")]
+            Self::Plot(error) => Some(error),
             #[cfg(feature = "report")]
             Self::Report(error) => Some(error),
         }
@@ -407,7 +429,6 @@ impl From<ConfigError> for Error {
     }
 }
 
-#[cfg(feature = "ensemble")]
 impl From<FileError> for Error {
     fn from(error: FileError) -> Self {
         Self::File(error)

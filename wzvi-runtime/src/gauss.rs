@@ -43,6 +43,8 @@ pub use stages::{At, Scratch, Stages};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gauss<const S: usize>;
 
+pub(crate) use table::quadrature;
+
 /// The slopes of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`; generated.
 pub trait Field: Hamiltonian {
     /// Whether `F` is a constant quadratic form of `p` plus a function of `q` and `t`.

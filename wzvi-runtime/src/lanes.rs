@@ -58,30 +58,40 @@ impl<const L: usize> Lanes<L> {
 
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        let mut y = [0.0; L];
-        for i in 0..L {
-            y[i] = f(self.0[i]);
-        }
-        Self(y)
+        Self(each(|i| f(self.0[i])))
     }
 
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        let mut y = [0.0; L];
-        for i in 0..L {
-            y[i] = f(self.0[i], other.0[i]);
-        }
-        Self(y)
+        Self(each(|i| f(self.0[i], other.0[i])))
     }
 
     #[inline(always)]
     fn compare(self, other: Self, f: impl Fn(f64, f64) -> bool) -> LaneMask<L> {
-        let mut mask = [0; L];
-        for i in 0..L {
-            mask[i] = spread(f(self.0[i], other.0[i]));
-        }
-        LaneMask(mask)
+        LaneMask(each(|i| spread(f(self.0[i], other.0[i]))))
     }
+}
+
+/// What a function gives for each lane. Few lanes are written out: as loops, of which a step has one for each of its operations, they take the
+/// compiler a time that grows with the square of their number.
+#[inline(always)]
+fn each<T: Copy + Default, const L: usize>(of: impl Fn(usize) -> T) -> [T; L] {
+    let mut list = [T::default(); L];
+    macro_rules! written_out {
+        ($($i:literal)*) => {{ $(list[$i] = of($i);)* }};
+    }
+    match L {
+        1 => written_out!(0),
+        2 => written_out!(0 1),
+        4 => written_out!(0 1 2 3),
+        8 => written_out!(0 1 2 3 4 5 6 7),
+        _ => {
+            for i in 0..L {
+                list[i] = of(i);
+            }
+        }
+    }
+    list
 }
 
 /// All bits or none.
@@ -149,11 +159,7 @@ macro_rules! bitwise {
 
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                let mut mask = [0; L];
-                for i in 0..L {
-                    mask[i] = self.0[i].$method(other.0[i]);
-                }
-                Self(mask)
+                Self(each(|i| self.0[i].$method(other.0[i])))
             }
         }
     )*};
@@ -166,11 +172,7 @@ impl<const L: usize> Not for LaneMask<L> {
 
     #[inline(always)]
     fn not(self) -> Self {
-        let mut mask = [0; L];
-        for i in 0..L {
-            mask[i] = !self.0[i];
-        }
-        Self(mask)
+        Self(each(|i| !self.0[i]))
     }
 }
 
@@ -293,11 +295,7 @@ impl<const L: usize> Scalar for Lanes<L> {
     }
     #[inline(always)]
     fn select(mask: LaneMask<L>, then: Self, otherwise: Self) -> Self {
-        let mut y = [0.0; L];
-        for i in 0..L {
-            y[i] = if mask.0[i] != 0 { then.0[i] } else { otherwise.0[i] };
-        }
-        Self(y)
+        Self(each(|i| if mask.0[i] != 0 { then.0[i] } else { otherwise.0[i] }))
     }
 
     #[inline(always)]

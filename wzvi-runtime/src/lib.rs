@@ -1,14 +1,19 @@
 //! Runtime of `wzvi`. Users depend on the facade crate `wzvi`; see there for the tour.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
+pub mod bath;
 mod between;
 pub mod calculus;
 pub mod carry;
 mod checksum;
-#[cfg(feature = "ensemble")]
 mod clock;
 pub mod compose;
 mod continuation;
 pub mod dense;
+#[cfg(any(feature = "ensemble", feature = "plot"))]
+mod digits;
+mod due;
 pub mod elements;
 pub mod embedding;
 #[cfg(feature = "ensemble")]
@@ -19,9 +24,9 @@ mod execution;
 pub mod gauss;
 pub mod increments;
 pub mod integrate;
-#[cfg(all(feature = "interrupt", feature = "ensemble"))]
+#[cfg(all(feature = "interrupt", feature = "ensemble", not(target_family = "wasm")))]
 mod interrupt;
-#[cfg(all(feature = "ensemble", not(feature = "interrupt")))]
+#[cfg(all(feature = "ensemble", any(not(feature = "interrupt"), target_family = "wasm")))]
 #[path = "interrupt/absent.rs"]
 mod interrupt;
 pub mod lanes;
@@ -35,7 +40,8 @@ pub mod numbers;
 mod options;
 mod persist;
 pub mod plan;
-#[cfg(feature = "ensemble")]
+#[cfg(feature = "plot")]
+pub mod plot;
 mod progress;
 mod recording;
 #[cfg(feature = "report")]
@@ -45,6 +51,7 @@ pub mod scalar;
 #[cfg(feature = "ensemble")]
 mod schedule;
 pub mod section;
+pub mod series;
 pub mod simulate;
 pub mod solve;
 mod span;
@@ -54,6 +61,7 @@ mod steps;
 mod sum;
 pub mod system;
 pub mod trajectory;
+pub mod variables;
 
 #[doc(hidden)]
 pub use core;
@@ -65,3 +73,4 @@ pub use nalgebra;
 pub use persist::checkpoint;
 #[cfg(not(feature = "serde"))]
 use persist::checkpoint;
+pub use persist::table;

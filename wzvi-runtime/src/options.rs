@@ -137,6 +137,38 @@ macro_rules! options {
             self
         }
     };
+    (@ temperatures) => {
+        /// Observes `kinetic temperature` and `configurational temperature`, in units of energy: `p · ∂H/∂p / d` and `q · ∂H/∂q / d`, whose averages are the
+        /// temperature under the Gibbs measure, the second where the system is confined; of the system that began the run.
+        pub fn observe_temperatures(self) -> Self
+        where
+            H: Sync,
+        {
+            let system = self.setup.system;
+            self.observe("kinetic temperature", move |state| crate::series::kinetic(system, state))
+                .observe("configurational temperature", move |state| crate::series::configurational(system, state))
+        }
+
+        /// The same of each degree of freedom, numbered from 0: `kinetic temperature 0`, ..., `configurational temperature 0`, ... The start, or a system
+        /// that knows its size, says how many there are.
+        pub fn observe_equipartition(mut self) -> Self
+        where
+            H: Sync,
+        {
+            let system = self.setup.system;
+            let of_start = |start: &crate::state::State<H::Vector>| crate::state::Vector::components(&start.q).len();
+            let degrees = self.setup.span.start.as_ref().map_or(system.degrees(), of_start);
+            for i in 0..degrees {
+                self = self.observe(format!("kinetic temperature {i}"), move |state| {
+                    crate::series::kinetic_of(system, state, i)
+                });
+                self = self.observe(format!("configurational temperature {i}"), move |state| {
+                    crate::series::configurational_of(system, state, i)
+                });
+            }
+            self
+        }
+    };
     (@ execution) => {
         /// On so many threads; all cores if this is not called. The result is the same.
         pub fn threads(mut self, threads: usize) -> Self {

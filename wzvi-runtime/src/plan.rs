@@ -1,5 +1,7 @@
 //! What the compiler found out about one scheme of one system.
 
+use std::fmt;
+
 /// How the step is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solver {
@@ -16,6 +18,8 @@ pub enum Solver {
 pub enum NoiseClass {
     /// There is none.
     None,
+    /// As that of a thermostat alone, whose part of a step is exact in law.
+    Thermal,
     /// Every noise Hamiltonian is affine in (q, p): a constant shift.
     Additive,
     /// Every noise Hamiltonian reads q (and t) only.
@@ -56,6 +60,40 @@ pub struct Plan {
     pub commuting: Knowledge,
 }
 
+/// One line: `linear step (one unknown) of order 2; multiplicative noise: strong order 1, weak order 1; the system keeps its energy`.
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.solver, self.unknowns) {
+            (Solver::Explicit, _) => f.write_str("explicit step")?,
+            (Solver::Linear, 1) => f.write_str("linear step (one unknown)")?,
+            (Solver::Linear, unknowns) => write!(f, "linear step ({unknowns} unknowns)")?,
+            (Solver::Newton, 1) => f.write_str("step by Newton's method (one unknown)")?,
+            (Solver::Newton, unknowns) => write!(f, "step by Newton's method ({unknowns} unknowns)")?,
+        }
+        write!(f, " of order {}", self.order)?;
+        let noise = match self.noise {
+            NoiseClass::None => None,
+            NoiseClass::Thermal => Some("noise of a bath"),
+            NoiseClass::Additive => Some("additive noise"),
+            NoiseClass::Position => Some("noise of positions"),
+            NoiseClass::Momentum => Some("noise of momenta"),
+            NoiseClass::Multiplicative => Some("multiplicative noise"),
+        };
+        match (noise, self.strong_order(), self.weak_order()) {
+            (None, ..) => {}
+            (Some(noise), Some(strong), Some(weak)) => {
+                write!(f, "; {noise}: strong order {strong}, weak order {weak}")?;
+            }
+            (Some(noise), ..) => write!(f, "; {noise}: does not converge to the Stratonovich system")?,
+        }
+        f.write_str(match self.conserves_energy {
+            Knowledge::Proven => "; the system keeps its energy",
+            Knowledge::Refuted => "; the energy of the system changes",
+            Knowledge::Unknown => "; whether the system keeps its energy is not known",
+        })
+    }
+}
+
 impl Plan {
     /// The order in `h` of the root mean square error of paths that are driven by the same increments; `None` if the scheme does
     /// not converge to the Stratonovich system. One needs noises whose brackets are known to be constant, else it is
@@ -64,6 +102,7 @@ impl Plan {
         match (self.noise, self.consistent, self.commuting) {
             (NoiseClass::None, ..) => Some(self.order as f64),
             (_, false, _) => None,
+            (NoiseClass::Thermal, true, _) => Some(1.0),
             (_, true, Knowledge::Proven) => Some(1.0),
             (_, true, _) => Some(0.5),
         }
@@ -74,6 +113,7 @@ impl Plan {
         match (self.noise, self.consistent) {
             (NoiseClass::None, _) => Some(self.order as f64),
             (_, false) => None,
+            (NoiseClass::Thermal, true) => Some(self.order as f64),
             (_, true) => Some(1.0),
         }
     }
@@ -82,6 +122,6 @@ impl Plan {
     /// enters its equations, so that an unbounded increment could hit a pole of the scheme.
     pub const fn truncates_increments(&self) -> bool {
         !matches!(self.solver, Solver::Explicit)
-            && !matches!(self.noise, NoiseClass::None | NoiseClass::Additive)
+            && !matches!(self.noise, NoiseClass::None | NoiseClass::Thermal | NoiseClass::Additive)
     }
 }

@@ -4,6 +4,7 @@ use std::io::{IsTerminal, Write, stderr};
 use std::time::Duration;
 
 use crate::clock::{self, Moment};
+use crate::due::Due;
 
 /// Runs that are over by then show nothing.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -14,6 +15,8 @@ const PAUSE: Duration = Duration::from_millis(100);
 pub(crate) struct Progress {
     /// What is counted.
     unit: &'static str,
+    /// Whether Ctrl-C ends the run with a result.
+    is_stoppable: bool,
     /// `None` where nobody looks, or where there is no clock.
     watch: Option<Watch>,
     is_shown: bool,
@@ -27,11 +30,17 @@ struct Watch {
 }
 
 impl Progress {
+    /// Of a run that Ctrl-C ends with a result, where the feature is on.
+    #[cfg(feature = "ensemble")]
     pub(crate) fn new(unit: &'static str, is_quiet: bool) -> Self {
+        Self::with(unit, is_quiet, cfg!(feature = "interrupt"))
+    }
+
+    fn with(unit: &'static str, is_quiet: bool, is_stoppable: bool) -> Self {
         let is_silent = is_quiet || !stderr().is_terminal();
         let now = if is_silent { None } else { clock::now() };
         let watch = now.map(|now| Watch { began: now, looked: now, wait: PATIENCE });
-        Self { unit, watch, is_shown: false }
+        Self { unit, is_stoppable, watch, is_shown: false }
     }
 
     /// So many are done, of so many.
@@ -43,9 +52,45 @@ impl Progress {
         }
         (watch.looked, watch.wait) = (now, PAUSE);
         self.is_shown = true;
-        let line = line(self.unit, done, all, clock::since(&watch.began));
+        let mut line = line(self.unit, done, all, clock::since(&watch.began));
+        if self.is_stoppable {
+            line += " (Ctrl-C stops and keeps what is done)";
+        }
         // Who cannot write to the terminal cannot say so there either.
         let _ = write!(stderr(), "\r\x1b[K{line}").and_then(|()| stderr().flush());
+    }
+}
+
+/// How far a single path is. Where nobody looks, it is never due.
+pub(crate) struct StepsShown {
+    line: Option<(Progress, Due)>,
+    /// The nodes from which and to which the run goes.
+    first: u64,
+    end: u64,
+}
+
+impl StepsShown {
+    /// From one node to another.
+    pub(crate) fn new(is_quiet: bool, first: u64, end: u64) -> Self {
+        let progress = Progress::with("steps", is_quiet, false);
+        let is_seen = progress.watch.is_some();
+        Self { line: is_seen.then(|| (progress, Due::new(None, Some(PAUSE), first, end))), first, end }
+    }
+
+    /// The next node to look at.
+    #[inline(always)]
+    pub(crate) fn next(&self) -> u64 {
+        self.line.as_ref().map_or(u64::MAX, |(_, due)| due.next())
+    }
+
+    /// The run has reached a node.
+    pub(crate) fn look(&mut self, node: u64) {
+        if let Some((progress, due)) = &mut self.line
+            && due.is_due(node)
+        {
+            progress.show(node.saturating_sub(self.first), self.end.saturating_sub(self.first));
+            due.done();
+        }
     }
 }
 
@@ -61,8 +106,7 @@ fn line(unit: &str, done: u64, all: u64, elapsed: Duration) -> String {
     let part = (done as f64 / all.max(1) as f64).min(1.0);
     let rate = done as f64 / elapsed.as_secs_f64().max(1e-9);
     let left = if rate > 0.0 { all.saturating_sub(done) as f64 / rate } else { f64::INFINITY };
-    let stop = if cfg!(feature = "interrupt") { " (Ctrl-C stops and keeps what is done)" } else { "" };
-    format!("{:3.0} %, {}{unit}/s, {} left{stop}", 100.0 * part, metric(rate), duration(left))
+    format!("{:3.0} %, {}{unit}/s, {} left", 100.0 * part, metric(rate), duration(left))
 }
 
 /// Three digits and a prefix.

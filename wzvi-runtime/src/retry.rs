@@ -10,7 +10,7 @@ use std::ops::Range;
 use crate::carry::Carry;
 use crate::error::{ConfigError, Error, StepError, StepFailure};
 use crate::increments::{Divisible, Interval, Noise};
-use crate::state::State;
+use crate::state::{State, Vector};
 use crate::step::{StepInfo, Stepper};
 use crate::steps::{Account, Monitor, Single, TakeStep, Unmonitored, take_steps};
 use crate::system::Discretized;
@@ -85,7 +85,7 @@ pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = <H as Discretized<E>
 impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
     pub(crate) fn new(system: &'a H, h: f64, retry: Retry, is_watched: bool) -> Result<Self, ConfigError> {
         let stepper = Self::stepper(system, h, is_watched)?;
-        Ok(Self { system, h, retry, is_watched, way: Way::Whole, stepper, part: vec![0.0; system.noises()] })
+        Ok(Self { system, h, retry, is_watched, way: Way::Whole, stepper, part: Vec::new() })
     }
 
     fn stepper(system: &'a H, h: f64, is_watched: bool) -> Result<Stepper<'a, H, E, C>, ConfigError> {
@@ -116,7 +116,9 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
 
     /// Goes on with a last step of another size, which is not halved.
     pub(crate) fn finish_with(&mut self, h: f64) -> Result<(), ConfigError> {
+        let exchanged = self.stepper.exchanged();
         (self.stepper, self.way) = (Self::stepper(self.system, h, self.is_watched)?, Way::Last);
+        self.stepper.set_exchanged(exchanged);
         Ok(())
     }
 
@@ -131,7 +133,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         see: impl FnMut(&Stepper<'a, H, E, C>, [&State<H::Vector>; 2], &[f64]),
     ) -> Result<(), Error> {
         let mut stepper = Self::stepper(self.system, part_of(self.h, halvings), self.is_watched)?;
-        let (mut state, mut part) = (before.clone(), self.part.clone());
+        let (mut state, mut part) =
+            (before.clone(), vec![0.0; self.system.increments(before.q.components().len())]);
         let mut path = Single {
             stepper: &mut stepper,
             state: &mut state,
@@ -158,12 +161,19 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         let mut level = from;
         loop {
             let mut end = state.clone();
+            let before = self.stepper.exchanged();
             let outcome = if self.way == Way::Halved(level) {
                 self.parts(None, &mut end, interval, noise, dw, level)
             } else {
                 let mut finer = Self::stepper(self.system, part_of(self.h, level), self.is_watched)?;
-                self.parts(Some(&mut finer), &mut end, interval, noise, dw, level)
+                finer.set_exchanged(before);
+                let outcome = self.parts(Some(&mut finer), &mut end, interval, noise, dw, level);
+                self.stepper.set_exchanged(finer.exchanged());
+                outcome
             };
+            if outcome.is_err() {
+                self.stepper.set_exchanged(before);
+            }
             match outcome {
                 Ok(iterations) => {
                     end.t = interval.end();
@@ -210,6 +220,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
             ))
         })?;
         dw.fill(0.0);
+        self.part.resize(dw.len(), 0.0);
         let mut account = Parts { dw, iterations: 0 };
         let mut path = Single {
             stepper,
@@ -318,6 +329,7 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         | StepFailure::Increments { .. }
         | StepFailure::Dimension { .. }
         | StepFailure::Index(_)
+        | StepFailure::Bath(_)
         | StepFailure::NonFiniteInput => false,
     }
 }

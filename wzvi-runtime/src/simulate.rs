@@ -1,5 +1,7 @@
 //! One path: a builder, and the loop that it starts.
 
+mod visit;
+
 use std::marker::PhantomData;
 
 use crate::between::{Between, Part};
@@ -8,6 +10,7 @@ use crate::dense::DenseOutput;
 use crate::error::{ConfigError, Error};
 use crate::increments::{Interval, NoNoise, Noise};
 use crate::options::{Observables, options};
+use crate::progress::StepsShown;
 use crate::recording::Request;
 use crate::retry::{Halved, Retry, Serves, Subdivision, Whole};
 use crate::section::Sections;
@@ -88,6 +91,7 @@ struct Setup<'a, H: Hamiltonian> {
     sections: Sections<'a, H::Vector>,
     retry: Retry,
     is_watched: bool,
+    is_quiet: bool,
     keeping: Keeping,
 }
 
@@ -103,6 +107,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
             sections: Sections::default(),
             retry: Retry::never(),
             is_watched: true,
+            is_quiet: false,
             keeping: Default::default(),
         };
         Self { setup, noise: None, observer: Unobserved, types: PhantomData }
@@ -110,7 +115,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
 }
 
 impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
-    options!(start, end, exact, record, observe, section);
+    options!(start, end, exact, record, observe, temperatures, section);
 
     /// Where the increments come from; [`Increments`](crate::increments::Increments) for given ones. A `&mut` to a
     /// source leaves it with the caller, to continue with. A system without noise takes any source and asks it
@@ -133,6 +138,12 @@ impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     /// ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)): for whoever looks at the energy himself.
     pub fn unwatched(mut self) -> Self {
         self.setup.is_watched = false;
+        self
+    }
+
+    /// No progress on the terminal. It shows after a second if standard error is one, and never if it is not.
+    pub fn quiet(mut self) -> Self {
+        self.setup.is_quiet = true;
         self
     }
 
@@ -186,12 +197,13 @@ where
         N: Serves<R>,
     {
         let Self { setup, noise, observer, .. } = self;
-        let Setup { system, h, span, recorded, observables, sections, retry, is_watched, keeping } = setup;
+        let Setup { system, h, span, recorded, observables, sections, retry, is_watched, is_quiet, keeping } =
+            setup;
         let (names, functions) = observables.checked("observables")?;
         let mut stepper = Subdivision::<H, E>::new(system, h, retry, is_watched)?;
         let (start, grid) = span.checked::<H, E>(system, h)?;
         let recording = recorded.checked(1, &grid)?;
-        let processes = system.noises();
+        let processes = system.increments(start.q.components().len());
         let mut noise = prepared::<H, E, N>(noise, &grid, processes)?;
         let looks_inside = !sections.is_empty() || !recording.between.is_empty();
         let between = || looks_inside.then(|| Box::new(Between::new(&sections, &start)));
@@ -209,9 +221,10 @@ where
         if let Some(looks) = &mut looks {
             looks.arrive(first, &state);
         }
-        let due = keeper.next();
+        let shown = StepsShown::new(is_quiet, first, grid.steps);
+        let due = keeper.next().min(shown.next());
         let dense = looks_inside.then(|| Box::new(DenseOutput::of(&start)));
-        let mut monitor = Nodes { observer, keeper: &mut keeper, due, grid, looks, dense };
+        let mut monitor = Nodes { observer, keeper: &mut keeper, shown, due, grid, looks, dense };
         let error = loop {
             if first == 0 {
                 monitor.show(&state, 0, &account, &dw);
@@ -237,7 +250,9 @@ where
                 }
             }
         };
+        let exchanged = stepper.stepper.exchanged();
         let trajectory = account.recorder.finish(state).observing(names, &functions);
+        let trajectory = trajectory.exchanging(exchanged).named(system.variables());
         Ok((trajectory, error))
     }
 }
@@ -339,7 +354,8 @@ impl<'r, 's, 'a, V> Run<'r, 's, 'a, V> {
 struct Nodes<'k, 's, 'a, O, V> {
     observer: O,
     keeper: &'k mut Keeper,
-    /// The next node at which it may be time to save.
+    shown: StepsShown,
+    /// The next node at which it may be time to save, or to show how far the run is.
     due: u64,
     grid: Grid,
     /// Looks between the nodes, if something is to be found there.
@@ -419,7 +435,8 @@ where
                 let mut run = Run::new(state, account, &mut self.looks);
                 self.keeper.save(&mut stepper.stepper, &mut run, node)?;
             }
-            self.due = self.keeper.next();
+            self.shown.look(node);
+            self.due = self.keeper.next().min(self.shown.next());
         }
         Ok(())
     }

@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use nalgebra::{DVector, SVector};
 
 /// A vector of coordinates: `nalgebra::SVector<f64, D>` or `nalgebra::DVector<f64>`.
-pub trait Vector: Clone + Debug + PartialEq {
+pub trait Vector: Clone + Debug + PartialEq + Send + Sync {
     /// The zero vector with `len` components (for a vector of fixed size, its own).
     fn zeros(len: usize) -> Self;
     /// The components.

@@ -1,5 +1,6 @@
 //! One step at a time.
 
+mod account;
 #[cfg(feature = "serde")]
 mod kept;
 mod resolution;
@@ -8,13 +9,14 @@ use std::marker::PhantomData;
 
 use crate::carry::{Carry, Plain};
 use crate::continuation::Hard;
-use crate::dense::{DenseOutput, copy};
+use crate::dense::{DenseOutput, copy, copy_state};
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::memory::{Iteration, Method, StepMemory};
 use crate::plan::Solver;
 use crate::solve::Effort;
 use crate::state::{State, Vector};
-use crate::system::Discretized;
+use crate::system::{Discretized, Exchange};
+use account::Ledger;
 pub(crate) use resolution::ResolutionMonitor;
 
 /// What one step took.
@@ -51,6 +53,10 @@ pub struct Stepper<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f6
     /// `q` and `p` after the last step.
     reached: [H::Vector; 2],
     resolution: ResolutionMonitor,
+    /// What all steps exchanged.
+    exchanged: Exchange,
+    /// Where a system's steps exchange more than their scheme accounts for; made by the first of them.
+    ledger: Option<Box<Ledger<H::Vector>>>,
     scheme: PhantomData<E>,
 }
 
@@ -99,6 +105,8 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             clock: Clock::started(f64::NAN),
             reached: [H::Vector::zeros(d), H::Vector::zeros(d)],
             resolution: ResolutionMonitor::default(),
+            exchanged: Exchange::default(),
+            ledger: None,
             scheme: PhantomData,
         })
     }
@@ -126,6 +134,8 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             memory: self.memory,
             reached: self.reached,
             resolution: self.resolution,
+            exchanged: self.exchanged,
+            ledger: self.ledger,
             scheme: PhantomData,
         }
     }
@@ -173,13 +183,27 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self.before + self.clock.ticks
     }
 
-    /// One step of `state` with the given increments, one per noise (`&[]` without noise).
+    /// The energy that its successful steps so far took from forces and bath, in units of energy.
+    pub fn exchanged(&self) -> Exchange {
+        self.exchanged
+    }
+
+    /// Accounts for what other steps exchanged, too.
+    pub(crate) fn set_exchanged(&mut self, exchanged: Exchange) {
+        self.exchanged = exchanged;
+    }
+
+    /// One step of `state` with the given increments: one per noise (`&[]` without noise), and after them `√h` times the standard normals of a
+    /// [bath](crate::bath), which [`Discretized::increments`] counts.
     ///
     /// # Errors
     /// [`StepError`] with time, step number and cause. The state is then bit for bit what it was, and so is the
     /// stepper.
     #[inline]
     pub fn step(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
+        if Self::MAY_EXCHANGE {
+            self.begin(state);
+        }
         // What the last step left is no guide from another state; it comes back if the step fails.
         let left = if state.t != self.clock.now || self.jumped(state) {
             cold();
@@ -196,12 +220,12 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         let (t, h, prepared, memory) = (state.t, self.h, &self.prepared, &mut self.memory);
         match self.system.advance_vectors::<C, false>(prepared, t, h, q, p, dw, memory, &mut self.carry) {
             Ok(effort) => {
-                self.arrive(state, next);
+                self.arrive(state, next, dw);
                 Ok(StepInfo { iterations: effort.iterations, ..StepInfo::default() })
             }
             Err(cause) => match self.hard_step(state, dw, cause) {
                 Ok(Effort { iterations, doubtful, .. }) => {
-                    self.arrive(state, next);
+                    self.arrive(state, next, dw);
                     Ok(StepInfo { iterations, halvings: 0, is_hard: true, is_doubtful: doubtful })
                 }
                 Err(cause) => {
@@ -242,13 +266,42 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     }
 
     #[inline(always)]
-    fn arrive(&mut self, state: &mut State<H::Vector>, at: Clock) {
+    fn arrive(&mut self, state: &mut State<H::Vector>, at: Clock, dw: &[f64]) {
         self.clock = at;
         state.t = at.now;
+        if H::EXCHANGES {
+            self.exchanged += self.system.exchanged(&self.memory);
+        }
+        if Self::MAY_EXCHANGE {
+            self.settle(state, dw);
+        }
         if Self::REMEMBERS {
             copy(&mut self.reached[0], &state.q);
             copy(&mut self.reached[1], &state.p);
         }
+    }
+
+    /// Whether forces or friction may be at work in steps.
+    pub(super) const MAY_EXCHANGE: bool = H::IS_FORCED || H::IS_CONFORMAL || H::EXCHANGES;
+
+    /// Keeps where a step begins.
+    fn begin(&mut self, state: &State<H::Vector>) {
+        if !account::is_wanted::<H, E>(self.system) {
+            return;
+        }
+        let ledger = self.ledger.get_or_insert_with(|| Box::new(Ledger::of(state, H::PLAN.order)));
+        copy_state(&mut ledger.before, state);
+    }
+
+    /// Accounts for what a step exchanged.
+    fn settle(&mut self, state: &State<H::Vector>, dw: &[f64]) {
+        let Some(mut ledger) = self.ledger.take() else { return };
+        if !H::EXCHANGES {
+            let Ledger { before, dense, .. } = &mut *ledger;
+            self.fill([before, state], dw, dense);
+        }
+        self.exchanged += ledger.exchanged::<H, E>(self.system, state, self.h, dw);
+        self.ledger = Some(ledger);
     }
 
     /// The step again, from zero and with care. Everything goes there and comes back by value, because state and stepper

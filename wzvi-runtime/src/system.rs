@@ -1,6 +1,7 @@
 //! The traits that `#[hamiltonian]` implements.
 
 use std::fmt::Debug;
+use std::ops::AddAssign;
 
 use nalgebra::SVector;
 
@@ -12,6 +13,7 @@ use crate::plan::{NoiseClass, Plan};
 use crate::scalar::{Mask, Scalar};
 use crate::solve::Effort;
 use crate::state::{State, Vector};
+use crate::variables::Variables;
 
 /// A partial derivative with respect to the coordinates and one with respect to the momenta.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +24,8 @@ pub struct Gradient<V> {
     pub p: V,
 }
 
-/// A stochastic Hamiltonian system `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = -Σ_m ∂H_m/∂q ∘ dX_m` with `X_0 = t`, `X_k = W_k`.
+/// A stochastic Hamiltonian system `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = Σ_m (f_m - ∂H_m/∂q) ∘ dX_m` with `X_0 = t`, `X_k = W_k` and forces `f_m`: the
+/// noises with a Hamiltonian come first, then those with a force.
 pub trait Hamiltonian {
     /// The type of `q` and of `p`.
     type Vector: Vector;
@@ -45,7 +48,26 @@ pub trait Hamiltonian {
         if self.fits(got) { Ok(()) } else { Err(StepFailure::Dimension { expected, got }) }
     }
 
-    /// Number of noise Hamiltonians.
+    /// Whether friction of one rate for all degrees of freedom, `dp = ... - γ p dt`, is a part of every step, which is then conformally symplectic.
+    const IS_CONFORMAL: bool = false;
+
+    /// Whether there is a force beside the drift: [`Hamiltonian::force`].
+    const IS_FORCED: bool = false;
+
+    /// That rate, in 1/time.
+    fn friction_rate(&self) -> f64 {
+        0.0
+    }
+
+    /// The force beside the drift into `into`, one component per degree of freedom; NaN where [`Hamiltonian::evaluate`] would be. Friction other than that of
+    /// [`Hamiltonian::friction_rate`] and of thermostats is in it.
+    fn force<S: Scalar>(&self, q: &[S], p: &[S], t: f64, into: &mut [S]) {
+        let _ = (p, t);
+        let fits = self.fits(q.len()) && into.len() == q.len();
+        into.fill(S::from_f64(if fits { 0.0 } else { f64::NAN }));
+    }
+
+    /// Number of noises: of noise Hamiltonians and of noise forces.
     fn noises(&self) -> usize {
         0
     }
@@ -55,6 +77,11 @@ pub trait Hamiltonian {
         0
     }
 
+    /// What the closure of the drift calls coordinates, momenta and time: for tables and plots.
+    fn variables(&self) -> Variables {
+        Variables::unnamed(self.degrees())
+    }
+
     /// Name and value of a number that the Hamiltonians read from the system, as they name it; `None` from some `index`
     /// on. For people, who are told by it which parameter of a run differs.
     fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
@@ -62,12 +89,12 @@ pub trait Hamiltonian {
         None
     }
 
-    /// `H_term(q, p, t)`: the drift for `term = 0`, noise `term - 1` otherwise; NaN for a term that does not exist.
+    /// `H_term(q, p, t)`: the drift for `term = 0`, noise `term - 1` otherwise, zero for a noise force; NaN for a term that does not exist.
     ///
     /// `q` and `p` have [`Hamiltonian::degrees`] elements, else the answer is NaN.
     fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S;
 
-    /// The gradient of `H_term` into `dq`, `dp`; NaN where [`Hamiltonian::evaluate`] would be.
+    /// The gradient of `H_term` into `dq`, `dp`, for a noise force `f` the pair `-f`, 0; NaN where [`Hamiltonian::evaluate`] would be.
     fn differentiate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64, dq: &mut [S], dp: &mut [S]);
 
     /// The value of first integral `index`, in the order of the attribute; NaN for one that does not exist.
@@ -77,7 +104,7 @@ pub trait Hamiltonian {
     }
 
     /// `{H_k, H_0}` with `{f, g} = f_p · g_q - f_q · g_p`: the energy gained per unit of noise `k`,
-    /// `dH_0 = Σ_k {H_k, H_0} ∘ dW_k`. Noises count from 0.
+    /// `dH_0 = Σ_k {H_k, H_0} ∘ dW_k`, for a noise force the power `f_k · ∂H_0/∂p`. Noises count from 0.
     fn energy_rate(&self, k: usize, state: &State<Self::Vector>) -> f64 {
         if k >= self.noises() || state.q.components().len() != state.p.components().len() {
             return f64::NAN;
@@ -104,7 +131,7 @@ pub trait Hamiltonian {
         term_gradient(self, 0, state)
     }
 
-    /// The gradient of noise Hamiltonian `k`; noises count from 0.
+    /// The gradient of noise Hamiltonian `k`, or `-f_k`, 0 for a noise force; noises count from 0.
     fn noise_gradient(&self, k: usize, state: &State<Self::Vector>) -> Gradient<Self::Vector> {
         term_gradient(self, k.saturating_add(1), state)
     }
@@ -143,12 +170,14 @@ pub struct Segment<V> {
     pub h: f64,
 }
 
-/// The partial derivatives of the discrete Lagrangian of one [`Segment`].
+/// The partial derivatives of the discrete Lagrangian of one [`Segment`]; where forces act, with their shares of the virtual work `f⁻ · δq_i + f⁺ · δq_{i+1}`
+/// (J. E. Marsden, M. West, "Discrete mechanics and variational integrators", Acta Numerica 2001, section 3.2), and with friction of a rate `γ` times what it
+/// leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LagrangianGradient<V> {
-    /// `D_1 L_d = ∂L_d/∂q_i = -p_i`
+    /// `D_1 L_d + f⁻ = -p_i`, `D_1 L_d = ∂L_d/∂q_i`
     pub q0: V,
-    /// `D_2 L_d = ∂L_d/∂q_{i+1} = p_{i+1}`
+    /// `e^{-γ h} (D_2 L_d + f⁺) = p_{i+1}`, `D_2 L_d = ∂L_d/∂q_{i+1}`
     pub q1: V,
     /// `∂L_d/∂P`, zero on a solution.
     pub p: V,
@@ -171,7 +200,7 @@ impl<const D: usize> LagrangianGradient<SVector<f64, D>> {
 /// What is left of the discrete Euler-Lagrange equations at a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EulerLagrangeResidual<V> {
-    /// `D_2 L_d(previous) + D_1 L_d(next)`: the two momenta of the node disagree by this.
+    /// `D_2 L_d(previous) + D_1 L_d(next)`, with the forces of both: the two momenta of the node disagree by this.
     pub node: V,
     /// `∂L_d(next)/∂P`
     pub momentum: V,
@@ -251,6 +280,16 @@ pub fn gradient<S: Scalar, const D: usize>(by_q: &mut [S], by_p: &mut [S], of_q:
     }
 }
 
+/// Fills `into` with a covector; NaN where it has another length.
+#[inline(always)]
+pub fn covector<S: Scalar, const D: usize>(into: &mut [S], components: [S; D]) {
+    if into.len() == D {
+        into.copy_from_slice(&components);
+    } else {
+        into.fill(S::from_f64(f64::NAN));
+    }
+}
+
 /// `dw` as an array of one increment per noise.
 ///
 /// # Errors
@@ -258,6 +297,23 @@ pub fn gradient<S: Scalar, const D: usize>(by_q: &mut [S], by_p: &mut [S], of_q:
 #[inline(always)]
 pub fn increments<S: Copy, const K: usize>(dw: &[S]) -> Result<[S; K], StepFailure> {
     dw.try_into().map_err(|_| StepFailure::Increments { expected: K, got: dw.len() })
+}
+
+/// Energy that a system took from outside, in units of energy: what left it counts negative.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Exchange {
+    /// By forces.
+    pub work: f64,
+    /// By friction and bath.
+    pub heat: f64,
+}
+
+impl AddAssign for Exchange {
+    fn add_assign(&mut self, other: Self) {
+        self.work += other.work;
+        self.heat += other.heat;
+    }
 }
 
 /// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it.
@@ -274,7 +330,7 @@ pub trait Discretized<E>: Hamiltonian {
     const EQUATIONS: &'static str;
 
     /// Everything that depends on the system and the step size only.
-    type Prepared: Clone + Debug;
+    type Prepared: Clone + Debug + Send + Sync;
 
     /// What one step leaves for the starting value of the next; `()` where nothing is iterated.
     type Memory<S: Scalar>: StepMemory;
@@ -313,6 +369,22 @@ pub trait Discretized<E>: Hamiltonian {
         let _ = (prepared, memory, before, h, dw, slopes);
     }
 
+    /// Whether the scheme accounts for what forces and bath do: [`Discretized::exchanged`].
+    const EXCHANGES: bool = false;
+
+    /// How many numbers drive a step of a state with so many degrees of freedom: the increments of the noises, and after them `√h` times
+    /// the standard normals of a bath.
+    fn increments(&self, degrees: usize) -> usize {
+        let _ = degrees;
+        self.noises()
+    }
+
+    /// What the step exchanged that was the last to leave something in `memory`.
+    fn exchanged(&self, memory: &Self::Memory<f64>) -> Exchange {
+        let _ = memory;
+        Exchange::default()
+    }
+
     /// The memory of a new stepper: all that its steps will need, where the system knows its size.
     fn memory(&self) -> Self::Memory<f64> {
         Default::default()
@@ -321,7 +393,7 @@ pub trait Discretized<E>: Hamiltonian {
     /// Computes what does not change from step to step; fails if a matrix that is factored here is singular.
     fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError>;
 
-    /// One step from `(q, p)` at `t` in place. Slices have [`Hamiltonian::degrees`] and [`Hamiltonian::noises`]
+    /// One step from `(q, p)` at `t` in place. Slices have [`Hamiltonian::degrees`] and [`Discretized::increments`]
     /// elements. On `Err`, `q`, `p`, `memory` and `carry` are as they were.
     ///
     /// Unless `CAREFUL`, an iteration that does not converge fast is given up; what then follows is the

@@ -3,6 +3,7 @@
 mod recorder;
 #[cfg(feature = "serde")]
 mod serial;
+mod table;
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -16,10 +17,12 @@ use crate::state::{State, Vector};
 #[cfg(doc)]
 use crate::step::StepInfo;
 use crate::sum::Sum;
-use crate::system::{Discretized, EulerLagrangeResidual, Hamiltonian, Segment};
+use crate::system::{Discretized, EulerLagrangeResidual, Exchange, Hamiltonian, Segment};
+use crate::variables::Variables;
 #[cfg(feature = "serde")]
 pub(crate) use recorder::Kept;
 pub(crate) use recorder::Recorder;
+pub use table::PathTable;
 
 /// Newton iterations of a run, and what its steps took besides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,6 +48,8 @@ pub struct Iterations {
 /// It does not hold the system; what depends on it takes it again, as in `path.energy_drift(&kubo)`.
 pub struct Trajectory<V, E> {
     path: Path<V>,
+    /// Of no weight: what is read from a file has none.
+    variables: Option<Variables>,
     scheme: PhantomData<fn() -> E>,
 }
 
@@ -69,11 +74,13 @@ struct Path<V> {
     observed: Vec<(String, Vec<f64>)>,
     #[cfg_attr(feature = "serde", serde(default = "Vec::new"))]
     crossings: Vec<Crossing<V>>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    exchanged: Exchange,
 }
 
 impl<V: Clone, E> Clone for Trajectory<V, E> {
     fn clone(&self) -> Self {
-        Self { path: self.path.clone(), scheme: PhantomData }
+        Self { path: self.path.clone(), variables: self.variables, scheme: PhantomData }
     }
 }
 
@@ -91,6 +98,7 @@ impl<V: fmt::Debug, E> fmt::Debug for Trajectory<V, E> {
             chosen,
             observed,
             crossings,
+            exchanged,
         } = &self.path;
         f.debug_struct("Trajectory")
             .field("h", h)
@@ -103,6 +111,7 @@ impl<V: fmt::Debug, E> fmt::Debug for Trajectory<V, E> {
             .field("chosen", chosen)
             .field("observed", observed)
             .field("crossings", crossings)
+            .field("exchanged", exchanged)
             .finish()
     }
 }
@@ -129,6 +138,24 @@ impl<V: Vector, E> Trajectory<V, E> {
         self.path.states.iter()
     }
 
+    /// The energy that the path took from forces, in units of energy: what it gave them counts negative. Noises that the system lists count, and where it
+    /// has a force the explicit time of its drift too. By quadrature along the dense output of each step: to the error of the scheme. 0 where a system has
+    /// neither force nor friction.
+    pub fn work(&self) -> f64 {
+        self.path.exchanged.work
+    }
+
+    /// The energy that the path took from friction and bath, in units of energy: the kinetic energy that their parts of the steps gained. What else
+    /// changes the energy are [work](Trajectory::work) and the error of the scheme.
+    pub fn heat(&self) -> f64 {
+        self.path.exchanged.heat
+    }
+
+    pub(crate) fn exchanging(mut self, exchanged: Exchange) -> Self {
+        self.path.exchanged = exchanged;
+        self
+    }
+
     /// Where the path crossed the sections of the run, in the order of time: see [`crate::section`].
     pub fn crossings(&self) -> &[Crossing<V>] {
         &self.path.crossings
@@ -145,6 +172,17 @@ impl<V: Vector, E> Trajectory<V, E> {
             name: name.to_owned(),
             known: self.path.observed.iter().map(|(known, _)| known.clone()).collect(),
         })
+    }
+
+    /// What the closure of the drift calls the variables of the path; `q`, `p` and `t` after a path was read from a file.
+    pub fn variables(&self) -> Variables {
+        self.variables.unwrap_or_else(|| Variables::unnamed(self.path.last.q.components().len()))
+    }
+
+    /// The same, with the names of its system.
+    pub(crate) fn named(mut self, variables: Variables) -> Self {
+        self.variables = Some(variables);
+        self
     }
 
     /// Adds what functions of the state, by name, are at the recorded nodes.
@@ -304,7 +342,7 @@ impl<V: Vector, E> Trajectory<V, E> {
     }
 
     /// The largest residual of the discrete Euler-Lagrange equations, in absolute value: over the interior nodes
-    /// `|D_2 L_d(step i-1) + D_1 L_d(step i)|`, over all steps `|∂L_d/∂P|`. NaN if one is. At rounding level on any
+    /// `|D_2 L_d(step i-1) + D_1 L_d(step i)|`, over all steps `|∂L_d/∂P|`. NaN if one is, and where steps follow from no Lagrangian: with a [bath](crate::bath). At rounding level on any
     /// path that the scheme computed.
     ///
     /// # Errors
@@ -320,12 +358,12 @@ impl<V: Vector, E> Trajectory<V, E> {
         Ok(largest(both.chain(&first).flat_map(|vector| vector.components()).copied()))
     }
 
-    fn check_every_step<H: Hamiltonian<Vector = V>>(&self, system: &H) -> Result<(), PathError> {
+    fn check_every_step<H: Discretized<E, Vector = V>>(&self, system: &H) -> Result<(), PathError> {
         if self.path.every != 1 && self.path.steps > 1 {
             return Err(PathError::Gaps { every: self.path.every });
         }
         let path = (self.last().q.components().len(), self.processes());
-        let asked = (system.degrees(), system.noises());
+        let asked = (system.degrees(), system.increments(path.0));
         if system.fits(path.0) && path.1 == asked.1 {
             Ok(())
         } else {

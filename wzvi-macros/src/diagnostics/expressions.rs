@@ -254,3 +254,30 @@ pub(crate) fn family_count(found: impl ToTokens) -> Error {
         "the number of noises of a family is an integer, a constant or a field, as in `[|q, p, k| q[k]; N]`",
     )
 }
+
+/// A covector, or a part of it, with another number of entries.
+pub(crate) fn entries(found: impl ToTokens, expected: &str, length: Option<&str>) -> Error {
+    let has =
+        length.map_or("a number of them that is not known".to_owned(), |length| format!("{length} of them"));
+    at(
+        found,
+        format!(
+            "this has one entry for each degree of freedom, arranged as the coordinates are: {expected} entries are expected here, and there is \
+             {has}"
+        ),
+    )
+}
+
+pub(crate) fn friction_closure(closure: impl ToTokens, is_matrix: bool) -> Error {
+    at(
+        closure,
+        match is_matrix {
+            true => {
+                "`damping` is a matrix of fields and numbers; rates that depend on the coordinates are `friction = |q| ...`"
+            }
+            false => {
+                "`friction` is an expression of fields, a list of them by degree of freedom, or a closure of the coordinates, `|q| ...`"
+            }
+        },
+    )
+}

@@ -27,18 +27,55 @@ pub(crate) fn inconsistent(embedding: &Located<Embedding>, defect: &str, constan
     )
 }
 
+/// The same for forces that are driven by noise.
+pub(crate) fn inconsistent_forces(embedding: &Located<Embedding>, defect: &str, force: &str) -> Error {
+    let scheme = &embedding.value;
+    let hamiltonian = match defect {
+        "0" => String::new(),
+        defect => format!(", and drift Hamiltonian H0 - D, D = {defect}"),
+    };
+    Error::new_spanned(
+        embedding.extent,
+        format!(
+            "`{scheme}` does not converge to this Stratonovich system as h -> 0: noise forces read the momenta that they move, and the limit has \
+             another force d, d·δq = {force}{hamiltonian}; write `Midpoint`, `Gauss<2>` or `Verlet`, which are consistent with every noise, \
+             or `Uncorrected<{scheme}>` to keep the scheme as it is"
+        ),
+    )
+}
+
+/// A counter-term of noise forces, which has no Hamiltonian.
+pub(crate) fn correction_of_forces(embedding: &Located<Embedding>) -> Error {
+    let scheme = &embedding.value;
+    Error::new_spanned(
+        embedding.extent,
+        format!(
+            "`{scheme}` adds a counter-term for noise Hamiltonians, and there is none for noise forces that read momenta; use `Midpoint`, \
+             `Gauss<2>` or `Verlet`, which are consistent with every noise"
+        ),
+    )
+}
+
+/// `Baoab` and the like of a system that is not `T(p) + V(q, t)`.
+pub(crate) fn word_without_flows(embedding: &Located<Embedding>) -> Error {
+    let scheme = &embedding.value;
+    Error::new_spanned(
+        embedding.extent,
+        format!(
+            "`{scheme}` takes turns of drifts by T(p) and kicks by V(q, t): here momenta and coordinates (or the time) meet in a Hamiltonian, or a \
+             force reads momenta; write `Thermostat<Midpoint>`"
+        ),
+    )
+}
+
 /// A declared first integral that changes along the flow of the drift or of a noise, or may.
 pub(crate) fn no_invariant(
     extent: Extent,
-    noise: &Option<String>,
+    along: &str,
     rate: &str,
     knowledge: &Knowledge,
     graph: &Graph,
 ) -> Error {
-    let along = match noise {
-        None => "the drift: {H0, F} + ∂F/∂t".to_owned(),
-        Some(k) => format!("noise {}: {{H{k}, F}}", k.trim_start_matches('_')),
-    };
     let message = match knowledge {
         Knowledge::Refuted(witness) => {
             format!("this is not a first integral of {along} = {rate}{}", at_witness(witness, graph))
@@ -86,5 +123,63 @@ pub(crate) fn counter_term_of_elements(embedding: &Located<Embedding>) -> Error 
             "the counter-term of `{scheme}` cannot be written: its indices exceed 128 bits; use `Midpoint`, which is \
              consistent with every noise"
         ),
+    )
+}
+
+pub(crate) fn thermostat_without_friction(embedding: &Located<Embedding>) -> Error {
+    let scheme = &embedding.value;
+    Error::new_spanned(
+        embedding.extent,
+        format!(
+            "`{scheme}` is for systems with friction: add `friction = ...` (1/time) and `temperature = ...` (energy)"
+        ),
+    )
+}
+
+pub(crate) fn temperature_without_friction(extent: Extent) -> Error {
+    Error::new_spanned(
+        extent,
+        "a temperature acts through friction: add `friction = ...` (1/time) or `damping = [[...]]` (mass/time)",
+    )
+}
+
+/// A scheme that has no place for friction and its noise, beside those that have.
+pub(crate) fn friction_needs_thermostat(embedding: &Located<Embedding>, has_temperature: bool) -> Error {
+    let scheme = &embedding.value;
+    let reason = match has_temperature {
+        true => "this system has a temperature, whose noise goes with its friction",
+        false => "friction is a part of its own in the thermostats that are listed",
+    };
+    Error::new_spanned(embedding.extent, format!("{reason}: write `Thermostat<{scheme}>`, or `Baoab`"))
+}
+
+pub(crate) fn friction_without_masses(extent: Extent) -> Error {
+    Error::new_spanned(
+        extent,
+        "friction needs masses: a kinetic energy that is a quadratic form of the momenta with constant coefficients, as in \
+         `p * p / (2.0 * m)`; write what draws on other momenta as a force, as in `force = |q, p| -gamma * p`",
+    )
+}
+
+pub(crate) fn rates_of_coupled_momenta(extent: Extent) -> Error {
+    Error::new_spanned(
+        extent,
+        "rates of single degrees of freedom need a kinetic energy in which no two momenta meet; write one rate for all of them, or the \
+         symmetric matrix `damping = [[...]]` (mass/time)",
+    )
+}
+
+pub(crate) fn asymmetric_damping(extent: Extent) -> Error {
+    Error::new_spanned(
+        extent,
+        "a damping matrix is symmetric: entries across the diagonal are the same; write what is not as `force = |q, p| [...]`",
+    )
+}
+
+/// A product with inverse masses whose indices the compiler cannot write.
+pub(crate) fn damping_of_elements(extent: Extent) -> Error {
+    Error::new_spanned(
+        extent,
+        "this damping cannot be written as a force: its indices exceed 128 bits; write it as `force`",
     )
 }

@@ -9,9 +9,10 @@ use syn::{Error, Item};
 use crate::discretise::embedding::Embedding;
 use crate::input::{Shape, closest};
 
-const KEYS: &str = "`drift`, `noise`, `embedding`, `invariant` and `crate`";
+const KEYS: &str = "`drift`, `noise`, `force`, `noise_force`, `friction`, `damping`, `temperature`, `embedding`, `invariant` \
+                    and `crate`";
 const SCHEMES: &str = "`DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Mixed<Drift, Noise>`, `Verlet`, `Gauss<S>`, \
-                       `Corrected<E>` and `Uncorrected<E>`";
+                       `Corrected<E>`, `Uncorrected<E>`, and, with friction, `Baoab`, `Obabo` and `Thermostat<E>`";
 const PATTERNS: &str = "supported are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
                         time as an optional third parameter";
 
@@ -83,7 +84,19 @@ pub(crate) fn expected_key(tokens: TokenStream) -> Error {
 /// The key that `key` may stand for.
 pub(crate) fn intended_key(key: &syn::Ident) -> Option<&'static str> {
     let key = key.to_string();
-    closest(&key, ["drift", "noise", "embedding", "invariant", "crate"]).or_else(|| synonym(&key))
+    let keys = [
+        "drift",
+        "noise",
+        "force",
+        "noise_force",
+        "friction",
+        "damping",
+        "temperature",
+        "embedding",
+        "invariant",
+        "crate",
+    ];
+    closest(&key, keys).or_else(|| synonym(&key))
 }
 
 pub(crate) fn unknown_key(key: &syn::Ident) -> Error {
@@ -108,6 +121,10 @@ pub(crate) fn unknown_strategy(name: &syn::Ident) -> Error {
 
 pub(crate) fn duplicate_key(key: &syn::Ident) -> Error {
     at(key, format!("`{key}` is given twice; merge the two"))
+}
+
+pub(crate) fn friction_and_damping(key: &syn::Ident) -> Error {
+    at(key, "`friction` (rates, 1/time) and `damping` (a matrix, mass/time) say the same: keep one of them")
 }
 
 pub(crate) fn missing_value(key: &syn::Ident) -> Error {
@@ -180,6 +197,9 @@ pub(crate) fn unknown_embedding(name: &syn::Ident) -> Error {
         "Gauss",
         "Corrected",
         "Uncorrected",
+        "Baoab",
+        "Obabo",
+        "Thermostat",
     ];
     let suggestion = scheme_synonym(&name.to_string()).or_else(|| closest(&name.to_string(), names));
     at(name, suggest(format!("unknown embedding `{name}`; there are {SCHEMES}"), suggestion))
@@ -202,6 +222,8 @@ fn scheme_synonym(name: &str) -> Option<&'static str> {
         "ImplicitMidpoint" | "MidPoint" | "ImplicitMidpointRule" => "Midpoint",
         "SymplecticEuler" | "SymplecticEulerA" | "SemiImplicitEuler" | "EulerA" => "DeltaPlus",
         "SymplecticEulerB" | "EulerB" => "DeltaMinus",
+        "Langevin" | "BAOAB" => "Baoab",
+        "OBABO" => "Obabo",
         _ => return None,
     })
 }
@@ -219,6 +241,13 @@ pub(crate) fn wrapper_inside(found: impl ToTokens) -> Error {
         found,
         "`Corrected` and `Uncorrected` go around a whole scheme: `Corrected<Mixed<Midpoint, DeltaPlus>>`, \
          never inside another",
+    )
+}
+
+pub(crate) fn thermostat_inside(found: impl ToTokens) -> Error {
+    at(
+        found,
+        "a thermostat goes around a scheme that is none: `Thermostat<Midpoint>`, `Thermostat<Gauss<2>>`",
     )
 }
 

@@ -45,6 +45,25 @@ pub(crate) fn hamiltonians(model: &Model, text: &mut String) {
             }
         }
     }
+    let forces = model.force.iter().map(|force| (0, force));
+    let noise_forces = model.noise_forces.iter().zip(model.noise.len() + 1..);
+    let forces: Vec<_> = forces.chain(noise_forces.map(|(force, number)| (number, force))).collect();
+    if !forces.is_empty() {
+        line(text, format_args!("\nForces"));
+    }
+    for (number, force) in forces {
+        let components: Vec<String> =
+            force.iter().map(|&component| model.graph.display(component).to_string()).collect();
+        let components = components.join(", ");
+        match force.len() {
+            1 => line(text, format_args!("  F{number} = {components}")),
+            _ => line(text, format_args!("  F{number} = [{components}]")),
+        }
+    }
+    if let Some(rate) = model.conformal {
+        line(text, format_args!("\nFriction"));
+        line(text, format_args!("  γ = {}", model.graph.display(rate)));
+    }
 }
 
 fn lagrangian(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
@@ -142,6 +161,10 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
             }
         };
         line(text, format_args!("  {verdict}; D = {defect}"));
+        if facts.force_defect_acts(noise_l) {
+            let defect = facts.force_defect(graph, noise_l);
+            line(text, format_args!("  noise forces add the force d, d·δq = {defect}"));
+        }
         for (number, rate) in facts.numbers.iter().zip(&facts.energy_rates) {
             let rate = facts.space.display(graph, rate, Rational::ONE);
             line(text, format_args!("  {{H{number}, H0}} = {rate}"));
@@ -149,6 +172,15 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
         if facts.has_several_noises {
             let commuting = knowledge(&facts.commuting, "commute up to a constant", "do not commute");
             line(text, format_args!("  the noises {commuting}"));
+        }
+    }
+    for (name, power) in &facts.powers {
+        let power = facts.space.display(graph, power, Rational::ONE);
+        match name.as_str() {
+            // A matrix acts on velocities, and this is its product with momenta.
+            "damping" => {}
+            "friction" => line(text, format_args!("  friction takes from H0 per unit of time: {power}")),
+            name => line(text, format_args!("  {name} · ∂H0/∂p = {power}")),
         }
     }
     energy(facts, embedding, text);

@@ -23,6 +23,11 @@ pub(crate) enum Embedding {
     Corrected(Box<Embedding>),
     /// `Uncorrected<E>`; `E` is not wrapped.
     Uncorrected(Box<Embedding>),
+    /// Kicks, drifts and the flow of the bath in turn.
+    Baoab,
+    Obabo,
+    /// Half of the flow of the bath, a step of `E`, the other half; `E` is no thermostat.
+    Thermostat(Box<Embedding>),
 }
 
 /// What to do about an inconsistent limit.
@@ -41,7 +46,9 @@ impl Embedding {
     pub(crate) fn quadrature(&self) -> (Rational, Rational) {
         match self {
             Self::DeltaPlus => (Rational::ZERO, Rational::ZERO),
-            Self::Midpoint | Self::Verlet | Self::Gauss(_) => (Rational::HALF, Rational::HALF),
+            Self::Midpoint | Self::Verlet | Self::Gauss(_) | Self::Baoab | Self::Obabo => {
+                (Rational::HALF, Rational::HALF)
+            }
             Self::DeltaMinus => (Rational::ONE, Rational::ONE),
             &Self::Lambda(n, d) => {
                 let l =
@@ -49,18 +56,18 @@ impl Embedding {
                 (l, l)
             }
             Self::Mixed(drift, noise) => (drift.quadrature().0, noise.quadrature().1),
-            Self::Corrected(inner) | Self::Uncorrected(inner) => inner.quadrature(),
+            Self::Corrected(inner) | Self::Uncorrected(inner) | Self::Thermostat(inner) => inner.quadrature(),
         }
     }
 
     /// The schemes with one quadrature point that a step is made of, one after the other; none where it has several at
-    /// once.
+    /// once, or other parts between.
     pub(crate) fn parts(&self) -> Vec<Self> {
         let uncorrected = |half: Self| Self::Uncorrected(Box::new(half));
         match self {
             Self::Verlet => vec![uncorrected(Self::DeltaPlus), uncorrected(Self::DeltaMinus)],
             Self::Gauss(1) => vec![Self::Midpoint],
-            Self::Gauss(_) => Vec::new(),
+            Self::Gauss(_) | Self::Baoab | Self::Obabo | Self::Thermostat(_) => Vec::new(),
             whole => vec![whole.clone()],
         }
     }
@@ -83,8 +90,24 @@ impl Embedding {
     pub(crate) fn order(&self) -> u32 {
         match self {
             Self::Gauss(stages) => 2 * stages,
+            // Two halves of another flow around it.
+            Self::Thermostat(inner) => inner.order().min(2),
             _ if self.quadrature().0 == Rational::HALF => 2,
             _ => 1,
+        }
+    }
+
+    /// Whether friction is taken in by a flow of its own.
+    pub(crate) fn is_thermostat(&self) -> bool {
+        matches!(self, Self::Baoab | Self::Obabo | Self::Thermostat(_))
+    }
+
+    /// Whether steps are made of the flows of `T(p)` and `V(q, t)`, where these are known.
+    pub(crate) fn takes_flows(&self) -> bool {
+        match self {
+            Self::Verlet | Self::Baoab | Self::Obabo => true,
+            Self::Thermostat(inner) => inner.takes_flows(),
+            _ => false,
         }
     }
 
@@ -92,6 +115,7 @@ impl Embedding {
         match self {
             Self::Corrected(_) => Correction::Corrected,
             Self::Uncorrected(_) => Correction::Uncorrected,
+            Self::Thermostat(inner) => inner.correction(),
             _ => Correction::Bare,
         }
     }
@@ -109,6 +133,9 @@ impl fmt::Display for Embedding {
             Self::Gauss(stages) => write!(f, "Gauss<{stages}>"),
             Self::Corrected(inner) => write!(f, "Corrected<{inner}>"),
             Self::Uncorrected(inner) => write!(f, "Uncorrected<{inner}>"),
+            Self::Baoab => f.write_str("Baoab"),
+            Self::Obabo => f.write_str("Obabo"),
+            Self::Thermostat(inner) => write!(f, "Thermostat<{inner}>"),
         }
     }
 }

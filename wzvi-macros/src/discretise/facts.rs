@@ -6,6 +6,7 @@ use super::embedding::{Correction, Embedding};
 use super::sums::{Half, Increments, Space, Sum, Weighted};
 use crate::diagnostics::internal::Promised;
 use crate::elements::describe::noise_numbers;
+use crate::elements::kinetic::is_diagonal;
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, Extent, Reads, System, Term};
 use crate::symbolic::zero::Witness;
@@ -64,9 +65,10 @@ impl Form {
     }
 }
 
-/// The rate `{H_term, F}` (with `∂F/∂t` for the drift) that stands in the way of a first integral.
+/// The rate that stands in the way of a first integral.
 pub(crate) struct Failure {
-    pub(crate) term: usize,
+    /// Along what, and how it is made.
+    pub(crate) along: String,
     pub(crate) rate: Sum,
     pub(crate) knowledge: Knowledge,
 }
@@ -77,6 +79,7 @@ struct Hamiltonians {
     t: Symbol,
     drift: Sum,
     noise: Vec<Sum>,
+    forces: Forces,
     /// What stands behind the `H` of each noise.
     numbers: Vec<String>,
     invariants: Vec<(Extent, Sum)>,
@@ -87,7 +90,9 @@ pub(crate) struct Facts {
     pub(crate) space: Space,
     pub(crate) drift: Sum,
     pub(crate) noise: NoiseClass,
-    /// Whether no element reads coordinates and momenta.
+    /// Whether a covector stands beside the drift.
+    pub(crate) has_force: bool,
+    /// Whether no element reads coordinates and momenta, and no force reads momenta.
     pub(crate) is_separable: bool,
     /// Whether no element couples two momenta.
     pub(crate) has_diagonal_kinetic_energy: bool,
@@ -95,6 +100,9 @@ pub(crate) struct Facts {
     pub(crate) half_defect_sum: Sum,
     /// Whether that sum is constant on phase space.
     pub(crate) defect_is_constant: Knowledge,
+    /// `Σ_k (f_k · ∂/∂p) f_k · δq` of the noise forces, which have this defect `1/2 - l` times, whatever they are driven by besides.
+    pub(crate) half_force_defect: Sum,
+    pub(crate) force_defect_vanishes: Knowledge,
     /// `Σ_jk ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p`, of which `Corrected` adds `1/2 - l` times.
     /// `None` if its indices are beyond the arithmetic of indices.
     pub(crate) counter_term: Option<Sum>,
@@ -102,6 +110,8 @@ pub(crate) struct Facts {
     pub(crate) counter_term_is_constant: Knowledge,
     /// `{H_k, H_0}` per noise or family.
     pub(crate) energy_rates: Vec<Sum>,
+    /// `f · ∂H_0/∂p` of every force, with its name.
+    pub(crate) powers: Vec<(String, Sum)>,
     pub(crate) conserves_energy: Knowledge,
     /// Whether there is no noise, and the drift does not read the time: then symplectic steps keep a modified energy.
     pub(crate) is_conservative: bool,
@@ -120,11 +130,7 @@ pub(crate) struct Facts {
 impl Hamiltonians {
     /// With the elements of each term that `of` picks.
     fn of(system: &System, of: impl Fn(&Term) -> &Vec<Element> + Copy) -> Self {
-        let terms = [&system.drift].into_iter().chain(system.noise.iter().map(|noise| &noise.term));
-        let elements = terms.chain(&system.invariants).flat_map(|term| &term.values);
-        let tables = system.tables.iter().map(|table| (table.name.clone(), table.is_unsigned)).collect();
-        let space =
-            Space::new(system.size.clone(), system.components, system.names.clone(), tables, elements);
+        let space = space_of(system);
         let noise = system.noise.iter().zip(system.noise_offsets()).map(|(noise, offset)| {
             let number = match &noise.family {
                 Some(family) => offset
@@ -134,21 +140,43 @@ impl Hamiltonians {
             };
             sum_of(of(&noise.term), &[number])
         });
+        let mut noise: Vec<Sum> = noise.collect();
+        let mut numbers = noise_numbers(system);
+        let hamiltonians = system.noise.iter().filter(|noise| !noise.is_force).count();
+        let friction = system.friction.as_ref().filter(|_| {
+            system.conformal.is_some() || system.embeddings.iter().any(|known| known.value.is_thermostat())
+        });
+        let forces = Forces {
+            force: system.force.as_ref().map(|force| sum_of(of(force), &[])).unwrap_or_default(),
+            friction: friction.map(|friction| sum_of(of(&friction.term), &[])).unwrap_or_default(),
+            is_matrix: friction.is_some_and(|friction| friction.is_matrix),
+            is_warm: system.temperature.is_some(),
+            noise: noise.split_off(hamiltonians),
+            numbers: numbers.split_off(hamiltonians),
+        };
         Self {
             space,
             t: system.t,
             drift: sum_of(of(&system.drift), &[]),
-            noise: noise.collect(),
-            numbers: noise_numbers(system),
+            noise,
+            forces,
+            numbers,
             invariants: system.invariants.iter().map(|term| (term.extent, sum_of(of(term), &[]))).collect(),
         }
     }
 }
 
-/// The drift, and the noises times their increments, with the elements of each term that `of` picks.
-pub(crate) fn drift_and_noise(system: &System, of: impl Fn(&Term) -> &Vec<Element> + Copy) -> [Sum; 2] {
-    let Hamiltonians { drift, noise, .. } = Hamiltonians::of(system, of);
-    [drift, noise.concat()]
+/// The space of a system.
+pub(crate) fn space_of(system: &System) -> Space {
+    let elements = system.terms().flat_map(|term| term.values.iter().chain(&term.elements));
+    let tables = system.tables.iter().map(|table| (table.name.clone(), table.is_unsigned)).collect();
+    Space::new(system.size.clone(), system.components, system.names.clone(), tables, elements)
+}
+
+/// The drift, the noises and noise forces times their increments, and the force, with the elements of each term that `of` picks.
+pub(crate) fn summed(system: &System, of: impl Fn(&Term) -> &Vec<Element> + Copy) -> [Sum; 3] {
+    let Hamiltonians { drift, noise, forces, .. } = Hamiltonians::of(system, of);
+    [drift, [noise.concat(), forces.noise.concat()].concat(), forces.force]
 }
 
 fn sum_of(elements: &[Element], increments: &[Index]) -> Sum {
@@ -158,10 +186,15 @@ fn sum_of(elements: &[Element], increments: &[Index]) -> Sum {
 
 impl Facts {
     pub(crate) fn new(system: &mut System) -> Self {
-        let Hamiltonians { mut space, t, drift, noise, numbers, invariants } =
+        let Hamiltonians { mut space, t, drift, noise, forces, numbers, invariants } =
             Hamiltonians::of(system, |term| &term.values);
-        let System { graph, drift: Term { elements, .. }, noise: parted, .. } = system;
-        let parted = parted.iter().flat_map(|noise| &noise.term.elements);
+        let System { graph, drift: Term { elements, .. }, noise: declared, force, .. } = system;
+        let parted = declared.iter().flat_map(|noise| &noise.term.elements);
+        let is_covector = |element: &&Element| element.displacements().next().is_some();
+        let covectors =
+            || force.iter().flat_map(|force| &force.elements).chain(parted.clone().filter(is_covector));
+        let of_noise_forces: Vec<&Element> = parted.clone().filter(is_covector).collect();
+        let parted = parted.clone().filter(|element| !is_covector(element));
         let all_noise: Sum = noise.concat();
         let (q, p) = (Half::Coordinates, Half::Momenta);
         let half_defect_sum =
@@ -174,7 +207,15 @@ impl Facts {
 
         let explicit_rate = space.partial(graph, &drift, t);
         let mut conserves_energy = vec![space.vanishes(graph, &explicit_rate, Increments::Each)];
-        let is_conservative = noise.is_empty() && matches!(conserves_energy[..], [Knowledge::Proven]);
+        let is_conservative =
+            noise.is_empty() && forces.are_absent() && matches!(conserves_energy[..], [Knowledge::Proven]);
+        let powers = forces.powers(graph, &mut space, &drift);
+        conserves_energy.extend(
+            powers.iter().map(|(_, rate)| rate.known(|sum| space.vanishes(graph, sum, Increments::Each))),
+        );
+        let half_force_defect = forces.defect(graph, &mut space);
+        let force_defect_vanishes =
+            half_force_defect.known(|sum| space.vanishes(graph, sum, Increments::Diagonal));
         let mut energy_rates = Vec::new();
         for one in &noise {
             let rate = Rate::of(space.bracket(graph, one, &drift));
@@ -188,13 +229,22 @@ impl Facts {
         conserves_energy.extend(boundaries[0].iter().map(kept_across));
         let all_parted = || elements.iter().chain(parted.clone());
         Self {
-            noise: noise_class(graph, &parted.clone().collect::<Vec<_>>(), noise.is_empty()),
-            is_separable: all_parted().all(|element| element.reads() != Reads::Both),
+            noise: noise_class(
+                graph,
+                &parted.clone().collect::<Vec<_>>(),
+                &of_noise_forces,
+                declared.is_empty(),
+            ),
+            has_force: force.is_some(),
+            is_separable: all_parted().all(|element| element.reads() != Reads::Both)
+                && covectors().all(|element| matches!(element.reads(), Reads::Nothing | Reads::Coordinates)),
             has_diagonal_kinetic_energy: all_parted()
                 .filter(|element| element.reads() == Reads::Momenta)
                 .all(|element| is_diagonal(graph, element)),
             half_defect_sum: half_defect_sum.sum,
             defect_is_constant,
+            half_force_defect: half_force_defect.sum,
+            force_defect_vanishes,
             counter_term,
             counter_term_is_constant,
             conserves_energy: all(conserves_energy),
@@ -202,13 +252,17 @@ impl Facts {
             energy_form: Form::of(graph, &drift),
             boundaries,
             energy_rates,
-            commuting: commuting(graph, &mut space, &noise),
-            numbers,
-            has_several_noises: noise.len() > 1 || noise.iter().any(is_family),
+            powers: powers.into_iter().map(|(name, rate)| (name, rate.sum)).collect(),
+            commuting: commuting(graph, &mut space, &noise, &forces.noise),
+            has_several_noises: declared.len() > 1 || noise.iter().chain(&forces.noise).any(is_family),
             invariants: invariants
                 .into_iter()
-                .map(|declared| invariant(graph, &mut space, (&drift, &noise, t), declared))
+                .map(|declared| {
+                    let noise: Vec<_> = numbers.iter().cloned().zip(&noise).collect();
+                    invariant(graph, &mut space, (&drift, &noise, &forces, t), declared)
+                })
                 .collect(),
+            numbers,
             space,
             drift,
         }
@@ -216,7 +270,16 @@ impl Facts {
 
     /// Whether noises at quadrature point `l` give the Stratonovich limit: `D` is constant.
     pub(crate) fn is_consistent(&self, l: Rational) -> bool {
-        l == Rational::HALF || matches!(self.defect_is_constant, Knowledge::Proven)
+        l == Rational::HALF
+            || matches!(
+                (&self.defect_is_constant, &self.force_defect_vanishes),
+                (Knowledge::Proven, Knowledge::Proven)
+            )
+    }
+
+    /// Whether noise forces at quadrature point `l` need a correction.
+    pub(crate) fn force_defect_acts(&self, l: Rational) -> bool {
+        l != Rational::HALF && !matches!(self.force_defect_vanishes, Knowledge::Proven)
     }
 
     /// Whether the limit of the scheme is the Stratonovich system.
@@ -232,12 +295,70 @@ impl Facts {
 
     /// `D = (1/2 - l) Σ_k ∂H_k/∂q · ∂H_k/∂p`, as text.
     pub(crate) fn defect(&self, graph: &mut Graph, l: Rational) -> String {
-        let weight = Rational::HALF.add(l.negate()).promised("quadrature points are fractions of 32 bits");
-        if weight.is_zero() {
-            return "0".to_owned();
-        }
-        self.space.display(graph, &self.half_defect_sum, weight)
+        self.defect_of(graph, &self.half_defect_sum, l)
     }
+
+    /// `(1/2 - l) Σ_k (f_k · ∂/∂p) f_k · δq`, as text.
+    pub(crate) fn force_defect(&self, graph: &mut Graph, l: Rational) -> String {
+        self.defect_of(graph, &self.half_force_defect, l)
+    }
+
+    fn defect_of(&self, graph: &mut Graph, half: &Sum, l: Rational) -> String {
+        let weight = Rational::HALF.add(l.negate()).promised("quadrature points are fractions of 32 bits");
+        match weight.is_zero() {
+            true => "0".to_owned(),
+            false => self.space.display(graph, half, weight),
+        }
+    }
+}
+
+/// Covectors, as functions that are linear in displacements.
+struct Forces {
+    /// Beside the drift.
+    force: Sum,
+    /// The friction that is no force of a step: `δq · G p`, which draws.
+    friction: Sum,
+    is_matrix: bool,
+    /// Whether a bath has a temperature.
+    is_warm: bool,
+    /// Times their increments.
+    noise: Vec<Sum>,
+    /// What stands behind the `F` of each noise force.
+    numbers: Vec<String>,
+}
+
+impl Forces {
+    fn are_absent(&self) -> bool {
+        self.force.is_empty() && self.friction.is_empty() && self.noise.is_empty()
+    }
+
+    /// All of them, with their names.
+    fn named(&self) -> impl Iterator<Item = (String, &Sum)> {
+        let force = Some(("F0".to_owned(), &self.force)).filter(|(_, sum)| !sum.is_empty());
+        let name = if self.is_matrix { "damping" } else { "friction" };
+        let friction = Some((name.to_owned(), &self.friction)).filter(|(_, sum)| !sum.is_empty());
+        let noise = self.numbers.iter().zip(&self.noise);
+        force.into_iter().chain(friction).chain(noise.map(|(number, sum)| (format!("F{number}"), sum)))
+    }
+
+    /// `f · ∂H_0/∂p` of each.
+    fn powers(&self, graph: &mut Graph, space: &mut Space, drift: &Sum) -> Vec<(String, Rate)> {
+        self.named().map(|(name, force)| (name, along(graph, space, force, drift))).collect()
+    }
+
+    /// `Σ_k (f_k · ∂/∂p) f_k` of noise forces: with `dp = f(p) ∘ dW`, `p' = p + f(p + (1 - l) (p' - p)) ΔW` is
+    /// `p + f ΔW + (1 - l) f' f ΔW²` to the order that counts, where the Stratonovich system has `1/2`.
+    fn defect(&self, graph: &mut Graph, space: &mut Space) -> Rate {
+        let all: Sum = self.noise.concat();
+        let (displaced, momenta) = (Half::Displacements, Half::Momenta);
+        Rate::of(space.contract(graph, (&all, displaced), (&all, momenta), Increments::Diagonal))
+    }
+}
+
+/// `f · ∂F/∂p`
+fn along(graph: &mut Graph, space: &mut Space, force: &Sum, function: &Sum) -> Rate {
+    let (displaced, momenta) = (Half::Displacements, Half::Momenta);
+    Rate::of(space.contract(graph, (force, displaced), (function, momenta), Increments::Each))
 }
 
 /// A sum, unless its indices were beyond the arithmetic of indices.
@@ -272,8 +393,59 @@ fn all(statements: impl IntoIterator<Item = Knowledge>) -> Knowledge {
     known
 }
 
-/// Whether every `{H_j, H_k}` is constant.
-fn commuting(graph: &mut Graph, space: &mut Space, noise: &[Sum]) -> Knowledge {
+/// Whether every `{H_j, H_k}` is constant, and the noise forces commute with each other and with these.
+fn commuting(graph: &mut Graph, space: &mut Space, noise: &[Sum], forces: &[Sum]) -> Knowledge {
+    let hamiltonians = commuting_hamiltonians(graph, space, noise);
+    all([hamiltonians, commuting_forces(graph, space, noise, forces)])
+}
+
+/// The commutators of `X_f = f · ∂/∂p`,
+///
+/// ```text
+/// [X_f, X_g] = (f · ∂g/∂p - g · ∂f/∂p) · ∂/∂p
+/// [X_H, X_f] = -(f · H_pp) · ∂/∂q + (H_p · ∂f/∂q - H_q · ∂f/∂p + f · H_pq) · ∂/∂p
+/// ```
+///
+/// of which the second is known where `H_pp` and `H_pq` vanish.
+fn commuting_forces(graph: &mut Graph, space: &mut Space, noise: &[Sum], forces: &[Sum]) -> Knowledge {
+    let (q, p, displaced) = (Half::Coordinates, Half::Momenta, Half::Displacements);
+    let mut statements = Vec::new();
+    let mut state = |graph: &mut Graph, space: &mut Space, one: Option<Sum>, other: Option<Sum>| {
+        let both = one.zip(other);
+        let difference = both.map(|(one, other)| {
+            space.combine(graph, &[(&one, Rational::ONE), (&other, Rational::MINUS_ONE)])
+        });
+        let rate = Rate::of(difference);
+        statements.push(rate.known(|sum| space.vanishes(graph, sum, Increments::Each)));
+    };
+    for (k, first) in forces.iter().enumerate() {
+        for second in &forces[..=k] {
+            let one = space.contract(graph, (first, displaced), (second, p), Increments::Each);
+            let other = space.contract(graph, (second, displaced), (first, p), Increments::Each);
+            state(graph, space, one, other);
+        }
+    }
+    let mut is_undecided = false;
+    for hamiltonian in noise {
+        let is_flat = |weighted: &Weighted| {
+            let reads = weighted.element.reads();
+            matches!(reads, Reads::Nothing | Reads::Coordinates) || is_affine(graph, &weighted.element)
+        };
+        is_undecided |= !forces.is_empty() && !hamiltonian.iter().all(is_flat);
+        for force in forces {
+            let one = space.contract(graph, (hamiltonian, p), (force, q), Increments::Each);
+            let other = space.contract(graph, (hamiltonian, q), (force, p), Increments::Each);
+            state(graph, space, one, other);
+        }
+    }
+    if is_undecided {
+        let reason = "commutators of noise forces with noises that read momenta are not taken".to_owned();
+        statements.push(Knowledge::Unknown(reason));
+    }
+    all(statements)
+}
+
+fn commuting_hamiltonians(graph: &mut Graph, space: &mut Space, noise: &[Sum]) -> Knowledge {
     let mut statements = Vec::new();
     for (k, first) in noise.iter().enumerate() {
         for second in &noise[..k] {
@@ -317,24 +489,18 @@ fn state_of(element: &Element) -> Vec<Symbol> {
     element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol).collect()
 }
 
-fn is_diagonal(graph: &mut Graph, element: &Element) -> bool {
-    let momenta: Vec<Symbol> = element.momenta().map(|(symbol, _)| symbol).collect();
-    momenta.iter().all(|&p| {
-        let slope = graph.derivative(element.value, p);
-        let others: Vec<Symbol> = momenta.iter().copied().filter(|&other| other != p).collect();
-        !graph.depends_on(slope, &others)
-    })
-}
-
-fn noise_class(graph: &mut Graph, noise: &[&Element], is_absent: bool) -> NoiseClass {
-    let reads_only = |reads: Reads| noise.iter().all(|e| [reads, Reads::Nothing].contains(&e.reads()));
+fn noise_class(graph: &mut Graph, noise: &[&Element], forces: &[&Element], is_absent: bool) -> NoiseClass {
+    let are = |elements: &[&Element], reads: Reads| {
+        elements.iter().all(|element| [reads, Reads::Nothing].contains(&element.reads()))
+    };
+    let reads_only = |reads: Reads| are(noise, reads) && are(forces, reads);
     if is_absent {
         NoiseClass::None
-    } else if noise.iter().all(|element| is_affine(graph, element)) {
+    } else if noise.iter().all(|element| is_affine(graph, element)) && are(forces, Reads::Nothing) {
         NoiseClass::Additive
     } else if reads_only(Reads::Coordinates) {
         NoiseClass::Position
-    } else if reads_only(Reads::Momenta) {
+    } else if reads_only(Reads::Momenta) && forces.is_empty() {
         NoiseClass::Momentum
     } else {
         NoiseClass::Multiplicative
@@ -352,25 +518,62 @@ fn is_affine(graph: &mut Graph, element: &Element) -> bool {
 fn invariant(
     graph: &mut Graph,
     space: &mut Space,
-    (drift, noise, t): (&Sum, &[Sum], Symbol),
+    (drift, noise, forces, t): (&Sum, &[(String, &Sum)], &Forces, Symbol),
     (extent, value): (Extent, Sum),
 ) -> Invariant {
     let mut failure = None;
-    for (term, hamiltonian) in [drift].into_iter().chain(noise).enumerate() {
-        let mut rate = Rate::of(space.bracket(graph, hamiltonian, &value));
-        if term == 0 {
-            let explicit = space.partial(graph, &value, t);
-            rate.sum = space.combine(graph, &[(&rate.sum, Rational::ONE), (&explicit, Rational::ONE)]);
+    let mut check = |graph: &mut Graph, space: &mut Space, along: String, rate: Rate| {
+        if failure.is_some() {
+            return;
         }
         match rate.known(|sum| space.vanishes(graph, sum, Increments::Each)) {
             Knowledge::Proven => {}
-            knowledge => {
-                failure = Some(Failure { term, rate: rate.sum, knowledge });
-                break;
-            }
+            knowledge => failure = Some(Failure { along, rate: rate.sum, knowledge }),
         }
+    };
+    let (rate, along) = rate_of_drift(graph, space, (drift, forces, t), &value);
+    check(graph, space, along, rate);
+    for (number, hamiltonian) in noise {
+        let rate = Rate::of(space.bracket(graph, hamiltonian, &value));
+        let name = number.trim_start_matches('_');
+        check(graph, space, format!("noise {name}: {{H{number}, F}}"), rate);
+    }
+    for (number, force) in forces.numbers.iter().zip(&forces.noise) {
+        let rate = self::along(graph, space, force, &value);
+        let name = number.trim_start_matches('_');
+        check(graph, space, format!("noise force {name}: F{number} · ∂F/∂p"), rate);
+    }
+    if forces.is_warm && value.iter().any(|weighted| weighted.element.momenta().next().is_some()) {
+        let knowledge =
+            Knowledge::Unknown("a bath with a temperature acts on every momentum with friction".to_owned());
+        failure = failure.or(Some(Failure { along: "the bath".to_owned(), rate: Sum::new(), knowledge }));
     }
     Invariant { extent, form: Form::of(graph, &value), value, failure }
+}
+
+/// The rate of a function along the drift with its forces, and how it is made.
+fn rate_of_drift(
+    graph: &mut Graph,
+    space: &mut Space,
+    (drift, forces, t): (&Sum, &Forces, Symbol),
+    value: &Sum,
+) -> (Rate, String) {
+    let mut along = "the drift: {H0, F} + ∂F/∂t".to_owned();
+    let mut rates = vec![
+        (Rate::of(space.bracket(graph, drift, value)), Rational::ONE),
+        (Rate::of(Some(space.partial(graph, value, t))), Rational::ONE),
+    ];
+    if !forces.force.is_empty() {
+        along.push_str(" + F0 · ∂F/∂p");
+        rates.push((self::along(graph, space, &forces.force, value), Rational::ONE));
+    }
+    if !forces.friction.is_empty() {
+        along.push_str(" less that of the friction");
+        rates.push((self::along(graph, space, &forces.friction, value), Rational::MINUS_ONE));
+    }
+    let is_complete = rates.iter().all(|(rate, _)| rate.is_complete);
+    let sums: Vec<(&Sum, Rational)> = rates.iter().map(|(rate, factor)| (&rate.sum, *factor)).collect();
+    (Rate { sum: space.combine(graph, &sums), is_complete }, along)
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]

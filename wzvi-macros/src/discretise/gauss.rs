@@ -20,7 +20,7 @@ pub(crate) struct StepSlopes {
     pub(crate) dw: Vec<Symbol>,
     pub(crate) by_q: Vec<Expr>,
     pub(crate) by_p: Vec<Expr>,
-    /// Whether `F` is a constant quadratic form of the momenta plus a function of coordinates and time.
+    /// Whether `F` is a constant quadratic form of the momenta plus a function of coordinates and time, and forces read no momenta.
     pub(crate) is_nystrom: bool,
     /// Entries of the matrix `K` where `V = q · K q / 2 + U(q, t)` with constant `K`, in Nyström form: row, column, value.
     pub(crate) stiffness: Vec<(usize, usize, Expr)>,
@@ -28,35 +28,45 @@ pub(crate) struct StepSlopes {
 
 impl StepSlopes {
     pub(crate) fn new(model: &mut Model) -> Self {
-        let noises = model.noise.len();
+        let noises = model.noises();
         let graph = &mut model.graph;
         let h = graph.new_symbol("h");
         let name = |k: usize| if noises == 1 { "ΔW".to_owned() } else { format!("ΔW{k}") };
         let dw: Vec<Symbol> = (1..=noises).map(|k| graph.new_symbol(name(k))).collect();
         let weights: Vec<Expr> = [h].iter().chain(&dw).map(|&symbol| graph.symbol(symbol)).collect();
         let terms: Vec<Expr> = [model.drift].iter().chain(&model.noise).map(|term| term.value).collect();
-        let mut slope = |symbol: Symbol| {
-            let slopes: Vec<Expr> = terms
-                .iter()
-                .zip(&weights)
-                .map(|(&term, &weight)| {
-                    let slope = graph.derivative(term, symbol);
-                    graph.multiply(weight, slope)
-                })
-                .collect();
-            graph.sum(&slopes)
+        let forces: Vec<(&Vec<Expr>, Expr)> = model.force.iter().map(|force| (force, weights[0])).collect();
+        let driven = model.noise_forces.iter().zip(weights[terms.len()..].iter().copied());
+        let forces: Vec<(&Vec<Expr>, Expr)> = forces.into_iter().chain(driven).collect();
+        // `∂F/∂x`, and for a coordinate the forces in its direction, which take their part of it.
+        let mut slope = |symbol: Symbol, direction: Option<usize>| {
+            let slopes = terms.iter().zip(&weights).map(|(&term, &weight)| {
+                let slope = graph.derivative(term, symbol);
+                (graph.multiply(weight, slope), Rational::ONE)
+            });
+            let mut slopes: Vec<(Expr, Rational)> = slopes.collect();
+            for &(force, weight) in &forces {
+                let component = direction.and_then(|direction| force.get(direction));
+                slopes.extend(
+                    component.map(|&component| (graph.multiply(weight, component), Rational::MINUS_ONE)),
+                );
+            }
+            graph.linear_combination(&slopes)
         };
-        let by_q = model.phase.q.iter().map(|&q| slope(q)).collect();
-        let by_p: Vec<Expr> = model.phase.p.iter().map(|&p| slope(p)).collect();
-        let is_nystrom = is_nystrom(model, &by_p, &dw);
+        let by_q: Vec<Expr> = model.phase.q.iter().enumerate().map(|(i, &q)| slope(q, Some(i))).collect();
+        let by_p: Vec<Expr> = model.phase.p.iter().map(|&p| slope(p, None)).collect();
+        let is_nystrom = is_nystrom(model, (&by_q, &by_p), &dw);
         let stiffness = if is_nystrom { stiffness(model) } else { Vec::new() };
         Self { h, dw, by_q, by_p, is_nystrom, stiffness }
     }
 }
 
-/// Whether `∂F/∂p` is a constant matrix times `p`.
-fn is_nystrom(model: &mut Model, by_p: &[Expr], dw: &[Symbol]) -> bool {
-    let Model { graph, phase, .. } = model;
+/// Whether `∂F/∂p` is a constant matrix times `p`, and nothing else reads momenta.
+fn is_nystrom(model: &mut Model, (by_q, by_p): (&[Expr], &[Expr]), dw: &[Symbol]) -> bool {
+    let Model { graph, phase, conformal, .. } = model;
+    if conformal.is_some() || by_q.iter().any(|&slope| graph.depends_on(slope, &phase.p)) {
+        return false;
+    }
     let moving: Vec<Symbol> = phase.q.iter().chain(&phase.p).chain([&phase.t]).chain(dw).copied().collect();
     by_p.iter().all(|&velocity| {
         let mut rest = vec![(velocity, Rational::ONE)];

@@ -5,12 +5,16 @@
 //! L_d = P · u - F,   F = Σ_m c_m H_m(P, Q_l, T_l),   c_0 = h,  c_k = ΔW_k,
 //! u = q_{i+1} - q_i,   Q_l = q_i + l u,   T_l = t_i + l h,   l = l_m
 //! ```
+//!
+//! Forces do the virtual work `Σ_s f(P, Q_s, T_s) · δQ_s`, so that their shares `(1 - l) f` and `l f` stand beside `D_1 L_d` and `D_2 L_d`.
+//! Friction of one rate `γ` is taken in by the momentum `π = e^{γ (t - t_i)} p`, for which `K = e^{γ τ} H(q, e^{-γ τ} π)` is a Hamiltonian: with
+//! `L_d` of `K`, `p_i = -D_1 L_d` and `p_{i+1} = e^{-γ h} D_2 L_d`, and the step multiplies the symplectic form by `e^{-γ h}`.
 
 use std::collections::HashMap;
 
 use super::quadrature::{Part, Quadrature, Stage};
 use crate::model::{Model, Phase};
-use crate::symbolic::{Expr, Graph, Rational, Symbol};
+use crate::symbolic::{Expr, Function, Graph, Rational, Symbol};
 
 /// One stage with the symbols of `Q_l` and `T_l`.
 pub(crate) struct StageSymbols {
@@ -42,15 +46,19 @@ pub(crate) struct DiscreteLagrangian {
     pub(crate) value: Expr,
     /// `∂L_d/∂P`
     pub(crate) by_momentum: Vec<Expr>,
-    /// `D_1 L_d = ∂L_d/∂q_i`
+    /// `D_1 L_d = ∂L_d/∂q_i`, and the share of forces there: `-p_i`.
     pub(crate) by_start: Vec<Expr>,
-    /// `D_2 L_d = ∂L_d/∂q_{i+1}`
+    /// `D_2 L_d = ∂L_d/∂q_{i+1}`, with the share of forces and what friction leaves: `p_{i+1}`.
     pub(crate) by_end: Vec<Expr>,
 }
 
 impl DiscreteLagrangian {
     pub(crate) fn new(model: &mut Model, quadrature: &Quadrature) -> Self {
-        let symbols = StepSymbols::new(&mut model.graph, &model.phase, model.noise.len(), quadrature);
+        let noises = model.noises();
+        let symbols = StepSymbols::new(&mut model.graph, &model.phase, noises, quadrature);
+        let forces: Vec<Vec<Expr>> =
+            symbols.stages.iter().map(|stage| forces(model, &symbols, stage)).collect();
+        let decay = decay(model, &symbols);
         let step_hamiltonian = step_hamiltonian(model, &symbols);
         let graph = &mut model.graph;
         let mut terms = vec![(step_hamiltonian, Rational::MINUS_ONE)];
@@ -60,8 +68,17 @@ impl DiscreteLagrangian {
         }
         let value = graph.linear_combination(&terms);
         let by_momentum = symbols.momentum.iter().map(|&p| graph.derivative(value, p)).collect();
-        let by_start = (0..symbols.u.len()).map(|i| symbols.by_node(graph, value, i, Node::Start)).collect();
-        let by_end = (0..symbols.u.len()).map(|i| symbols.by_node(graph, value, i, Node::End)).collect();
+        let mut by_node = |node: Node| -> Vec<Expr> {
+            (0..symbols.u.len()).map(|i| symbols.by_node(graph, (value, &forces), i, node)).collect()
+        };
+        let (by_start, mut by_end) = (by_node(Node::Start), by_node(Node::End));
+        if let Some(decay) = decay {
+            // `e^{-γ h} - 1` is small, and so is what it takes away.
+            by_end.iter_mut().for_each(|end| {
+                let taken = graph.multiply(decay, *end);
+                *end = graph.add(*end, taken);
+            });
+        }
         Self { symbols, value, by_momentum, by_start, by_end }
     }
 }
@@ -99,19 +116,26 @@ impl StepSymbols {
         Self { q0, p0, u, v, momentum, t, h, dw, stages }
     }
 
-    /// `∂/∂q_i = -∂/∂u + Σ_l (1 - l) ∂/∂Q_l` and `∂/∂q_{i+1} = ∂/∂u + Σ_l l ∂/∂Q_l`.
-    fn by_node(&self, graph: &mut Graph, value: Expr, i: usize, node: Node) -> Expr {
+    /// `∂/∂q_i = -∂/∂u + Σ_l (1 - l) ∂/∂Q_l` and `∂/∂q_{i+1} = ∂/∂u + Σ_l l ∂/∂Q_l`, with the virtual work of the forces at the stages.
+    fn by_node(
+        &self,
+        graph: &mut Graph,
+        (value, forces): (Expr, &[Vec<Expr>]),
+        i: usize,
+        node: Node,
+    ) -> Expr {
         let of_increment = graph.derivative(value, self.u[i]);
         let mut terms = match node {
             Node::Start => vec![(of_increment, Rational::MINUS_ONE)],
             Node::End => vec![(of_increment, Rational::ONE)],
         };
-        for stage in &self.stages {
+        for (stage, forces) in self.stages.iter().zip(forces) {
             let weight = match node {
                 Node::Start => stage.at.start(),
                 Node::End => stage.at.end(),
             };
             terms.push((graph.derivative(value, stage.q[i]), weight));
+            terms.extend(forces.get(i).map(|&force| (force, weight)));
         }
         graph.linear_combination(&terms)
     }
@@ -123,43 +147,108 @@ fn node_index(l: Rational) -> String {
 }
 
 impl StageSymbols {
-    /// Phase-space symbols to the symbols of this stage.
-    fn placement(&self, graph: &mut Graph, phase: &Phase, momentum: &[Symbol]) -> HashMap<Symbol, Expr> {
+    /// Phase-space symbols to the symbols of this stage; momenta over the scale there.
+    fn placement(
+        &self,
+        graph: &mut Graph,
+        phase: &Phase,
+        momentum: &[Symbol],
+        scale: Option<Expr>,
+    ) -> HashMap<Symbol, Expr> {
         let from = phase.q.iter().chain(&phase.p).chain([&phase.t]);
         let to = self.q.iter().chain(momentum).chain([&self.t]);
-        from.zip(to).map(|(&from, &to)| (from, graph.symbol(to))).collect()
+        let mut placement: HashMap<Symbol, Expr> =
+            from.zip(to).map(|(&from, &to)| (from, graph.symbol(to))).collect();
+        if let Some(scale) = scale {
+            for p in &phase.p {
+                if let Some(momentum) = placement.get_mut(p) {
+                    *momentum = graph.divide(*momentum, scale);
+                }
+            }
+        }
+        placement
     }
+}
+
+/// `e^{γ l h}` at a quadrature point, where friction has a rate that steps take in.
+fn scale(model: &mut Model, symbols: &StepSymbols, stage: &StageSymbols) -> Option<Expr> {
+    let rate = model.conformal.filter(|_| !stage.at.l.is_zero())?;
+    let graph = &mut model.graph;
+    let h = graph.symbol(symbols.h);
+    let product = graph.multiply(rate, h);
+    let exponent = graph.scale(product, stage.at.l);
+    Some(graph.apply(Function::Exp, &[exponent]))
+}
+
+/// `e^{-γ h} - 1`
+fn decay(model: &mut Model, symbols: &StepSymbols) -> Option<Expr> {
+    let rate = model.conformal?;
+    let graph = &mut model.graph;
+    let h = graph.symbol(symbols.h);
+    let product = graph.multiply(rate, h);
+    let exponent = graph.negate(product);
+    Some(graph.apply(Function::ExpM1, &[exponent]))
+}
+
+/// The forces at a stage, `h f + Σ_k ΔW_k f_k`; none if there are none.
+fn forces(model: &mut Model, symbols: &StepSymbols, stage: &StageSymbols) -> Vec<Expr> {
+    let scale = scale(model, symbols, stage);
+    let Model { graph, phase, noise, force, noise_forces, .. } = model;
+    let placement = stage.placement(graph, phase, &symbols.momentum, scale);
+    let mut terms: Vec<Vec<Expr>> = Vec::new();
+    for (part, _) in &stage.at.parts {
+        let driven: Vec<(Symbol, &Vec<Expr>)> = match part {
+            Part::Force => force.iter().map(|force| (symbols.h, force)).collect(),
+            Part::Noise => symbols.dw[noise.len()..].iter().copied().zip(noise_forces.iter()).collect(),
+            Part::Drift | Part::CounterTerm => Vec::new(),
+        };
+        for (increment, force) in driven {
+            let increment = graph.symbol(increment);
+            let factors: Vec<Expr> = scale.into_iter().chain([increment]).collect();
+            let weight = graph.product(&factors);
+            let placed = graph.substitute(force, &placement);
+            terms.push(placed.into_iter().map(|component| graph.multiply(weight, component)).collect());
+        }
+    }
+    let degrees = if terms.is_empty() { 0 } else { phase.q.len() };
+    (0..degrees).map(|i| graph.sum(&terms.iter().map(|term| term[i]).collect::<Vec<_>>())).collect()
 }
 
 /// `F = Σ_s Σ_m w_m F_m(P, Q_s, T_s)`
 fn step_hamiltonian(model: &mut Model, symbols: &StepSymbols) -> Expr {
-    let graph = &mut model.graph;
     let noise: Vec<Expr> = model.noise.iter().map(|noise| noise.value).collect();
     let mut terms = Vec::new();
     for stage in &symbols.stages {
-        let placement = stage.placement(graph, &model.phase, &symbols.momentum);
+        let scale = scale(model, symbols, stage);
+        let graph = &mut model.graph;
+        let placement = stage.placement(graph, &model.phase, &symbols.momentum, scale);
+        let scaled = |graph: &mut Graph, hamiltonians: &[Expr]| -> Vec<Expr> {
+            let placed = graph.substitute(hamiltonians, &placement).into_iter();
+            placed.map(|value| scale.map_or(value, |scale| graph.multiply(scale, value))).collect()
+        };
         for &(part, weight) in &stage.at.parts {
             match part {
+                Part::Force => {}
                 Part::Drift => {
-                    let drift = graph.substitute(&[model.drift.value], &placement)[0];
+                    let drift = scaled(graph, &[model.drift.value])[0];
                     let h = graph.symbol(symbols.h);
                     terms.push((graph.multiply(h, drift), weight));
                 }
                 Part::Noise => {
-                    let noise = graph.substitute(&noise, &placement);
+                    let noise = scaled(graph, &noise);
                     for (hamiltonian, &dw) in noise.into_iter().zip(&symbols.dw) {
                         let dw = graph.symbol(dw);
                         terms.push((graph.multiply(dw, hamiltonian), weight));
                     }
                 }
                 Part::CounterTerm => {
-                    let noise = graph.substitute(&noise, &placement);
+                    let noise = scaled(graph, &noise);
                     terms.push((counter_term(graph, symbols, stage, &noise), weight));
                 }
             }
         }
     }
-    graph.linear_combination(&terms)
+    model.graph.linear_combination(&terms)
 }
 
 /// `(Σ_j ΔW_j ∂H_j/∂q) · (Σ_k ΔW_k ∂H_k/∂p)`, which is symmetric in the noises by itself.

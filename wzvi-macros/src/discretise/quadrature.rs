@@ -6,7 +6,9 @@
 //! Q_s = q_i + l u,   ∂Q_s/∂q_i = 1 - l,   ∂Q_s/∂q_{i+1} = l,   T_s = t_i + l h
 //! ```
 //!
-//! The parts `F_m` of the step Hamiltonian have one rule for their increments each. `Corrected` adds the increment form of
+//! The parts `F_m` of the step Hamiltonian have one rule for their increments each. A force is no part of `L_d`, but does virtual work at its stage:
+//! by the principle of Lagrange and d'Alembert `∂F/∂q - f` takes the place of `∂F/∂q` (J. E. Marsden, M. West, "Discrete mechanics and
+//! variational integrators", Acta Numerica 2001, section 3.2). `Corrected` adds the increment form of
 //! the counter-term, at the quadrature point of the noise.
 
 use super::embedding::{Correction, Embedding};
@@ -23,6 +25,8 @@ pub(crate) enum Part {
     Noise,
     /// `Σ_jk ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p`
     CounterTerm,
+    /// `h f`, in the place of `-∂F/∂q`
+    Force,
 }
 
 /// A quadrature point `l`, and the parts that are evaluated there with their weights.
@@ -67,7 +71,11 @@ impl Quadrature {
                 Rational::HALF.add(noise_l.negate()).promised("quadrature points are fractions of 32 bits");
             of_noise.push((Part::CounterTerm, weight));
         }
-        let mut stages = vec![Stage { l: drift_l, parts: vec![(Part::Drift, Rational::ONE)] }];
+        let mut of_drift = vec![(Part::Drift, Rational::ONE)];
+        if facts.has_force {
+            of_drift.push((Part::Force, Rational::ONE));
+        }
+        let mut stages = vec![Stage { l: drift_l, parts: of_drift }];
         match stages.iter_mut().find(|stage| stage.l == noise_l) {
             Some(stage) => stage.parts.extend(of_noise),
             None if of_noise.is_empty() => {}

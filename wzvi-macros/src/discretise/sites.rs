@@ -24,8 +24,10 @@ pub(crate) struct Site {
     pub(crate) variable: u32,
     phase: Phase,
     drift: Expr,
-    /// Noises that act at a site, with what drives them.
-    noise: Vec<(Expr, Increment)>,
+    /// `f · δq` of the force.
+    force: Option<Expr>,
+    /// Noises that act at a site, whether they are forces, and what drives them.
+    noise: Vec<(Expr, bool, Increment)>,
     /// What is read of fields at the site.
     pub(crate) entries: Vec<Entry>,
 }
@@ -51,8 +53,11 @@ pub(crate) struct Entry {
 impl Site {
     /// The small system of which `system` is made; `None` if its sites are coupled, or not all alike.
     pub(crate) fn of(system: &mut System) -> Option<Self> {
-        let terms = || [&system.drift].into_iter().chain(system.noise.iter().map(|noise| &noise.term));
-        let elements = || terms().flat_map(|term| &term.elements);
+        let noise = || system.noise.iter().map(|noise| &noise.term);
+        let elements = || {
+            let terms = [&system.drift].into_iter().chain(&system.force).chain(noise());
+            terms.flat_map(|term| &term.elements)
+        };
         let loops = elements().flat_map(|element| &element.loops).map(|known| known.variable);
         let variable = loops.max()?.checked_add(1)?;
         let components = usize::try_from(system.components).ok()?;
@@ -62,10 +67,10 @@ impl Site {
             _ => format!("{name}[k][{c}]"),
         };
         let names = |of: &str| (0..components).map(|c| name(of, c)).collect::<Vec<_>>();
-        let (q, p) = (names(q), names(p));
+        let (displaced, q, p) = (names(&format!("δ{q}")), names(q), names(p));
         let graph = &mut system.graph;
         let mut symbols = |names: Vec<String>| names.into_iter().map(|name| graph.new_symbol(name)).collect();
-        let phase = Phase { q: symbols(q), p: symbols(p), t: system.t };
+        let phase = Phase { q: symbols(q), p: symbols(p), displacements: symbols(displaced), t: system.t };
         let mut places = Places {
             size: system.size.clone(),
             components: system.components,
@@ -78,6 +83,15 @@ impl Site {
         else {
             return None;
         };
+        let mut force = None;
+        if let Some(declared) = &system.force {
+            let (value, Increment { acts: None, .. }) =
+                places.at_site(&mut system.graph, declared, &Index::default())?
+            else {
+                return None;
+            };
+            force = Some(value);
+        }
         let mut noise = Vec::new();
         for (declared, offset) in system.noise.iter().zip(system.noise_offsets()) {
             let number = match &declared.family {
@@ -86,16 +100,16 @@ impl Site {
             };
             let (value, increment) = places.at_site(&mut system.graph, &declared.term, &number)?;
             if !system.graph.is_zero(value) {
-                noise.push((value, increment));
+                noise.push((value, declared.is_force, increment));
             }
         }
         let entries = places.entries;
-        Some(Self { variable, phase, drift, noise, entries })
+        Some(Self { variable, phase, drift, force, noise, entries })
     }
 
     /// What drives the noises at the site.
     pub(crate) fn increments(&self) -> impl Iterator<Item = &Increment> {
-        self.noise.iter().map(|(_, increment)| increment)
+        self.noise.iter().map(|(.., increment)| increment)
     }
 
     /// Calls `f` with the small system. Its parameters are those of the system, then the entries of fields at the site.
@@ -117,13 +131,25 @@ impl Site {
             .iter()
             .map(|known| Parameter { symbol: known.symbol, tokens: known.tokens.clone() });
         parameters.splice(0..0, of_system);
+        let phase = self.phase.clone();
+        let mut graph = std::mem::take(&mut system.graph);
+        let mut components = |work: Expr| phase.components(&mut graph, work);
+        let force = self.force.map(&mut components);
+        let noise = self.noise.iter();
+        let (forces, noise): (Vec<_>, Vec<_>) = noise.partition(|(_, is_force, _)| *is_force);
+        let noise_forces = forces.iter().map(|(value, ..)| components(*value)).collect();
         let mut model = Model {
-            graph: std::mem::take(&mut system.graph),
-            phase: Phase { q: self.phase.q.clone(), p: self.phase.p.clone(), t: self.phase.t },
+            graph,
+            phase,
+            labels: system.labels.clone(),
             parameters,
             drift: located(self.drift, &system.drift),
             parts: Vec::new(),
-            noise: self.noise.iter().map(|(value, _)| located(*value, &system.drift)).collect(),
+            noise: noise.iter().map(|(value, ..)| located(*value, &system.drift)).collect(),
+            force,
+            noise_forces,
+            bath: None,
+            conformal: system.conformal,
             invariants: Vec::new(),
             embeddings: Vec::new(),
             item: system.item.clone(),
@@ -160,6 +186,9 @@ impl Places<'_> {
                 let symbol = match &local.slot {
                     Slot::Coordinate(index) => *self.phase.q.get(self.component(&moved(index)?)?)?,
                     Slot::Momentum(index) => *self.phase.p.get(self.component(&moved(index)?)?)?,
+                    Slot::Displacement(index) => {
+                        *self.phase.displacements.get(self.component(&moved(index)?)?)?
+                    }
                     Slot::Number(index) => {
                         self.entry(graph, local.symbol, Slot::Number(moved(index)?), &acts)
                     }

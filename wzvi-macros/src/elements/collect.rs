@@ -13,9 +13,23 @@ use crate::unroll::{NotWrittenOut, Writer};
 
 /// Makes the elements of every term; reports what is no sum of elements.
 pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
-    let System { graph, symbols, tables, drift, parts: of_drift, noise, invariants, .. } = system;
+    let System {
+        graph,
+        symbols,
+        tables,
+        drift,
+        parts: of_drift,
+        noise,
+        force,
+        friction,
+        temperature,
+        invariants,
+        ..
+    } = system;
     let mut parts = Parts { graph, symbols, tables };
-    let singles = [drift].into_iter().chain(of_drift).chain(invariants).map(|term| (term, Vec::new()));
+    let bath = friction.iter_mut().map(|friction| &mut friction.term).chain(temperature);
+    let singles = [drift].into_iter().chain(of_drift).chain(invariants).chain(force).chain(bath);
+    let singles = singles.map(|term| (term, Vec::new()));
     let noise = noise.iter_mut().map(|noise| {
         let member = noise.family.as_ref().map(|Family { variable, count }| Loop {
             variable: *variable,

@@ -11,7 +11,7 @@ use crate::discretise::describe::{derivation, properties};
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::model::index::{Atom, Index};
-use crate::model::{Element, System, Table};
+use crate::model::{Element, Noise, System, Table};
 
 const LETTERS: [&str; 6] = ["i", "j", "k", "l", "m", "n"];
 
@@ -110,14 +110,29 @@ pub(crate) fn noise_numbers(model: &System) -> Vec<String> {
 }
 
 /// Every Hamiltonian.
-pub(super) fn hamiltonians(model: &System) -> String {
+pub(crate) fn hamiltonians(model: &System) -> String {
     let mut text = "Hamiltonians, as sums of elements\n".to_owned();
     let _ = writeln!(text, "  H0 = {}", term(model, &model.drift.elements));
     for (name, part) in ["H_A", "H_B"].iter().zip(&model.parts) {
         let _ = writeln!(text, "  {name} = {}, a part of H0", term(model, &part.elements));
     }
-    for (number, noise) in noise_numbers(model).iter().zip(&model.noise) {
+    let is_listed = |noise: &&(String, &Noise)| !noise.1.is_force;
+    let noise: Vec<(String, &Noise)> = noise_numbers(model).into_iter().zip(&model.noise).collect();
+    for (number, noise) in noise.iter().filter(is_listed) {
         let _ = writeln!(text, "  H{number} = {}", term(model, &noise.term.elements));
+    }
+    let forces = noise.iter().filter(|noise| !is_listed(noise));
+    let forces = forces.map(|(number, noise)| (format!("F{number} · δ{}", model.names[0]), &noise.term));
+    let force = model.force.iter().map(|force| (format!("F0 · δ{}", model.names[0]), force));
+    let forces: Vec<_> = force.chain(forces).collect();
+    if !forces.is_empty() {
+        text.push_str("Forces, as virtual work\n");
+    }
+    for (name, force) in forces {
+        let _ = writeln!(text, "  {name} = {}", term(model, &force.elements));
+    }
+    if let Some(rate) = model.conformal {
+        let _ = writeln!(text, "Friction\n  γ = {}", model.graph.display(rate));
     }
     text
 }

@@ -17,17 +17,21 @@ impl Flows {
     /// `None` where `Verlet` is not listed, or has to be taken as its two halves: no momentum may meet a coordinate, or the time, which
     /// stands still while momenta drift.
     pub(crate) fn of(system: &mut System, facts: &Facts, listed: &[Embedding]) -> Option<Self> {
-        if !facts.is_separable || !listed.contains(&Embedding::Verlet) {
+        let is_wanted = listed.iter().any(Embedding::takes_flows);
+        if !facts.is_separable || !is_wanted || system.conformal.is_some() {
             return None;
         }
-        let noise = system.noise.iter().flat_map(|noise| &noise.term.elements);
-        let timed = system
-            .drift
-            .elements
-            .iter()
-            .chain(noise)
-            .filter(|e| system.graph.depends_on(e.value, &[system.t]));
-        let read: Vec<Reads> = timed.map(|element| element.reads()).collect();
+        let noise = system.noise.iter().map(|noise| &noise.term);
+        let terms = [&system.drift].into_iter().chain(&system.force).chain(noise);
+        let elements = terms.flat_map(|term| &term.elements);
+        let timed = elements.filter(|element| system.graph.depends_on(element.value, &[system.t]));
+        let read: Vec<Reads> = timed
+            .map(|element| match element.reads() {
+                // A force that reads nothing else acts on the momenta as one that reads coordinates.
+                Reads::Nothing if element.displacements().next().is_some() => Reads::Coordinates,
+                reads => reads,
+            })
+            .collect();
         if read.contains(&Reads::Momenta) {
             return None;
         }

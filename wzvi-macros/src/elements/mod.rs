@@ -21,6 +21,8 @@ pub(crate) mod collect;
 pub(crate) mod describe;
 pub(crate) mod emit;
 pub(crate) mod flows;
+pub(crate) mod friction;
+pub(crate) mod kinetic;
 pub(crate) mod parts;
 pub(crate) mod plan;
 pub(crate) mod split;

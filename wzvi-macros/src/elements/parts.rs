@@ -1,7 +1,7 @@
 //! The parts of the step Hamiltonian as sums of elements, each with the increments that weigh it: `ℓ_e = -w c_e H_e(P, Q_l)`
 //! is an element of the discrete Lagrangian, and its slopes and curvatures are those of `D_1 L_d`, `D_2 L_d` and `∂L_d/∂P`.
 
-use crate::discretise::facts::{Facts, drift_and_noise};
+use crate::discretise::facts::{Facts, summed};
 use crate::discretise::quadrature::{Part, Quadrature};
 use crate::discretise::sums::{Sum, Weighted};
 use crate::model::{Element, System};
@@ -19,8 +19,8 @@ pub(crate) struct PartElements {
 
 /// The parts that the schemes of `system` add up.
 pub(crate) fn parts(system: &System, facts: &Facts) -> Vec<PartElements> {
-    let [drift, noise] = drift_and_noise(system, |term| &term.values);
-    let [parted_drift, parted_noise] = drift_and_noise(system, |term| &term.elements);
+    let [drift, noise, force] = summed(system, |term| &term.values);
+    let [parted_drift, parted_noise, parted_force] = summed(system, |term| &term.elements);
     let counter_term = facts.counter_term.clone().unwrap_or_default();
     let schemes = system.embeddings.iter().map(|known| Quadrature::new(facts, &known.value));
     let schemes: Vec<Quadrature> = schemes.collect();
@@ -28,6 +28,7 @@ pub(crate) fn parts(system: &System, facts: &Facts) -> Vec<PartElements> {
         (Part::Drift, drift, parted_drift),
         (Part::Noise, noise, parted_noise),
         (Part::CounterTerm, counter_term.clone(), counter_term),
+        (Part::Force, force, parted_force),
     ];
     let used = sums.into_iter().filter_map(|(part, values, elements)| {
         let weights: Vec<_> = schemes.iter().filter_map(|scheme| scheme.weight_of(part)).collect();

@@ -60,12 +60,15 @@ pub(crate) fn strategy(
 
 /// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor increments.
 fn has_constant_curvature(system: &mut System) -> bool {
-    let System { graph, drift, noise, t, .. } = system;
+    let System { graph, drift, noise, force, t, .. } = system;
     let mut curvature = |element: &Element, allowed: &dyn Fn(&Graph, Expr, &[Symbol]) -> bool| {
         let read = element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol);
         let state: Vec<Symbol> = read.collect();
         let moving = [state.as_slice(), &[*t]].concat();
-        state.iter().all(|&x| {
+        // The components of a covector are in the place of slopes already.
+        let displacements: Vec<Symbol> = element.displacements().map(|(symbol, _)| symbol).collect();
+        let slopes = if displacements.is_empty() { &state } else { &displacements };
+        slopes.iter().all(|&x| {
             let slope = graph.derivative(element.value, x);
             state.iter().all(|&y| {
                 let curvature = graph.derivative(slope, y);
@@ -74,7 +77,8 @@ fn has_constant_curvature(system: &mut System) -> bool {
         })
     };
     let mut of_noise = noise.iter().flat_map(|noise| &noise.term.elements);
-    drift.elements.iter().all(|e| curvature(e, &|graph, value, moving| !graph.depends_on(value, moving)))
+    let mut of_drift = drift.elements.iter().chain(force.iter().flat_map(|force| &force.elements));
+    of_drift.all(|e| curvature(e, &|graph, value, moving| !graph.depends_on(value, moving)))
         && of_noise.all(|e| curvature(e, &|graph, value, _| graph.is_zero(value)))
 }
 
@@ -85,8 +89,8 @@ fn unknowns(model: &System, facts: &Facts, embedding: &Embedding) -> Unknowns {
     };
     let has_forces = |(part, _): &(Part, Rational)| match part {
         Part::Drift => reads_q(&model.drift),
-        Part::Noise => model.noise.iter().any(|noise| reads_q(&noise.term)),
-        Part::CounterTerm => true,
+        Part::Noise => model.noise.iter().any(|noise| noise.is_force || reads_q(&noise.term)),
+        Part::CounterTerm | Part::Force => true,
     };
     // The counter-term reads coordinates and momenta.
     let is_simple = |(part, _): &(Part, Rational)| *part != Part::CounterTerm;

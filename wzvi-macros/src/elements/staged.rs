@@ -4,33 +4,14 @@ use std::fmt::Write;
 
 use crate::discretise::facts::Facts;
 use crate::elements::describe::{hamiltonians, noise_numbers};
+use crate::elements::kinetic::Kinetic;
 use crate::model::{Element, Reads, System};
-use crate::symbolic::{Rational, Symbol};
 
-/// Whether the step Hamiltonian is a constant quadratic form of the momenta plus a function of coordinates and time.
+/// Whether the step Hamiltonian is a constant quadratic form of the momenta plus a function of coordinates and time, and forces read no more.
 pub(crate) fn is_nystrom(model: &mut System, facts: &Facts) -> bool {
-    let System { graph, drift, noise, t, .. } = model;
     let moves = |element: &Element| matches!(element.reads(), Reads::Momenta | Reads::Both);
-    let is_noisy = noise.iter().flat_map(|noise| &noise.term.elements).any(moves);
-    let is_quadratic = drift.elements.iter().filter(|element| moves(element)).all(|element| {
-        let momenta: Vec<Symbol> = element.momenta().map(|(symbol, _)| symbol).collect();
-        let moving = [momenta.as_slice(), &[*t]].concat();
-        momenta.iter().all(|&p| {
-            let velocity = graph.derivative(element.value, p);
-            let mut rest = vec![(velocity, Rational::ONE)];
-            for &other in &momenta {
-                let mass = graph.derivative(velocity, other);
-                if graph.depends_on(mass, &moving) {
-                    return false;
-                }
-                let other = graph.symbol(other);
-                rest.push((graph.multiply(mass, other), Rational::MINUS_ONE));
-            }
-            let rest = graph.linear_combination(&rest);
-            graph.is_zero(rest)
-        })
-    });
-    facts.is_separable && !is_noisy && is_quadratic
+    let is_noisy = model.noise.iter().flat_map(|noise| &noise.term.elements).any(moves);
+    facts.is_separable && !is_noisy && model.conformal.is_none() && Kinetic::of(model).is_some()
 }
 
 /// The text of `Gauss<stages>`, without its facts.

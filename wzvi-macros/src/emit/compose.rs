@@ -48,6 +48,10 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
     let mut generated = TokenStream::new();
     for (embedding, text) in &texts.listed {
         let scheme = embedding_type(embedding, &quote!(__wzvi));
+        if embedding.is_thermostat() {
+            generated.extend(thermostat(embedding, text).emit(item, &item.generics, &scheme));
+            continue;
+        }
         let flows = texts.flows.filter(|_| *embedding == Embedding::Verlet);
         let structure = match flows {
             None => quote!(__wzvi::compose::General),
@@ -113,6 +117,22 @@ fn composed_of(item: &ItemStruct, base: &TokenStream, composed: &Composed, text:
         substeps: quote!(<__W as #weights>::substeps()),
     };
     composition.emit(item, &generics, &quote!(__wzvi::embedding::Composed<#base, __W>))
+}
+
+/// A step with parts in which friction and noise of a bath act.
+fn thermostat(embedding: &Embedding, text: &str) -> Composition {
+    let sequence = match embedding {
+        Embedding::Thermostat(inner) => {
+            let inner = embedding_type(inner, &quote!(__wzvi));
+            quote!(__wzvi::bath::Around<#inner>)
+        }
+        word => {
+            let word = embedding_type(word, &quote!(__wzvi));
+            quote!(__wzvi::bath::Splitting<#word>)
+        }
+    };
+    let order = proc_macro2::Literal::u32_unsuffixed(embedding.order());
+    Composition { sequence, order: quote!(#order), text: quote!(#text), substeps: quote!([]) }
 }
 
 /// What steps of a scheme are made of for a structure.

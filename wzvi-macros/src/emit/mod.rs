@@ -1,5 +1,6 @@
 //! From equations to Rust: the struct as written, its traits, and nothing that the scene does not use.
 
+pub(crate) mod bath;
 pub(crate) mod compose;
 pub(crate) mod discretized;
 mod gauss;
@@ -20,16 +21,19 @@ use crate::describe::Texts;
 use crate::discretise::Scheme;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
+use crate::elements::kinetic::Kinetic;
 use crate::model::Model;
 
 pub(crate) use names::{Names, Surroundings, readable};
 pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
-pub(crate) use system::{count, number_of, parameter, parameter_names};
+pub(crate) use system::{count, friction_rate, number_of, parameter, parameter_names, variables};
 
 /// Steps that are emitted another way, and what they read of the struct.
 #[derive(Default)]
 pub(crate) struct Beside {
+    /// The kinetic energy, where a thermostat needs to know.
+    pub(crate) kinetic: Option<Kinetic>,
     pub(crate) generated: TokenStream,
     pub(crate) user_tokens: Vec<TokenStream>,
 }
@@ -49,6 +53,7 @@ pub(crate) fn emit(
     generated.extend(beside.generated);
     generated.extend(gauss::emit(model, facts, texts));
     generated.extend(parts::emit(model, facts, texts));
+    generated.extend(bath::emit(model, beside.kinetic));
     let surroundings = Surroundings {
         crate_path: &model.crate_path,
         tokens: with_header(
@@ -134,6 +139,9 @@ pub(crate) fn embedding_type(embedding: &Embedding, wzvi: &impl ToTokens) -> Tok
             let (drift, noise) = (embedding_type(drift, wzvi), embedding_type(noise, wzvi));
             quote!(#wzvi::embedding::Mixed<#drift, #noise>)
         }
+        Embedding::Baoab => quote!(#wzvi::embedding::Baoab),
+        Embedding::Obabo => quote!(#wzvi::embedding::Obabo),
+        Embedding::Thermostat(inner) => wrapped("Thermostat", inner),
         Embedding::Corrected(inner) => wrapped("Corrected", inner),
         Embedding::Uncorrected(inner) => wrapped("Uncorrected", inner),
     }

@@ -8,6 +8,7 @@ use quote::{format_ident, quote};
 use super::names::Names;
 use super::print::{Printer, f64_type};
 use super::program::{Level, Lowering, Op};
+use crate::input::Labels;
 use crate::model::{Model, Parameter};
 use crate::symbolic::{Expr, Graph, Symbol};
 
@@ -71,14 +72,25 @@ pub(crate) fn body(
     scalar: &TokenStream,
     roots: &[Expr],
 ) -> Body {
-    let mut lowering = Lowering::new(&mut model.graph, inputs.definitions.clone());
+    evaluation((&mut model.graph, &model.parameters), letters, inputs, scalar, roots)
+}
+
+/// The same with a graph and the parameters that it reads.
+pub(crate) fn evaluation(
+    (graph, parameters): (&mut Graph, &[Parameter]),
+    letters: &Letters,
+    inputs: &Inputs,
+    scalar: &TokenStream,
+    roots: &[Expr],
+) -> Body {
+    let mut lowering = Lowering::new(graph, inputs.definitions.clone());
     let mut bound: Vec<(Op, Ident)> = Vec::new();
     for (symbol, name, level) in &inputs.names {
         lowering.program.declare(*symbol, *level);
         bound.push((lowering.program.input(*symbol), name.clone()));
     }
     let mut reads = Vec::new();
-    for (name, parameter) in letters.parameters.iter().zip(&model.parameters) {
+    for (name, parameter) in letters.parameters.iter().zip(parameters) {
         lowering.program.declare(parameter.symbol, Level::Prepared);
         let op = lowering.program.input(parameter.symbol);
         reads.push((op, name.clone(), &parameter.tokens));
@@ -107,8 +119,8 @@ pub(crate) fn body(
 /// `impl Hamiltonian`
 pub(crate) fn emit(model: &mut Model) -> TokenStream {
     let (f64, degrees) = (f64_type(), count(model.phase.q.len()));
-    let noises = (!model.noise.is_empty()).then(|| {
-        let noises = count(model.noise.len());
+    let noises = (model.noises() > 0).then(|| {
+        let noises = count(model.noises());
         number_of("noises", &quote!(#noises))
     });
     let invariants = (!model.invariants.is_empty()).then(|| {
@@ -116,9 +128,13 @@ pub(crate) fn emit(model: &mut Model) -> TokenStream {
         number_of("invariants", &quote!(#invariants))
     });
     let parameter = parameter(&model.graph, &model.parameters);
-    let terms: Vec<Expr> = [model.drift].iter().chain(&model.noise).map(|term| term.value).collect();
+    let variables = variables(&model.labels, model.graph.symbol_name(model.phase.t));
+    let mut terms: Vec<Expr> = [model.drift].iter().chain(&model.noise).map(|term| term.value).collect();
+    // Noise forces have no energy.
+    terms.extend(model.noise_forces.iter().map(|_| model.graph.integer(0)));
     let evaluate = evaluate(model, &terms);
     let differentiate = differentiate(model, &terms);
+    let (force, friction) = (force(model), friction(model));
     let invariant = invariant(model);
 
     let name = &model.item.ident;
@@ -132,9 +148,13 @@ pub(crate) fn emit(model: &mut Model) -> TokenStream {
                 #degrees
             }
 
+            #friction
+
             #noises
 
             #invariants
+
+            #variables
 
             #parameter
 
@@ -142,7 +162,51 @@ pub(crate) fn emit(model: &mut Model) -> TokenStream {
 
             #differentiate
 
+            #force
+
             #invariant
+        }
+    }
+}
+
+/// `Hamiltonian::force`; nothing if there is none.
+fn force(model: &mut Model) -> Option<TokenStream> {
+    let components = vec![model.force.clone()?];
+    let arms =
+        arms(model, &quote!(__S), &components, &|values| quote!(__wzvi::covector(__into, [#(#values),*])));
+    let f64 = f64_type();
+    Some(quote! {
+        const IS_FORCED: __wzvi::bool = true;
+
+        fn force<__S: __wzvi::Scalar>(&self, __q: &[__S], __p: &[__S], __t: #f64, __into: &mut [__S]) {
+            match (0, __q, __p) {
+                #(#arms)*
+                _ => __into.fill(__S::from_f64(#f64::NAN)),
+            }
+        }
+    })
+}
+
+/// The rate of friction that steps take in; nothing if there is none.
+fn friction(model: &mut Model) -> Option<TokenStream> {
+    let rate = model.conformal?;
+    Some(friction_rate(&mut model.graph, &model.parameters, rate))
+}
+
+/// What a system with friction that steps take in says of itself.
+pub(crate) fn friction_rate(graph: &mut Graph, parameters: &[Parameter], rate: Expr) -> TokenStream {
+    let f64 = f64_type();
+    let mut names = Names::beside(&[]);
+    let own = parameter_names(&mut names, graph, parameters);
+    let letters = Letters { q: Vec::new(), p: Vec::new(), parameters: own, names };
+    let Body { statements, values } =
+        evaluation((graph, parameters), &letters, &Inputs::default(), &f64, &[rate]);
+    let rate = quote!(#statements #(#values)*);
+    quote! {
+        const IS_CONFORMAL: __wzvi::bool = true;
+
+        fn friction_rate(&self) -> #f64 {
+            #rate
         }
     }
 }
@@ -180,10 +244,16 @@ fn evaluate(model: &mut Model, terms: &[Expr]) -> TokenStream {
 /// `Hamiltonian::differentiate`
 fn differentiate(model: &mut Model, terms: &[Expr]) -> TokenStream {
     let symbols: Vec<Symbol> = model.phase.q.iter().chain(&model.phase.p).copied().collect();
-    let gradients: Vec<Vec<Expr>> = terms
+    let mut gradients: Vec<Vec<Expr>> = terms
         .iter()
         .map(|&term| symbols.iter().map(|&symbol| model.graph.derivative(term, symbol)).collect())
         .collect();
+    let first = gradients.len() - model.noise_forces.len();
+    for (gradient, force) in gradients[first..].iter_mut().zip(&model.noise_forces) {
+        for (slope, &component) in gradient.iter_mut().zip(force) {
+            *slope = model.graph.negate(component);
+        }
+    }
     let d = model.phase.q.len();
     let arms = arms(model, &quote!(__S), &gradients, &|values| {
         let (by_q, by_p) = values.split_at(d);
@@ -248,6 +318,30 @@ pub(crate) fn parameter(graph: &Graph, parameters: &[Parameter]) -> Option<Token
     })
 }
 
+/// What people are told that the variables are called; the default of the trait if that is the same.
+pub(crate) fn variables(labels: &[Labels; 2], t: &str) -> Option<TokenStream> {
+    let is_default = |labels: &Labels, name: &str| match labels {
+        Labels::Each(names) => *names == [name],
+        Labels::Array(array, inner) => array == name && inner.is_empty(),
+    };
+    let [q, p] = labels;
+    if t == "t" && is_default(q, "q") && is_default(p, "p") {
+        return None;
+    }
+    let [q, p] = labels.each_ref().map(|labels| match labels {
+        Labels::Each(names) => quote!(__wzvi::Labels::Each(&[#(#names),*])),
+        Labels::Array(name, inner) => {
+            let inner = inner.iter().map(|&length| count(length));
+            quote!(__wzvi::Labels::Array { name: #name, inner: &[#(#inner),*] })
+        }
+    });
+    Some(quote! {
+        fn variables(&self) -> __wzvi::Variables {
+            __wzvi::Variables { q: #q, p: #p, t: #t }
+        }
+    })
+}
+
 /// One match arm per entry of `roots`, on (index, q, p); `t` is in scope.
 fn arms(
     model: &mut Model,
@@ -255,7 +349,7 @@ fn arms(
     roots: &[Vec<Expr>],
     finish: &dyn Fn(&[TokenStream]) -> TokenStream,
 ) -> Vec<TokenStream> {
-    let letters = Letters::of(model, Names::beside(&["t", "by_q", "by_p"]));
+    let letters = Letters::of(model, Names::beside(&["t", "by_q", "by_p", "into"]));
     let (q, p) = (&letters.q, &letters.p);
     let state = model.phase.q.iter().zip(q).chain(model.phase.p.iter().zip(p));
     let mut names: Vec<_> = state.map(|(&symbol, name)| (symbol, name.clone(), Level::State)).collect();

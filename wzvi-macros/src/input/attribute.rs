@@ -14,7 +14,19 @@ use crate::functions::Library;
 use crate::model::Located;
 
 /// The keys that users know, and [`STRATEGY`].
-pub(super) const KEYS: [&str; 6] = ["drift", "noise", "embedding", "invariant", "crate", STRATEGY];
+pub(super) const KEYS: [&str; 11] = [
+    "drift",
+    "noise",
+    "force",
+    "noise_force",
+    "friction",
+    "damping",
+    "temperature",
+    "embedding",
+    "invariant",
+    "crate",
+    STRATEGY,
+];
 
 /// How steps are emitted, whatever costs less: for tests that compare one way with the other.
 const STRATEGY: &str = "__strategy";
@@ -25,6 +37,13 @@ pub(crate) struct Declaration {
     /// The other part of the drift, where it is `drift = [H_A, H_B]`.
     pub(crate) second_part: Option<Hamiltonian>,
     pub(crate) noise: Vec<Hamiltonian>,
+    /// A covector beside the drift.
+    pub(crate) force: Option<Hamiltonian>,
+    /// Covectors that drive a Wiener process each.
+    pub(crate) noise_forces: Vec<Hamiltonian>,
+    pub(crate) friction: Option<Friction>,
+    /// `kT`
+    pub(crate) temperature: Option<Given>,
     pub(crate) invariants: Vec<Hamiltonian>,
     pub(crate) embeddings: Vec<Located<Embedding>>,
     /// The types that were read as `embeddings`, in their order.
@@ -39,10 +58,34 @@ pub(crate) struct Declaration {
 }
 
 impl Declaration {
-    /// Every closure, the drift first.
-    pub(crate) fn closures(&self) -> impl Iterator<Item = &Hamiltonian> {
+    /// Every closure whose value is a number, the drift first.
+    pub(crate) fn hamiltonians(&self) -> impl Iterator<Item = &Hamiltonian> {
         self.drift.iter().chain(&self.second_part).chain(&self.noise).chain(&self.invariants)
     }
+
+    /// Every closure whose value is a covector.
+    pub(crate) fn covectors(&self) -> impl Iterator<Item = &Hamiltonian> {
+        self.force.iter().chain(&self.noise_forces)
+    }
+
+    /// Every closure over phase space, the drift first.
+    pub(crate) fn closures(&self) -> impl Iterator<Item = &Hamiltonian> {
+        self.hamiltonians().chain(self.covectors())
+    }
+}
+
+/// What draws on the momenta: `friction` or `damping`.
+pub(crate) struct Friction {
+    /// Whether it is `damping`, a matrix.
+    pub(crate) is_matrix: bool,
+    pub(crate) given: Given,
+}
+
+/// An expression of fields, or of fields and coordinates: a closure.
+pub(crate) struct Given {
+    pub(crate) value: syn::Expr,
+    /// As it was written.
+    pub(crate) tokens: TokenStream,
 }
 
 /// How a system is emitted.
@@ -80,6 +123,10 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
         drift: None,
         second_part: None,
         noise: Vec::new(),
+        force: None,
+        noise_forces: Vec::new(),
+        friction: None,
+        temperature: None,
         invariants: Vec::new(),
         embeddings: Vec::new(),
         embedding_types: Vec::new(),
@@ -125,6 +172,17 @@ fn read_entry(declaration: &mut Declaration, key: &str, entry: &Entry, diagnosti
             }
         }
         "noise" => declaration.noise = entry.hamiltonians(diagnostics),
+        "force" => declaration.force = diagnostics.accept(entry.parse(hamiltonian)),
+        "noise_force" => declaration.noise_forces = entry.hamiltonians(diagnostics),
+        "friction" | "damping" if declaration.friction.is_some() => {
+            diagnostics.report(messages::friction_and_damping(&entry.key));
+        }
+        "friction" | "damping" => {
+            let is_matrix = key == "damping";
+            let given = diagnostics.accept(entry.given());
+            declaration.friction = given.map(|given| Friction { is_matrix, given });
+        }
+        "temperature" => declaration.temperature = diagnostics.accept(entry.given()),
         "invariant" => {
             declaration.invariants = entry.hamiltonians(diagnostics);
             declaration.invariants.retain(|invariant| match &invariant.family {
@@ -171,6 +229,10 @@ impl Entry {
         whole.parse2(TokenTree::Group(group).into())
     }
 
+    fn given(&self) -> syn::Result<Given> {
+        Ok(Given { value: self.parse(expression)?, tokens: self.value.clone() })
+    }
+
     fn hamiltonians(&self, diagnostics: &mut Diagnostics) -> Vec<Hamiltonian> {
         let Some(list) = diagnostics.accept(self.parse(hamiltonian_list)) else { return Vec::new() };
         if list.is_empty() {
@@ -189,6 +251,10 @@ impl Entry {
 }
 
 fn rest(input: ParseStream<'_>) -> syn::Result<TokenStream> {
+    input.parse()
+}
+
+fn expression(input: ParseStream<'_>) -> syn::Result<syn::Expr> {
     input.parse()
 }
 

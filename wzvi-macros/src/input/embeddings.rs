@@ -30,6 +30,11 @@ fn embedding(ty: &Type) -> syn::Result<Embedding> {
     match (name.to_string().as_str(), arguments.as_deref()) {
         ("Gauss", Some([stages])) => gauss(ty, stages),
         ("Gauss", _) => Err(messages::scheme_arguments(ty, "Gauss<4>")),
+        ("Thermostat", Some([GenericArgument::Type(inner)])) => thermostat(inner),
+        ("Thermostat", _) => Err(messages::scheme_arguments(ty, "Thermostat<Midpoint>")),
+        ("Baoab", None) => Ok(Embedding::Baoab),
+        ("Obabo", None) => Ok(Embedding::Obabo),
+        (plain @ ("Baoab" | "Obabo"), Some(_)) => Err(messages::scheme_arguments(ty, plain)),
         ("Verlet", None) => Ok(Embedding::Verlet),
         ("Verlet", Some(_)) => Err(messages::scheme_arguments(ty, "Verlet")),
         ("Composed", Some([GenericArgument::Type(base), _])) => Err(messages::composed(ty, base)),
@@ -37,6 +42,14 @@ fn embedding(ty: &Type) -> syn::Result<Embedding> {
         ("Uncorrected", Some([inner])) => Ok(Embedding::Uncorrected(Box::new(unwrapped(inner)?))),
         ("Corrected" | "Uncorrected", _) => Err(messages::scheme_arguments(ty, "Corrected<Midpoint>")),
         (_, arguments) => bare(ty, name, arguments),
+    }
+}
+
+/// `Thermostat<E>`
+fn thermostat(inner: &Type) -> syn::Result<Embedding> {
+    match embedding(inner)? {
+        inside if inside.is_thermostat() => Err(messages::thermostat_inside(inner)),
+        inside => Ok(Embedding::Thermostat(Box::new(inside))),
     }
 }
 

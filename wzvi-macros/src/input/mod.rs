@@ -9,9 +9,9 @@ mod phase_space;
 mod spelling;
 mod system;
 
-pub(crate) use attribute::{Declaration, Emission, Hamiltonian, read_attribute};
+pub(crate) use attribute::{Declaration, Emission, Friction, Given, Hamiltonian, read_attribute};
 pub(crate) use groups::peeled;
 pub(crate) use nesting::too_deep;
-pub(crate) use phase_space::{Length, PhaseSpace, Shape, read_phase_space};
+pub(crate) use phase_space::{Labels, Length, PhaseSpace, Shape, read_phase_space};
 pub(crate) use spelling::closest;
 pub(crate) use system::{Container, Field, Kind, is_integer_type, read_struct, source};

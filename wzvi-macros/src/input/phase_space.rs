@@ -42,6 +42,30 @@ impl PartialEq for Length {
 
 impl Eq for Length {}
 
+/// What people are to be told that components of coordinates or momenta are called.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) enum Labels {
+    /// A name each.
+    Each(Vec<String>),
+    /// Elements of an array with a name, whose elements are arrays of these lengths.
+    Array(String, Vec<usize>),
+}
+
+impl Labels {
+    fn of(pattern: &Pat, shape: &Shape, fallback: &str) -> Self {
+        match shape {
+            Shape::Array(element, _) if is_named_array(pattern) => {
+                Self::Array(array_name(pattern, fallback), element.lengths())
+            }
+            _ => {
+                let mut names = Vec::new();
+                name(pattern, shape, fallback, &mut names);
+                Self::Each(names)
+            }
+        }
+    }
+}
+
 /// The arrangement and the names of coordinates, momenta and time.
 pub(crate) struct PhaseSpace {
     pub(crate) shape: Shape,
@@ -50,6 +74,8 @@ pub(crate) struct PhaseSpace {
     /// Names in the order of the state vector (row-major), if the compiler knows the size.
     pub(crate) q: Vec<String>,
     pub(crate) p: Vec<String>,
+    /// The same for people, whatever the size.
+    pub(crate) labels: [Labels; 2],
     pub(crate) t: String,
 }
 
@@ -67,6 +93,14 @@ impl Shape {
             Self::Real => Some(1),
             Self::Array(element, Length::Literal(len)) => element.size()?.checked_mul(*len),
             Self::Array(..) => None,
+        }
+    }
+
+    /// The lengths of arrays in arrays, from the outside in, as far as they are literals.
+    fn lengths(&self) -> Vec<usize> {
+        match self {
+            Self::Array(element, Length::Literal(length)) => [vec![*length], element.lengths()].concat(),
+            _ => Vec::new(),
         }
     }
 
@@ -119,6 +153,8 @@ pub(crate) fn read_phase_space(
     };
     declaration.second_part = declaration.second_part.take().filter(&mut agrees);
     declaration.noise.retain(&mut agrees);
+    declaration.force = declaration.force.take().filter(&mut agrees);
+    declaration.noise_forces.retain(&mut agrees);
     declaration.invariants.retain(&mut agrees);
     phase_space
 }
@@ -140,7 +176,9 @@ fn declared(drift: &Hamiltonian) -> syn::Result<PhaseSpace> {
         return Err(messages::too_many_degrees(q, DEGREES));
     }
     let whole = [array_name(q, "q"), array_name(p, "p")];
-    let mut names = PhaseSpace { shape, names: whole, q: Vec::new(), p: Vec::new(), t: "t".to_owned() };
+    let labels = [Labels::of(q, &shape, "q"), Labels::of(p, &shape, "p")];
+    let (t_name, none) = ("t".to_owned(), Vec::new());
+    let mut names = PhaseSpace { shape, names: whole, q: none.clone(), p: none, labels, t: t_name };
     if has_names {
         name(q, &names.shape, "q", &mut names.q);
         name(p, &names.shape, "p", &mut names.p);

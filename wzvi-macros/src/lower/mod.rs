@@ -4,6 +4,7 @@
 mod arrays;
 mod calls;
 mod control;
+mod covectors;
 mod dereference;
 mod floats;
 mod integers;
@@ -54,13 +55,23 @@ pub(crate) fn lower(
     interpreter.root = Some(&declaration.library);
     let space = Space::new(&mut interpreter, &phase_space.shape, t);
 
-    let drift = declaration.drift.as_ref().map(|drift| space.term(&mut interpreter, drift, None));
-    let second_part = declaration.second_part.as_ref().map(|part| space.term(&mut interpreter, part, None));
-    let noise: Vec<_> = declaration.noise.iter().map(|noise| space.noise(&mut interpreter, noise)).collect();
+    let drift =
+        declaration.drift.as_ref().map(|drift| space.term(&mut interpreter, drift, None, Kind::Energy));
+    let second_part =
+        declaration.second_part.as_ref().map(|part| space.term(&mut interpreter, part, None, Kind::Energy));
+    let listed = declaration.noise.iter().map(|noise| (noise, Kind::Energy));
+    let forces = declaration.noise_forces.iter().map(|noise| (noise, Kind::Covector));
+    let noise: Vec<_> =
+        listed.chain(forces).map(|(noise, kind)| space.noise(&mut interpreter, noise, kind)).collect();
+    let force =
+        declaration.force.as_ref().map(|force| space.term(&mut interpreter, force, None, Kind::Covector));
+    let friction = declaration.friction.as_ref().map(|given| space.friction(&mut interpreter, given));
+    let temperature =
+        declaration.temperature.as_ref().map(|given| space.temperature(&mut interpreter, given));
     let invariants: Vec<_> = declaration
         .invariants
         .iter()
-        .map(|invariant| space.term(&mut interpreter, invariant, None))
+        .map(|invariant| space.term(&mut interpreter, invariant, None, Kind::Energy))
         .collect();
 
     let (mut graph, symbols, tables, parameters) = interpreter.into_parts();
@@ -80,6 +91,7 @@ pub(crate) fn lower(
         size: space.size,
         components: space.inner.iter().product(),
         names: phase_space.names.clone(),
+        labels: phase_space.labels.clone(),
         symbols,
         t,
         parameters,
@@ -87,6 +99,11 @@ pub(crate) fn lower(
         drift,
         parts,
         noise: noise.into_iter().flatten().collect(),
+        force: required(force)?,
+        friction: required(friction)?,
+        conformal: None,
+        scale: None,
+        temperature: required(temperature)?,
         invariants: invariants.into_iter().collect::<Option<_>>()?,
         embeddings: declaration.embeddings,
         item: container.item,
@@ -94,6 +111,22 @@ pub(crate) fn lower(
         emission: declaration.emission,
         type_checks,
     })
+}
+
+/// What was declared; `None` if that was not understood.
+fn required<T>(declared: Option<Option<T>>) -> Option<Option<T>> {
+    match declared {
+        Some(None) => None,
+        Some(known) => Some(known),
+        None => Some(None),
+    }
+}
+
+/// What the value of a closure is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Kind {
+    Energy,
+    Covector,
 }
 
 /// The phase space as closures see it.
@@ -134,20 +167,27 @@ impl<'s> Space<'s> {
     }
 
     /// A noise, or a family of them. Members that differ in more than a number are noises of their own.
-    fn noise<'a>(&self, interpreter: &mut Interpreter<'a, '_>, noise: &'a Hamiltonian) -> Option<Vec<Noise>> {
+    fn noise<'a>(
+        &self,
+        interpreter: &mut Interpreter<'a, '_>,
+        noise: &'a Hamiltonian,
+        kind: Kind,
+    ) -> Option<Vec<Noise>> {
+        let is_force = kind == Kind::Covector;
         let Some(count) = &noise.family else {
-            return Some(vec![Noise { term: self.term(interpreter, noise, None)?, family: None }]);
+            let term = self.term(interpreter, noise, None, kind)?;
+            return Some(vec![Noise { term, family: None, is_force }]);
         };
         let count = family_count(interpreter, count)?;
         let variable = interpreter.symbols.variable(0);
         let range = Loop { variable, start: Index::default(), end: count.clone() };
-        let term = self.term(interpreter, noise, Some(Member::Any(&range)));
+        let term = self.term(interpreter, noise, Some(Member::Any(&range)), kind);
         if !interpreter.takes_turns(variable) {
-            return Some(vec![Noise { term: term?, family: Some(Family { variable, count }) }]);
+            return Some(vec![Noise { term: term?, family: Some(Family { variable, count }), is_force }]);
         }
         let members = (0..count.as_integer()?).map(|member| {
-            let term = self.term(interpreter, noise, Some(Member::Known(member)))?;
-            Some(Noise { term, family: None })
+            let term = self.term(interpreter, noise, Some(Member::Known(member)), kind)?;
+            Some(Noise { term, family: None, is_force })
         });
         members.collect()
     }
@@ -158,23 +198,37 @@ impl<'s> Space<'s> {
         interpreter: &mut Interpreter<'a, '_>,
         hamiltonian: &'a Hamiltonian,
         member: Option<Member<'_>>,
+        kind: Kind,
     ) -> Option<Term> {
         let closure = &hamiltonian.closure;
         if let ReturnType::Type(_, ty) = &closure.output
+            && kind == Kind::Energy
             && !names::is_real_type(ty)
         {
             interpreter.report(messages::return_type(ty));
             return None;
         }
+        self.lowered(interpreter, &closure.body, |interpreter| {
+            self.value(interpreter, hamiltonian, member, kind)
+        })
+    }
+
+    /// What `evaluate` makes of `body`.
+    fn lowered<'a, 'd>(
+        &self,
+        interpreter: &mut Interpreter<'a, 'd>,
+        body: &'a Syntax,
+        evaluate: impl FnOnce(&mut Interpreter<'a, 'd>) -> Option<Expr>,
+    ) -> Option<Term> {
         let mistakes = interpreter.mistakes();
         interpreter.start();
-        let value = self.value(interpreter, hamiltonian, member);
+        let value = evaluate(interpreter);
         let is_explained = interpreter.mistakes() > mistakes || interpreter.awaits_definitions();
         if value.is_none() && !is_explained && !interpreter.is_abandoned() {
             // All else that fails in silence is arithmetic on indices.
-            interpreter.report(expressions::integer_arithmetic(interpreter::result_of(&closure.body)));
+            interpreter.report(expressions::integer_arithmetic(interpreter::result_of(body)));
         }
-        let extent = Extent::of(&closure.body);
+        let extent = Extent::of(body);
         Some(Term { expression: value?, elements: Vec::new(), values: Vec::new(), extent })
     }
 
@@ -183,6 +237,7 @@ impl<'s> Space<'s> {
         interpreter: &mut Interpreter<'a, '_>,
         hamiltonian: &'a Hamiltonian,
         member: Option<Member<'_>>,
+        kind: Kind,
     ) -> Option<Expr> {
         let closure = &hamiltonian.closure;
         let q = self.vector(interpreter, Origin::Coordinates);
@@ -204,7 +259,11 @@ impl<'s> Space<'s> {
                 interpreter.bind(pattern, value);
             }
             let value = interpreter.evaluate(&closure.body);
-            interpreter.energy(value, interpreter::result_of(&closure.body))
+            let result = interpreter::result_of(&closure.body);
+            match kind {
+                Kind::Energy => interpreter.energy(value, result),
+                Kind::Covector => self.covector(interpreter, value, result),
+            }
         })
     }
 }

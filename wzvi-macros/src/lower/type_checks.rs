@@ -10,14 +10,26 @@ use syn::visit_mut::VisitMut;
 use super::dereference::Dereference;
 use super::scope::context;
 use crate::emit::embedding_type;
-use crate::input::{Container, Declaration, Field, Hamiltonian, Kind, Shape};
+use crate::input::{Container, Declaration, Field, Given, Hamiltonian, Kind, Shape};
 
 /// A block of dead code with every closure, its parameters typed by the phase space, and with every scheme as it was
 /// written: it has to name the type that it was read as, and its import is in use.
 pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: &Shape) -> TokenStream {
     let name = &system.item.ident;
     let (parameters, arguments, condition) = system.item.generics.split_for_impl();
-    let checks = declaration.closures().map(|hamiltonian| check(system, hamiltonian));
+    let energies = declaration
+        .hamiltonians()
+        .map(|hamiltonian| check(system, hamiltonian, with_plain_scalars(system, hamiltonian)));
+    let covectors = declaration.covectors().map(|covector| {
+        let entries = match shape {
+            Shape::Real => quote!(__wzvi_real),
+            Shape::Array(..) => quote!(__wzvi_entries),
+        };
+        check(system, covector, with_entries(system, covector, &entries))
+    });
+    let given = declaration.friction.iter().map(|friction| &friction.given).chain(&declaration.temperature);
+    let given = given.map(|given| check_given(system, given));
+    let checks = energies.chain(covectors).chain(given);
     let schemes = declaration.embeddings.iter().zip(&declaration.embedding_types).map(|(embedding, written)| {
         let meant = embedding_type(&embedding.value, &declaration.crate_path);
         quote! { __wzvi_scheme(::core::marker::PhantomData::<#meant>, ::core::marker::PhantomData::<#written>); }
@@ -31,6 +43,16 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
     });
     let declared = quote! { #( #declared )* };
     let real = quote! { ::core::primitive::f64 };
+    let of_covectors = declaration.covectors().next().map(|_| match shape {
+        Shape::Real => quote! { fn __wzvi_real(_: #real) -> #real { 0.0 } },
+        Shape::Array(point, _) => {
+            let entry = point.tokens();
+            quote! { fn __wzvi_entries<I: ::core::iter::IntoIterator<Item = #entry>>(_: I) -> #real { 0.0 } }
+        }
+    });
+    let of_friction = declaration.friction.is_some().then(|| {
+        quote! { fn __wzvi_friction<#declared R, F: ::core::ops::Fn(#vector) -> R>(_: F) {} }
+    });
     // Lints would fire at the user's tokens a second time; `rustc` and clippy see the closures nowhere else, but what
     // they would say about style in generated code helps nobody.
     let allow = quote! {
@@ -60,6 +82,8 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
                             #vector, #vector, #real, ::core::primitive::usize,
                         ) -> #real
                     >(_: F) {}
+                    #of_covectors
+                    #of_friction
                     fn __wzvi_scheme<E>(_: ::core::marker::PhantomData<E>, _: ::core::marker::PhantomData<E>) {}
                     #( #schemes )*
                     #( #checks )*
@@ -69,12 +93,10 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
     }
 }
 
-/// One closure, with the fields it names in scope.
-fn check(system: &Container, hamiltonian: &Hamiltonian) -> TokenStream {
-    let mut used = Vec::new();
-    identifiers(hamiltonian.tokens.clone(), &mut used);
-    let fields = system.fields.iter().flat_map(|field| bindings(field, &used));
-    let closure = with_our_self(with_plain_scalars(system, hamiltonian));
+/// One closure as `rewritten`, with the fields it names in scope.
+fn check(system: &Container, hamiltonian: &Hamiltonian, rewritten: TokenStream) -> TokenStream {
+    let fields = fields_in(system, &hamiltonian.tokens);
+    let closure = with_our_self(rewritten);
     let function = match (hamiltonian.closure.inputs.len(), &hamiltonian.family) {
         (2, None) => quote! { __wzvi_hamiltonian },
         (_, None) => quote! { __wzvi_hamiltonian_of_time },
@@ -88,6 +110,34 @@ fn check(system: &Container, hamiltonian: &Hamiltonian) -> TokenStream {
         quote! {}
     };
     quote! { { #( #fields )* #function #generics (#closure); } }
+}
+
+/// An expression of fields, or a closure of the coordinates.
+fn check_given(system: &Container, given: &Given) -> TokenStream {
+    let fields = fields_in(system, &given.tokens);
+    let expression = with_our_self(given.tokens.clone());
+    if !matches!(given.value, syn::Expr::Closure(_)) {
+        return quote! { { #( #fields )* let _ = #expression; } };
+    }
+    let sizes: Vec<_> = system.item.generics.const_params().map(|size| &size.ident).collect();
+    let generics = (!sizes.is_empty()).then(|| quote! { ::<#( #sizes, )* _, _> });
+    quote! { { #( #fields )* __wzvi_friction #generics (#expression); } }
+}
+
+/// The fields that `tokens` name, as variables.
+fn fields_in(system: &Container, tokens: &TokenStream) -> Vec<TokenStream> {
+    let mut used = Vec::new();
+    identifiers(tokens.clone(), &mut used);
+    system.fields.iter().flat_map(|field| bindings(field, &used)).collect()
+}
+
+/// A closure whose entries are taken by a function inside, so that what it maps may borrow its parameters.
+fn with_entries(system: &Container, covector: &Hamiltonian, entries: &TokenStream) -> TokenStream {
+    let mut closure = plain_scalars(system, covector).unwrap_or_else(|| covector.closure.clone());
+    let body = &closure.body;
+    closure.body = Box::new(syn::parse_quote!({ #entries(#body) }));
+    closure.output = syn::ReturnType::Default;
+    closure.to_token_stream()
 }
 
 /// `let a = self.a;`, with the span of a use: if the closure comes out of a macro, its names are from there. Names
@@ -141,6 +191,12 @@ fn identifiers(tokens: TokenStream, into: &mut Vec<Ident>) {
 
 /// The closure with `*a` written `a` for scalar fields. Untouched, token for token, if there is no such thing.
 fn with_plain_scalars(system: &Container, hamiltonian: &Hamiltonian) -> TokenStream {
+    let plain = plain_scalars(system, hamiltonian);
+    plain.map_or_else(|| hamiltonian.tokens.clone(), |closure| closure.to_token_stream())
+}
+
+/// The same, if there is such a thing.
+fn plain_scalars(system: &Container, hamiltonian: &Hamiltonian) -> Option<syn::ExprClosure> {
     let scalars: Vec<&Ident> = system
         .fields
         .iter()
@@ -151,11 +207,11 @@ fn with_plain_scalars(system: &Container, hamiltonian: &Hamiltonian) -> TokenStr
         })
         .collect();
     if !has_dereference(hamiltonian.tokens.clone(), &scalars) {
-        return hamiltonian.tokens.clone();
+        return None;
     }
     let mut closure = hamiltonian.closure.clone();
     Dereference::new(&scalars).visit_expr_closure_mut(&mut closure);
-    closure.to_token_stream()
+    Some(closure)
 }
 
 /// Whether some `*a` may be a dereference: nothing that ends an operand comes before it.

@@ -70,10 +70,26 @@ impl Symbols {
         match self.of_slot.get(&slot) {
             Some(&known) => known,
             None => {
-                let name = self.slot_name(&slot, tables);
+                let name = match self.named_coordinate(&slot) {
+                    Some(coordinate) => format!("δ{}", graph.symbol_name(coordinate)),
+                    None => self.slot_name(&slot, tables),
+                };
                 self.declare(graph, slot, name)
             }
         }
+    }
+
+    /// The coordinate that is displaced, where it is a variable from the start.
+    fn named_coordinate(&self, slot: &Slot) -> Option<Symbol> {
+        let Slot::Displacement(index) = slot else { return None };
+        let place = usize::try_from(index.as_integer()?).ok()?;
+        self.phase[0].get(place).copied()
+    }
+
+    /// The displacement of each coordinate, where these are variables.
+    pub(crate) fn displacements(&mut self, graph: &mut Graph) -> Vec<Symbol> {
+        let degrees = self.phase[0].len();
+        (0..degrees).map(|i| self.local(graph, Slot::Displacement(Index::integer(i as i128)), &[])).collect()
     }
 
     /// A new variable for a slot that has none.
@@ -113,6 +129,7 @@ impl Symbols {
         match slot {
             Slot::Coordinate(index) => format!("{q}[{}]", self.display(index, tables)),
             Slot::Momentum(index) => format!("{p}[{}]", self.display(index, tables)),
+            Slot::Displacement(index) => format!("δ{q}[{}]", self.display(index, tables)),
             Slot::Number(index) if index.terms.len() == 1 && index.constant == 0 => {
                 self.display(index, tables)
             }
@@ -140,17 +157,24 @@ impl Slot {
         Some(match self {
             Self::Coordinate(index) => Self::Coordinate(f(index)?),
             Self::Momentum(index) => Self::Momentum(f(index)?),
+            Self::Displacement(index) => Self::Displacement(f(index)?),
             Self::Number(index) => Self::Number(f(index)?),
             Self::Entry(table, indices) => Self::Entry(*table, indices.iter().map(f).collect::<Option<_>>()?),
         })
     }
 
+    /// Whether it is what a field holds.
+    pub(crate) fn is_of_field(&self) -> bool {
+        matches!(self, Self::Entry(..))
+    }
+
     /// The indices in it.
     pub(crate) fn indices(&self) -> &[Index] {
         match self {
-            Self::Coordinate(index) | Self::Momentum(index) | Self::Number(index) => {
-                std::slice::from_ref(index)
-            }
+            Self::Coordinate(index)
+            | Self::Momentum(index)
+            | Self::Displacement(index)
+            | Self::Number(index) => std::slice::from_ref(index),
             Self::Entry(_, indices) => indices,
         }
     }

@@ -76,8 +76,8 @@ impl<F: Flows> Sequence<F> for KickDrift {
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let flows = FlowsOf { system, t, h, count: prepared.0.len() };
-        advance(system, &flows, &prepared.0, q, p, dw, memory, carry)
+        let mut flows = FlowsOf { system, t, h, count: prepared.0.len() };
+        advance(system, &mut flows, &prepared.0, q, p, dw, memory, carry)
     }
 
     fn follow(
@@ -88,28 +88,34 @@ impl<F: Flows> Sequence<F> for KickDrift {
     ) -> Option<Followed<F::Vector>> {
         let Stages(stages) = Stages::of(substeps);
         let flows = FlowsOf { system, t: segment.t, h: segment.h, count: stages.len() };
-        flows.follow(&flows, &stages, segment, dw, |_, _, _| 0.0)
+        flows.follow(&mut flows.clone(), &stages, segment, dw, |_, _, _| 0.0)
     }
 }
 
 /// The flows in a step.
-pub(super) struct FlowsOf<'a, F> {
-    pub(super) system: &'a F,
-    pub(super) t: f64,
-    pub(super) h: f64,
+pub(crate) struct FlowsOf<'a, F> {
+    pub(crate) system: &'a F,
+    pub(crate) t: f64,
+    pub(crate) h: f64,
     /// How many parts there are.
-    pub(super) count: usize,
+    pub(crate) count: usize,
+}
+
+impl<F> Clone for FlowsOf<'_, F> {
+    fn clone(&self) -> Self {
+        Self { ..*self }
+    }
 }
 
 impl<F: Flows, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
     #[inline(always)]
     fn take<C: Carry<S>>(
-        &self,
+        &mut self,
         index: usize,
         stage: &Stage,
         rooms: &mut Rooms<S, F::Shape>,
         memory: &mut Memory<S, F::Shape>,
-    ) {
+    ) -> Result<(), StepFailure> {
         let Rooms { q, p, lost_q, lost_p, force, velocity } = rooms;
         let (t, h) = (self.t + stage.node * self.h, stage.share() * self.h);
         match stage.half {
@@ -122,6 +128,7 @@ impl<F: Flows, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
                 self.kick::<S, C>(Origin { t, h }, is_end, q, p, force.as_mut(), lost_p, memory);
             }
         }
+        Ok(())
     }
 }
 
@@ -129,9 +136,9 @@ impl<F: Flows> FlowsOf<'_, F> {
     /// Where parts lead to, by a way to take them. A drift has the discrete Lagrangian `p · Δq - a T(p)`, a kick at `q` has
     /// `-b V(q)` and what `also` says of it. Both sums of weights are 1, so that `T = F(q_0, ·) - V(q_0)` and `V = F(·, p_0) - T(p_0)` sum
     /// up to values of `F`, less `F(q_0, p_0)`.
-    pub(super) fn follow(
+    pub(crate) fn follow(
         &self,
-        taken: &impl Take<f64, F::Shape>,
+        taken: &mut impl Take<f64, F::Shape>,
         stages: &[Stage],
         segment: &Segment<F::Vector>,
         dw: &[f64],
@@ -152,7 +159,7 @@ impl<F: Flows> FlowsOf<'_, F> {
                     moved - stage.weight * value(q0, p, t)
                 }
                 Half::Second => also(index, stage, q) - stage.weight * value(q, p0, t + stage.node * h),
-            });
+            })?;
         followed.action += value(q0, p0, t);
         Some(followed)
     }

@@ -76,7 +76,7 @@ impl<F: Flows, W: GradientTable> Sequence<F> for GradientKicks<W> {
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let flows = FlowsOf { system, t, h, count: prepared.0.len() };
-        advance(system, &Kicks::of::<W>(flows), &prepared.0, q, p, dw, memory, carry)
+        advance(system, &mut Kicks::of::<W>(flows), &prepared.0, q, p, dw, memory, carry)
     }
 
     /// A kick has the discrete Lagrangian `-b V(q) + c |V'(q)|²`.
@@ -90,7 +90,8 @@ impl<F: Flows, W: GradientTable> Sequence<F> for GradientKicks<W> {
         let flows = FlowsOf { system, t: segment.t, h: segment.h, count: stages.0.len() };
         let kicks = Kicks::of::<W>(flows);
         let degrees = segment.q0.components().len();
-        kicks.flows.follow(&kicks, &stages.0, segment, dw, |index, stage, q| {
+        let mut taken = Kicks::of::<W>(kicks.flows.clone());
+        kicks.flows.follow(&mut taken, &stages.0, segment, dw, |index, stage, q| {
             let gradient = kicks.gradient(index);
             if gradient == 0.0 {
                 return 0.0;
@@ -127,12 +128,12 @@ impl<'a, F: Flows> Kicks<'a, F> {
 impl<F: Flows, S: Scalar> Take<S, F::Shape> for Kicks<'_, F> {
     #[inline(always)]
     fn take<C: Carry<S>>(
-        &self,
+        &mut self,
         index: usize,
         stage: &Stage,
         rooms: &mut Rooms<S, F::Shape>,
         memory: &mut Memory<S, F::Shape>,
-    ) {
+    ) -> Result<(), StepFailure> {
         let gradient = self.gradient(index);
         if gradient == 0.0 {
             return self.flows.take::<C>(index, stage, rooms, memory);
@@ -147,6 +148,7 @@ impl<F: Flows, S: Scalar> Take<S, F::Shape> for Kicks<'_, F> {
             *force = *force + *change * factor;
         }
         add::<S, C>(p.as_mut(), force, lost_p.as_mut());
+        Ok(())
     }
 }
 

@@ -12,12 +12,15 @@ macro_rules! __composition {
             const PLAN: $crate::plan::Plan = $crate::compose::plan(
                 <$sequence as $crate::compose::Sequence<Self>>::PLAN,
                 $order,
+                <$sequence as $crate::compose::Sequence<Self>>::IS_SYMMETRIC,
             );
             const EQUATIONS: &'static $crate::core::primitive::str = $text;
             const REMEMBERS: $crate::core::primitive::bool =
                 <$sequence as $crate::compose::Sequence<Self>>::REMEMBERS;
             const IN_LANES: $crate::core::primitive::bool =
                 <$sequence as $crate::compose::Sequence<Self>>::IN_LANES;
+            const EXCHANGES: $crate::core::primitive::bool =
+                <$sequence as $crate::compose::Sequence<Self>>::EXCHANGES;
             type Prepared = <$sequence as $crate::compose::Sequence<Self>>::Prepared;
             type Memory<__S: $crate::scalar::Scalar> =
                 <$sequence as $crate::compose::Sequence<Self>>::Memory<__S>;
@@ -25,6 +28,14 @@ macro_rules! __composition {
                 <$sequence as $crate::compose::Sequence<Self>>::Compensated<__S>;
             type Carry<__S: $crate::scalar::Scalar> =
                 <$sequence as $crate::compose::Sequence<Self>>::Carry<__S>;
+
+            fn increments(&self, __degrees: $crate::core::primitive::usize) -> $crate::core::primitive::usize {
+                <$sequence as $crate::compose::Sequence<Self>>::increments(self, __degrees)
+            }
+
+            fn exchanged(&self, __memory: &Self::Memory<$crate::core::primitive::f64>) -> $crate::system::Exchange {
+                <$sequence as $crate::compose::Sequence<Self>>::exchanged(self, __memory)
+            }
 
             fn memory(&self) -> Self::Memory<$crate::core::primitive::f64> {
                 <$sequence as $crate::compose::Sequence<Self>>::memory(self, &$substeps)
@@ -60,7 +71,7 @@ macro_rules! __composition {
                 __segment: &$crate::system::Segment<Self::Vector>,
                 __dw: &[$crate::core::primitive::f64],
             ) -> $crate::system::LagrangianGradient<Self::Vector> {
-                $crate::compose::gradient::<Self, $scheme>(self, __segment, __dw)
+                $crate::compose::gradient_of::<Self, $scheme, $sequence>(self, __segment, __dw)
             }
 
             fn step_momentum(

@@ -11,14 +11,14 @@ use crate::scalar::Scalar;
 /// first kind, `B` for those of the second.
 #[derive(Debug)]
 pub struct Memory<S, A, B> {
-    pub(super) first: Vec<A>,
-    pub(super) second: Vec<B>,
+    pub(crate) first: Vec<A>,
+    pub(crate) second: Vec<B>,
     /// The same before the step.
     saved: (Vec<A>, Vec<B>),
     /// The state before the step, and what was carried for it.
     start: [Vec<S>; 4],
     /// The increments of a part.
-    pub(super) dw: Vec<S>,
+    pub(crate) dw: Vec<S>,
 }
 
 impl<S, A, B> Default for Memory<S, A, B> {
@@ -71,6 +71,19 @@ impl<S: Scalar, A: StepMemory, B: StepMemory> StepMemory for Memory<S, A, B> {
     }
 }
 
+/// What is carried, as lists.
+#[inline(always)]
+pub(crate) fn list_carried<S: Scalar, C: Carry<S>>(
+    carry: &C,
+    degrees: usize,
+    [coordinates, momenta]: [&mut Vec<S>; 2],
+) {
+    for (list, of) in [(coordinates, C::of_coordinate as fn(&C, usize) -> S), (momenta, C::of_momentum)] {
+        list.clear();
+        list.extend((0..degrees).map(|i| of(carry, i)));
+    }
+}
+
 /// Memory by memory; as many as there are in `left` where none was in use yet.
 fn adopt<M: StepMemory>(memories: &mut Vec<M>, left: Vec<M>) {
     if memories.len() == left.len() {
@@ -81,7 +94,7 @@ fn adopt<M: StepMemory>(memories: &mut Vec<M>, left: Vec<M>) {
 }
 
 impl<S, A, B> Memory<S, A, B> {
-    pub(super) fn of(first: Vec<A>, second: Vec<B>) -> Self {
+    pub(crate) fn of(first: Vec<A>, second: Vec<B>) -> Self {
         Self {
             first,
             second,
@@ -94,7 +107,7 @@ impl<S, A, B> Memory<S, A, B> {
 
 impl<S: Scalar, A: StepMemory, B: StepMemory> Memory<S, A, B> {
     /// With room for what the first step saves.
-    pub(super) fn with_room(mut self, degrees: usize, noises: usize) -> Self {
+    pub(crate) fn with_room(mut self, degrees: usize, noises: usize) -> Self {
         self.saved = (self.first.clone(), self.second.clone());
         self.start.iter_mut().for_each(|list| list.reserve(degrees));
         self.dw.reserve(noises);
@@ -104,7 +117,7 @@ impl<S: Scalar, A: StepMemory, B: StepMemory> Memory<S, A, B> {
     /// Room for the parts of a step, and a copy of everything that they will change. Allocates in the first step only, and only
     /// where the system does not know its size.
     #[inline(always)]
-    pub(super) fn save<C: Carry<S>>(&mut self, parts: [usize; 2], q: &[S], p: &[S], dw: &[S], carry: &C) {
+    pub(crate) fn save<C: Carry<S>>(&mut self, parts: [usize; 2], q: &[S], p: &[S], dw: &[S], carry: &C) {
         if self.first.len() != parts[0] || self.second.len() != parts[1] {
             self.first.resize_with(parts[0], A::default);
             self.second.resize_with(parts[1], B::default);
@@ -122,16 +135,13 @@ impl<S: Scalar, A: StepMemory, B: StepMemory> Memory<S, A, B> {
             saved.extend_from_slice(numbers);
         }
         if C::CARRIES {
-            for (saved, of) in [(lost_q, C::of_coordinate as fn(&C, usize) -> S), (lost_p, C::of_momentum)] {
-                saved.clear();
-                saved.extend((0..q.len()).map(|i| of(carry, i)));
-            }
+            list_carried(carry, q.len(), [lost_q, lost_p]);
         }
     }
 
     /// Gives back what [`Memory::save`] has seen.
     #[cold]
-    pub(super) fn restore<C: Carry<S>>(&mut self, q: &mut [S], p: &mut [S], carry: &mut C) {
+    pub(crate) fn restore<C: Carry<S>>(&mut self, q: &mut [S], p: &mut [S], carry: &mut C) {
         let [start_q, start_p, lost_q, lost_p] = &self.start;
         q.copy_from_slice(start_q);
         p.copy_from_slice(start_p);

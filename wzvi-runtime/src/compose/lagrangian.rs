@@ -32,6 +32,22 @@ pub fn value<H: Hamiltonian, T: Sequence<H>>(
     }
 }
 
+/// The gradient of `L_d` of a sequence of parts; NaN where there is none.
+pub fn gradient_of<H: Discretized<E>, E, T: Sequence<H>>(
+    system: &H,
+    segment: &Segment<H::Vector>,
+    dw: &[f64],
+) -> LagrangianGradient<H::Vector> {
+    if T::IS_VARIATIONAL { gradient(system, segment, dw) } else { nowhere::<H>(segment) }
+}
+
+/// No gradient.
+fn nowhere<H: Hamiltonian>(segment: &Segment<H::Vector>) -> LagrangianGradient<H::Vector> {
+    let mut nan = H::Vector::zeros(segment.q0.components().len());
+    nan.components_mut().fill(f64::NAN);
+    LagrangianGradient { q0: nan.clone(), q1: nan.clone(), p: nan }
+}
+
 /// The gradient of `L_d`, by dual numbers; NaN where the step has no solution.
 pub fn gradient<H: Discretized<E>, E>(
     system: &H,
@@ -39,11 +55,7 @@ pub fn gradient<H: Discretized<E>, E>(
     dw: &[f64],
 ) -> LagrangianGradient<H::Vector> {
     let d = segment.q0.components().len();
-    let nowhere = || {
-        let mut nan = H::Vector::zeros(d);
-        nan.components_mut().fill(f64::NAN);
-        LagrangianGradient { q0: nan.clone(), q1: nan.clone(), p: nan }
-    };
+    let nowhere = || nowhere::<H>(segment);
     let Ok(prepared) = &system.prepare(segment.h) else { return nowhere() };
     if segment.p.components().len() != d || segment.q1.components().len() != d {
         return nowhere();

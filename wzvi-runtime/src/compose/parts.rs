@@ -142,8 +142,8 @@ impl<F: Parts> Sequence<F> for PartFlows {
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let flows = FlowsOf { system, prepared, t, h };
-        advance(system, &flows, &prepared.stages.0, q, p, dw, memory, carry)
+        let mut flows = FlowsOf { system, prepared, t, h };
+        advance(system, &mut flows, &prepared.stages.0, q, p, dw, memory, carry)
     }
 
     /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral of `p · q' - H`.
@@ -156,7 +156,7 @@ impl<F: Parts> Sequence<F> for PartFlows {
         let (t, h, degrees) = (segment.t, segment.h, segment.q0.components().len());
         system.check(degrees).ok()?;
         let prepared = Prepared::new(system, degrees, h, substeps).ok()?;
-        let flows = FlowsOf { system, prepared: &prepared, t, h };
+        let mut flows = FlowsOf { system, prepared: &prepared, t, h };
         let action = |index: usize, stage: &Stage, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
             let value = || stage.weight * h * system.value_of_part(stage.half, t + stage.node * h, q, p);
             match form::<F>(stage.half) {
@@ -169,7 +169,7 @@ impl<F: Parts> Sequence<F> for PartFlows {
                 Form::Quadratic => prepared.map(index).map_or(f64::NAN, |map| map.action(before, [q, p])),
             }
         };
-        Some(follow(&flows, &prepared.stages.0, segment, dw, action))
+        follow(&mut flows, &prepared.stages.0, segment, dw, action)
     }
 }
 
@@ -184,13 +184,13 @@ struct FlowsOf<'a, F> {
 impl<F: Parts, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
     #[inline(always)]
     fn take<C: Carry<S>>(
-        &self,
+        &mut self,
         index: usize,
         stage: &Stage,
         rooms: &mut Rooms<S, F::Shape>,
         _: &mut Memory<S, F::Shape>,
-    ) {
-        let &Self { system, prepared, t, h } = self;
+    ) -> Result<(), StepFailure> {
+        let &mut Self { system, prepared, t, h } = self;
         let Rooms { q, p, lost_q, lost_p, force, velocity } = rooms;
         let (q, p, force, velocity) = (q.as_mut(), p.as_mut(), force.as_mut(), velocity.as_mut());
         let (t, h) = (t + stage.node * h, stage.weight * h);
@@ -206,12 +206,15 @@ impl<F: Parts, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
             Form::Quadratic => {
                 match prepared.map(index) {
                     Some(map) => map.increments([q, p], [&mut *velocity, &mut *force]),
-                    // Every stage of this form has one; without it there is no step.
-                    None => velocity.fill(S::from_f64(f64::NAN)),
+                    None => {
+                        debug_assert!(false, "every stage of this form has a map");
+                        velocity.fill(S::from_f64(f64::NAN));
+                    }
                 }
                 add::<S, C>(q, velocity, lost_q.as_mut());
                 add::<S, C>(p, force, lost_p.as_mut());
             }
         }
+        Ok(())
     }
 }

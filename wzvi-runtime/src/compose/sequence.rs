@@ -8,7 +8,7 @@ use crate::memory::StepMemory;
 use crate::plan::{Plan, Solver};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
-use crate::system::{Hamiltonian, Segment};
+use crate::system::{Exchange, Hamiltonian, Segment};
 
 /// Which of the two kinds of parts of a step: which scheme of a pair, or which flow of a splitting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,14 +30,32 @@ pub trait Sequence<H: Hamiltonian> {
     const REMEMBERS: bool;
     /// As `Discretized::IN_LANES`.
     const IN_LANES: bool;
+    /// Whether steps are symmetric, and so consistent with every Stratonovich system.
+    const IS_SYMMETRIC: bool = true;
+    /// Whether steps follow from a discrete Lagrangian.
+    const IS_VARIATIONAL: bool = true;
+    /// As `Discretized::EXCHANGES`.
+    const EXCHANGES: bool = false;
     /// What is computed once for all steps of one size.
-    type Prepared: Clone + Debug;
+    type Prepared: Clone + Debug + Send + Sync;
     /// What a step leaves for the next.
     type Memory<S: Scalar>: StepMemory;
     /// Compensated sums.
     type Compensated<S: Scalar>: Carry<S>;
     /// How increments are added unless the user chooses.
     type Carry<S: Scalar>: Carry<S>;
+
+    /// As `Discretized::increments`.
+    fn increments(system: &H, degrees: usize) -> usize {
+        let _ = degrees;
+        system.noises()
+    }
+
+    /// As `Discretized::exchanged`.
+    fn exchanged(system: &H, memory: &Self::Memory<f64>) -> Exchange {
+        let _ = (system, memory);
+        Exchange::default()
+    }
 
     /// The memory of a new stepper.
     fn memory(system: &H, substeps: &[Substep]) -> Self::Memory<f64>;
@@ -86,10 +104,10 @@ pub struct Followed<V> {
     pub action: f64,
 }
 
-/// The plan of a composition of this order; `of_step` is that of a step of order two, symmetric and therefore consistent.
-pub const fn plan(of_step: Plan, order: u32) -> Plan {
+/// The plan of a composition of this order; `of_step` is that of a step of order two at most, consistent where it is symmetric.
+pub const fn plan(of_step: Plan, order: u32, is_symmetric: bool) -> Plan {
     let order = if order > of_step.order { order } else { of_step.order };
-    Plan { order, consistent: true, ..of_step }
+    Plan { order, consistent: is_symmetric || of_step.consistent, ..of_step }
 }
 
 /// The plan of steps that are made of those of two plans.

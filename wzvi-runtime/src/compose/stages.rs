@@ -15,28 +15,33 @@ use crate::system::{Hamiltonian, Segment};
 
 /// The parts of a step.
 #[derive(Clone, Debug)]
-pub struct Stages(pub(super) Vec<Stage>);
+pub struct Stages(pub(crate) Vec<Stage>);
 
 /// A part of a step: the fraction `weight` of that of a whole step, at the fraction `node` of its time: as far as those of the
 /// other kind have come.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stage {
-    pub(super) half: Half,
-    pub(super) weight: f64,
-    pub(super) node: f64,
+pub(crate) struct Stage {
+    pub(crate) half: Half,
+    pub(crate) weight: f64,
+    pub(crate) node: f64,
 }
 
 impl Stage {
     /// Of time and increments, for the flow of `T` or of `-V`.
     #[inline(always)]
-    pub(super) fn share(&self) -> f64 {
+    pub(crate) fn share(&self) -> f64 {
         if self.half == Half::First { self.weight } else { -self.weight }
     }
 }
 
 impl Stages {
+    /// These, as they are: two neighbours of one kind, too.
+    pub(crate) fn listed(stages: impl IntoIterator<Item = (Half, f64, f64)>) -> Self {
+        Self(stages.into_iter().map(|(half, weight, node)| Stage { half, weight, node }).collect())
+    }
+
     /// With neighbours of one kind as one.
-    pub(super) fn of(substeps: &[Substep]) -> Self {
+    pub(crate) fn of(substeps: &[Substep]) -> Self {
         let mut stages: Vec<Stage> = Vec::new();
         let [mut first, mut second] = [0.0; 2];
         for &(half, weight) in substeps.iter().filter(|(_, weight)| *weight != 0.0) {
@@ -67,36 +72,36 @@ pub struct Memory<S: Scalar, H: Shape> {
     kept: Option<Origin>,
     /// The coordinates that the force was evaluated at, and the increment of the momenta.
     kept_q: List<S, H>,
-    pub(super) kept_force: List<S, H>,
+    pub(crate) kept_force: List<S, H>,
     rooms: Rooms<S, H>,
     /// The increments of a part.
-    pub(super) dw: Vec<S>,
+    pub(crate) dw: Vec<S>,
     /// For derivatives of slopes; empty unless a table asks for them.
     pub(super) directional: Directional<S>,
 }
 
 /// Time and weighted step size of a force.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Origin {
-    pub(super) t: f64,
-    pub(super) h: f64,
+pub(crate) struct Origin {
+    pub(crate) t: f64,
+    pub(crate) h: f64,
 }
 
 /// What a step computes.
 #[derive(Debug)]
-pub(super) struct Rooms<S: Scalar, H: Shape> {
-    pub(super) q: List<S, H>,
-    pub(super) p: List<S, H>,
+pub(crate) struct Rooms<S: Scalar, H: Shape> {
+    pub(crate) q: List<S, H>,
+    pub(crate) p: List<S, H>,
     /// What rounding took.
-    pub(super) lost_q: List<S, H>,
-    pub(super) lost_p: List<S, H>,
+    pub(crate) lost_q: List<S, H>,
+    pub(crate) lost_p: List<S, H>,
     /// Increments of `p` and of `q`.
-    pub(super) force: List<S, H>,
-    pub(super) velocity: List<S, H>,
+    pub(crate) force: List<S, H>,
+    pub(crate) velocity: List<S, H>,
 }
 
 impl<S: Scalar, H: Shape> Rooms<S, H> {
-    pub(super) fn of_length(length: usize) -> Self {
+    pub(crate) fn of_length(length: usize) -> Self {
         let list = || H::list(length, S::from_f64(0.0));
         Self { q: list(), p: list(), lost_q: list(), lost_p: list(), force: list(), velocity: list() }
     }
@@ -153,7 +158,7 @@ impl<S: Scalar, H: Shape> StepMemory for Memory<S, H> {
 }
 
 impl<S: Scalar, H: Shape> Memory<S, H> {
-    pub(super) fn of_length(length: usize) -> Self {
+    pub(crate) fn of_length(length: usize) -> Self {
         let list = || H::list(length, S::from_f64(0.0));
         Self {
             kept: None,
@@ -181,7 +186,7 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
 
     /// Whether the force that is kept is that of a kick like this one.
     #[inline(always)]
-    pub(super) fn has_force(&self, Origin { t, h }: Origin, reads_time: bool, q: &[S]) -> bool {
+    pub(crate) fn has_force(&self, Origin { t, h }: Origin, reads_time: bool, q: &[S]) -> bool {
         let Some(kept) = self.kept else { return false };
         if kept.h.to_bits() != h.to_bits() || (reads_time && kept.t.to_bits() != t.to_bits()) {
             return false;
@@ -195,14 +200,14 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
 
     /// Keeps a force for the next step.
     #[inline(always)]
-    pub(super) fn keep_force(&mut self, origin: Origin, q: &[S], force: &[S]) {
+    pub(crate) fn keep_force(&mut self, origin: Origin, q: &[S], force: &[S]) {
         self.kept = Some(origin);
         self.kept_q.as_mut().copy_from_slice(q);
         self.kept_force.as_mut().copy_from_slice(force);
     }
 
     /// The memory of a new stepper: with all the room that it needs, where the system knows its size.
-    pub(super) fn of_system<F: Hamiltonian>(system: &F) -> Self {
+    pub(crate) fn of_system<F: Hamiltonian>(system: &F) -> Self {
         let (mut memory, degrees) = (Self::default(), system.degrees());
         if degrees != 0 && system.check(degrees).is_ok() {
             memory.fit(degrees, system.noises());
@@ -215,7 +220,7 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
 ///
 /// # Errors
 /// [`ConfigError::Parameter`] if a parameter is not a number, [`ConfigError::Index`] if an integer is out of range.
-pub(super) fn check<F: Hamiltonian>(system: &F) -> Result<(), ConfigError> {
+pub(crate) fn check<F: Hamiltonian>(system: &F) -> Result<(), ConfigError> {
     let mut parameters = (0..).map_while(|index| system.parameter(index));
     if parameters.any(|(_, value)| value.is_nan()) {
         return Err(ConfigError::Parameter);
@@ -230,26 +235,29 @@ pub(super) fn check<F: Hamiltonian>(system: &F) -> Result<(), ConfigError> {
 }
 
 /// How a part of a step is taken.
-pub(super) trait Take<S: Scalar, H: Shape> {
+pub(crate) trait Take<S: Scalar, H: Shape> {
     /// Moves the state in `rooms` by part `index` of a step, with `memory.dw` as its increments.
+    ///
+    /// # Errors
+    /// Where the part has no end; `rooms` are then any.
     fn take<C: Carry<S>>(
-        &self,
+        &mut self,
         index: usize,
         stage: &Stage,
         rooms: &mut Rooms<S, H>,
         memory: &mut Memory<S, H>,
-    );
+    ) -> Result<(), StepFailure>;
 }
 
 /// All parts of a step. On `Err`, `q`, `p` and `carry` are as they were.
 ///
 /// # Errors
-/// [`StepFailure::NonFinite`], or where sizes do not fit.
+/// [`StepFailure::NonFinite`], that of a part, or where sizes do not fit.
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
-pub(super) fn advance<F: Hamiltonian, S: Scalar, C: Carry<S>, H: Shape>(
+pub(crate) fn advance<F: Hamiltonian, S: Scalar, C: Carry<S>, H: Shape>(
     system: &F,
-    taken: &impl Take<S, H>,
+    taken: &mut impl Take<S, H>,
     stages: &[Stage],
     q: &mut [S],
     p: &mut [S],
@@ -277,14 +285,18 @@ pub(super) fn advance<F: Hamiltonian, S: Scalar, C: Carry<S>, H: Shape>(
             (*lost_q, *lost_p) = (carry.of_coordinate(i), carry.of_momentum(i));
         }
     }
+    let mut taken_all = Ok(());
     for (index, stage) in stages.iter().enumerate() {
         for (scaled, dw) in memory.dw.iter_mut().zip(dw) {
             *scaled = *dw * stage.share();
         }
-        taken.take::<C>(index, stage, &mut rooms, memory);
+        taken_all = taken.take::<C>(index, stage, &mut rooms, memory);
+        if taken_all.is_err() {
+            break;
+        }
     }
     let Rooms { q: next_q, p: next_p, lost_q, lost_p, .. } = &rooms;
-    let is_good = are_finite(next_q.as_ref()) && are_finite(next_p.as_ref());
+    let is_good = taken_all.is_ok() && are_finite(next_q.as_ref()) && are_finite(next_p.as_ref());
     if is_good {
         q.copy_from_slice(next_q.as_ref());
         p.copy_from_slice(next_p.as_ref());
@@ -293,18 +305,19 @@ pub(super) fn advance<F: Hamiltonian, S: Scalar, C: Carry<S>, H: Shape>(
         }
     }
     memory.rooms.give_back(rooms);
+    taken_all?;
     if is_good { Ok(Effort::fast(0)) } else { Err(StepFailure::NonFinite) }
 }
 
 /// Where the parts lead to from the start of a segment, and the sum of their discrete Lagrangians, of which `action` gives that
-/// of one part from the states before and after it.
-pub(super) fn follow<V: Vector, H: Shape>(
-    taken: &impl Take<f64, H>,
+/// of one part from the states before and after it; `None` where a part has no end.
+pub(crate) fn follow<V: Vector, H: Shape>(
+    taken: &mut impl Take<f64, H>,
     stages: &[Stage],
     segment: &Segment<V>,
     dw: &[f64],
     action_of: impl Fn(usize, &Stage, [&[f64]; 2], [&[f64]; 2]) -> f64,
-) -> Followed<V> {
+) -> Option<Followed<V>> {
     let (q0, p0) = (segment.q0.components(), segment.p.components());
     let mut rooms = Rooms::<f64, H>::of_length(q0.len());
     let mut memory = Memory::of_length(q0.len());
@@ -314,7 +327,7 @@ pub(super) fn follow<V: Vector, H: Shape>(
     for (index, stage) in stages.iter().enumerate() {
         memory.dw = dw.iter().map(|dw| stage.share() * dw).collect();
         let before = [rooms.q.as_ref(), rooms.p.as_ref()].map(<[f64]>::to_vec);
-        taken.take::<Plain>(index, stage, &mut rooms, &mut memory);
+        taken.take::<Plain>(index, stage, &mut rooms, &mut memory).ok()?;
         action += action_of(index, stage, [&before[0], &before[1]], [rooms.q.as_ref(), rooms.p.as_ref()]);
     }
     let vector = |list: &[f64]| {
@@ -322,12 +335,12 @@ pub(super) fn follow<V: Vector, H: Shape>(
         vector.components_mut().copy_from_slice(list);
         vector
     };
-    Followed { q: vector(rooms.q.as_ref()), p: vector(rooms.p.as_ref()), action }
+    Some(Followed { q: vector(rooms.q.as_ref()), p: vector(rooms.p.as_ref()), action })
 }
 
 /// `into ← into + slopes`
 #[inline(always)]
-pub(super) fn add<S: Scalar, C: Carry<S>>(into: &mut [S], slopes: &[S], lost: &mut [S]) {
+pub(crate) fn add<S: Scalar, C: Carry<S>>(into: &mut [S], slopes: &[S], lost: &mut [S]) {
     if C::CARRIES {
         for ((into, &slope), lost) in into.iter_mut().zip(slopes).zip(lost) {
             (*into, *lost) = C::add(*into, slope, *lost);

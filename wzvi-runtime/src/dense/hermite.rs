@@ -153,7 +153,7 @@ fn project<V: Vector>(points: &Points, rates: &[Vec<f64>], ends: &[State<V>; 2],
     }
 }
 
-/// `du/dθ = J∇F` at a state.
+/// `du/dθ = J∇F` at a state, and what forces and friction add.
 fn rate<H: Hamiltonian>(
     system: &H,
     at: &State<H::Vector>,
@@ -168,6 +168,13 @@ fn rate<H: Hamiltonian>(
         system.differentiate(term, at.q.components(), at.p.components(), at.t, by_q, by_p);
         of_q.iter_mut().zip(&*by_p).for_each(|(rate, slope)| *rate += factor * slope);
         of_p.iter_mut().zip(&*by_q).for_each(|(rate, slope)| *rate -= factor * slope);
+    }
+    let (q, p, force) = (at.q.components(), at.p.components(), by_q);
+    system.force(q, p, at.t, force);
+    of_p.iter_mut().zip(force).for_each(|(rate, force)| *rate += h * *force);
+    if H::IS_CONFORMAL {
+        let gamma = system.friction_rate();
+        of_p.iter_mut().zip(p).for_each(|(rate, p)| *rate -= h * gamma * p);
     }
 }
 

@@ -92,7 +92,7 @@ fn advance_inline<H: Elements, S: Scalar, C: Carry<S>>(
     let step = Step { system, scheme, t, h, q, p, dw, increment: None };
     let mut lists = memory.work.lists(scheme, step.degrees());
     step.assign(&mut lists);
-    if !C::CARRIES && scheme.update == MomentumUpdate::Multiple(1.0) {
+    if !C::CARRIES && !H::IS_CONFORMAL && scheme.update == MomentumUpdate::Multiple(1.0) {
         // `P` is the new momentum.
         let Lists { u, momentum, .. } = lists;
         if !(add(u, step.q) && are_finite(momentum)) {

@@ -10,6 +10,8 @@ use crate::state::{State, Vector};
 pub(super) const DRIFT: usize = 0;
 /// The part that is the noises, `Σ_k ΔW_k H_k`.
 pub(super) const NOISE: usize = 1;
+/// The part that is the force beside the drift, with the slopes `-h f`.
+pub(super) const FORCE: usize = 3;
 
 /// Whether `q` and `p` are those of a state of the system.
 pub(super) fn fits<H: Elements, S>(system: &H, q: &[S], p: &[S]) -> bool {
@@ -30,7 +32,7 @@ pub fn evaluate<H: Elements, S: Scalar>(system: &H, term: usize, q: &[S], p: &[S
         return S::from_f64(f64::NAN);
     }
     let (dw, (part, acting)) = ([S::from_f64(1.0)], part_of(term));
-    system.value(part, 1.0, &Point { q, p, t, h: 1.0, dw: &dw, acting })
+    system.value(part, 1.0, &Point { q, p, t, h: 1.0, dw: &dw, acting, scale: 1.0 })
 }
 
 /// [`Hamiltonian::differentiate`](crate::system::Hamiltonian::differentiate)
@@ -50,7 +52,19 @@ pub fn differentiate<H: Elements, S: Scalar>(
     by_p.fill(start);
     if is_known {
         let (dw, (part, acting)) = ([S::from_f64(1.0)], part_of(term));
-        slopes(system, part, 1.0, &Point { q, p, t, h: 1.0, dw: &dw, acting }, Slopes::ALL, by_q, by_p);
+        let at = Point { q, p, t, h: 1.0, dw: &dw, acting, scale: 1.0 };
+        slopes(system, part, 1.0, &at, Slopes::ALL, by_q, by_p);
+    }
+}
+
+/// [`Hamiltonian::force`](crate::system::Hamiltonian::force)
+pub fn force<H: Elements, S: Scalar>(system: &H, q: &[S], p: &[S], t: f64, into: &mut [S]) {
+    let is_known = fits(system, q, p) && into.len() == q.len();
+    into.fill(S::from_f64(if is_known { 0.0 } else { f64::NAN }));
+    if is_known && H::HAS_FORCE {
+        let at = Point { q, p, t, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 };
+        slopes(system, FORCE, 1.0, &at, Slopes::BY_COORDINATES, into, &mut []);
+        into.iter_mut().for_each(|slope| *slope = -*slope);
     }
 }
 
@@ -60,6 +74,6 @@ pub fn invariant<H: Elements>(system: &H, number: usize, state: &State<H::Vector
     if number >= system.invariants() || !fits(system, q, p) {
         return f64::NAN;
     }
-    let at = Point { q, p, t: state.t, h: 1.0, dw: &[], acting: 0..0 };
+    let at = Point { q, p, t: state.t, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 };
     system.value(H::INTEGRALS + number, 1.0, &at)
 }

@@ -161,6 +161,10 @@ impl<S: Scalar> Curvature<S> for Velocities<'_, S> {
             self.0[i] = self.0[i] + value;
         }
     }
+    #[inline(always)]
+    fn add_force_by_q(&mut self, _: usize, _: usize, _: S) {}
+    #[inline(always)]
+    fn add_force_by_p(&mut self, _: usize, _: usize, _: S) {}
 }
 
 /// `∂(-D_1 L_d)/∂v` with `∂u/∂v = D`: `I + Σ start (c F_qq D + F_qp)`.
@@ -185,6 +189,14 @@ impl<S: Scalar, M: Entries<S>> Curvature<S> for Reduced<'_, S, M> {
     }
     #[inline(always)]
     fn add_pp(&mut self, _: usize, _: usize, _: bool, _: S) {}
+    #[inline(always)]
+    fn add_force_by_q(&mut self, i: usize, j: usize, value: S) {
+        self.matrix.add(i, j, value * (self.stage.start * self.stage.point) * self.diagonal[j]);
+    }
+    #[inline(always)]
+    fn add_force_by_p(&mut self, i: usize, j: usize, value: S) {
+        self.matrix.add(i, j, value * self.stage.start);
+    }
 }
 
 /// The Jacobian of `(∂L_d/∂P, -D_1 L_d)`, unknowns `u_0, v_0, u_1, v_1, ...`
@@ -213,5 +225,13 @@ impl<S: Scalar, M: Entries<S>> Curvature<S> for Coupled<'_, M> {
         if !is_diagonal {
             self.matrix.add(2 * j, 2 * i + 1, -value);
         }
+    }
+    #[inline(always)]
+    fn add_force_by_q(&mut self, i: usize, j: usize, value: S) {
+        self.matrix.add(2 * i + 1, 2 * j, value * (self.stage.start * self.stage.point));
+    }
+    #[inline(always)]
+    fn add_force_by_p(&mut self, i: usize, j: usize, value: S) {
+        self.matrix.add(2 * i + 1, 2 * j + 1, value * self.stage.start);
     }
 }

@@ -2,7 +2,7 @@
 //! the step Hamiltonian.
 
 use super::hamiltonian::fits;
-use super::step::Step;
+use super::step::{Step, decay, scale_at};
 use super::{Elements, Memory, MomentumUpdate, Point, Scheme, Slopes, Stage, Unknowns, slopes};
 use crate::state::{State, Vector};
 use crate::system::{LagrangianGradient, Segment};
@@ -28,13 +28,19 @@ impl<'a, V: Vector> Evaluated<'a, V> {
     }
 
     /// Calls `take` with each part of the step Hamiltonian, its stage, its weight and its point.
-    fn for_each(&self, scheme: &Scheme, mut take: impl FnMut(usize, &Stage, f64, &Point<'_, f64>)) {
+    fn for_each<H: Elements>(
+        &self,
+        system: &H,
+        scheme: &Scheme,
+        mut take: impl FnMut(usize, &Stage, f64, &Point<'_, f64>),
+    ) {
         let Segment { q0, p, t, h, .. } = self.segment;
         for stage in scheme.stages {
             let q: Vec<f64> =
                 q0.components().iter().zip(self.increment()).map(|(q, u)| q + stage.point * u).collect();
             let (t, acting) = (t + stage.point * h, 0..self.dw.len());
-            let at = Point { q: &q, p: p.components(), t, h: *h, dw: self.dw, acting };
+            let scale = scale_at(system, stage.point * h);
+            let at = Point { q: &q, p: p.components(), t, h: *h, dw: self.dw, acting, scale };
             stage.parts.iter().for_each(|&(part, weight)| take(part, stage, weight, &at));
         }
     }
@@ -49,7 +55,7 @@ pub fn discrete_lagrangian<H: Elements>(
 ) -> f64 {
     let Some(evaluated) = Evaluated::new(system, segment, dw) else { return f64::NAN };
     let mut value: f64 = segment.p.components().iter().zip(evaluated.increment()).map(|(p, u)| p * u).sum();
-    evaluated.for_each(scheme, |part, _, weight, at| value -= system.value(part, weight, at));
+    evaluated.for_each(system, scheme, |part, _, weight, at| value -= system.value(part, weight, at));
     value
 }
 
@@ -77,7 +83,7 @@ pub fn discrete_lagrangian_gradient<H: Elements>(
     by_momentum.iter_mut().zip(evaluated.increment()).for_each(|(by_p, u)| *by_p = u);
     let mut force = vec![0.0; by_start.len()];
     let mut velocity = force.clone();
-    evaluated.for_each(scheme, |part, stage, weight, at| {
+    evaluated.for_each(system, scheme, |part, stage, weight, at| {
         force.fill(0.0);
         velocity.fill(0.0);
         slopes(system, part, weight, at, Slopes::ALL, &mut force, &mut velocity);
@@ -87,6 +93,10 @@ pub fn discrete_lagrangian_gradient<H: Elements>(
             by_momentum[i] -= velocity[i];
         }
     });
+    if H::IS_CONFORMAL {
+        let decay = decay(system, segment.h);
+        by_end.iter_mut().for_each(|end| *end += decay * *end);
+    }
     gradient
 }
 
@@ -123,7 +133,10 @@ fn momentum_increment<H: Elements>(
     }
     let change = |start: &[f64], end: &[f64]| start.iter().zip(end).map(|(a, b)| b - a).collect::<Vec<_>>();
     if let MomentumUpdate::Multiple(factor) = scheme.update {
-        return Some(change(p, end_p).into_iter().map(|dp| dp / factor).collect());
+        let decay = if H::IS_CONFORMAL { decay(system, h) } else { 0.0 };
+        // What friction took off is put back.
+        let undecayed = change(p, end_p).into_iter().zip(p).map(|(dp, p)| (dp - decay * p) / (1.0 + decay));
+        return Some(undecayed.map(|v| v / factor).collect());
     }
     let u = change(q, end_q);
     let scheme = &Scheme { unknowns: Unknowns::Momenta, remembers: false, ..*scheme };

@@ -24,6 +24,17 @@ pub(super) struct Step<'a, H, S> {
     pub(super) increment: Option<&'a [S]>,
 }
 
+/// `e^{γ τ}` with the rate of friction that steps take in, `τ` after the start of the step.
+#[inline(always)]
+pub(super) fn scale_at<H: Elements>(system: &H, tau: f64) -> f64 {
+    if H::IS_CONFORMAL { (system.friction_rate() * tau).exp() } else { 1.0 }
+}
+
+/// `e^{-γ h} - 1`
+pub(super) fn decay<H: Elements>(system: &H, h: f64) -> f64 {
+    (-system.friction_rate() * h).exp_m1()
+}
+
 /// What a sum starts with: adding to `-0.0` is nothing, where compilers see it, and not so for `0.0`.
 #[inline(always)]
 pub(super) fn nothing<S: Scalar>() -> S {
@@ -171,7 +182,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     #[inline(always)]
     pub(super) fn at<'b>(&'b self, stage: &Stage, q: &'b [S], p: &'b [S]) -> Point<'b, S> {
         let (t, acting) = (self.t + stage.point * self.h, 0..self.dw.len());
-        Point { q, p, t, h: self.h, dw: self.dw, acting }
+        let scale = scale_at(self.system, stage.point * self.h);
+        Point { q, p, t, h: self.h, dw: self.dw, acting, scale }
     }
 
     /// `p_{i+1} - p_i` into `by_p`.
@@ -201,6 +213,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                     dp.iter_mut().zip(&*by_q).for_each(|(dp, &force)| *dp = *dp - force * stage.end);
                 }
             }
+        }
+        if H::IS_CONFORMAL {
+            let decay = decay(self.system, self.h);
+            dp.iter_mut().zip(self.p).for_each(|(dp, &p)| *dp = *dp + (p + *dp) * decay);
         }
     }
 }

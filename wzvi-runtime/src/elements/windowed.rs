@@ -314,7 +314,7 @@ impl<H: Elements> Kernel for WindowedStep<'_, '_, H> {
     type Output = bool;
 
     #[inline(always)]
-    fn run<const L: usize>(self) -> bool {
+    fn run<const L: usize, const HALF: usize>(self) -> bool {
         self.step.all_windows::<H::Usual>(self.plan)
     }
 }

@@ -38,8 +38,6 @@ impl Account {
     ) -> Result<Self, Error>
     where
         H: Discretized<E> + Sync,
-        H::Vector: Send + Sync,
-        H::Prepared: Send + Sync,
     {
         let targets = control.targets(&job.wanted.names)?;
         let allowed_losses = control.allowed_losses()?;

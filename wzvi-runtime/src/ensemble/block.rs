@@ -6,14 +6,14 @@ use super::halt::Halt;
 use super::job::Job;
 use super::observation::Observation;
 use super::statistics::Statistics;
-use super::width::beside;
 use crate::steps::take_steps;
 use crate::system::Discretized;
 
 /// Paths in a block.
 pub(super) const PATHS: u64 = 512;
 
-/// One block, as many paths at a time as the instructions ask for, or `WIDTH` if that is not 0.
+/// One block, as many paths at a time as the instructions ask for (half as many if a path has more than one degree of freedom), or `WIDTH` if
+/// that is not 0.
 pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const WIDTH: usize> {
     pub(super) job: &'j Job<'a, H, E>,
     pub(super) number: u64,
@@ -23,11 +23,13 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Block<'_, '_, H, E, WI
     type Output = Result<Statistics, Halt>;
 
     #[inline(always)]
-    fn run<const L: usize>(self) -> Self::Output {
-        if WIDTH == 0 {
-            beside!(H::Vector, L, PATHS_BESIDE => self.of_width::<PATHS_BESIDE>())
-        } else {
+    fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
+        if WIDTH != 0 {
             self.of_width::<WIDTH>()
+        } else if const { size_of::<H::Vector>() > size_of::<f64>() } {
+            self.of_width::<HALF>()
+        } else {
+            self.of_width::<L>()
         }
     }
 }

@@ -71,7 +71,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
         if !end.is_finite() {
             return Err(ConfigError::End { start: start.t, end, h }.into());
         }
-        let processes = system.noises();
+        let processes = system.increments(start.q.components().len());
         let source = match setup.source {
             None if processes > 0 => return Err(ConfigError::Missing(SEED).into()),
             Some(source) if processes > 0 => source,

@@ -41,8 +41,6 @@ use crate::system::Discretized;
 impl<H, E, N, R> Ensemble<'_, H, E, N, R>
 where
     H: Discretized<E> + Sync,
-    H::Vector: Send + Sync,
-    H::Prepared: Send + Sync,
     N: Noise,
 {
     /// Runs all paths on all ranks of `world`, each of which calls this with the same settings; [`Ensemble::run`] gives

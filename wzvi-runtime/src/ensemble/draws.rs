@@ -56,7 +56,7 @@ impl<F: FnMut(&[[f64; 16]; STEPS])> Kernel for Visit<'_, F> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const L: usize>(self) {
+    fn run<const L: usize, const HALF: usize>(self) {
         let Self { key, paths, blocks, mut visit } = self;
         let mut drawn = [[0.0; 16]; STEPS];
         let mut path = paths.start;

@@ -57,7 +57,7 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
         // That of the system, which may not know it.
-        let (d, processes) = (job.start.q.components().len(), job.system.noises());
+        let (d, processes) = (job.start.q.components().len(), job.processes());
         let zero = Lanes::from_f64(0.0);
         Self {
             job,
@@ -99,12 +99,14 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             self.put(lane, &start.q, &start.p);
         }
         (self.failed, self.any_failed) = ([false; L], false);
-        (self.halved, self.is_over) = ([NEVER; L], false);
+        let was_over = std::mem::take(&mut self.is_over);
+        self.halved = [NEVER; L];
         self.memory.forget();
         self.apart.clear();
         self.resolution = [ResolutionMonitor::default(); L];
         self.increments.begin(path);
-        if self.is_stepped() {
+        // A stepper that is there starts anew by itself: paths begin at another time than they end.
+        if self.is_stepped() && (self.steppers.len() < L || was_over || !self.job.systems.is_empty()) {
             let stepper = |lane| {
                 let path = self.source_of(lane);
                 let stepper = Stepper::new(self.job.system_of(path), self.job.h).map(Stepper::plain);

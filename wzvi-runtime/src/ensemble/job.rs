@@ -53,7 +53,12 @@ pub(super) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 impl<H: Discretized<E>, E> Job<'_, H, E> {
     /// Whether something is looked for in each step.
     pub(super) fn looks_inside(&self) -> bool {
-        !self.sections.is_empty() || (!self.events.is_empty() && self.system.noises() == 0)
+        !self.sections.is_empty() || (!self.events.is_empty() && self.processes() == 0)
+    }
+
+    /// How many numbers drive a step.
+    pub(super) fn processes(&self) -> usize {
+        self.system.increments(self.start.q.components().len())
     }
 
     /// The system of a path.

@@ -144,7 +144,7 @@ fn systems<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Option<(String, String)
 fn observed<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Vec<f64>, Error> {
     let mut values =
         Values { functions: job.observables.iter().chain(&job.events).cloned().collect(), seen: Vec::new() };
-    let (mut state, mut dw) = (job.start.clone(), vec![0.0; job.system.noises()]);
+    let (mut state, mut dw) = (job.start.clone(), vec![0.0; job.processes()]);
     values.see(&state);
     let (start, h, steps) = (state.t, job.h, job.grid.whole().min(COMPARED_STEPS));
     let stepper = &mut Stepper::<H, E>::new(job.system_of(0), h)?.plain();

@@ -48,7 +48,7 @@ use crate::retry::Retry;
 use crate::schedule::in_order;
 use crate::section::Sections;
 use crate::span::{End, Grid, MOST_STEPS, Span};
-use crate::state::State;
+use crate::state::{State, Vector};
 use crate::system::{Discretized, Hamiltonian};
 
 /// The part `θ` of the squared error that is left to the bias.
@@ -178,8 +178,6 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
 impl<H, E> Multilevel<'_, H, E, Observed>
 where
     H: Discretized<E> + Sync,
-    H::Vector: Send + Sync,
-    H::Prepared: Send + Sync,
 {
     /// Runs as many paths on as many levels as it takes. The result is the same, bit for bit, for any number of threads.
     ///
@@ -319,8 +317,6 @@ struct Stage<'a, H: Discretized<E>, E> {
 impl<H, E> Run<'_, '_, H, E>
 where
     H: Discretized<E> + Sync,
-    H::Vector: Send + Sync,
-    H::Prepared: Send + Sync,
 {
     fn run<const WIDTH: usize>(mut self) -> Result<MultilevelEstimate, Error> {
         for _ in 0..LEAST_LEVELS {
@@ -366,7 +362,7 @@ where
         let steps = steps.checked_mul(1 << level).filter(|&steps| steps <= MOST_STEPS && end.is_finite());
         let steps = steps.ok_or(ConfigError::End { start: start.t, end, h })?;
         let mut normals = self.normals.clone().on_level(level);
-        normals.prepare(&H::PLAN, h, system.noises(), start.t)?;
+        normals.prepare(&H::PLAN, h, system.increments(start.q.components().len()), start.t)?;
         let job = Job {
             system: *system,
             prepared: system.prepare(h)?,

@@ -138,7 +138,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                     before[lane] = values[1];
                 }
             }
-            if crossed && self.job.system.noises() == 0 {
+            if crossed && self.job.processes() == 0 {
                 self.refine(group, lane, node)?;
             }
         }

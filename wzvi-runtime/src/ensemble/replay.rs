@@ -17,8 +17,6 @@ use crate::trajectory::Recorder;
 impl<H, E, N, R> Ensemble<'_, H, E, N, R>
 where
     H: Discretized<E> + Sync,
-    H::Vector: Send + Sync,
-    H::Prepared: Send + Sync,
     N: Noise,
 {
     /// The path with this number as the ensemble has it, bit for bit: as far as it goes, and what ended it early, if anything did. Nodes
@@ -47,7 +45,7 @@ where
         }
         let recording = recorded.checked(0, &job.grid)?;
         let start = job.start_of(path)?;
-        let recorder = Recorder::new(&start, job.h, job.system.noises(), &recording, job.steps)?;
+        let recorder = Recorder::new(&start, job.h, job.processes(), &recording, job.steps)?;
         // Antithetic paths come in pairs.
         let (first, lane) = (path - path % 2, (path % 2) as usize);
         let mut group = Group::<H, E, 2>::new(&job);

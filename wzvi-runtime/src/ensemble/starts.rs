@@ -96,7 +96,7 @@ pub(super) fn check_systems<H: Discretized<E>, E>(
     degrees: usize,
 ) -> Result<(), ConfigError> {
     for (path, own) in systems.iter().enumerate() {
-        let noises = [own.noises(), system.noises()];
+        let noises = [own.increments(degrees), system.increments(degrees)];
         let cause = match own.check(degrees) {
             Err(cause) => ConfigError::Start(cause),
             Ok(()) if noises[0] != noises[1] => {

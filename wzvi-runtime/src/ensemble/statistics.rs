@@ -13,6 +13,7 @@ use super::moments::Moments;
 use super::origin::Origin;
 use super::passage::{Passages, Watch};
 use super::paths::Paths;
+use crate::digits::estimate;
 #[cfg(feature = "serde")]
 use crate::error::StepFailure;
 use crate::error::{StepError, UnknownName};
@@ -365,8 +366,9 @@ impl fmt::Display for Statistics {
         if end.lost() > 0 {
             write!(f, ", {} of {} lost", end.lost(), self.begun())?;
         }
+        let width = self.names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
         for (index, name) in self.names.iter().enumerate() {
-            write!(f, "\n{name}: {} ± {:.1e}", end.mean(index), end.standard_error(index))?;
+            write!(f, "\n{name:width$}  {}", estimate(end.mean(index), end.standard_error(index)))?;
             if end.lost() > 0 {
                 write!(f, " ({} lost)", end.lost())?;
             }

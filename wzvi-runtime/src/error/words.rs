@@ -1,7 +1,10 @@
 //! Why a step failed, as words: for checkpoints and messages.
 
-use super::{IndexError, IndexLimit, Name, StepFailure};
+use super::{BathError, IndexError, IndexLimit, Name, StepFailure};
 use crate::numbers::Tape;
+
+/// Where those of a bath begin.
+const BATH: u64 = 9;
 
 impl StepFailure {
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
@@ -26,6 +29,10 @@ impl StepFailure {
             Self::NonFiniteInput => [7, 0, 0],
             // Runs find it before their first step; here the name is lost.
             Self::Index(error) => [8, error.value() as u64, 0],
+            Self::Bath(error) => {
+                let [which, a, b] = error.words();
+                [BATH + which, a, b]
+            }
         }
     }
 
@@ -45,7 +52,7 @@ impl StepFailure {
                 (a as i64).into(),
                 IndexLimit::Integers,
             )),
-            _ => return None,
+            _ => Self::Bath(BathError::from_words([which.checked_sub(BATH)?, a, b])?),
         })
     }
 }
@@ -65,6 +72,12 @@ mod tests {
             StepFailure::Increments { expected: 3, got: usize::MAX },
             StepFailure::Dimension { expected: 0, got: 2 },
             StepFailure::NonFiniteInput,
+            StepFailure::Bath(BathError::Temperature { temperature: -1.0 }),
+            StepFailure::Bath(BathError::Friction { rate: f64::INFINITY }),
+            StepFailure::Bath(BathError::Asymmetric { entry: [1, usize::MAX] }),
+            StepFailure::Bath(BathError::Mass { degree: 3, inverse: -0.5 }),
+            StepFailure::Bath(BathError::Masses),
+            StepFailure::Bath(BathError::Backwards { h: -0.1 }),
             StepFailure::Index(IndexError::new(
                 &Name { name: "an integer", suffix: "" },
                 -1,
@@ -80,7 +93,7 @@ mod tests {
                 assert_eq!(read.words(), failure.words());
             }
         }
-        for nonsense in [[9, 0, 0], [u64::MAX, 0, 0], [0, 1 << 32, 0]] {
+        for nonsense in [[99, 0, 0], [u64::MAX, 0, 0], [0, 1 << 32, 0]] {
             assert_eq!(StepFailure::from_words(nonsense), None);
             let mut untouched = all[0];
             assert_eq!(Tape::read(nonsense.to_vec(), |tape| untouched.pass(tape)), None);

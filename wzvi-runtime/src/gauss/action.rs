@@ -1,7 +1,7 @@
 //! The discrete Lagrangian of a step with internal stages.
 
 use super::Field;
-use super::advance::Prepared;
+use super::advance::{Friction, Prepared};
 use super::kept::Memory;
 use super::stages::Stages;
 use crate::carry::Plain;
@@ -42,16 +42,19 @@ pub fn value<F: Field, const N: usize>(
     let mut action = 0.0;
     for i in 0..N {
         let own_q: Vec<f64> = lists.at[0].as_ref().iter().map(|stage| stage.get(i)).collect();
-        let own_p: Vec<f64> = momenta.iter().map(|stage| stage.get(i)).collect();
+        let Friction { scale, inverse, .. } = prepared.friction();
+        let own_p: Vec<f64> = momenta.iter().map(|stage| stage.get(i) * inverse[i]).collect();
         let (mut by_q, mut by_p) = (vec![0.0; degrees], vec![0.0; degrees]);
         let t = segment.t + table.c[i] * segment.h;
         system.slopes::<f64, false, true>(t, segment.h, &own_q, &own_p, dw, &mut by_q, &mut by_p);
         let pairing: f64 = own_p.iter().zip(&by_p).map(|(p, v)| p * v).sum();
         let drift = segment.h * system.evaluate(0, &own_q, &own_p, t);
         let noise = dw.iter().enumerate().map(|(k, dw)| dw * system.evaluate(k + 1, &own_q, &own_p, t));
-        action += table.b[i] * (pairing - drift - noise.sum::<f64>());
+        // With friction these are parts of `e^{γ τ} H(q, e^{-γ τ} π)`.
+        action += table.b[i] * scale[i] * (pairing - drift - noise.sum::<f64>());
     }
+    let scale = 1.0 / (1.0 + prepared.friction().decay);
     let [next_q, next_p] = &lists.next;
     let ends = segment.q1.components().iter().zip(next_q.as_ref()).zip(next_p.as_ref());
-    action + ends.map(|((end, reached), momentum)| momentum * (end - reached)).sum::<f64>()
+    action + ends.map(|((end, reached), momentum)| scale * momentum * (end - reached)).sum::<f64>()
 }

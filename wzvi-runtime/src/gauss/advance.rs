@@ -20,7 +20,31 @@ pub struct Prepared<const N: usize> {
     table: Table<N>,
     /// The linear part of a stiff force.
     modes: Option<Modes<N>>,
+    /// Friction that the step takes in.
+    friction: Friction<N>,
     instructions: InstructionSet,
+}
+
+/// Friction of a rate `γ` in the momentum `π = e^{γ τ} p`, `τ` after the start of the step, for which `K = e^{γ τ} H(q, e^{-γ τ} π)` is a Hamiltonian.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Friction<const N: usize> {
+    /// `e^{γ c_i h}`
+    pub(super) scale: [f64; N],
+    /// `e^{-γ c_i h}`
+    pub(super) inverse: [f64; N],
+    /// `e^{-γ h} - 1`
+    pub(super) decay: f64,
+}
+
+impl<const N: usize> Friction<N> {
+    fn new(rate: f64, table: &Table<N>, h: f64) -> Self {
+        let exponents = table.c.map(|c| rate * c * h);
+        Self {
+            scale: exponents.map(f64::exp),
+            inverse: exponents.map(|x| (-x).exp()),
+            decay: (-rate * h).exp_m1(),
+        }
+    }
 }
 
 /// Prepares a step of size `h` with `N` stages.
@@ -34,7 +58,8 @@ pub fn prepare<F: Field, const N: usize>(system: &F, h: f64) -> Result<Prepared<
     }
     let table = Table::get();
     let modes = Modes::new(system, &table, h);
-    Ok(Prepared { table, modes, instructions: InstructionSet::best() })
+    let friction = Friction::new(system.friction_rate(), &table, h);
+    Ok(Prepared { table, modes, friction, instructions: InstructionSet::best() })
 }
 
 /// The memory of a new stepper: all that its steps will need, where the system knows its size.
@@ -80,13 +105,21 @@ pub fn advance<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: 
         return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
     }
     let run = Run::<F, S, C, N, CAREFUL> { system, prepared, t, h, q, p, dw, memory, carry };
-    // Other numbers than `f64` are not side by side.
-    if size_of::<S>() == size_of::<f64>() { prepared.instructions.run(run) } else { run.run::<1>() }
+    // Other numbers than `f64` are not side by side, and care is not compiled for each set of instructions.
+    if size_of::<S>() == size_of::<f64>() && !CAREFUL {
+        prepared.instructions.run(run)
+    } else {
+        run.run::<1, 1>()
+    }
 }
 
 impl<const N: usize> Prepared<N> {
     pub(super) fn table(&self) -> &Table<N> {
         &self.table
+    }
+
+    pub(super) fn friction(&self) -> &Friction<N> {
+        &self.friction
     }
 
     pub(super) fn modes(&self) -> Option<&Modes<N>> {
@@ -125,7 +158,7 @@ impl<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool> Kern
     type Output = Result<Effort, StepFailure>;
 
     #[inline(always)]
-    fn run<const L: usize>(self) -> Self::Output {
+    fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
         let Self { system, prepared, t, h, q, p, dw, memory, carry } = self;
         let mut given = memory.given.take();
         given.read(&prepared.table, q, p, dw, carry);
@@ -139,6 +172,11 @@ impl<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool> Kern
             memory.prefers_newton = *prefers_newton;
             // With noise it is no guide to the next step, but it says what lies between the nodes.
             std::mem::swap(&mut memory.past, &mut lists.slopes);
+            if F::IS_CONFORMAL {
+                // In the momentum of the step that follows.
+                let left = [1.0 + prepared.friction.decay; N];
+                memory.past[1].as_mut().iter_mut().for_each(|slopes| *slopes = slopes.times(&left));
+            }
             memory.is_known = dw.is_empty();
             q.copy_from_slice(lists.next[0].as_ref());
             p.copy_from_slice(lists.next[1].as_ref());
@@ -266,6 +304,12 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         let (q, p, by_q) = (q.as_ref(), p.as_ref(), by_q.as_mut());
         if F::IS_NYSTROM {
             S::Stages::slopes::<F, true, false>(self.system, &self.at, q, p, by_q, spare.as_mut(), scratch);
+        } else if F::IS_CONFORMAL {
+            let Friction { scale, inverse, .. } = self.prepared.friction();
+            let own = spare.as_mut();
+            own.iter_mut().zip(p).for_each(|(own, p)| *own = p.times(inverse));
+            S::Stages::slopes::<F, true, true>(self.system, &self.at, q, own, by_q, by_p.as_mut(), scratch);
+            by_q.iter_mut().for_each(|slopes| *slopes = slopes.times(scale));
         } else {
             S::Stages::slopes::<F, true, true>(self.system, &self.at, q, p, by_q, by_p.as_mut(), scratch);
         }
@@ -303,7 +347,11 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         let mut zeros = zero;
         for d in 0..q.len() {
             (next_q[d], lost_q[d]) = C::add(q[d], next_q[d], carry.of_coordinate(d));
-            (next_p[d], lost_p[d]) = C::add(p[d], zero - by_q[d].total(), carry.of_momentum(d));
+            let mut change = zero - by_q[d].total();
+            if F::IS_CONFORMAL {
+                change = change + (self.start[1][d] + change) * self.prepared.friction.decay;
+            }
+            (next_p[d], lost_p[d]) = C::add(p[d], change, carry.of_momentum(d));
             zeros = zeros + next_q[d] * 0.0 + next_p[d] * 0.0;
         }
         if zeros.is_finite().all() { Ok(()) } else { Err(StepFailure::NonFinite) }

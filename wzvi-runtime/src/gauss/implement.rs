@@ -27,9 +27,11 @@ macro_rules! __gauss {
                 <<Self as $crate::gauss::Field>::Shape as $crate::gauss::Shape>::Compensation<__S>;
             type Carry<__S: $crate::scalar::Scalar> = Self::Compensated<__S>;
 
-            const HAS_POLYNOMIAL: $crate::core::primitive::bool = $stages > 1;
+            // That of a step with friction is one of the momentum that friction leaves alone.
+            const HAS_POLYNOMIAL: $crate::core::primitive::bool =
+                $stages > 1 && !<Self as $crate::system::Hamiltonian>::IS_CONFORMAL;
             const DENSE_ORDER: $crate::core::primitive::u32 = $crate::gauss::dense_order(
-                $stages,
+                if <Self as $crate::system::Hamiltonian>::IS_CONFORMAL { 1 } else { $stages },
                 &<Self as $crate::system::Discretized<$crate::gauss::Gauss<$stages>>>::PLAN,
             );
 

@@ -112,9 +112,17 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         for d in 0..degrees {
             q[d] = Dual { value: arguments(0, d), derivative: [f64::from(along == d)] };
             p[d] = Dual { value: arguments(1, d), derivative: [f64::from(along == degrees + d)] };
+            if F::IS_CONFORMAL {
+                let inverse = stage.map_or(1.0, |stage| self.prepared.friction().inverse[stage]);
+                p[d] = p[d] * inverse;
+            }
         }
         let h = if stage.is_some() { own(self.at.h) } else { Dual::from_f64(self.h) };
         self.system.slopes::<Dual<1>, true, true>(own(self.at.t), h, q, p, dw, by_q, by_p);
+        if F::IS_CONFORMAL {
+            let scale = stage.map_or(1.0, |stage| self.prepared.friction().scale[stage]);
+            by_q.iter_mut().for_each(|slope| *slope = *slope * scale);
+        }
     }
 }
 

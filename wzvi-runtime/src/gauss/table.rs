@@ -19,9 +19,9 @@ pub(super) struct Table<const N: usize> {
     pub(super) c: [f64; N],
     /// Weights.
     pub(super) b: [f64; N],
-    /// `a_ij / b_j`, with `μ_ij + μ_ji = 1` to the last bit: then the step is symplectic with the rounded coefficients.
+    /// `a_ij / b_j`, with `μ_ij + μ_ji = 1` exactly: then the step is symplectic with the rounded coefficients.
     pub(super) mu: [[f64; N]; N],
-    /// `(A²)_ij / b_j = (1/b_j) Σ_k a_ik a_kj`, with `η_ij - η_ji = c_i - c_j` to rounding.
+    /// `(A²)_ij / b_j = (1/b_j) Σ_k a_ik a_kj`, with `η_ij - η_ji = c_i - c_j` exactly: the same for the Nyström form.
     pub(super) eta: [[f64; N]; N],
     /// `∫_1^{1 + c_i} l_j / b_j`: the stages of the next step from the slopes of this one.
     pub(super) nu: [[f64; N]; N],
@@ -48,6 +48,12 @@ impl<const N: usize> Table<N> {
         let [mu, eta, nu, kappa] = std::array::from_fn(matrix);
         Self { c: list(&known.c), b: list(&known.b), mu, eta, nu, kappa }
     }
+}
+
+/// Nodes and weights of so many stages, on the interval from 0 to 1.
+pub(crate) fn quadrature(stages: usize) -> (Vec<f64>, Vec<f64>) {
+    let Coefficients { c, b, .. } = Coefficients::new(stages.clamp(1, MOST_STAGES));
+    (c, b)
 }
 
 /// `P_0(y) ... P_top(y)`
@@ -114,12 +120,13 @@ impl Coefficients {
             };
             (0..s).map(|j| (0..s).map(|i| entry(i, j)).collect()).collect()
         };
-        let round = |wide: Vec<Vec<Wide>>| -> Vec<Vec<f64>> {
-            wide.into_iter().map(|column| column.into_iter().map(Wide::rounded).collect()).collect()
+        let round = |wide: Vec<Vec<Wide>>, round: fn(Wide) -> f64| -> Vec<Vec<f64>> {
+            wide.into_iter().map(|column| column.into_iter().map(round).collect()).collect()
         };
-        let mut mu = round(matrix(&from_start, 0));
-        let mut eta = round(matrix(&from_start, 1));
-        let c: Vec<f64> = c.into_iter().map(Wide::rounded).collect();
+        // What is linked by an identity is on a grid on which it does not round: some |μ_ij| are above 1, no |η_ij| and no c_i is.
+        let mut mu = round(matrix(&from_start, 0), |mu| mu.on_grid(52));
+        let mut eta = round(matrix(&from_start, 1), |eta| eta.on_grid(53));
+        let c: Vec<f64> = c.into_iter().map(|c| c.on_grid(53)).collect();
         for j in 0..s {
             mu[j][j] = 0.5;
             for i in 0..j {
@@ -131,7 +138,12 @@ impl Coefficients {
         Self {
             b: (0..s).map(|i| weight(i).rounded()).collect(),
             c,
-            matrices: [mu, eta, round(matrix(&from_end, 0)), round(matrix(&from_end, 1))],
+            matrices: [
+                mu,
+                eta,
+                round(matrix(&from_end, 0), Wide::rounded),
+                round(matrix(&from_end, 1), Wide::rounded),
+            ],
         }
     }
 }
@@ -169,14 +181,22 @@ mod tests {
         assert!(compared > 1000);
     }
 
+    /// As whole numbers, which do not round.
     #[test]
     #[expect(clippy::needless_range_loop, reason = "indices as in the formula")]
     fn coefficients_are_symplectic_to_the_last_bit() {
+        let whole = |number: f64, bits: i32| {
+            let scaled = number * 2.0_f64.powi(bits);
+            assert!(scaled == scaled.round() && number.abs() <= 2.0_f64.powi(53 - bits), "{number}");
+            scaled as i64
+        };
         for s in 1..=MOST_STAGES {
-            let Coefficients { b, matrices: [mu, ..], .. } = Coefficients::new(s);
+            let Coefficients { b, c, matrices: [mu, eta, ..] } = Coefficients::new(s);
             for i in 0..s {
                 for j in 0..=i {
-                    assert_eq!(mu[i][j] + mu[j][i], 1.0, "{s}: {i}, {j}");
+                    assert_eq!(whole(mu[i][j], 52) + whole(mu[j][i], 52), 1 << 52, "{s}: {i}, {j}");
+                    let difference = whole(eta[j][i], 53) - whole(eta[i][j], 53);
+                    assert_eq!(difference, whole(c[i], 53) - whole(c[j], 53), "{s}: {i}, {j}");
                 }
             }
             let sum: f64 = b.iter().sum();

@@ -16,6 +16,12 @@ impl Wide {
         self.high + self.low
     }
 
+    /// The nearest multiple of `2^-bits`, below `2^(53 - bits)`: sums and differences of such numbers do not round.
+    pub(super) fn on_grid(self, bits: i32) -> f64 {
+        let scale = 2.0_f64.powi(bits);
+        (self.high * scale + self.low * scale).round_ties_even() / scale
+    }
+
     /// The sum without loss.
     fn sum(a: f64, b: f64) -> Self {
         let high = a + b;

@@ -49,7 +49,7 @@ impl InstructionSet {
                 Self::Avx512 => return x86::avx512(kernel),
             }
         }
-        kernel.run::<4>()
+        kernel.run::<4, 2>()
     }
 }
 
@@ -61,8 +61,9 @@ impl InstructionSet {
 pub trait Kernel {
     /// What it computes.
     type Output;
-    /// Does the work, with so many numbers beside each other that the processor has something else to do while it waits for one.
-    fn run<const L: usize>(self) -> Self::Output;
+    /// Does the work, with `L` numbers beside each other, so many that the processor has something else to do while it waits for one; or with
+    /// `HALF` of them where each has more beside it that is to stay in registers.
+    fn run<const L: usize, const HALF: usize>(self) -> Self::Output;
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -77,7 +78,7 @@ mod x86 {
     pub(super) fn avx2<K: Kernel>(kernel: K) -> K::Output {
         #[target_feature(enable = "avx2")]
         fn run<K: Kernel>(kernel: K) -> K::Output {
-            kernel.run::<8>()
+            kernel.run::<8, 4>()
         }
         debug_assert!(super::InstructionSet::Avx2.is_available());
         // SAFETY: the machine has these instructions; its caller has asked.
@@ -88,7 +89,7 @@ mod x86 {
     pub(super) fn avx512<K: Kernel>(kernel: K) -> K::Output {
         #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl")]
         fn run<K: Kernel>(kernel: K) -> K::Output {
-            kernel.run::<32>()
+            kernel.run::<32, 16>()
         }
         debug_assert!(super::InstructionSet::Avx512.is_available());
         // SAFETY: the machine has these instructions; its caller has asked.

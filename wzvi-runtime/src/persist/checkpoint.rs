@@ -73,7 +73,6 @@
 
 #[cfg(feature = "ensemble")]
 mod blocks;
-mod due;
 mod error;
 mod format;
 mod identity;
@@ -169,6 +168,11 @@ impl<C> Checkpoint<C> {
 }
 
 impl Checkpoint {
+    /// The time between two of them, if that matters.
+    fn interval(&self) -> Option<Duration> {
+        if self.count.is_none() { Some(self.interval.unwrap_or(MINUTE)) } else { self.interval }
+    }
+
     fn check(&self) -> Result<(), ConfigError> {
         let mistake = match (self.count, self.interval) {
             (Some(0), _) => "a checkpoint every 0 steps or paths; give at least 1",

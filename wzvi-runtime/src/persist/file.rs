@@ -52,7 +52,6 @@ fn folder(path: &Path) -> &Path {
 }
 
 /// Creates a folder and what leads to it.
-#[cfg(feature = "ensemble")]
 pub(crate) fn create_folder(path: &Path) -> Result<(), FileError> {
     fs::create_dir_all(path).map_err(FileError::system(path, "create the folder"))
 }
@@ -177,12 +176,20 @@ pub(crate) fn publish_set(staged: Vec<Staged>) -> Result<(), FileError> {
 const WRITE: &str = "write";
 
 /// Replaces the content of `path` by what `write` writes. Nothing is left behind if this fails.
-#[cfg(any(test, feature = "ensemble"))]
 pub(crate) fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<(), FileError> {
     Staged::write(path, write)?.publish()
+}
+
+/// [`replace`] in a folder that is made if it is not there.
+pub(crate) fn replace_in_folder(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), FileError> {
+    create_folder(folder(path))?;
+    replace(path, write)
 }
 
 /// Opens a file for reading; `None` if there is none.

@@ -1,7 +1,13 @@
 //! Tables: columns with names, and their text as CSV and JSON.
 
+#[cfg(feature = "ensemble")]
+mod rows;
+
 use std::fmt::Write as _;
 use std::io::{self, Write};
+
+#[cfg(feature = "ensemble")]
+pub(crate) use rows::{COUNT, Cell, NUMBER, TEXT};
 
 /// Columns of one length.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +33,15 @@ impl Column {
             Self::Number(entries) => entries.len(),
             Self::Count(entries) => entries.len(),
             Self::Text(entries) => entries.len(),
+        }
+    }
+
+    fn write_json(&self, row: usize, to: &mut impl Write) -> io::Result<()> {
+        match self {
+            Self::Number(entries) if entries[row].is_finite() => write!(to, "{:?}", entries[row]),
+            Self::Number(_) => write!(to, "null"),
+            Self::Count(entries) => write!(to, "{}", entries[row]),
+            Self::Text(entries) => write!(to, "{}", escaped(&entries[row])),
         }
     }
 }
@@ -91,19 +106,30 @@ impl Table {
         for (i, (name, column)) in self.columns.iter().enumerate() {
             write!(to, "{}{}:[", if i == 0 { "{" } else { "," }, escaped(name))?;
             for row in 0..column.len() {
-                let comma = if row == 0 { "" } else { "," };
-                match column {
-                    Column::Number(entries) if entries[row].is_finite() => {
-                        write!(to, "{comma}{:?}", entries[row])?;
-                    }
-                    Column::Number(_) => write!(to, "{comma}null")?,
-                    Column::Count(entries) => write!(to, "{comma}{}", entries[row])?,
-                    Column::Text(entries) => write!(to, "{comma}{}", escaped(&entries[row]))?,
-                }
+                to.write_all(if row == 0 { b"" } else { b"," })?;
+                column.write_json(row, to)?;
             }
             write!(to, "]")?;
         }
         write!(to, "}}")
+    }
+
+    /// `[{"column":entry, ...}, ...]`, a line for each row, with numbers as in [`Table::write_csv`]; JSON has `null` for those that are
+    /// none or infinite.
+    ///
+    /// # Errors
+    /// Those of `to`.
+    pub fn write_json_records(&self, to: &mut impl Write) -> io::Result<()> {
+        let names: Vec<String> = self.columns.iter().map(|(name, _)| escaped(name)).collect();
+        for row in 0..self.rows() {
+            write!(to, "{}", if row == 0 { "[" } else { ",\n" })?;
+            for (i, (name, (_, column))) in names.iter().zip(&self.columns).enumerate() {
+                write!(to, "{}{name}:", if i == 0 { "{" } else { "," })?;
+                column.write_json(row, to)?;
+            }
+            write!(to, "}}")?;
+        }
+        writeln!(to, "{}]", if self.rows() == 0 { "[" } else { "" })
     }
 }
 
@@ -123,7 +149,6 @@ fn quote(line: &mut String, text: &str) {
     }
 }
 
-#[cfg(feature = "ensemble")]
 pub(crate) fn escaped(text: &str) -> String {
     let mut json = String::from("\"");
     for c in text.chars() {
@@ -137,40 +162,18 @@ pub(crate) fn escaped(text: &str) -> String {
     json
 }
 
-/// An entry of a row.
-pub(crate) enum Cell<'a> {
-    Number(f64),
-    Count(u64),
-    Text(&'a str),
-}
-use Cell::{Count, Number, Text};
-
-pub(crate) const NUMBER: Column = Column::Number(Vec::new());
-pub(crate) const COUNT: Column = Column::Count(Vec::new());
-pub(crate) const TEXT: Column = Column::Text(Vec::new());
-
 impl Table {
-    /// Without rows: columns of given types, and columns of numbers.
-    pub(crate) fn new<'n>(
-        name: impl Into<String>,
-        columns: impl IntoIterator<Item = (&'n str, Column)>,
-        numbers: impl IntoIterator<Item = &'n str>,
-    ) -> Self {
-        let columns = columns.into_iter().chain(numbers.into_iter().map(|name| (name, NUMBER)));
-        Self { name: name.into(), columns: columns.map(|(name, column)| (name.to_owned(), column)).collect() }
+    /// Without columns.
+    pub(crate) fn named(name: impl Into<String>) -> Self {
+        Self { name: name.into(), columns: Vec::new() }
     }
 
-    /// One more row, whose entries have the types of the columns.
-    pub(crate) fn row<'a>(&mut self, cells: impl IntoIterator<Item = Cell<'a>>) {
-        for ((_, column), cell) in self.columns.iter_mut().zip(cells) {
-            match (column, cell) {
-                (Column::Number(entries), Number(entry)) => entries.push(entry),
-                (Column::Count(entries), Count(entry)) => entries.push(entry),
-                (Column::Text(entries), Text(entry)) => entries.push(entry.to_owned()),
-                (Column::Number(_) | Column::Count(_) | Column::Text(_), _) => {
-                    debug_assert!(false, "the types of the table `{}`", self.name);
-                }
-            }
+    /// One more column of numbers, under this name; under a longer one if another column has it.
+    pub(crate) fn push(&mut self, name: &str, entries: Vec<f64>) {
+        let mut free = name.to_owned();
+        while self.columns.iter().any(|(known, _)| *known == free) {
+            free.push('_');
         }
+        self.columns.push((free, Column::Number(entries)));
     }
 }

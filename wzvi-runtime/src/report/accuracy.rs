@@ -98,7 +98,6 @@ impl<V: Vector> AllSeen<V> {
 impl<'a, H> WorkPrecision<'a, H>
 where
     H: Hamiltonian + Sync,
-    H::Vector: Send + Sync,
 {
     /// Where the paths end.
     pub(super) fn references(

@@ -3,9 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::figure::Figure;
-use super::plot::Plot;
 use super::{ReportError, create_folder, number, write_file};
+use crate::plot::{Figure, Layout, Plot};
 
 /// A table is cut to about so many rows on the page; its file has all.
 const ROWS: usize = 120;
@@ -53,7 +52,7 @@ impl Document {
         self
     }
 
-    /// Adds a table.
+    /// Adds a table. A cell that begins with ✓, ◐ or ✗ is coloured as good, in part, or bad.
     #[must_use]
     pub fn table(
         mut self,
@@ -77,10 +76,14 @@ impl Document {
     /// # Errors
     /// [`ReportError::Plot`].
     pub fn html(&self) -> Result<String, ReportError> {
-        let mut body = String::new();
+        let mut body = self.contents();
+        let mut section = 0;
         for part in &self.parts {
             match part {
-                Part::Heading(text) => body += &format!("<h2>{}</h2>\n", escaped(text)),
+                Part::Heading(text) => {
+                    section += 1;
+                    body += &format!("<h2 id=\"section-{section}\">{}</h2>\n", escaped(text));
+                }
                 Part::Text(text) => body += &format!("<p>{}</p>\n", escaped(text)),
                 Part::List(items) => {
                     body += "<ul>\n";
@@ -102,6 +105,22 @@ impl Document {
         ))
     }
 
+    /// The headings as links, where there are some.
+    fn contents(&self) -> String {
+        let headings = self.parts.iter().filter_map(|part| match part {
+            Part::Heading(text) => Some(text),
+            _ => None,
+        });
+        let entries: Vec<String> = headings
+            .enumerate()
+            .map(|(i, text)| format!("<li><a href=\"#section-{}\">{}</a></li>\n", i + 1, escaped(text)))
+            .collect();
+        match entries.len() {
+            0..3 => String::new(),
+            _ => format!("<nav aria-label=\"Contents\"><ol>\n{}</ol></nav>\n", entries.concat()),
+        }
+    }
+
     /// Writes `index.html` and, for each figure, `<id>.svg`, `<id>.png` and `<id>.csv` into a folder, which is made if it is not
     /// there.
     ///
@@ -112,7 +131,7 @@ impl Document {
         create_folder(folder)?;
         for part in &self.parts {
             if let Part::Figure(figure) = part {
-                let plot = Plot::new(figure);
+                let plot = Plot::new(figure, Layout::wide(figure), 1);
                 let file = |ending: &str| folder.join(format!("{}.{ending}", figure.id));
                 write_file(&file("svg"), plot.svg()?.as_bytes())?;
                 write_file(&file("png"), &plot.png()?)?;
@@ -125,16 +144,40 @@ impl Document {
 
 /// A figure: plot, sentence, table.
 fn drawn(figure: &Figure) -> Result<String, ReportError> {
-    let plot = Plot::new(figure);
     let (id, title) = (escaped(&figure.id), escaped(&figure.title));
-    let svg = plot.svg()?;
-    // Within a page the name space is implied, and the drawing has a name of its own for readers of screens.
+    let plots = [
+        svg(figure, &Plot::new(figure, Layout::wide(figure), 1), "wide")?,
+        svg(figure, &Plot::new(figure, Layout::narrow(figure), 1), "narrow")?,
+    ];
+    let (headings, rows) = figure.table();
+    let stride = rows.len().div_ceil(ROWS).max(1);
+    let caption = match stride {
+        1 => format!("The numbers behind “{}”", figure.title),
+        _ => {
+            format!("One in {stride} of the numbers behind “{}”; all are in {}.csv", figure.title, figure.id)
+        }
+    };
+    let rows: Vec<_> = rows.into_iter().step_by(stride).collect();
+    Ok(format!(
+        "<figure id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h3 id=\"{id}-title\">{title}</h3>\n\
+         {}<figcaption>{}</figcaption>\n\
+         <details><summary>Numbers</summary>\n{}<p class=\"files\">Files: {id}.csv, {id}.svg, {id}.png</p></details>\n</figure>\n",
+        plots.concat(),
+        escaped(&figure.shows),
+        table(&caption, &headings, &rows)
+    ))
+}
+
+/// A drawing for screens of one kind, with the numbers of its points for who points at them.
+fn svg(figure: &Figure, plot: &Plot<'_>, screens: &str) -> Result<String, ReportError> {
     let alternative = format!(
         "Plot of {} against {}: {}. The numbers are in the table below.",
         figure.y.label,
         figure.x.label,
         figure.series.iter().map(|series| series.name.as_str()).collect::<Vec<_>>().join(", ")
     );
+    // Within a page the name space is implied, and the drawing has a name of its own for readers of screens.
+    let svg = plot.svg()?;
     let open = svg.find("<svg").unwrap_or(0);
     let inner = svg[open..].find('>').map_or("", |end| &svg[open + end + 1..]);
     let inner = inner.trim_end().trim_end_matches("</svg>");
@@ -155,29 +198,17 @@ fn drawn(figure: &Figure) -> Result<String, ReportError> {
             placed.at.0, placed.at.1
         );
     }
-    let (headings, rows) = figure.table();
-    let stride = rows.len().div_ceil(ROWS).max(1);
-    let caption = match stride {
-        1 => format!("The numbers behind “{}”", figure.title),
-        _ => {
-            format!("One in {stride} of the numbers behind “{}”; all are in {}.csv", figure.title, figure.id)
-        }
-    };
-    let rows: Vec<_> = rows.into_iter().step_by(stride).collect();
+    let (width, height) = plot.size();
     Ok(format!(
-        "<figure id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h3 id=\"{id}-title\">{title}</h3>\n\
-         <div class=\"plot\"><svg viewBox=\"0 0 900 460\" role=\"group\" aria-label=\"{}\">\n\
-         <g aria-hidden=\"true\">{inner}</g>\n<g>{points}</g></svg></div>\n<figcaption>{}</figcaption>\n\
-         <details><summary>Numbers</summary>\n{}<p class=\"files\">Files: {id}.csv, {id}.svg, {id}.png</p></details>\n</figure>\n",
-        escaped(&alternative),
-        escaped(&figure.shows),
-        table(&caption, &headings, &rows)
+        "<div class=\"plot {screens}\"><svg viewBox=\"0 0 {width} {height}\" role=\"group\" aria-label=\"{}\">\n\
+         <g aria-hidden=\"true\">{inner}</g>\n<g>{points}</g></svg></div>\n",
+        escaped(&alternative)
     ))
 }
 
 fn table(caption: &str, headings: &[String], rows: &[Vec<String>]) -> String {
     let mut text = format!(
-        "<div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\"><table>\n<caption>{0}</caption>\n<thead><tr>",
+        "<p class=\"hint\">Wide tables scroll sideways.</p>\n<div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\"><table>\n<caption>{0}</caption>\n<thead><tr>",
         escaped(caption)
     );
     for heading in headings {
@@ -189,7 +220,13 @@ fn table(caption: &str, headings: &[String], rows: &[Vec<String>]) -> String {
         for (column, cell) in row.iter().enumerate() {
             let tag = if column == 0 { "th scope=\"row\"" } else { "td" };
             let end = if column == 0 { "th" } else { "td" };
-            text += &format!("<{tag}>{}</{end}>", escaped(cell));
+            let class = match cell.chars().next() {
+                Some('✓') => " class=\"good\"",
+                Some('◐') => " class=\"part\"",
+                Some('✗') => " class=\"bad\"",
+                _ => "",
+            };
+            text += &format!("<{tag}{class}>{}</{end}>", escaped(cell));
         }
         text += "</tr>\n";
     }

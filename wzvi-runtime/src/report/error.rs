@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use crate::persist::FileError;
+use crate::plot::PlotError;
 
 /// A measurement that could not be made, read or written.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,12 +22,7 @@ pub enum ReportError {
         cause: String,
     },
     /// A plot could not be drawn.
-    Plot {
-        /// Which figure.
-        figure: String,
-        /// What the backend said.
-        cause: String,
-    },
+    Plot(PlotError),
     /// The numbers could not be put into a format.
     Format(String),
 }
@@ -38,7 +34,7 @@ impl fmt::Display for ReportError {
             Self::Overlay { path, line, cause } => {
                 write!(f, "{}, line {line}: {cause}; a line is name,seconds,error", path.display())
             }
-            Self::Plot { figure, cause } => write!(f, "cannot draw the figure `{figure}`: {cause}"),
+            Self::Plot(error) => error.fmt(f),
             Self::Format(cause) => write!(f, "cannot write the numbers down: {cause}"),
         }
     }
@@ -49,6 +45,12 @@ impl std::error::Error for ReportError {}
 impl From<FileError> for ReportError {
     fn from(error: FileError) -> Self {
         Self::File(error)
+    }
+}
+
+impl From<PlotError> for ReportError {
+    fn from(error: PlotError) -> Self {
+        Self::Plot(error)
     }
 }
 

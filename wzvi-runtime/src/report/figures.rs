@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::document::Document;
-use super::figure::{Axis, Figure, Look, Series};
 use super::fit::Slope;
 use super::{Cell, Report, ReportError, create_folder, duration, number, write_file};
+use crate::plot::{Axis, Figure, Look, Series};
 
 impl Report {
     /// Error against run time and error against step size, log-log, with the fitted slopes.
@@ -74,6 +74,7 @@ impl Report {
         let (headings, rows) = self.rows();
         let document = document
             .table(format!("{}: what was measured", self.title), headings, rows)
+            .list(self.terms())
             .list(self.conclusions())
             .text(self.conditions());
         self.figures(id).into_iter().fold(document, Document::figure)

@@ -1,9 +1,10 @@
 //! Where and when something was measured.
 
 use std::fs;
-use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
+
+use crate::clock;
 
 /// The program, the machine and the time of a measurement.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -35,7 +36,8 @@ impl Machine {
             cores: std::thread::available_parallelism().map_or(1, usize::from),
             system: system(),
             architecture: std::env::consts::ARCH.to_owned(),
-            date: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
+            date: clock::date()
+                .map_or_else(unknown, |now| humantime::format_rfc3339_seconds(now).to_string()),
         }
     }
 

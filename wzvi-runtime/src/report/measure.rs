@@ -144,8 +144,6 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     pub fn reference<E: 'static>(mut self, h: f64) -> Self
     where
         H: Discretized<E> + Sync,
-        H::Vector: Send + Sync,
-        H::Prepared: Send + Sync,
     {
         self.reference = Some(Reference::Finer(Box::new(Embedded::<E>::new()), h));
         self
@@ -183,8 +181,6 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     pub fn scheme<E: 'static>(mut self) -> Self
     where
         H: Discretized<E> + Sync,
-        H::Vector: Send + Sync,
-        H::Prepared: Send + Sync,
     {
         self.methods.push(Box::new(Embedded::<E>::new()));
         self

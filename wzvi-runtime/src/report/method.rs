@@ -39,6 +39,9 @@ pub(super) trait Method<H: Hamiltonian>: Send + Sync {
     /// What the compiler found out.
     fn plan(&self) -> Plan;
 
+    /// How many numbers drive a step.
+    fn increments(&self, system: &H, degrees: usize) -> usize;
+
     /// Runs paths, which `see` sees at the recorded nodes that they reach, and says what the first one that failed said; `None` if Ctrl-C stopped it.
     ///
     /// # Errors
@@ -118,8 +121,6 @@ impl<E> Embedded<E> {
 impl<H, E> Method<H> for Embedded<E>
 where
     H: Discretized<E> + Sync,
-    H::Vector: Send + Sync,
-    H::Prepared: Send + Sync,
 {
     fn name(&self) -> String {
         short_name::<E>()
@@ -127,6 +128,10 @@ where
 
     fn plan(&self) -> Plan {
         H::PLAN
+    }
+
+    fn increments(&self, system: &H, degrees: usize) -> usize {
+        system.increments(degrees)
     }
 
     /// One path without noise as a single run, which adds with care; paths with noise as an ensemble.

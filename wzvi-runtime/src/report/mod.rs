@@ -31,7 +31,6 @@ mod accuracy;
 mod data;
 mod document;
 mod error;
-mod figure;
 mod figures;
 mod files;
 pub mod fit;
@@ -41,41 +40,21 @@ mod method;
 mod noise;
 mod overlay;
 mod pareto;
-mod plot;
 mod run;
 pub mod statistics;
 mod table;
-mod ticks;
 mod write;
 
 pub use data::{Cell, Report, Weak};
 pub use document::Document;
 pub use error::ReportError;
-pub use figure::{Axis, Figure, Look, Series};
 pub use files::{create_folder, write_file};
 pub use machine::Machine;
 pub use measure::WorkPrecision;
 pub use overlay::Overlay;
 pub use pareto::Choice;
 
-/// A number with three significant digits, for people.
-pub fn number(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    if !(1e-4..1e5).contains(&size) {
-        return format!("{value:.2e}");
-    }
-    // Rounding first: 0.99996 has as many decimals as 1.
-    let exponent = format!("{size:.2e}").split_once('e').and_then(|parts| parts.1.parse::<i32>().ok());
-    let decimals = (2 - exponent.unwrap_or(0)).max(0) as usize;
-    let text = format!("{value:.decimals$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
-}
+pub use crate::plot::{Axis, Figure, Look, Series, number};
 
 /// A time with its unit, for people.
 pub fn duration(seconds: f64) -> String {

@@ -25,7 +25,6 @@ const TIMED: Duration = Duration::from_millis(1);
 impl<'a, H> WorkPrecision<'a, H>
 where
     H: Hamiltonian + Sync,
-    H::Vector: Send + Sync,
 {
     /// Measures. Ctrl-C, or [`WorkPrecision::stop_when`], ends it early: the report then holds what was measured until then.
     /// On a terminal, progress and the time that remains are shown.
@@ -128,6 +127,14 @@ where
             }
             usize::try_from(steps).map_err(|_| ConfigError::End { start: start.t, end, h })
         };
+        let (degrees, noises) = (start.q.components().len(), self.system.noises());
+        let mut methods = self.methods.iter();
+        if let Some(method) = methods.find(|method| method.increments(self.system, degrees) != noises) {
+            return Err(ConfigError::Setting(format!(
+                "schemes are compared on paths that they share, but {} draws the normals of its bath for itself: compare averages of                  ensembles instead",
+                method.name()
+            )));
+        }
         let paths = if self.system.noises() == 0 { 1 } else { self.paths };
         let mut sizes = self.steps.clone();
         sizes.sort_by(|a, b| b.abs().total_cmp(&a.abs()));

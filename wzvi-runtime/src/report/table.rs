@@ -2,17 +2,8 @@
 
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 
-use super::statistics::Estimate;
 use super::{Cell, Report, duration, number};
-
-/// `value ± standard error`, or a dash.
-fn estimate(estimate: &Estimate) -> String {
-    match estimate {
-        Estimate { value, .. } if value.is_nan() => "-".to_owned(),
-        Estimate { value, standard_error } if *standard_error == 0.0 => number(*value),
-        Estimate { value, standard_error } => format!("{} ± {standard_error:.0e}", number(*value)),
-    }
-}
+use crate::digits::estimate;
 
 impl Report {
     /// Prints [`Report::text`].
@@ -75,6 +66,20 @@ impl Report {
         lines
     }
 
+    /// What the columns of the table are, a sentence each.
+    pub fn terms(&self) -> Vec<String> {
+        let strong = "strong error: the root mean square over paths of the distance between the end of the run and the solution, with its \
+                      standard error";
+        let weak = "weak error: the mean of the observable minus that of the solution, with its 95 % confidence interval";
+        let energy = "trend: what the energy changes over the run, by a straight line through it; oscillation: the largest distance from that \
+                      line";
+        let rest = "failed: paths whose step had no solution; Newton: iterations in a step, mean; steps take, noise takes: the median time of a \
+                    path, with half the distance of the quartiles";
+        let has_weak = self.cells.first().is_some_and(|cell| !cell.weak.is_empty());
+        let weak = has_weak.then_some(weak);
+        [strong].into_iter().chain(weak).chain([energy, rest]).map(str::to_owned).collect()
+    }
+
     /// What was measured against what, where and when.
     pub fn conditions(&self) -> String {
         let paths = self.cells.iter().map(|cell| cell.paths + cell.failures).max().unwrap_or(0);
@@ -89,15 +94,9 @@ impl Report {
 }
 
 fn row(cell: &Cell) -> Vec<String> {
-    let mut row = vec![cell.scheme.clone(), number(cell.h), estimate(&cell.strong)];
-    row.extend(cell.weak.iter().map(|weak| {
-        let half = weak.bias.half_width();
-        if weak.bias.value.is_nan() {
-            "-".to_owned()
-        } else {
-            format!("{} ± {half:.0e}", number(weak.bias.value))
-        }
-    }));
+    let mut row =
+        vec![cell.scheme.clone(), number(cell.h), estimate(cell.strong.value, cell.strong.standard_error)];
+    row.extend(cell.weak.iter().map(|weak| estimate(weak.bias.value, weak.bias.half_width())));
     row.extend([number(cell.energy_trend.value), number(cell.energy_oscillation.value)]);
     row.push(cell.failures.to_string());
     row.push(number(cell.iterations));

@@ -19,6 +19,8 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
             clock,
             reached,
             resolution,
+            exchanged,
+            ledger: _,
             scheme: _,
         } = self;
         let Clock { start, ticks, now } = clock;
@@ -37,6 +39,9 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
         memory.pass(tape);
         carry.pass(tape);
         resolution.pass(tape);
+        if Self::MAY_EXCHANGE {
+            tape.numbers([&mut exchanged.work, &mut exchanged.heat]);
+        }
     }
 
     /// What is computed once for all steps, for people and checksums.

@@ -12,6 +12,7 @@ use crate::section::Crossing;
 use crate::state::{State, Vector};
 use crate::step::StepInfo;
 use crate::sum::Sum;
+use crate::system::Exchange;
 #[cfg(feature = "serde")]
 pub(crate) use kept::Kept;
 
@@ -65,6 +66,7 @@ impl<V: Vector> Recorder<V> {
             chosen: 0,
             observed: Vec::new(),
             crossings: Vec::new(),
+            exchanged: Exchange::default(),
         };
         let (recording, next) = (recording.clone(), recording.next(0));
         Ok(Self { path, recording, pending: vec![Sum::default(); processes], kept: 0, next, inside: 0 })
@@ -156,6 +158,6 @@ impl<V: Vector> Recorder<V> {
         // A crossing at a node is known one step later than those of other sections.
         let sign = self.path.h.signum();
         self.path.crossings.sort_by(|a, b| (sign * a.state.t).total_cmp(&(sign * b.state.t)));
-        Trajectory { path: self.path, scheme: PhantomData }
+        Trajectory { path: self.path, variables: None, scheme: PhantomData }
     }
 }

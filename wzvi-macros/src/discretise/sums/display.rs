@@ -28,6 +28,7 @@ impl Space {
         match slot {
             Slot::Coordinate(index) => format!("{q}{}", self.component(index)),
             Slot::Momentum(index) => format!("{p}{}", self.component(index)),
+            Slot::Displacement(index) => format!("δ{q}{}", self.component(index)),
             Slot::Number(index) if index.terms.len() == 1 && index.constant == 0 => self.index(index),
             Slot::Number(index) => format!("({})", self.index(index)),
             Slot::Entry(table, indices) => {

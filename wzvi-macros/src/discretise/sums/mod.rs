@@ -42,20 +42,21 @@ pub(crate) struct Weighted {
 /// A sum of elements.
 pub(crate) type Sum = Vec<Weighted>;
 
-/// The conjugate halves of the phase space.
+/// The conjugate halves of the phase space, and the displacements that covectors are functions of.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Half {
     Coordinates,
     Momenta,
+    Displacements,
 }
 
 impl Half {
     /// The index of a slot in this half.
     fn index(self, slot: &Slot) -> Option<&Index> {
         match (self, slot) {
-            (Self::Coordinates, Slot::Coordinate(index)) | (Self::Momenta, Slot::Momentum(index)) => {
-                Some(index)
-            }
+            (Self::Coordinates, Slot::Coordinate(index))
+            | (Self::Momenta, Slot::Momentum(index))
+            | (Self::Displacements, Slot::Displacement(index)) => Some(index),
             _ => None,
         }
     }
@@ -218,6 +219,7 @@ fn map_slot(slot: &Slot, map: impl Fn(&Index) -> Option<Index>) -> Option<Slot> 
     Some(match slot {
         Slot::Coordinate(index) => Slot::Coordinate(map(index)?),
         Slot::Momentum(index) => Slot::Momentum(map(index)?),
+        Slot::Displacement(index) => Slot::Displacement(map(index)?),
         Slot::Number(index) => Slot::Number(map(index)?),
         Slot::Entry(table, indices) => Slot::Entry(*table, indices.iter().map(map).collect::<Option<_>>()?),
     })

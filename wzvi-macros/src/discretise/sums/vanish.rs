@@ -191,6 +191,7 @@ impl Space {
         let slot = match half {
             Half::Coordinates => Slot::Coordinate(index),
             Half::Momenta => Slot::Momentum(index),
+            Half::Displacements => Slot::Displacement(index),
         };
         let symbol = self.symbol(graph, &slot);
         let value = graph.symbol(symbol);

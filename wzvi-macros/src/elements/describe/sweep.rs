@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::quadrature::{Part, Quadrature, Stage};
-use crate::discretise::sums::{Half, Slope, Space, Sum};
+use crate::discretise::sums::{Half, Slope, Space, Sum, Weighted};
 use crate::elements::parts::parts;
 use crate::elements::plan::Unknowns;
 use crate::model::System;
@@ -21,7 +21,12 @@ pub(super) fn sweep(
 ) {
     let Quadrature { stages } = Quadrature::new(facts, embedding);
     let parts = parts(system, facts);
-    let sum_of = |part: Part| parts.iter().find(|known| known.part == part).map(|known| &known.values);
+    let is_covector = |weighted: &Weighted| weighted.element.displacements().next().is_some();
+    let sum_of = |part: Part, of_covectors: bool| -> Sum {
+        let known = parts.iter().find(|known| known.part == part).into_iter();
+        let elements = known.flat_map(|known| &known.values);
+        elements.filter(|weighted| is_covector(weighted) == of_covectors).cloned().collect()
+    };
     let [q, p] = system.names.clone();
     let _ = writeln!(text, "\nDiscrete Lagrangian of the step from t to t + h, from {q}, {p} to {q}', {p}'");
     let _ = write!(text, "  L_d = Σ_i P[i] Δ{q}[i]");
@@ -30,7 +35,10 @@ pub(super) fn sweep(
         for (part, weight) in &stage.parts {
             let _ = match part {
                 Part::Drift => write!(text, " - h H0(P, {at})"),
+                Part::Noise if sum_of(Part::Noise, false).is_empty() => Ok(()),
                 Part::Noise => write!(text, " - Σ_k ΔW[k] H_k(P, {at})"),
+                // Forces do work, and have no part in it.
+                Part::Force => Ok(()),
                 Part::CounterTerm => {
                     let (sign, size) = match weight.is_negative() {
                         true => ("+", weight.negate()),
@@ -54,9 +62,15 @@ pub(super) fn sweep(
         let mut equation = |half: Half, slope_weight: &dyn Fn(&Stage) -> Rational, text: &mut String| {
             for stage in &stages {
                 for &(part, weight) in &stage.parts {
-                    let weights = [weight, slope_weight(stage)];
-                    let slopes = Slopes { q: point(&q, stage.l), part, sum: sum_of(part), weights };
+                    let (at, slope) = (point(&q, stage.l), slope_weight(stage));
+                    let weights = [weight, slope];
+                    let slopes = Slopes { q: at.clone(), part, sum: sum_of(part, false), weights };
                     slopes.write(space, graph, (half, component), text);
+                    if half == Half::Coordinates {
+                        let weights = [weight, slope.negate()];
+                        let components = Slopes { q: at, part, sum: sum_of(part, true), weights };
+                        components.write(space, graph, (Half::Displacements, component), text);
+                    }
                 }
             }
         };
@@ -93,28 +107,28 @@ fn point(q: &str, l: Rational) -> String {
 }
 
 /// The slopes of one part at the point `q`, weighted.
-struct Slopes<'a> {
+struct Slopes {
     q: String,
     part: Part,
-    sum: Option<&'a Sum>,
+    sum: Sum,
     weights: [Rational; 2],
 }
 
-impl Slopes<'_> {
+impl Slopes {
     /// Line by line.
     fn write(self, space: &Space, graph: &mut Graph, (half, component): (Half, i128), text: &mut String) {
-        let (Some(sum), false) = (self.sum, self.weights.iter().any(|weight| weight.is_zero())) else {
+        if self.sum.is_empty() || self.weights.iter().any(|weight| weight.is_zero()) {
             return;
-        };
+        }
         let mut space = space.renamed([self.q, "P".to_owned()]);
-        let Some(slopes) = space.slopes(graph, sum, half, component) else {
+        let Some(slopes) = space.slopes(graph, &self.sum, half, component) else {
             let _ = writeln!(text, "    slopes whose indices exceed 128 bits");
             return;
         };
         for Slope { part: mut weighted, at, is_by_point } in slopes {
             let mut factors: Vec<Expr> = vec![weighted.element.value];
             let names: Vec<String> = match self.part {
-                Part::Drift => vec!["h".to_owned()],
+                Part::Drift | Part::Force => vec!["h".to_owned()],
                 _ => weighted.increments.iter().map(|k| format!("ΔW[{}]", space.index(k))).collect(),
             };
             for name in names {

@@ -488,7 +488,9 @@ impl Chunk<'_> {
 
     fn motion(&self, slot: &Slot, inner: u32) -> Motion {
         match slot {
-            Slot::Coordinate(index) | Slot::Momentum(index) => motion(index, inner, self.components),
+            Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => {
+                motion(index, inner, self.components)
+            }
             Slot::Number(index) if !index.loops().contains(&inner) => Motion::Fixed,
             Slot::Number(_) => Motion::Free,
             Slot::Entry(_, indices) if !indices.iter().any(|index| index.loops().contains(&inner)) => {
@@ -511,7 +513,8 @@ impl Chunk<'_> {
             Slot::Coordinate(_) => quote!(__at.q),
             Slot::Momentum(_) => quote!(__at.p),
             Slot::Entry(table, _) => self.indices.entry(*table, &[]),
-            Slot::Number(_) => TokenStream::new(),
+            // No derivative reads displacements.
+            Slot::Number(_) | Slot::Displacement(_) => TokenStream::new(),
         }
     }
 
@@ -529,7 +532,7 @@ impl Chunk<'_> {
                 let (entry, number) = (self.indices.entry(*table, indices), self.wanted.number());
                 quote!(#number::from_f64(#entry))
             }
-            Slot::Number(index) => {
+            Slot::Number(index) | Slot::Displacement(index) => {
                 let (value, number) = (self.indices.value(index), self.wanted.number());
                 quote!(#number::from_f64(#value as __wzvi::f64))
             }
@@ -545,7 +548,8 @@ impl Chunk<'_> {
             }
             Target::Curvature { method, row, column, is_diagonal } => {
                 let (row, column) = (self.indices.position(row), self.indices.position(column));
-                quote!(__into.#method(#row, #column, #is_diagonal, #value);)
+                let is_diagonal = is_diagonal.map(|is_diagonal| quote!(#is_diagonal,));
+                quote!(__into.#method(#row, #column, #is_diagonal #value);)
             }
         }
     }
@@ -558,7 +562,9 @@ fn can_be_clipped(outputs: &[(Expr, Target)], inner: u32) -> bool {
 
 fn slot_index(slot: &Slot) -> Index {
     match slot {
-        Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Number(index) => index.clone(),
+        Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) | Slot::Number(index) => {
+            index.clone()
+        }
         Slot::Entry(_, indices) => indices.first().cloned().promised("entries of tables have an index"),
     }
 }

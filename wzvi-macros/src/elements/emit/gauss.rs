@@ -20,9 +20,10 @@ pub(super) fn emit(model: &mut System, facts: &Facts, texts: &Texts) -> TokenStr
         return TokenStream::new();
     }
     let is_nystrom = is_nystrom(model, facts);
-    let noise = model.noise.iter().flat_map(|noise| &noise.term.elements);
+    let noise = model.noise.iter().map(|noise| &noise.term);
+    let terms = [&model.drift].into_iter().chain(&model.force).chain(noise);
     let reads_time =
-        model.drift.elements.iter().chain(noise).any(|e| model.graph.depends_on(e.value, &[model.t]));
+        terms.flat_map(|term| &term.elements).any(|e| model.graph.depends_on(e.value, &[model.t]));
     let in_lanes = !reads_time;
     // Its unknowns are those of one stage with one unknown for each degree of freedom.
     let midpoint = plan(model, facts, &Embedding::Midpoint, Unknowns::Momenta, false);

@@ -4,11 +4,13 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::{degrees, noise_count, vector_type};
-use crate::emit::{count, f64_type, number_of, parameter};
+use crate::emit::{count, f64_type, friction_rate, number_of, parameter, variables};
 use crate::model::System;
 
 /// `impl Hamiltonian`
-pub(super) fn emit(model: &System) -> TokenStream {
+pub(super) fn emit(model: &mut System) -> TokenStream {
+    let friction = model.conformal.map(|rate| friction_rate(&mut model.graph, &model.parameters, rate));
+    let model = &*model;
     let vector = vector_type(model);
     let degrees = degrees(model);
     let noises = (!model.noise.is_empty()).then(|| number_of("noises", &noise_count(model)));
@@ -25,10 +27,22 @@ pub(super) fn emit(model: &System) -> TokenStream {
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let parameter = parameter(&model.graph, &model.parameters);
+    let force = model.force.is_some().then(|| {
+        quote! {
+            const IS_FORCED: __wzvi::bool = true;
+
+            fn force<__S: __wzvi::Scalar>(&self, __q: &[__S], __p: &[__S], __t: #f64, __into: &mut [__S]) {
+                __wzvi::elements::force(self, __q, __p, __t, __into);
+            }
+        }
+    });
+    let variables = variables(&model.labels, model.graph.symbol_name(model.t));
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::Hamiltonian for #name #arguments #filter {
             type Vector = #vector;
+
+            #friction
 
             fn degrees(&self) -> #usize { #degrees }
 
@@ -42,6 +56,8 @@ pub(super) fn emit(model: &System) -> TokenStream {
             #noises
 
             #invariants
+
+            #variables
 
             #parameter
 
@@ -60,6 +76,8 @@ pub(super) fn emit(model: &System) -> TokenStream {
             ) {
                 __wzvi::elements::differentiate(self, __term, __q, __p, __t, __by_q, __by_p);
             }
+
+            #force
 
             #invariant
         }

@@ -24,8 +24,8 @@ pub(super) enum Target {
     Total,
     /// `vector[index] += value`
     Slope { vector: Ident, index: Index },
-    /// `into.method(row, column, is_diagonal, value)`
-    Curvature { method: Ident, row: Index, column: Index, is_diagonal: bool },
+    /// `into.method(row, column, is_diagonal, value)`, where a pair of variables may be one twice
+    Curvature { method: Ident, row: Index, column: Index, is_diagonal: Option<bool> },
 }
 
 /// What the elements of one system share.
@@ -34,6 +34,8 @@ pub(super) struct Context<'a> {
     pub(super) parameters: &'a [Parameter],
     pub(super) tables: &'a [Table],
     pub(super) t: Symbol,
+    /// What momenta are larger by, where friction is taken in.
+    pub(super) scale: Option<Symbol>,
     /// The symbol of the weight `c`, and what it is: a value of the scalar type, in scope of the loops.
     pub(super) weight: Option<(Symbol, &'a TokenStream)>,
     /// What is computed; for all but second derivatives only the noises that act count.
@@ -45,9 +47,9 @@ pub(super) struct Context<'a> {
 }
 
 /// What the code around an element names.
-const LIVE: [&str; 24] = [
+const LIVE: [&str; 25] = [
     "ahead", "at", "base", "by_p", "by_q", "end", "factor", "into", "len", "low", "nan", "next", "p", "part",
-    "place", "q", "run", "size", "skipped", "t", "total", "value", "wanted", "weight",
+    "place", "q", "run", "scale", "size", "skipped", "t", "total", "value", "wanted", "weight",
 ];
 
 /// Loop variables, slices, buffers, and what is carried from one place to another.
@@ -97,6 +99,10 @@ pub(super) fn emit(
     }
     lowering.program.declare(context.t, Level::Time);
     inputs.push((lowering.program.input(context.t), format_ident!("__t")));
+    if let Some(scale) = context.scale {
+        lowering.program.declare(scale, Level::Time);
+        inputs.push((lowering.program.input(scale), format_ident!("__scale")));
+    }
     for (parameter, name) in context.parameters.iter().zip(parameters) {
         lowering.program.declare(parameter.symbol, Level::Prepared);
         inputs.push((lowering.program.input(parameter.symbol), name));

@@ -1,5 +1,6 @@
 //! From elements to Rust: `Hamiltonian`, `Elements` and one `Discretized<E>` per scheme.
 
+mod bath;
 mod chunk;
 mod combine;
 mod discretized;
@@ -12,24 +13,28 @@ mod places;
 mod sites;
 mod windows;
 
+use std::collections::HashMap;
+
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use self::combine::Combined;
 pub(crate) use self::indices::Indices;
 use self::kernel::{Context, Target};
+use self::parts::Numbers;
 use crate::describe::Texts;
 use crate::diagnostics::internal::Promised;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::sums::{Sum, Weighted};
+use crate::elements::friction;
 use crate::elements::parts::{PartElements, family_of, parts, unweighted};
 use crate::elements::plan::Strategy;
 use crate::emit::step::mentions;
 use crate::emit::{Surroundings, count, f64_type, with_header, wrapped};
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
-use crate::model::{Parameter, Reads, System};
+use crate::model::{Element, Parameter, Reads, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 pub(crate) use self::sites::site_entry;
@@ -43,6 +48,7 @@ pub(crate) fn emit(model: &mut System, facts: &Facts, schemes: &[Step<'_>], text
     generated.extend(steps(model, facts, schemes));
     generated.extend(gauss::emit(model, facts, texts));
     generated.extend(parts::emit(model, facts, texts));
+    generated.extend(texts.listed.iter().any(|(known, _)| known.is_thermostat()).then(|| bath::emit(model)));
     let surroundings = Surroundings {
         crate_path: &model.crate_path,
         tokens: with_header(&model.item, user_tokens(model).iter()),
@@ -198,11 +204,10 @@ fn element_code(
         }
         None => element.value,
     };
-    let all: Vec<(Symbol, Index, bool)> = element
-        .coordinates()
-        .map(|(s, index)| (s, index.clone(), false))
-        .chain(element.momenta().map(|(s, index)| (s, index.clone(), true)))
-        .collect();
+    if element.displacements().next().is_some() {
+        return covector_code(model, weighted, wanted, (value, weight));
+    }
+    let all = state_of(element);
     let symbols: Vec<Symbol> = all.iter().map(|(symbol, ..)| *symbol).collect();
     let mut combined = match wanted {
         Wanted::Value => None,
@@ -237,21 +242,75 @@ fn element_code(
                     _ => format_ident!("add_qp"),
                 };
                 let (row, column) = (row.clone(), column.clone());
-                let is_diagonal = first == second;
+                let is_diagonal = Some(first == second);
                 outputs.push((curvature, Target::Curvature { method, row, column, is_diagonal }));
             }
         }
     }
+    let definitions = combined.map(|combined| combined.definitions).unwrap_or_default();
+    computed(model, weighted, wanted, weight, (outputs, definitions))
+}
+
+/// The coordinates and momenta that an element reads: symbol, index, whether it is a momentum.
+fn state_of(element: &Element) -> Vec<(Symbol, Index, bool)> {
+    let coordinates = element.coordinates().map(|(s, index)| (s, index.clone(), false));
+    coordinates.chain(element.momenta().map(|(s, index)| (s, index.clone(), true))).collect()
+}
+
+/// The code of one element of a covector `f`, which is in the place of `-∂H/∂q`: components of `-f`, or their derivatives.
+fn covector_code(
+    model: &mut System,
+    weighted: &Weighted,
+    wanted: Wanted,
+    (value, weight): (Expr, Option<(Symbol, &TokenStream)>),
+) -> TokenStream {
+    let (graph, element) = (&mut model.graph, &weighted.element);
+    let mut outputs: Vec<(Expr, Target)> = Vec::new();
+    for (displacement, row) in element.displacements() {
+        let component = graph.derivative(value, displacement);
+        let slope = graph.negate(component);
+        match wanted {
+            // It is no gradient of anything.
+            Wanted::Value => {}
+            Wanted::Slopes => {
+                let vector = format_ident!("__by_q");
+                outputs.push((slope, Target::Slope { vector, index: row.clone() }));
+            }
+            Wanted::Curvature => {
+                for (symbol, column, is_momentum) in state_of(element) {
+                    let method = match is_momentum {
+                        false => format_ident!("add_force_by_q"),
+                        true => format_ident!("add_force_by_p"),
+                    };
+                    let target = Target::Curvature { method, row: row.clone(), column, is_diagonal: None };
+                    outputs.push((graph.derivative(slope, symbol), target));
+                }
+            }
+        }
+    }
+    computed(model, weighted, wanted, weight, (outputs, HashMap::new()))
+}
+
+/// The code of outputs that are not zero, with what their symbols stand for.
+fn computed(
+    model: &mut System,
+    weighted: &Weighted,
+    wanted: Wanted,
+    weight: Option<(Symbol, &TokenStream)>,
+    (mut outputs, definitions): (Vec<(Expr, Target)>, HashMap<Symbol, Expr>),
+) -> TokenStream {
+    let graph = &mut model.graph;
     outputs.retain(|(value, _)| !graph.is_zero(*value));
     let mut context = Context {
         graph,
         parameters: &model.parameters,
         tables: &model.tables,
         t: model.t,
+        scale: model.scale,
         weight,
         wanted,
         components: model.components,
-        definitions: combined.map(|combined| combined.definitions).unwrap_or_default(),
+        definitions,
     };
     kernel::emit(&mut context, weighted, &outputs)
 }
@@ -268,7 +327,10 @@ fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
 
 /// `impl Elements`
 fn elements(model: &mut System, facts: &Facts) -> TokenStream {
-    let parts = parts(model, facts);
+    let mut parts = parts(model, facts);
+    if model.conformal.is_some() {
+        friction::take_in(model, &mut parts);
+    }
     let [part_values, part_slopes] = [Wanted::Value, Wanted::Slopes].map(|wanted| parts::arms(model, wanted));
     let [value, slopes, curvature] = [Wanted::Value, Wanted::Slopes, Wanted::Curvature].map(|wanted| {
         let arms = parts.iter().map(|part| {
@@ -279,7 +341,12 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     });
     let integrals = integrals(model);
     let places = places::emit(model);
-    let first_integral = count(parts::END + model.parts.len());
+    let first_integral = count(Numbers::of(model).integrals);
+    let has_force = model.force.is_some().then(|| {
+        quote!(
+            const HAS_FORCE: __wzvi::bool = true;
+        )
+    });
     let (value, slopes) = (quote!(#value #part_values #integrals), quote!(#slopes #part_slopes));
     let [of_value, of_slopes, of_curvature] = [&value, &slopes, &curvature].map(|code| opened(model, code));
     let name = &model.item.ident;
@@ -294,6 +361,7 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
             #places
 
             const INTEGRALS: #usize = #first_integral;
+            #has_force
 
             fn value<__S: __wzvi::Scalar>(
                 &self,
@@ -361,14 +429,16 @@ fn opened(model: &System, code: &TokenStream) -> TokenStream {
     let read = parameters(model, code);
     let size = mentions(code, "__size").then(|| sizes(model, &quote!(__at.q.len())));
     let t = mentions(code, "__t").then(|| quote!(let __t = __at.t;));
-    quote!(#read #size #t)
+    let scale = mentions(code, "__scale").then(|| quote!(let __scale = __at.scale;));
+    quote!(#read #size #t #scale)
 }
 
 /// The values of first integrals, a part each.
 fn integrals(model: &mut System) -> TokenStream {
+    let first = Numbers::of(model).integrals;
     let integrals: Vec<Sum> = model.invariants.iter().map(|term| unweighted(&term.values)).collect();
     let arms = integrals.iter().enumerate().map(|(k, sum)| {
-        let (number, values) = (count(parts::END + model.parts.len() + k), values(model, sum, None));
+        let (number, values) = (count(first + k), values(model, sum, None));
         quote!(#number => { #values })
     });
     arms.collect()
@@ -413,6 +483,7 @@ fn values(model: &mut System, group: &[Weighted], weight: Option<&TokenStream>) 
 /// The derivatives of one element, if those by what it reads are wanted.
 fn derivatives(model: &mut System, weighted: &Weighted, wanted: Wanted, weight: &TokenStream) -> TokenStream {
     let condition = match weighted.element.reads() {
+        _ if weighted.element.displacements().next().is_some() => quote!(__wanted.by_q),
         Reads::Nothing => return TokenStream::new(),
         Reads::Coordinates => quote!(__wanted.by_q),
         Reads::Momenta => quote!(__wanted.by_p),

@@ -19,10 +19,8 @@ const MOST_DEGREES: i128 = LARGEST / size_of::<f64>() as i128;
 /// `Elements::PLACES` and `Elements::entries`.
 pub(super) fn emit(system: &System) -> TokenStream {
     let mut places = Places { system, arms: BTreeMap::new() };
-    let terms = [&system.drift].into_iter().chain(system.noise.iter().map(|noise| &noise.term));
-    let terms = terms.chain(&system.invariants);
     let mut nests = TokenStream::new();
-    for element in terms.flat_map(|term: &Term| &term.values) {
+    for element in system.terms().flat_map(|term: &Term| &term.values) {
         nests.extend(places.nest(element));
     }
     let components = count(usize::try_from(system.components).unwrap_or(1));
@@ -83,7 +81,7 @@ impl Places<'_> {
         let total =
             self.system.size.multiply(&Index::integer(self.system.components)).promised("sizes are integers");
         let is_proven = |slot: &Slot| match slot {
-            Slot::Coordinate(index) | Slot::Momentum(index) => {
+            Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => {
                 sizes.is_integer(index) && is_within(&bounds, index, &total)
             }
             Slot::Entry(table, indices) => (0..indices.len()).all(|level| {
@@ -106,7 +104,7 @@ impl Places<'_> {
             })
             .collect();
         let slots = slots.into_iter().map(|slot| match slot {
-            Slot::Coordinate(index) | Slot::Momentum(index) => {
+            Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => {
                 let is_natural = bounds.is_nonnegative(index);
                 let index = self.index(index, element);
                 quote!(__wzvi::elements::places::Slot::State { index: #index, is_natural: #is_natural },)

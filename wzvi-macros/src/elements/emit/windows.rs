@@ -42,7 +42,12 @@ fn have_runs(model: &System, parts: &[PartElements]) -> bool {
         None => true,
         Some(inner) => runs(index, inner.variable),
     };
+    if model.conformal.is_some() {
+        return false;
+    }
     elements(model, parts).all(|element| match element.reads() {
+        // What stands in the place of a gradient reads anything.
+        _ if element.displacements().next().is_some() => false,
         Reads::Nothing => true,
         Reads::Coordinates => element.coordinates().all(|(_, index)| moves_on(element, index)),
         Reads::Momenta => {

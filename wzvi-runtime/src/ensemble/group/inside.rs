@@ -81,12 +81,11 @@ impl<H: Discretized<E>, E, const L: usize> Group<'_, '_, H, E, L> {
         }
         match self.steppers.get(lane) {
             Some(stepper) if self.is_stepped() || self.is_over => stepper.fill(nodes, &self.alone, dense),
-            // What the scheme knows between its nodes is not kept by lanes: the step again.
-            _ if H::HAS_POLYNOMIAL => {
-                let mut stepper = Stepper::<H, E>::new(job.system, job.h)?.plain();
-                stepper.step_densely(&mut before.clone(), &self.alone, dense)?;
+            _ => {
+                // Lanes do not keep what a scheme knows between its nodes.
+                const { assert!(!(H::IN_LANES && H::HAS_POLYNOMIAL)) };
+                dense.fill_by_rates::<H, E>(job.system, nodes, job.h, &self.alone);
             }
-            _ => dense.fill_by_rates::<H, E>(job.system, nodes, job.h, &self.alone),
         }
         see(dense, &self.alone, true);
         Ok(())

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::super::moments::Welford;
+use crate::digits::estimate;
 use crate::error::StepError;
 
 /// The observable on one level: at the end of the fine path, and its difference from that of the coarse one.
@@ -250,7 +251,7 @@ impl fmt::Display for MultilevelEstimate {
                 level.cost() as f64
             )?;
         }
-        write!(f, "mean {} ± {:.1e}, bias {:.1e} or less", self.mean(), self.standard_error(), self.bias())?;
+        write!(f, "mean {}, bias {:.1e} or less", estimate(self.mean(), self.standard_error()), self.bias())?;
         if self.is_partial {
             write!(f, " (partial)")?;
         } else if self.is_constant {

@@ -8,7 +8,6 @@ use super::super::halt::Halt;
 use super::super::job::Job;
 use super::super::pace::Pace;
 use super::estimate::{LevelError, LevelFailure, Samples};
-use crate::ensemble::width::beside;
 use crate::error::Error;
 use crate::lanes::Lanes;
 use crate::options::Observable;
@@ -36,11 +35,13 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Pairs<'_, '_, H, E, WI
     type Output = Result<Samples, Halt>;
 
     #[inline(always)]
-    fn run<const L: usize>(self) -> Self::Output {
-        if WIDTH == 0 {
-            beside!(H::Vector, L, PATHS_BESIDE => self.of_width::<PATHS_BESIDE>())
-        } else {
+    fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
+        if WIDTH != 0 {
             self.of_width::<WIDTH>()
+        } else if const { size_of::<H::Vector>() > size_of::<f64>() } {
+            self.of_width::<HALF>()
+        } else {
+            self.of_width::<L>()
         }
     }
 }
@@ -102,7 +103,7 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
     #[inline(always)]
     fn of_width<const L: usize>(self) -> Result<Samples, Halt> {
         let mut samples = Samples::default();
-        let still = || vec![Lanes::from_f64(0.0); self.fine.system.noises()];
+        let still = || vec![Lanes::from_f64(0.0); self.fine.processes()];
         let mut pair = Coupled {
             fine: Group::<H, E, L>::new(self.fine),
             coarse: self.coarse.map(|job| (Group::new(job), still())),

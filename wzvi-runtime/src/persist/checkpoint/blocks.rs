@@ -6,11 +6,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::Keeping;
-use super::due::Due;
 use super::error::{CheckpointError, Damage};
 use super::format::{self, Content, Words};
 use super::identity::{self, Fields};
 use super::own::Own;
+use crate::due::Due;
 use crate::error::Error;
 use crate::numbers::Tape;
 use crate::state::{State, Vector};
@@ -113,7 +113,7 @@ impl Keeping {
         let Self(Some(checkpoint)) = self else { return Ok(BlockKeeper(None)) };
         checkpoint.check()?;
         let (every, interval) =
-            (checkpoint.count.map(|paths| paths.div_ceil(extent.block)), checkpoint.interval);
+            (checkpoint.count.map(|paths| paths.div_ceil(extent.block)), checkpoint.interval());
         let blocks = extent.paths / extent.block;
         let mut keep = Keep {
             own: Own::new(&checkpoint.path)?,
@@ -198,7 +198,7 @@ impl Keep {
             statistics: format::words(Tape::write(pass)),
         })?;
         self.saved = blocks;
-        self.due.saved();
+        self.due.done();
         Ok(())
     }
 }

@@ -116,6 +116,10 @@ pub(super) fn forces<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> St
         system.differentiate(term, q, p, state.t, &mut dq, &mut dp);
         dq.iter().chain(&dp).for_each(&mut add);
     }
+    system.force(q, p, state.t, &mut dq);
+    if dq.iter().any(|force| *force != 0.0) || H::IS_CONFORMAL {
+        dq.iter().chain([&system.friction_rate()]).for_each(&mut add);
+    }
     format!("{checksum:?}")
 }
 

@@ -1,13 +1,13 @@
 //! Opens the checkpoint of a run, and saves the run to it.
 
 use super::Keeping;
-use super::due::Due;
 use super::error::{CheckpointError, Damage, Difference};
 use super::format::{self, Saved, Word, Words};
 use super::identity::{self, Fields};
 use super::nodes::Nodes;
 use super::own::Own;
 use crate::carry::Carry;
+use crate::due::Due;
 use crate::error::Error;
 use crate::increments::{Identity, Noise};
 use crate::numbers::Tape;
@@ -58,11 +58,11 @@ impl Keeping {
         let mut settings = identity::settings(stepper, degrees, run.recorder.recording(), retry, noise);
         settings.extend(identity::between(grid, sections, state));
         let mut keep = Keep {
-            due: Due::new(checkpoint.count, checkpoint.interval, 0, steps),
+            due: Due::new(checkpoint.count, checkpoint.interval(), 0, steps),
             settings,
             derived: identity::derived(stepper.system(), stepper.prepared(), state),
             start: format::words(Tape::write(|tape| state.pass(tape))),
-            nodes: Nodes::new(own.path(), degrees, stepper.system().noises()),
+            nodes: Nodes::new(own.path(), degrees, stepper.system().increments(degrees)),
             own,
         };
         let first = match keep.own.read()? {
@@ -74,7 +74,7 @@ impl Keeping {
             }
         };
         keep.own.remove_parts::<Saved>();
-        keep.due = Due::new(checkpoint.count, checkpoint.interval, first, steps);
+        keep.due = Due::new(checkpoint.count, checkpoint.interval(), first, steps);
         Ok(Keeper { first, file: Some(Box::new(keep)) })
     }
 }
@@ -114,7 +114,7 @@ impl Keeper {
     ) -> Result<(), Error> {
         if let Some(file) = &mut self.file {
             file.save(stepper, run, node)?;
-            file.due.saved();
+            file.due.done();
         }
         Ok(())
     }

@@ -26,6 +26,7 @@ impl<V: Vector> Recorder<V> {
             chosen: _,
             observed: _,
             crossings: _,
+            exchanged: _,
         } = path;
         let Iterations { total, largest, hard, doubtful, halved, halvings } = iterations;
         for word in [&mut *steps, total, hard, doubtful, halved, kept] {

@@ -1,15 +1,15 @@
-//! When a checkpoint is due.
+//! When something is due in a run: a checkpoint, a look at how far it is.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use super::MINUTE;
+use crate::clock::{self, Moment};
 
-/// Decides at which nodes to save. A node that it need not think about costs one comparison.
+/// Decides at which nodes. A node that it need not think about costs one comparison.
 #[derive(Debug)]
-pub(super) struct Due {
+pub(crate) struct Due {
     /// The node to think about next.
     next: u64,
-    /// The last node of the run, at which it always saves.
+    /// The last node of the run, at which it is always due.
     end: u64,
     every: Option<u64>,
     clock: Option<Clock>,
@@ -19,22 +19,19 @@ pub(super) struct Due {
 #[derive(Debug)]
 struct Clock {
     interval: Duration,
-    saved: Instant,
-    looked: Instant,
+    done: Moment,
+    looked: Moment,
     /// Steps between looks.
     stride: u64,
 }
 
 impl Due {
-    /// For the steps from node `first` to node `end`: at multiples of `every`, and whenever `interval` has gone by.
-    pub(super) fn new(every: Option<u64>, interval: Option<Duration>, first: u64, end: u64) -> Self {
-        let interval = match (every, interval) {
-            (None, None) => Some(MINUTE),
-            (_, interval) => interval,
-        };
-        let clock = interval.map(|interval| {
-            let now = Instant::now();
-            Clock { interval, saved: now, looked: now, stride: 1 }
+    /// For the steps from node `first` to node `end`: at multiples of `every`, and whenever `interval` has gone by, where there is a
+    /// clock.
+    pub(crate) fn new(every: Option<u64>, interval: Option<Duration>, first: u64, end: u64) -> Self {
+        let clock = interval.and_then(|interval| {
+            let now = clock::now()?;
+            Some(Clock { interval, done: now, looked: now, stride: 1 })
         });
         let mut due = Self { next: first, end, every, clock };
         due.plan(first);
@@ -43,13 +40,13 @@ impl Due {
 
     /// The next node to ask about.
     #[inline(always)]
-    pub(super) fn next(&self) -> u64 {
+    pub(crate) fn next(&self) -> u64 {
         self.next
     }
 
-    /// Whether to save at `node`.
+    /// Whether it is due at `node`.
     #[inline(always)]
-    pub(super) fn is_due(&mut self, node: u64) -> bool {
+    pub(crate) fn is_due(&mut self, node: u64) -> bool {
         node >= self.next && self.consider(node)
     }
 
@@ -62,11 +59,10 @@ impl Due {
         is_time || is_step || node == self.end
     }
 
-    /// A checkpoint was written.
-    pub(super) fn saved(&mut self) {
-        if let Some(clock) = &mut self.clock {
-            clock.saved = Instant::now();
-            clock.looked = clock.saved;
+    /// It was done.
+    pub(crate) fn done(&mut self) {
+        if let (Some(clock), Some(now)) = (&mut self.clock, clock::now()) {
+            (clock.done, clock.looked) = (now, now);
         }
     }
 
@@ -82,12 +78,13 @@ impl Clock {
     /// Whether it is time, and how many steps later to look again: about a hundred looks per interval, and ten per
     /// second.
     fn look(&mut self) -> bool {
-        let now = Instant::now();
-        let (taken, wanted) = (now - self.looked, (self.interval / 100).min(Duration::from_millis(100)));
-        let ratio = wanted.as_secs_f64() / taken.as_secs_f64().max(1e-9);
+        let Some(now) = clock::now() else { return false };
+        let wanted = (self.interval / 100).min(Duration::from_millis(100));
+        let ratio = wanted.as_secs_f64() / clock::between(&self.looked, &now).as_secs_f64().max(1e-9);
         self.stride = ((self.stride as f64 * ratio.min(2.0)) as u64).max(1);
+        let is_time = clock::between(&self.done, &now) >= self.interval;
         self.looked = now;
-        now - self.saved >= self.interval
+        is_time
     }
 }
 
@@ -95,9 +92,13 @@ impl Clock {
 mod tests {
     use super::*;
 
-    fn due(every: Option<u64>, first: u64, end: u64) -> Vec<u64> {
-        let mut due = Due::new(every, None, first, end);
+    fn nodes(every: Option<u64>, interval: Option<Duration>, first: u64, end: u64) -> Vec<u64> {
+        let mut due = Due::new(every, interval, first, end);
         (first + 1..=end).filter(|&node| due.is_due(node)).collect()
+    }
+
+    fn due(every: Option<u64>, first: u64, end: u64) -> Vec<u64> {
+        nodes(every, None, first, end)
     }
 
     #[test]
@@ -111,23 +112,23 @@ mod tests {
 
     #[test]
     fn a_minute_is_not_over_at_once() {
-        assert_eq!(due(None, 0, 1000), [1000]);
+        assert_eq!(nodes(None, Some(Duration::from_secs(60)), 0, 1000), [1000]);
     }
 
     #[test]
     fn time_is_kept_with_few_looks() {
         let mut due = Due::new(None, Some(Duration::from_millis(20)), 0, u64::MAX);
-        let start = Instant::now();
-        let (mut node, mut saves) = (0_u64, 0_u32);
+        let start = std::time::Instant::now();
+        let (mut node, mut times) = (0_u64, 0_u32);
         while start.elapsed() < Duration::from_millis(300) {
             node += 1;
             if due.is_due(node) {
-                saves += 1;
-                due.saved();
+                times += 1;
+                due.done();
             }
         }
         // Fifteen intervals; a busy machine may lose some, none can be too many.
-        assert!((1..=15).contains(&saves), "{saves}");
+        assert!((1..=15).contains(&times), "{times}");
         let stride = due.clock.map_or(0, |clock| clock.stride);
         assert!(stride > 10, "{stride}");
     }

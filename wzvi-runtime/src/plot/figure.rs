@@ -1,6 +1,10 @@
 //! A figure as data: what is drawn, what it shows, the numbers behind it.
 
+use std::ops::Range;
+
+#[cfg(feature = "report")]
 use crate::persist::table::Cell::{Number, Text};
+#[cfg(feature = "report")]
 use crate::persist::table::{NUMBER, TEXT, Table};
 
 /// One axis.
@@ -10,17 +14,19 @@ pub struct Axis {
     pub label: String,
     /// Whether its scale is logarithmic; then only positive values are drawn.
     pub logarithmic: bool,
+    /// From where to where it goes; `None` for all points and a margin.
+    pub range: Option<(f64, f64)>,
 }
 
 impl Axis {
     /// A linear axis.
     pub fn linear(label: impl Into<String>) -> Self {
-        Self { label: label.into(), logarithmic: false }
+        Self { label: label.into(), logarithmic: false, range: None }
     }
 
     /// A logarithmic axis.
     pub fn logarithmic(label: impl Into<String>) -> Self {
-        Self { label: label.into(), logarithmic: true }
+        Self { label: label.into(), logarithmic: true, range: None }
     }
 
     /// Where a value is along the axis, before scaling; `None` if it is nowhere.
@@ -41,6 +47,35 @@ pub enum Look {
     Line,
     /// A dashed line: a prediction, a fit, a limit.
     Dashed,
+    /// A broad line, to lie under others.
+    Broad,
+    /// Points.
+    Dots,
+    /// Small points, of which there may be many.
+    FineDots,
+}
+
+/// Colours by number; further numbers begin anew.
+#[derive(Clone, Copy, Debug)]
+pub enum Colour {}
+
+impl Colour {
+    /// Blue.
+    pub const BLUE: usize = 0;
+    /// Red of cinnabar.
+    pub const VERMILION: usize = 1;
+    /// Green.
+    pub const GREEN: usize = 2;
+    /// Reddish purple.
+    pub const PURPLE: usize = 3;
+    /// Dark yellow.
+    pub const OCHRE: usize = 4;
+    /// Violet.
+    pub const VIOLET: usize = 5;
+    /// Grey.
+    pub const GREY: usize = 6;
+    /// That of axes and text.
+    pub const INK: usize = usize::MAX;
 }
 
 /// Points with a name.
@@ -64,9 +99,15 @@ impl Series {
         Self { name: name.into(), look, colour, points, notes: vec![] }
     }
 
-    /// Whether its points have marks.
+    /// Whether its points have marks with numbers.
+    #[cfg(feature = "report")]
     pub(crate) fn marked(&self) -> bool {
         matches!(self.look, Look::Marks | Look::Joined)
+    }
+
+    /// Whether it is nothing but a line.
+    pub(crate) fn joined(&self) -> bool {
+        matches!(self.look, Look::Line | Look::Dashed | Look::Broad)
     }
 }
 
@@ -85,12 +126,20 @@ pub struct Figure {
     pub y: Axis,
     /// What is drawn, the first at the bottom.
     pub series: Vec<Series>,
+    /// Whether one unit is as long up as across.
+    pub has_equal_axes: bool,
 }
 
 impl Figure {
     /// An empty figure.
     pub fn new(id: impl Into<String>, title: impl Into<String>, x: Axis, y: Axis) -> Self {
-        Self { id: id.into(), title: title.into(), shows: String::new(), x, y, series: vec![] }
+        let (id, title) = (id.into(), title.into());
+        Self { id, title, shows: String::new(), x, y, series: vec![], has_equal_axes: false }
+    }
+
+    /// An empty figure with linear axes, for a [`Sheet`](super::Sheet). Labels carry the unit: `"time t [1/ω]"`.
+    pub fn panel(title: impl Into<String>, x: impl Into<String>, y: impl Into<String>) -> Self {
+        Self::new("", title, Axis::linear(x), Axis::linear(y))
     }
 
     /// Says what it shows.
@@ -105,6 +154,70 @@ impl Figure {
     pub fn with(mut self, series: Series) -> Self {
         self.series.push(series);
         self
+    }
+
+    /// With logarithmic axes.
+    #[must_use]
+    pub fn log_log(mut self) -> Self {
+        (self.x.logarithmic, self.y.logarithmic) = (true, true);
+        self
+    }
+
+    /// With a logarithmic vertical axis.
+    #[must_use]
+    pub fn log_y(mut self) -> Self {
+        self.y.logarithmic = true;
+        self
+    }
+
+    /// One unit is as long up as across.
+    #[must_use]
+    pub fn equal_axes(mut self) -> Self {
+        self.has_equal_axes = true;
+        self
+    }
+
+    /// From where to where the horizontal axis goes; lines are interrupted where they leave it.
+    #[must_use]
+    pub fn x_range(mut self, range: Range<f64>) -> Self {
+        self.x.range = Some((range.start, range.end));
+        self
+    }
+
+    /// The same for the vertical axis.
+    #[must_use]
+    pub fn y_range(mut self, range: Range<f64>) -> Self {
+        self.y.range = Some((range.start, range.end));
+        self
+    }
+
+    /// Adds points by name and colour; without a name they are not in the legend.
+    #[must_use]
+    pub fn points(
+        self,
+        look: Look,
+        name: impl Into<String>,
+        colour: usize,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        self.with(Series::new(name, look, colour, points.into_iter().collect()))
+    }
+
+    /// Adds a line.
+    #[must_use]
+    pub fn line(
+        self,
+        name: impl Into<String>,
+        colour: usize,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        self.points(Look::Line, name, colour, points)
+    }
+
+    /// Adds the dashed line `y = c x^order` between two abscissae: a straight one where both axes are logarithmic.
+    #[must_use]
+    pub fn slope(self, name: impl Into<String>, order: f64, c: f64, ends: [f64; 2]) -> Self {
+        self.points(Look::Dashed, name, Colour::GREY, ends.map(|x| (x, c * x.powf(order))))
     }
 
     /// Headings and rows of the numbers behind it.
@@ -122,6 +235,7 @@ impl Figure {
     }
 
     /// The same as CSV.
+    #[cfg(feature = "report")]
     pub fn csv(&self) -> Vec<u8> {
         let columns =
             [("series", TEXT), (self.x.label.as_str(), NUMBER), (&self.y.label, NUMBER), ("note", TEXT)];

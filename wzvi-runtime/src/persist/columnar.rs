@@ -1,7 +1,6 @@
 //! Tables as Parquet files, which pandas, polars, Julia and R read with their types.
 
 use std::io::{self, Write};
-use std::path::Path;
 use std::sync::Arc;
 
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
@@ -11,22 +10,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use super::statistics::Statistics;
-use crate::persist::FileError;
-use crate::persist::table::{Column, Table};
-
-impl Statistics {
-    /// One file `<table>.parquet` for each of [`Statistics::tables`] in a folder, which is made if it is not there. Real
-    /// numbers are `DOUBLE`, counts `INT64` without a sign, text is UTF-8; no column has nulls.
-    ///
-    /// `run.parquet` says that the set is complete, as `run.csv` does ([`Statistics::write_csv`]).
-    ///
-    /// # Errors
-    /// Those of [`Statistics::write_csv`].
-    pub fn write_parquet(&self, folder: impl AsRef<Path>) -> Result<(), FileError> {
-        self.write_tables(folder.as_ref(), "parquet", |table, file| table.write_parquet(file))
-    }
-}
+use super::table::{Column, Table};
 
 impl Table {
     /// A Parquet file with one group of rows.

@@ -1,0 +1,72 @@
+//! The systems of the pictures.
+
+use wzvi::prelude::*;
+
+/// A rotation whose angle diffuses.
+#[hamiltonian(
+    drift = |q, p| 0.5 * a * (q * q + p * p),
+    noise = [|q, p| 0.5 * sigma * (q * q + p * p)],
+    embedding = [Uncorrected<DeltaPlus>, Midpoint],
+)]
+pub(crate) struct Kubo {
+    pub(crate) a: f64,
+    pub(crate) sigma: f64,
+}
+
+#[hamiltonian(drift = |angle, momentum| 0.5 * momentum * momentum - angle.cos(), embedding = Midpoint)]
+pub(crate) struct Pendulum;
+
+/// A star in a galaxy (M. Hénon, C. Heiles, 1964).
+#[hamiltonian(
+    drift = |[x, y], [px, py]| 0.5 * (px * px + py * py + x * x + y * y) + x * x * y - y * y * y / 3.0,
+    embedding = Gauss<8>,
+)]
+pub(crate) struct HenonHeiles;
+
+/// A planet; the angular momentum is proven to be kept.
+#[hamiltonian(
+    drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) - 1.0 / (x * x + y * y).sqrt(),
+    embedding = [DeltaPlus, Midpoint, Verlet, Gauss<4>, Gauss<8>],
+    invariant = [|[x, y], [px, py]| x * py - y * px],
+)]
+pub(crate) struct Kepler;
+
+/// Bodies of mass 1 that attract each other.
+#[hamiltonian(
+    drift = |q: [[f64; 2]; N], p: [[f64; 2]; N]| {
+        let kinetic = (0..N).map(|i| 0.5 * (p[i][0] * p[i][0] + p[i][1] * p[i][1])).sum::<f64>();
+        let pairs = (0..N).map(|i| (0..i).map(|j| {
+            let [x, y] = [q[i][0] - q[j][0], q[i][1] - q[j][1]];
+            1.0 / (x * x + y * y).sqrt()
+        }).sum::<f64>()).sum::<f64>();
+        kinetic - pairs
+    },
+    embedding = Verlet,
+)]
+pub(crate) struct Bodies<const N: usize>;
+
+/// A chain with nonlinear springs, fixed at both ends (E. Fermi, J. Pasta, S. Ulam, M. Tsingou, 1955).
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let spring = |d: f64| 0.5 * d * d + alpha * d * d * d / 3.0;
+        let n = q.len();
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + spring(q[0])
+            + (1..n).map(|i| spring(q[i] - q[i - 1])).sum::<f64>()
+            + spring(-q[n - 1])
+    },
+    embedding = Verlet,
+)]
+pub(crate) struct Chain {
+    pub(crate) alpha: f64,
+}
+
+/// A particle in two wells that is pushed at random.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.25 * (q * q - 1.0) * (q * q - 1.0),
+    noise = [|q, _| -s * q],
+    embedding = Midpoint,
+)]
+pub(crate) struct DoubleWell {
+    pub(crate) s: f64,
+}

@@ -1,0 +1,12 @@
+//! Thermostats: the steps, what they sample, and what they refuse.
+
+#![allow(clippy::expect_used, clippy::panic, reason = "a test may stop")]
+
+#[path = "bath/refusals.rs"]
+mod refusals;
+#[path = "bath/runs.rs"]
+mod runs;
+#[path = "bath/steps.rs"]
+mod steps;
+#[path = "bath/systems.rs"]
+mod systems;

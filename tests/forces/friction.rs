@@ -1,0 +1,246 @@
+//! Friction without a temperature: exact in the steps where it has one rate, a force otherwise.
+
+use wzvi::nalgebra::SVector;
+use wzvi::prelude::*;
+use wzvi::scalar::Dual;
+
+/// Two coupled masses with one rate.
+macro_rules! coupled {
+    ($name:ident, $strategy:ident) => {
+        #[hamiltonian(
+            drift = |q: [f64; 2], p: [f64; 2]| 0.5 * p[0] * p[0] / self.m + 0.5 * p[1] * p[1] + 0.2 * p[0] * p[1]
+                - (q[1] - q[0]).cos() + 0.25 * q[0].powi(4),
+            friction = self.gamma,
+            embedding = [DeltaPlus, DeltaMinus, Midpoint, Lambda<1, 3>, Verlet, Gauss<2>, Gauss<3>],
+            __strategy = $strategy,
+        )]
+        #[derive(Clone, Debug)]
+        pub(crate) struct $name {
+            pub(crate) m: f64,
+            pub(crate) gamma: f64,
+        }
+    };
+}
+
+coupled!(CoupledInline, inline);
+coupled!(CoupledLoops, sweep);
+
+#[hamiltonian(drift = |q, p| 0.5 * p * p - q.cos(), friction = gamma, embedding = [Midpoint, Gauss<1>, Gauss<2>])]
+struct Pendulum {
+    gamma: f64,
+}
+
+#[hamiltonian(drift = |q: [f64; 1], p: [f64; 1]| 0.5 * p[0] * p[0] - q[0].cos(), friction = gamma, embedding = [Midpoint, Gauss<2>], __strategy = sweep)]
+struct PendulumLoops {
+    gamma: f64,
+}
+
+fn reference<E, H: Discretized<E, Vector = SVector<f64, 1>>>(system: &H, scheme: &str) {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/langevin_steps.json");
+    let data: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    let case = data["cases"].as_array().unwrap().iter().find(|case| case["scheme"] == scheme).unwrap();
+    let mut state = State::new([2.0], [0.0]);
+    let mut stepper = system.stepper::<E>(0.5).unwrap();
+    for expected in case["trajectory_qp"].as_array().unwrap() {
+        stepper.step(&mut state, &[]).unwrap();
+        let number = |k: usize| expected[k].as_str().unwrap().parse::<f64>().unwrap();
+        // Some ten roundings of numbers below 2.
+        assert!(
+            (state.q[0] - number(0)).abs() < 1e-14 && (state.p[0] - number(1)).abs() < 1e-14,
+            "{scheme} {state:?}"
+        );
+    }
+}
+
+#[test]
+fn conformal_steps_are_those_of_the_reference() {
+    let (inline, loops) = (Pendulum { gamma: 0.3 }, PendulumLoops { gamma: 0.3 });
+    reference::<Midpoint, _>(&inline, "conformal Gauss s=1");
+    reference::<Gauss<1>, _>(&inline, "conformal Gauss s=1");
+    reference::<Midpoint, _>(&loops, "conformal Gauss s=1");
+    reference::<Gauss<2>, _>(&inline, "conformal Gauss s=2");
+    reference::<Gauss<2>, _>(&loops, "conformal Gauss s=2");
+}
+
+/// `Mᵀ J M = e^{-γ h} J` for the Jacobian `M` of a step, which has the determinant `e^{-γ h d}` then.
+fn conformal<E, H: Discretized<E, Vector = SVector<f64, 2>>>(system: &H, gamma: f64) {
+    let (h, z) = (0.15, [0.6, -0.3, 0.4, 0.9]);
+    let prepared = system.prepare(h).unwrap();
+    let mut columns = [[0.0; 4]; 4];
+    for (j, column) in columns.iter_mut().enumerate() {
+        let number = |i: usize| if i == j { Dual::<1>::variable(z[i], 0) } else { Dual::constant(z[i]) };
+        let (mut q, mut p) = ([number(0), number(1)], [number(2), number(3)]);
+        system.advance(&prepared, 0.3, h, &mut q, &mut p, &[], &mut Default::default()).unwrap();
+        *column = [q[0], q[1], p[0], p[1]].map(|x| x.derivative[0]);
+    }
+    let form = |a: &[f64; 4], b: &[f64; 4]| a[0] * b[2] + a[1] * b[3] - a[2] * b[0] - a[3] * b[1];
+    let factor = (-gamma * h).exp();
+    for i in 0..4 {
+        for j in 0..4 {
+            let unit = if j == i + 2 {
+                1.0
+            } else if i == j + 2 {
+                -1.0
+            } else {
+                0.0
+            };
+            let found = form(&columns[i], &columns[j]);
+            // A few roundings of products of entries below 2.
+            assert!((found - factor * unit).abs() < 1e-14, "{}: {i} {j} {found}", std::any::type_name::<E>());
+        }
+    }
+}
+
+macro_rules! every_scheme {
+    ($check:ident, $system:expr, $gamma:expr) => {
+        $check::<DeltaPlus, _>($system, $gamma);
+        $check::<DeltaMinus, _>($system, $gamma);
+        $check::<Midpoint, _>($system, $gamma);
+        $check::<Lambda<1, 3>, _>($system, $gamma);
+        $check::<Verlet, _>($system, $gamma);
+        $check::<Gauss<2>, _>($system, $gamma);
+        $check::<Gauss<3>, _>($system, $gamma);
+        $check::<Composed<Verlet, Yoshida4>, _>($system, $gamma);
+        $check::<Composed<Gauss<2>, Suzuki4>, _>($system, $gamma);
+    };
+}
+
+#[test]
+fn friction_of_one_rate_scales_the_symplectic_form() {
+    for gamma in [0.0, 0.7, 12.0] {
+        every_scheme!(conformal, &CoupledInline { m: 1.4, gamma }, gamma);
+        every_scheme!(conformal, &CoupledLoops { m: 1.4, gamma }, gamma);
+    }
+}
+
+/// The residual of the equations between two steps, and the momenta that these give.
+fn residual<E, H: Discretized<E, Vector = SVector<f64, 2>>>(system: &H, _: f64) {
+    crate::principle::residual::<E, H>(system, State::new([0.6, -0.3], [0.4, 0.9]), &[]);
+}
+
+#[test]
+fn conformal_steps_solve_their_equations() {
+    every_scheme!(residual, &CoupledInline { m: 1.4, gamma: 0.7 }, 0.7);
+    every_scheme!(residual, &CoupledLoops { m: 1.4, gamma: 0.7 }, 0.7);
+}
+
+/// Two systems that are one, the second in loops.
+fn loops<E>(_: &(), _: f64)
+where
+    CoupledInline: Discretized<E, Vector = SVector<f64, 2>>,
+    CoupledLoops: Discretized<E, Vector = SVector<f64, 2>>,
+{
+    let (a, b) = (CoupledInline { m: 1.4, gamma: 0.7 }, CoupledLoops { m: 1.4, gamma: 0.7 });
+    crate::principle::same::<E, _, _>(&a, &b, [&[0.6, -0.3], &[0.4, 0.9]], &[]);
+}
+
+#[test]
+fn conformal_loops_do_what_straight_lines_do() {
+    loops::<DeltaPlus>(&(), 0.0);
+    loops::<DeltaMinus>(&(), 0.0);
+    loops::<Midpoint>(&(), 0.0);
+    loops::<Lambda<1, 3>>(&(), 0.0);
+    loops::<Verlet>(&(), 0.0);
+    loops::<Gauss<2>>(&(), 0.0);
+    loops::<Gauss<3>>(&(), 0.0);
+}
+
+#[hamiltonian(
+    drift = |q: [f64; 1], p: [f64; 1]| 0.5 * p[0] * p[0] + 0.5 * q[0] * q[0],
+    force = |_q: [f64; 1], _p: [f64; 1], t| [push * (2.0 * t).cos()],
+    friction = drag,
+    embedding = [DeltaPlus, DeltaMinus, Midpoint, Verlet, Gauss<2>, Gauss<3>, Gauss<4>],
+)]
+struct Oscillator {
+    drag: f64,
+    push: f64,
+}
+
+#[hamiltonian(
+    drift = |q: [f64; 1], p: [f64; 1]| 0.5 * p[0] * p[0] + 0.5 * q[0] * q[0],
+    force = |_q: [f64; 1], _p: [f64; 1], t| [push * (2.0 * t).cos()],
+    friction = drag,
+    embedding = [DeltaPlus, DeltaMinus, Midpoint, Verlet, Gauss<2>, Gauss<3>, Gauss<4>],
+    __strategy = sweep,
+)]
+struct OscillatorLoops {
+    drag: f64,
+    push: f64,
+}
+
+#[test]
+fn friction_keeps_the_order_of_the_scheme() {
+    let (drag, push) = (crate::orders::DRAG, crate::orders::PUSH);
+    crate::orders::orders(&Oscillator { drag, push });
+    crate::orders::orders(&OscillatorLoops { drag, push });
+}
+
+/// Rates by degree of freedom, by place, and a matrix are forces.
+macro_rules! drawn {
+    ($name:ident, $strategy:ident, $($friction:tt)*) => {
+        #[hamiltonian(
+            drift = |q: [f64; 2], p: [f64; 2]| 0.5 * p[0] * p[0] / self.m + 0.5 * p[1] * p[1] - (q[1] - q[0]).cos(),
+            $($friction)*,
+            embedding = [DeltaPlus, Midpoint, Gauss<2>],
+            __strategy = $strategy,
+        )]
+        #[derive(Clone, Debug)]
+        struct $name {
+            m: f64,
+            gamma: f64,
+        }
+    };
+}
+
+drawn!(List, inline, friction = [self.gamma, 0.5]);
+drawn!(ListLoops, sweep, friction = [self.gamma, 0.5]);
+drawn!(ListForce, inline, force = |_q: [f64; 2], p: [f64; 2]| [-self.gamma * p[0], -0.5 * p[1]]);
+drawn!(Place, inline, friction = |q: [f64; 2]| [self.gamma * q[0] * q[0], 0.5]);
+drawn!(PlaceLoops, sweep, friction = |q: [f64; 2]| [self.gamma * q[0] * q[0], 0.5]);
+drawn!(
+    PlaceForce,
+    inline,
+    force = |q: [f64; 2], p: [f64; 2]| [-self.gamma * q[0] * q[0] * p[0], -0.5 * p[1]]
+);
+drawn!(Matrix, inline, damping = [[self.gamma, 0.2], [0.2, 0.5]]);
+drawn!(MatrixLoops, sweep, damping = [[self.gamma, 0.2], [0.2, 0.5]]);
+drawn!(
+    MatrixForce,
+    inline,
+    force = |_q: [f64; 2], p: [f64; 2]| [
+        -self.gamma * p[0] / self.m - 0.2 * p[1],
+        -0.2 * p[0] / self.m - 0.5 * p[1]
+    ]
+);
+
+#[test]
+fn other_friction_is_the_force_that_it_is() {
+    let start: [&[f64]; 2] = [&[0.6, -0.3], &[0.4, 0.9]];
+    macro_rules! same {
+        ($($a:ident $b:ident),*) => {$(
+            let (a, b) = ($a { m: 1.4, gamma: 0.7 }, $b { m: 1.4, gamma: 0.7 });
+            crate::principle::same::<DeltaPlus, _, _>(&a, &b, start, &[]);
+            crate::principle::same::<Midpoint, _, _>(&a, &b, start, &[]);
+            crate::principle::same::<Gauss<2>, _, _>(&a, &b, start, &[]);
+        )*};
+    }
+    same!(List ListForce, ListLoops ListForce, Place PlaceForce, PlaceLoops PlaceForce, Matrix MatrixForce, MatrixLoops MatrixForce);
+}
+
+#[test]
+fn dense_output_knows_of_friction() {
+    // Between nodes of the exact solution to fourth order, as without friction.
+    let system = Oscillator { drag: crate::orders::DRAG, push: crate::orders::PUSH };
+    let path = system
+        .simulate::<Gauss<4>>(0.2)
+        .start(State::new([1.1], [-0.4]))
+        .record_at([1.0, 1.07, 1.13, 2.51])
+        .until(4.0)
+        .run()
+        .unwrap();
+    let inner = path.states().iter().filter(|state| [1.07, 1.13, 2.51].contains(&state.t));
+    for state in inner {
+        let [q, p] = crate::orders::exact(state.t, 1.1, -0.4);
+        assert!((state.q[0] - q).abs() < 2e-5 && (state.p[0] - p).abs() < 2e-5, "{state:?} {q} {p}");
+    }
+}

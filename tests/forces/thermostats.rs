@@ -1,0 +1,111 @@
+//! What the attribute says of friction and temperature is what thermostats are given.
+
+use wzvi::bath::Damped;
+use wzvi::prelude::*;
+
+/// Three masses in a row, whose friction and temperature are fields.
+macro_rules! row {
+    ($name:ident, $strategy:ident, $($bath:tt)*) => {
+        #[hamiltonian(
+            drift = |q: [f64; 3], p: [f64; 3]| (0..3).map(|i| 0.5 * p[i] * p[i] / self.mass[i] + 0.25 * q[i].powi(4)).sum::<f64>()
+                + (0..2).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2)).sum::<f64>(),
+            $($bath)*,
+            temperature = self.kt,
+            embedding = [Baoab, Obabo, Thermostat<Midpoint>, Thermostat<Verlet>, Thermostat<Gauss<2>>],
+            __strategy = $strategy,
+        )]
+        #[derive(Clone, Debug)]
+        pub(crate) struct $name {
+            pub(crate) mass: [f64; 3],
+            pub(crate) gamma: f64,
+            pub(crate) kt: f64,
+        }
+    };
+}
+
+row!(UniformInline, inline, friction = self.gamma);
+row!(UniformLoops, sweep, friction = self.gamma);
+row!(ListInline, inline, friction = [self.gamma, 0.0, 2.0 * self.gamma]);
+row!(ListLoops, sweep, friction = [self.gamma, 0.0, 2.0 * self.gamma]);
+row!(PlaceInline, inline, friction = |q: [f64; 3]| q.map(|x| self.gamma * (1.0 + x * x)));
+row!(PlaceLoops, sweep, friction = |q: [f64; 3]| q.map(|x| self.gamma * (1.0 + x * x)));
+row!(MatrixInline, inline, damping = [[self.gamma, 0.1, 0.0], [0.1, 0.5, -0.2], [0.0, -0.2, 0.7]]);
+row!(MatrixLoops, sweep, damping = [[self.gamma, 0.1, 0.0], [0.1, 0.5, -0.2], [0.0, -0.2, 0.7]]);
+
+fn same<E, A, B>(a: &A, b: &B)
+where
+    A: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 3>>,
+    B: Discretized<E, Vector = A::Vector>,
+{
+    let (mut one, mut other) = (a.stepper::<E>(0.1).unwrap(), b.stepper::<E>(0.1).unwrap());
+    let start = State::new([0.3, -0.5, 0.8], [0.2, 0.1, -0.4]);
+    let (mut x, mut y) = (start, start);
+    let normals = a.increments(3);
+    assert_eq!(normals, b.increments(3));
+    for step in 0..10 {
+        let dw: Vec<f64> = (0..normals).map(|k| 0.3 * ((11 * step + k) as f64).sin()).collect();
+        one.step(&mut x, &dw).unwrap();
+        other.step(&mut y, &dw).unwrap();
+        // A dozen roundings of numbers of size one.
+        assert!((x.q - y.q).norm() < 1e-14 && (x.p - y.p).norm() < 1e-14, "{x:?} {y:?}");
+    }
+    assert_ne!(x, start);
+}
+
+fn all<A, B>(a: &A, b: &B)
+where
+    A: Discretized<Baoab, Vector = wzvi::nalgebra::SVector<f64, 3>>
+        + Discretized<Obabo>
+        + Discretized<Thermostat<Midpoint>>
+        + Discretized<Thermostat<Verlet>>
+        + Discretized<Thermostat<Gauss<2>>>,
+    B: Discretized<Baoab, Vector = A::Vector>
+        + Discretized<Obabo>
+        + Discretized<Thermostat<Midpoint>>
+        + Discretized<Thermostat<Verlet>>
+        + Discretized<Thermostat<Gauss<2>>>,
+{
+    same::<Baoab, _, _>(a, b);
+    same::<Obabo, _, _>(a, b);
+    same::<Thermostat<Midpoint>, _, _>(a, b);
+    same::<Thermostat<Verlet>, _, _>(a, b);
+    same::<Thermostat<Gauss<2>>, _, _>(a, b);
+}
+
+const MASS: [f64; 3] = [1.0, 2.0, 0.5];
+
+#[test]
+fn loops_have_the_friction_of_straight_lines() {
+    let (mass, gamma, kt) = (MASS, 0.8, 1.3);
+    all(&UniformInline { mass, gamma, kt }, &UniformLoops { mass, gamma, kt });
+    all(&ListInline { mass, gamma, kt }, &ListLoops { mass, gamma, kt });
+    all(&PlaceInline { mass, gamma, kt }, &PlaceLoops { mass, gamma, kt });
+    all(&MatrixInline { mass, gamma, kt }, &MatrixLoops { mass, gamma, kt });
+}
+
+/// What a thermostat reads of a system.
+fn read<D: Damped>(system: &D, numbers: usize) -> (Vec<f64>, Vec<f64>, Option<f64>) {
+    let (mut damping, mut inverse) = (vec![0.0; numbers], vec![0.0; 3]);
+    system.damping(&[0.5, 0.0, 2.0], &mut damping);
+    system.inverse_mass(&mut inverse);
+    (damping, inverse, system.temperature())
+}
+
+#[test]
+fn thermostats_read_what_was_declared() {
+    let (mass, gamma, kt) = (MASS, 0.8, 1.3);
+    let inverse = vec![1.0, 0.5, 2.0];
+    let expected = |damping: &[f64]| (damping.to_vec(), inverse.clone(), Some(kt));
+    assert_eq!(read(&UniformInline { mass, gamma, kt }, 3), expected(&[0.8; 3]));
+    assert_eq!(read(&UniformLoops { mass, gamma, kt }, 3), expected(&[0.8; 3]));
+    assert_eq!(read(&ListInline { mass, gamma, kt }, 3), expected(&[0.8, 0.0, 1.6]));
+    assert_eq!(read(&ListLoops { mass, gamma, kt }, 3), expected(&[0.8, 0.0, 1.6]));
+    assert_eq!(read(&PlaceInline { mass, gamma, kt }, 3), expected(&[1.0, 0.8, 4.0]));
+    assert_eq!(read(&PlaceLoops { mass, gamma, kt }, 3), expected(&[1.0, 0.8, 4.0]));
+    let matrix = [0.8, 0.1, 0.0, 0.1, 0.5, -0.2, 0.0, -0.2, 0.7];
+    assert_eq!(read(&MatrixInline { mass, gamma, kt }, 9), expected(&matrix));
+    assert_eq!(read(&MatrixLoops { mass, gamma, kt }, 9), expected(&matrix));
+    const { assert!(PlaceInline::PER_STATE && PlaceLoops::PER_STATE && !ListLoops::PER_STATE) };
+    const { assert!(MatrixInline::IS_MATRIX && MatrixLoops::IS_MATRIX && !UniformLoops::IS_MATRIX) };
+    const { assert!(MatrixInline::HAS_DIAGONAL_MASSES && MatrixLoops::HAS_DIAGONAL_MASSES) };
+}

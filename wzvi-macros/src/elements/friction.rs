@@ -1,0 +1,151 @@
+//! Friction: what is said of it is checked, and where no thermostat takes it in it becomes a part of the steps.
+//!
+//! | declared | in a step |
+//! |---|---|
+//! | one rate for all degrees of freedom, no thermostat | exactly, in the momentum `π = e^{γ (t - t_i)} p`: conformally symplectic |
+//! | other friction, no thermostat | the force `-Γ M⁻¹ p` |
+//! | a thermostat | a flow of its own, beside the steps |
+
+use std::collections::HashMap;
+
+use super::kinetic::Kinetic;
+use super::parts::PartElements;
+use crate::diagnostics::{Diagnostics, facts as messages};
+use crate::discretise::facts::space_of;
+use crate::discretise::sums::{Half, Increments, Sum, Weighted};
+use crate::model::{Element, Friction, System, Term};
+use crate::symbolic::{Expr, Rational};
+
+/// Checks friction and temperature, and what thermostats need; then the friction that no thermostat takes in becomes a force, or the rate of
+/// [`System::conformal`].
+pub(crate) fn friction(system: &mut System, diagnostics: &mut Diagnostics) {
+    let Some(friction) = system.friction.clone() else {
+        let thermostats = system.embeddings.iter().filter(|known| known.value.is_thermostat());
+        thermostats.for_each(|known| diagnostics.report(messages::thermostat_without_friction(known)));
+        if let Some(temperature) = &system.temperature {
+            diagnostics.report(messages::temperature_without_friction(temperature.extent));
+        }
+        return;
+    };
+    check(system, &friction, diagnostics);
+    let has_thermostat = system.embeddings.iter().any(|known| known.value.is_thermostat());
+    if has_thermostat || system.temperature.is_some() || diagnostics.has_errors() {
+        return;
+    }
+    // What a field holds at an index is no parameter of a system in loops.
+    let is_parameter = |rate: &Expr| {
+        let symbols = system.graph.reachable(&[*rate]).into_iter();
+        let symbols = symbols.filter_map(|part| system.graph.as_symbol(part));
+        system.symbols.locals_among(symbols).is_empty()
+    };
+    match friction.uniform.filter(is_parameter) {
+        Some(rate) => system.conformal = Some(rate),
+        None => draw(system, &friction, diagnostics),
+    }
+}
+
+fn check(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics) {
+    let has_thermostat = system.embeddings.iter().any(|known| known.value.is_thermostat());
+    if has_thermostat || system.temperature.is_some() {
+        for known in system.embeddings.iter().filter(|known| !known.value.is_thermostat()) {
+            diagnostics.report(messages::friction_needs_thermostat(known, system.temperature.is_some()));
+        }
+    }
+    let extent = friction.term.extent;
+    match Kinetic::of(system) {
+        None => diagnostics.report(messages::friction_without_masses(extent)),
+        Some(Kinetic { is_diagonal: false }) if !friction.is_matrix && friction.uniform.is_none() => {
+            diagnostics.report(messages::rates_of_coupled_momenta(extent));
+        }
+        Some(_) => {}
+    }
+    if friction.is_matrix && !is_symmetric(system, &friction.term) {
+        diagnostics.report(messages::asymmetric_damping(extent));
+    }
+}
+
+/// Whether `Γ_ij` and `Γ_ji` are the same expressions where both are known to the compiler; entries of fields are compared when a stepper is made.
+fn is_symmetric(system: &mut System, matrix: &Term) -> bool {
+    let graph = &mut system.graph;
+    let mut entries = Vec::new();
+    for element in matrix.elements.iter().filter(|element| element.loops.is_empty()) {
+        for (displacement, i) in element.displacements() {
+            let row = graph.derivative(element.value, displacement);
+            for (momentum, j) in element.momenta() {
+                let entry = graph.derivative(row, momentum);
+                if !graph.is_zero(entry) {
+                    let reads_fields = element
+                        .locals
+                        .iter()
+                        .any(|local| local.slot.is_of_field() && graph.depends_on(entry, &[local.symbol]));
+                    entries.push((i.clone(), j.clone(), entry, reads_fields));
+                }
+            }
+        }
+    }
+    entries.iter().all(|(i, j, entry, reads_fields)| {
+        let across = entries.iter().find(|(row, column, ..)| row == j && column == i);
+        match across {
+            Some((.., other, others_read)) => {
+                let difference = graph.subtract(*entry, *other);
+                graph.is_zero(difference) || *reads_fields || *others_read
+            }
+            None => *reads_fields,
+        }
+    })
+}
+
+/// Adds `-G p` or `-Γ M⁻¹ p` to the force.
+fn draw(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics) {
+    let term = &friction.term;
+    let unweighted = |elements: &[Element]| -> Sum {
+        let weighted = |element: &Element| Weighted { element: element.clone(), increments: Vec::new() };
+        elements.iter().map(weighted).collect()
+    };
+    let drawn = match friction.is_matrix {
+        false => Some(unweighted(&term.values)),
+        true => {
+            let (matrix, kinetic) = (unweighted(&term.elements), unweighted(&system.drift.elements));
+            let mut space = space_of(system);
+            let momenta = Half::Momenta;
+            space.contract(&mut system.graph, (&matrix, momenta), (&kinetic, momenta), Increments::Each)
+        }
+    };
+    let Some(drawn) = drawn else {
+        diagnostics.report(messages::damping_of_elements(term.extent));
+        return;
+    };
+    let graph = &mut system.graph;
+    let negative = drawn.into_iter().map(|Weighted { element, .. }| {
+        let value = graph.scale(element.value, Rational::MINUS_ONE);
+        Element { value, ..element }
+    });
+    let negative: Vec<Element> = negative.collect();
+    let force = system.force.get_or_insert_with(|| Term {
+        expression: graph.integer(0),
+        elements: Vec::new(),
+        values: Vec::new(),
+        extent: term.extent,
+    });
+    force.values.extend(negative.iter().cloned());
+    force.elements.extend(negative);
+}
+
+/// Elements of `K = s H(q, p / s)` with `s = e^{γ (t - t_i)}` in the place of those of `H`, and of `s f(q, p / s)` in the place of those of a force.
+pub(crate) fn take_in(system: &mut System, parts: &mut [PartElements]) {
+    let graph = &mut system.graph;
+    let symbol = graph.new_symbol("s");
+    system.scale = Some(symbol);
+    let scale = graph.symbol(symbol);
+    for Weighted { element, .. } in
+        parts.iter_mut().flat_map(|part| part.values.iter_mut().chain(&mut part.elements))
+    {
+        let mut images = HashMap::new();
+        for (momentum, _) in element.momenta() {
+            let own = graph.symbol(momentum);
+            images.insert(momentum, graph.divide(own, scale));
+        }
+        let scaled = graph.substitute(&[element.value], &images)[0];
+        element.value = graph.multiply(scale, scaled);
+    }
+}

@@ -1,0 +1,60 @@
+//! The kinetic energy: whether it is `p · M⁻¹ p / 2` with constant masses.
+
+use crate::model::{Element, Reads, System};
+use crate::symbolic::{Graph, Rational, Symbol};
+
+/// What is known of a quadratic kinetic energy.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Kinetic {
+    /// Whether no two momenta meet in it.
+    pub(crate) is_diagonal: bool,
+}
+
+impl Kinetic {
+    /// `None` unless the drift is a constant quadratic form of the momenta plus a function of coordinates and time.
+    pub(crate) fn of(system: &mut System) -> Option<Self> {
+        let System { graph, drift, t, .. } = system;
+        let (mut is_diagonal, mut is_quadratic) = (true, true);
+        for element in &drift.elements {
+            match element.reads() {
+                Reads::Nothing | Reads::Coordinates => {}
+                Reads::Momenta => {
+                    is_quadratic &= is_form(graph, element, *t);
+                    is_diagonal &= self::is_diagonal(graph, element);
+                }
+                Reads::Both => is_quadratic = false,
+            }
+        }
+        is_quadratic.then_some(Self { is_diagonal })
+    }
+}
+
+/// Whether an element is a quadratic form with constant coefficients.
+fn is_form(graph: &mut Graph, element: &Element, t: Symbol) -> bool {
+    let momenta: Vec<Symbol> = element.momenta().map(|(symbol, _)| symbol).collect();
+    let moving = [momenta.as_slice(), &[t]].concat();
+    momenta.iter().all(|&p| {
+        let velocity = graph.derivative(element.value, p);
+        let mut rest = vec![(velocity, Rational::ONE)];
+        for &other in &momenta {
+            let mass = graph.derivative(velocity, other);
+            if graph.depends_on(mass, &moving) {
+                return false;
+            }
+            let other = graph.symbol(other);
+            rest.push((graph.multiply(mass, other), Rational::MINUS_ONE));
+        }
+        let rest = graph.linear_combination(&rest);
+        graph.is_zero(rest)
+    })
+}
+
+/// Whether an element couples no two momenta.
+pub(crate) fn is_diagonal(graph: &mut Graph, element: &Element) -> bool {
+    let momenta: Vec<Symbol> = element.momenta().map(|(symbol, _)| symbol).collect();
+    momenta.iter().all(|&p| {
+        let slope = graph.derivative(element.value, p);
+        let others: Vec<Symbol> = momenta.iter().copied().filter(|&other| other != p).collect();
+        !graph.depends_on(slope, &others)
+    })
+}

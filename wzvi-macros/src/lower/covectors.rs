@@ -1,0 +1,178 @@
+//! Covectors: forces, rates of friction, matrices of damping. A covector `f` is lowered as the function `f · δq` of virtual displacements
+//! `δq`, which is a sum like those of Hamiltonians; its components are the derivatives by `δq`. In the same way rates are
+//! `Σ_i γ_i δq_i p_i`, and a matrix is `δq · Γ p`.
+
+use quote::ToTokens;
+use syn::Expr as Syntax;
+
+use super::Space;
+use super::arrays::Origin;
+use super::interpreter::{Interpreter, result_of};
+use super::value::Value;
+use crate::diagnostics::expressions;
+use crate::input;
+use crate::model::index::Index;
+use crate::model::{Friction, Slot, Term};
+use crate::symbolic::Expr;
+
+/// What is made of the entry for the component at an index.
+type Leaf<'l, 'a, 'd> = &'l mut dyn FnMut(&mut Interpreter<'a, 'd>, Value, &Index) -> Option<Expr>;
+
+impl Space<'_> {
+    /// `f · δq` of one entry per degree of freedom, arranged as the coordinates are.
+    pub(super) fn covector<'a, 'd>(
+        &self,
+        interpreter: &mut Interpreter<'a, 'd>,
+        value: Value,
+        at: &'a Syntax,
+    ) -> Option<Expr> {
+        let lengths = self.lengths();
+        let mut leaf = |interpreter: &mut Interpreter<'a, 'd>, value: Value, place: &Index| {
+            let (entry, displacement) =
+                (interpreter.real(value, at)?, interpreter.local(Slot::Displacement(place.clone())));
+            Some(interpreter.graph.multiply(entry, displacement))
+        };
+        paired(interpreter, value, (&lengths, false), &Index::default(), at, &mut leaf)
+    }
+
+    /// `friction = ...` or `damping = ...`.
+    pub(super) fn friction<'a>(
+        &self,
+        interpreter: &mut Interpreter<'a, '_>,
+        declared: &'a input::Friction,
+    ) -> Option<Friction> {
+        let is_matrix = declared.is_matrix;
+        let (body, coordinates) = match &declared.given.value {
+            Syntax::Closure(closure) => {
+                let (Some(pattern), 1, false) = (closure.inputs.first(), closure.inputs.len(), is_matrix)
+                else {
+                    interpreter.report(expressions::friction_closure(closure, is_matrix));
+                    return None;
+                };
+                (&*closure.body, Some(pattern))
+            }
+            body => (body, None),
+        };
+        let mut uniform = None;
+        let term = self.lowered(interpreter, body, |interpreter| {
+            if let Some(pattern) = coordinates {
+                let q = self.vector(interpreter, Origin::Coordinates);
+                interpreter.bind(pattern, q);
+            }
+            let value = interpreter.evaluate(body);
+            if let (Value::Real(_) | Value::Constant(_), None, false) = (&value, coordinates, is_matrix) {
+                uniform = interpreter.real(value.clone(), body);
+            }
+            match is_matrix {
+                true => self.matrix(interpreter, value, result_of(body)),
+                false => self.rates(interpreter, value, result_of(body)),
+            }
+        })?;
+        Some(Friction { term, is_matrix, uniform })
+    }
+
+    /// `Σ_i γ_i δq_i p_i` of one rate for all degrees of freedom, one for each point, or one for each.
+    fn rates<'a, 'd>(
+        &self,
+        interpreter: &mut Interpreter<'a, 'd>,
+        value: Value,
+        at: &'a Syntax,
+    ) -> Option<Expr> {
+        let lengths = self.lengths();
+        let mut leaf = |interpreter: &mut Interpreter<'a, 'd>, value: Value, place: &Index| {
+            let rate = interpreter.real(value, at)?;
+            Some(bilinear(interpreter, rate, place, place))
+        };
+        paired(interpreter, value, (&lengths, true), &Index::default(), at, &mut leaf)
+    }
+
+    /// `δq · Γ p` of rows of numbers, in the order of the state vector.
+    fn matrix<'a, 'd>(
+        &self,
+        interpreter: &mut Interpreter<'a, 'd>,
+        value: Value,
+        at: &'a Syntax,
+    ) -> Option<Expr> {
+        let inner = self.inner.iter().product::<i128>();
+        let degrees = [self.size.multiply(&Index::integer(inner))?];
+        let mut row = |interpreter: &mut Interpreter<'a, 'd>, row: Value, i: &Index| {
+            let mut leaf = |interpreter: &mut Interpreter<'a, 'd>, value: Value, j: &Index| {
+                let entry = interpreter.real(value, at)?;
+                Some(bilinear(interpreter, entry, i, j))
+            };
+            paired(interpreter, row, (&degrees, false), &Index::default(), at, &mut leaf)
+        };
+        paired(interpreter, value, (&degrees, false), &Index::default(), at, &mut row)
+    }
+
+    /// `temperature = ...`
+    pub(super) fn temperature<'a>(
+        &self,
+        interpreter: &mut Interpreter<'a, '_>,
+        declared: &'a input::Given,
+    ) -> Option<Term> {
+        let body = &declared.value;
+        self.lowered(interpreter, body, |interpreter| {
+            let value = interpreter.evaluate(body);
+            interpreter.real(value, result_of(body))
+        })
+    }
+
+    /// The lengths of the arrays that coordinates are arranged in, the outermost first.
+    fn lengths(&self) -> Vec<Index> {
+        match self.shape {
+            input::Shape::Real => Vec::new(),
+            input::Shape::Array(..) => {
+                let inner = self.inner.iter().map(|&length| Index::integer(length));
+                std::iter::once(self.size.clone()).chain(inner).collect()
+            }
+        }
+    }
+}
+
+/// `entry · δq_i p_j`
+fn bilinear(interpreter: &mut Interpreter<'_, '_>, entry: Expr, i: &Index, j: &Index) -> Expr {
+    let displacement = interpreter.local(Slot::Displacement(i.clone()));
+    let momentum = interpreter.local(Slot::Momentum(j.clone()));
+    interpreter.graph.product(&[entry, displacement, momentum])
+}
+
+/// The sum of what `leaf` makes of every entry of `value`, which has these lengths; where numbers `spread`, one stands for the entries of
+/// a whole array.
+fn paired<'a, 'd>(
+    interpreter: &mut Interpreter<'a, 'd>,
+    value: Value,
+    (lengths, spread): (&[Index], bool),
+    offset: &Index,
+    at: &'a Syntax,
+    leaf: Leaf<'_, 'a, 'd>,
+) -> Option<Expr> {
+    let Some((length, inner)) = lengths.split_first() else { return leaf(interpreter, value, offset) };
+    let stride = inner.iter().try_fold(Index::integer(1), |stride, length| stride.multiply(length))?;
+    let is_number = matches!(value, Value::Real(_) | Value::Constant(_));
+    if spread && is_number {
+        return interpreter.sum_loop(length, at, &mut |interpreter, k| {
+            let place = offset.add(&k.multiply(&stride)?)?;
+            paired(interpreter, value.clone(), (inner, true), &place, at, leaf)
+        });
+    }
+    if !matches!(value, Value::Stream(_) | Value::Poison) {
+        let expected = format!("a list of {} numbers", interpreter.display(length));
+        interpreter.report(expressions::expected(at.to_token_stream(), &expected, value.describe()));
+        return None;
+    }
+    let list = interpreter.as_stream(&value, at)?;
+    let found = interpreter.length_of(&list);
+    let excess = found.as_ref().and_then(|found| found.subtract(length)?.as_integer());
+    if excess != Some(0) {
+        let expected = interpreter.display(length);
+        let found = found.map(|found| interpreter.display(&found));
+        interpreter.report(expressions::entries(at.to_token_stream(), &expected, found.as_deref()));
+        return None;
+    }
+    interpreter.sum_loop(length, at, &mut |interpreter, k| {
+        let item = interpreter.item(&list, k, at)?;
+        let place = offset.add(&k.multiply(&stride)?)?;
+        paired(interpreter, item, (inner, spread), &place, at, leaf)
+    })
+}

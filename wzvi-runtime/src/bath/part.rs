@@ -1,0 +1,144 @@
+//! The O parts of a step: their constants, their share of what drives it, and the heat that they bring.
+
+use super::{Damped, Relaxation};
+use crate::carry::Carry;
+use crate::error::{ConfigError, StepFailure};
+use crate::scalar::Scalar;
+
+/// The constants of the O parts of steps of size `h`, of which there are `parts`; none of a system whose size only its state knows.
+///
+/// # Errors
+/// [`ConfigError::Bath`]
+pub(super) fn prepare<T: Damped>(
+    system: &T,
+    h: f64,
+    parts: usize,
+) -> Result<Option<Relaxation>, ConfigError> {
+    let degrees = system.degrees();
+    if degrees == 0 {
+        Relaxation::check(system).map_err(ConfigError::Bath)?;
+        return Ok(None);
+    }
+    let relaxation = Relaxation::new(system, degrees, h, share(parts)).map_err(ConfigError::Bath)?;
+    Ok(Some(relaxation))
+}
+
+fn share(parts: usize) -> f64 {
+    1.0 / parts as f64
+}
+
+/// Constants of steps of one size, of a system of so many degrees of freedom.
+#[derive(Debug)]
+struct Own {
+    h: f64,
+    degrees: usize,
+    relaxation: Relaxation,
+}
+
+/// What O parts need besides, and what they leave.
+#[derive(Debug)]
+pub(super) struct Memory<S> {
+    own: Option<Own>,
+    room: Vec<S>,
+    /// The heat of the last step.
+    pub(super) heat: S,
+}
+
+impl<S: Scalar> Default for Memory<S> {
+    fn default() -> Self {
+        Self { own: None, room: Vec::new(), heat: S::from_f64(0.0) }
+    }
+}
+
+impl<S: Scalar> Memory<S> {
+    /// With room for a system that knows its size.
+    pub(super) fn of_system<T: Damped>(system: &T) -> Self {
+        let mut memory = Self::default();
+        memory.fit::<T>(system.degrees());
+        memory
+    }
+
+    #[inline(always)]
+    fn fit<T: Damped>(&mut self, degrees: usize) {
+        let room = Relaxation::room::<T>(degrees);
+        if self.room.len() != room {
+            self.room.resize(room, S::from_f64(0.0));
+        }
+    }
+
+    /// The O parts of a step of size `h`, driven by `normals`. Allocates in the first step only, and only where the system does not know its size.
+    ///
+    /// # Errors
+    /// [`StepFailure::Increments`] unless there is one normal for each part and degree of freedom, or none without temperature;
+    /// [`StepFailure::Bath`] as [`prepare`].
+    #[inline(always)]
+    pub(super) fn parts<'m, T: Damped>(
+        &'m mut self,
+        system: &'m T,
+        prepared: &'m Option<Relaxation>,
+        (h, parts, degrees): (f64, usize, usize),
+        (dw, noises): (&'m [S], usize),
+    ) -> Result<Parts<'m, T, S>, StepFailure> {
+        let expected = noises + normals(system, degrees, parts);
+        if dw.len() != expected {
+            return Err(StepFailure::Increments { expected, got: dw.len() });
+        }
+        self.fit::<T>(degrees);
+        let relaxation = match prepared {
+            Some(relaxation) => relaxation,
+            None => {
+                let own = self.own.take().filter(|own| own.h == h && own.degrees == degrees);
+                let own = match own {
+                    Some(own) => own,
+                    None => Own {
+                        h,
+                        degrees,
+                        relaxation: Relaxation::new(system, degrees, h, share(parts))
+                            .map_err(StepFailure::Bath)?,
+                    },
+                };
+                &self.own.insert(own).relaxation
+            }
+        };
+        let per_part = (expected - noises) / parts;
+        Ok(Parts { system, relaxation, normals: &dw[noises..], per_part, room: &mut self.room })
+    }
+}
+
+/// Standard normals that drive a step with so many O parts.
+pub(super) fn normals<T: Damped>(system: &T, degrees: usize, parts: usize) -> usize {
+    if system.temperature().is_some() { parts * degrees } else { 0 }
+}
+
+/// The O parts of a step.
+pub(super) struct Parts<'m, T, S> {
+    system: &'m T,
+    relaxation: &'m Relaxation,
+    normals: &'m [S],
+    per_part: usize,
+    room: &'m mut Vec<S>,
+}
+
+impl<T: Damped, S: Scalar> Parts<'_, T, S> {
+    /// Whether there is no friction, and nothing to do.
+    #[inline(always)]
+    pub(super) fn are_still(&self) -> bool {
+        self.relaxation.is_still()
+    }
+
+    /// Part number `part`, and its heat.
+    ///
+    /// # Errors
+    /// [`StepFailure::Bath`] where friction is negative; `p` is then any.
+    #[inline(always)]
+    pub(super) fn apply<C: Carry<S>>(
+        &mut self,
+        part: usize,
+        q: &[S],
+        p: &mut [S],
+        lost: &mut [S],
+    ) -> Result<S, StepFailure> {
+        let normals = &self.normals[part * self.per_part..(part + 1) * self.per_part];
+        self.relaxation.apply::<T, S, C>(self.system, q, normals, p, lost, self.room)
+    }
+}

@@ -1,0 +1,505 @@
+//! Friction and noise alone, which are an Ornstein-Uhlenbeck process: `p <- E p + R ξ`.
+//!
+//! With `M⁻¹ = C Cᵀ` and `N = C⁻ᵀ`, so that `M = N Nᵀ`, the friction `A = Cᵀ Γ C = V Λ Vᵀ` is symmetric, and with `W = N V` and the time `s`
+//!
+//! ```text
+//! E = exp(-s Γ M⁻¹) = W exp(-s Λ) W⁻¹ = e^{-s μ} (1 - W (1 - exp(-s (Λ - μ))) W⁻¹),   W⁻¹ = Vᵀ Cᵀ,   μ the smallest of Λ
+//! R Rᵀ = kT (M - E M Eᵀ) = kT W (1 - exp(-2 s Λ)) Wᵀ
+//! ```
+//!
+//! No difference of nearly equal numbers is in it, neither for small friction nor for large, and degrees of freedom without friction keep their
+//! momenta to the last bit.
+
+use super::Damped;
+use super::matrix::{cholesky, diagonalise, inverse_transposed, triangularise};
+use crate::carry::Carry;
+use crate::error::{BathError, StepFailure};
+use crate::scalar::{Mask, Scalar};
+
+/// The O part of a step, with everything that does not depend on the state.
+#[derive(Clone, Debug)]
+pub struct Relaxation(Law);
+
+/// Lists have one number per degree of freedom, matrices all rows, one after the other.
+#[derive(Clone, Debug)]
+enum Law {
+    /// No friction.
+    Still,
+    /// Rates and masses by degree of freedom: lists.
+    Diagonal {
+        /// `E`
+        decay: Vec<f64>,
+        /// `R / √h`
+        deviation: Vec<f64>,
+        /// `M⁻¹`
+        inverse_mass: Vec<f64>,
+    },
+    /// The same as matrices.
+    Matrix { decay: Vec<f64>, deviation: Vec<f64>, inverse_mass: Vec<f64> },
+    /// By the friction at each state.
+    Frozen(Frozen),
+}
+
+/// What an O part with the friction of a place is made of.
+#[derive(Clone, Debug)]
+struct Frozen {
+    /// A list if rates and masses are lists, else a matrix.
+    inverse_mass: Vec<f64>,
+    mass: Factors,
+    bath: Bath,
+}
+
+/// Time and temperature of an O part.
+#[derive(Clone, Copy, Debug)]
+struct Bath {
+    /// `s`
+    time: f64,
+    /// `kT`
+    temperature: f64,
+    /// `1 / √h` of the whole step: what drives it is `√h ξ`.
+    unit: f64,
+}
+
+impl Bath {
+    /// `E` and `R √(M⁻¹) / √h` of a mode with this rate.
+    #[inline(always)]
+    fn mode<S: Scalar>(&self, rate: S) -> (S, S) {
+        let x = -(rate * self.time);
+        (x.exp(), (-(x * 2.0).exp_m1() * self.temperature).sqrt() * self.unit)
+    }
+}
+
+/// Factors of the masses; empty where rates and masses are lists.
+#[derive(Clone, Debug, Default)]
+struct Factors {
+    /// `C`
+    lower: Vec<f64>,
+    /// `N`
+    upper: Vec<f64>,
+    /// The lower triangular `L` with `M = L Lᵀ`.
+    mass: Vec<f64>,
+}
+
+impl Factors {
+    fn of(inverse_mass: &[f64], d: usize) -> Result<Self, BathError> {
+        let mut lower = inverse_mass.to_vec();
+        if !cholesky(&mut lower, d) {
+            return Err(BathError::Masses);
+        }
+        let upper = inverse_transposed(&lower, d);
+        let mut mass = upper.clone();
+        triangularise(&mut mass, d);
+        Ok(Self { lower, upper, mass })
+    }
+}
+
+/// `Γ`, and what it becomes: room for three matrices.
+struct Modes<'r, S> {
+    /// `Γ`, then `Λ` on the diagonal.
+    rates: &'r mut [S],
+    /// `V`
+    vectors: &'r mut [S],
+    /// `W`
+    modes: &'r mut [S],
+}
+
+impl<S: Scalar> Modes<'_, S> {
+    /// From the friction in `rates`.
+    ///
+    /// # Errors
+    /// The smallest rate, if it is negative.
+    fn solve(&mut self, mass: &Factors, d: usize) -> Result<(), f64> {
+        let Self { rates, vectors, modes } = self;
+        let zero = S::from_f64(0.0);
+        // Γ C, then Cᵀ Γ C.
+        for i in 0..d {
+            for k in 0..d {
+                modes[i * d + k] = (k..d).fold(zero, |sum, j| sum + rates[i * d + j] * mass.lower[j * d + k]);
+            }
+        }
+        for i in 0..d {
+            for k in 0..=i {
+                let entry = (i..d).fold(zero, |sum, j| sum + modes[j * d + k] * mass.lower[j * d + i]);
+                (rates[i * d + k], rates[k * d + i]) = (entry, entry);
+            }
+        }
+        diagonalise(rates, vectors, d);
+        let largest = (0..d).fold(zero, |largest, k| largest.larger(rates[k * (d + 1)]));
+        // What the roundings of the products can make of zero.
+        let rounding = largest * (4.0 * d as f64 * f64::EPSILON);
+        for k in 0..d {
+            let rate = &mut rates[k * (d + 1)];
+            refuse_negative(*rate + rounding).map_err(|_| lowest(*rate))?;
+            *rate = rate.max(zero);
+        }
+        for i in 0..d {
+            for k in 0..d {
+                modes[i * d + k] =
+                    (i..d).fold(zero, |sum, j| sum + vectors[j * d + k] * mass.upper[i * d + j]);
+            }
+        }
+        Ok(())
+    }
+
+    /// `e^{-s μ}`
+    fn slowest(&self, bath: &Bath, d: usize) -> (S, S) {
+        let smallest = (1..d).fold(self.rates[0], |least, k| least.min(self.rates[k * (d + 1)]));
+        (smallest, (-(smallest * bath.time)).exp())
+    }
+
+    /// `1 - exp(-s (λ_k - μ))`
+    fn faster(&self, bath: &Bath, smallest: S, k: usize, d: usize) -> S {
+        -(-((self.rates[k * (d + 1)] - smallest) * bath.time)).exp_m1()
+    }
+
+    /// `W⁻¹` at row `k` and column `j`
+    fn inverse(&self, mass: &Factors, [k, j]: [usize; 2], d: usize) -> S {
+        let zero = S::from_f64(0.0);
+        (0..=j).fold(zero, |sum, i| sum + self.vectors[i * d + k] * mass.lower[j * d + i])
+    }
+
+    /// `R / √h`, in the place of `W`.
+    fn deviation(&mut self, bath: &Bath, d: usize) {
+        for k in 0..d {
+            let (_, deviation) = bath.mode(self.rates[k * (d + 1)]);
+            for row in self.modes.chunks_exact_mut(d) {
+                row[k] = row[k] * deviation;
+            }
+        }
+        triangularise(self.modes, d);
+    }
+}
+
+/// The smallest of the lanes of a number.
+fn lowest<S: Scalar>(number: S) -> f64 {
+    (0..S::LANES).map(|lane| number.lane(lane)).fold(f64::INFINITY, f64::min)
+}
+
+/// # Errors
+/// The number, if it is negative in any lane.
+#[inline(always)]
+fn refuse_negative<S: Scalar>(number: S) -> Result<(), f64> {
+    let is_negative = number.less(S::from_f64(0.0));
+    if (!is_negative).all() { Ok(()) } else { Err(lowest(number)) }
+}
+
+impl Relaxation {
+    /// That of the fraction `share` of a step of size `h`.
+    ///
+    /// # Errors
+    /// [`BathError`] for a friction, a temperature or a mass that makes no sense, and for steps backwards in time.
+    pub fn new<T: Damped>(system: &T, degrees: usize, h: f64, share: f64) -> Result<Self, BathError> {
+        let temperature = Self::check(system)?;
+        let mut gamma = vec![0.0; if T::IS_MATRIX { degrees * degrees } else { degrees }];
+        if !T::PER_STATE {
+            system.damping(&vec![0.0; degrees], &mut gamma);
+            if let Some(&rate) = gamma.iter().find(|gamma| !gamma.is_finite()) {
+                return Err(BathError::Friction { rate });
+            }
+            if gamma.iter().all(|&gamma| gamma == 0.0) {
+                return Ok(Self(Law::Still));
+            }
+        }
+        if h < 0.0 {
+            return Err(BathError::Backwards { h });
+        }
+        let bath = Bath { time: share * h, temperature, unit: h.abs().sqrt().recip() };
+        let inverse_mass = inverse_mass(system, degrees);
+        let mass = if is_list::<T>() { Factors::default() } else { Factors::of(&inverse_mass, degrees)? };
+        if T::PER_STATE {
+            if is_list::<T>()
+                && let Some(degree) = inverse_mass.iter().position(|&inverse| inverse <= 0.0)
+            {
+                return Err(BathError::Mass { degree, inverse: inverse_mass[degree] });
+            }
+            return Ok(Self(Law::Frozen(Frozen { mass, inverse_mass, bath })));
+        }
+        Ok(Self(match (T::IS_MATRIX, T::HAS_DIAGONAL_MASSES) {
+            (false, true) => diagonal(&gamma, inverse_mass, &bath)?,
+            (false, false) => uniform(gamma.first().copied(), &mass, inverse_mass, &bath)?,
+            (true, _) => constant(gamma, &mass, inverse_mass, &bath, degrees)?,
+        }))
+    }
+
+    /// The temperature, 0 if there is none.
+    ///
+    /// # Errors
+    /// [`BathError::Temperature`]
+    pub(super) fn check<T: Damped>(system: &T) -> Result<f64, BathError> {
+        let temperature = system.temperature().unwrap_or(0.0);
+        if temperature.is_finite() && temperature >= 0.0 {
+            Ok(temperature)
+        } else {
+            Err(BathError::Temperature { temperature })
+        }
+    }
+
+    /// Whether there is no friction.
+    #[inline(always)]
+    pub(super) fn is_still(&self) -> bool {
+        matches!(self.0, Law::Still)
+    }
+
+    /// How much room [`Relaxation::apply`] needs.
+    pub(super) fn room<T: Damped>(degrees: usize) -> usize {
+        if T::PER_STATE && T::IS_MATRIX { 3 * degrees * degrees + 2 * degrees } else { 2 * degrees }
+    }
+
+    /// Moves the momenta, by `√h ξ` if there is a temperature, and gives the heat that they took: the gain of kinetic energy. Lanes do not
+    /// account for it.
+    ///
+    /// # Errors
+    /// [`BathError::Friction`] where it is negative; `p` is then any.
+    #[inline(always)]
+    pub(super) fn apply<T: Damped, S: Scalar, C: Carry<S>>(
+        &self,
+        system: &T,
+        q: &[S],
+        normals: &[S],
+        p: &mut [S],
+        lost: &mut [S],
+        room: &mut [S],
+    ) -> Result<S, StepFailure> {
+        match &self.0 {
+            Law::Still => Ok(S::from_f64(0.0)),
+            Law::Diagonal { decay, deviation, inverse_mass } => {
+                let mut heat = S::from_f64(0.0);
+                let constants = decay.iter().zip(deviation).zip(inverse_mass);
+                for ((i, p), ((&decay, &deviation), &inverse)) in p.iter_mut().enumerate().zip(constants) {
+                    let noise = of_normal(normals, i) * deviation;
+                    let before = *p;
+                    if C::CARRIES {
+                        (*p, lost[i]) = C::add(before * decay, noise, lost[i] * decay);
+                    } else {
+                        *p = before * decay + noise;
+                    }
+                    heat = heat + gain(before, *p, inverse);
+                }
+                Ok(heat)
+            }
+            Law::Matrix { decay, deviation, inverse_mass } => {
+                let d = p.len();
+                for (i, to) in room.iter_mut().enumerate().take(d) {
+                    let kept = (0..d).fold(S::from_f64(0.0), |sum, j| sum + p[j] * decay[i * d + j]);
+                    *to = (0..=i).fold(kept, |sum, j| sum + of_normal(normals, j) * deviation[i * d + j]);
+                }
+                Ok(replace::<S, C>(p, lost, &room[..d], inverse_mass))
+            }
+            Law::Frozen(frozen) if T::IS_MATRIX => {
+                frozen.apply_matrix::<T, S, C>(system, q, normals, p, lost, room)
+            }
+            Law::Frozen(frozen) if T::HAS_DIAGONAL_MASSES => {
+                frozen.apply_diagonal::<T, S, C>(system, q, normals, p, lost, room)
+            }
+            Law::Frozen(frozen) => frozen.apply_uniform::<T, S, C>(system, q, normals, p, lost, room),
+        }
+    }
+}
+
+/// `√h ξ` of a degree of freedom; zero without temperature.
+#[inline(always)]
+fn of_normal<S: Scalar>(normals: &[S], i: usize) -> S {
+    normals.get(i).copied().unwrap_or(S::from_f64(0.0))
+}
+
+/// What the kinetic energy of one momentum gains.
+#[inline(always)]
+fn gain<S: Scalar>(before: S, after: S, inverse_mass: f64) -> S {
+    if S::LANES == 1 { (after - before) * (after + before) * (0.5 * inverse_mass) } else { S::from_f64(0.0) }
+}
+
+/// New momenta, and the heat: `(p_1 - p_0) · M⁻¹ (p_1 + p_0) / 2`.
+#[inline(always)]
+fn replace<S: Scalar, C: Carry<S>>(p: &mut [S], lost: &mut [S], new: &[S], inverse_mass: &[f64]) -> S {
+    let (zero, d) = (S::from_f64(0.0), p.len());
+    let mut heat = zero;
+    if S::LANES == 1 {
+        for (i, row) in inverse_mass.chunks_exact(d).enumerate() {
+            let sum = (0..d).fold(zero, |sum, j| sum + (new[j] + p[j]) * row[j]);
+            heat = heat + (new[i] - p[i]) * sum * 0.5;
+        }
+    }
+    p.copy_from_slice(new);
+    if C::CARRIES {
+        lost.fill(zero);
+    }
+    heat
+}
+
+/// Whether friction and masses are lists by degree of freedom.
+const fn is_list<T: Damped>() -> bool {
+    !T::IS_MATRIX && T::HAS_DIAGONAL_MASSES
+}
+
+/// `M⁻¹`: a list where friction is one too, else a matrix.
+fn inverse_mass<T: Damped>(system: &T, d: usize) -> Vec<f64> {
+    if !T::HAS_DIAGONAL_MASSES {
+        let mut rows = vec![0.0; d * d];
+        system.inverse_mass(&mut rows);
+        return rows;
+    }
+    let mut list = vec![0.0; d];
+    system.inverse_mass(&mut list);
+    if !T::IS_MATRIX {
+        return list;
+    }
+    let mut rows = vec![0.0; d * d];
+    rows.iter_mut().step_by(d + 1).zip(list).for_each(|(entry, inverse)| *entry = inverse);
+    rows
+}
+
+/// # Errors
+/// [`BathError::Friction`] unless the rate is a finite number that is not negative.
+fn check_rate(rate: f64) -> Result<f64, BathError> {
+    if rate >= 0.0 && rate.is_finite() { Ok(rate) } else { Err(BathError::Friction { rate }) }
+}
+
+fn diagonal(rates: &[f64], inverse_mass: Vec<f64>, bath: &Bath) -> Result<Law, BathError> {
+    let (mut decay, mut deviation) = (vec![1.0; rates.len()], vec![0.0; rates.len()]);
+    for (degree, (&rate, &inverse)) in rates.iter().zip(&inverse_mass).enumerate() {
+        if rate == 0.0 {
+            continue;
+        }
+        if inverse.is_nan() || inverse <= 0.0 {
+            return Err(BathError::Mass { degree, inverse });
+        }
+        let (kept, noise) = bath.mode(check_rate(rate)?);
+        (decay[degree], deviation[degree]) = (kept, noise / inverse.sqrt());
+    }
+    Ok(Law::Diagonal { decay, deviation, inverse_mass })
+}
+
+/// One rate for masses that are a matrix.
+fn uniform(rate: Option<f64>, mass: &Factors, inverse_mass: Vec<f64>, bath: &Bath) -> Result<Law, BathError> {
+    let (kept, noise) = bath.mode(check_rate(rate.unwrap_or(0.0))?);
+    let deviation: Vec<f64> = mass.mass.iter().map(|entry| noise * entry).collect();
+    let mut decay = vec![0.0; deviation.len()];
+    decay.iter_mut().step_by(deviation.len().isqrt() + 1).for_each(|entry| *entry = kept);
+    Ok(Law::Matrix { decay, deviation, inverse_mass })
+}
+
+/// Friction that is a matrix.
+fn constant(
+    mut gamma: Vec<f64>,
+    mass: &Factors,
+    inverse_mass: Vec<f64>,
+    bath: &Bath,
+    d: usize,
+) -> Result<Law, BathError> {
+    for i in 0..d {
+        for j in 0..i {
+            if gamma[i * d + j] != gamma[j * d + i] {
+                return Err(BathError::Asymmetric { entry: [i, j] });
+            }
+        }
+    }
+    let (mut vectors, mut modes) = (vec![0.0; d * d], vec![0.0; d * d]);
+    let mut found = Modes { rates: &mut gamma, vectors: &mut vectors, modes: &mut modes };
+    found.solve(mass, d).map_err(|rate| BathError::Friction { rate })?;
+    let (smallest, slowest) = found.slowest(bath, d);
+    let mut decay = vec![0.0; d * d];
+    for (at, entry) in decay.iter_mut().enumerate() {
+        let (i, j) = (at / d, at % d);
+        let lost: f64 = (0..d)
+            .map(|k| {
+                found.modes[i * d + k] * found.faster(bath, smallest, k, d) * found.inverse(mass, [k, j], d)
+            })
+            .sum();
+        *entry = slowest * (if i == j { 1.0 } else { 0.0 } - lost);
+    }
+    found.deviation(bath, d);
+    Ok(Law::Matrix { decay, deviation: modes, inverse_mass })
+}
+
+/// Friction that would heat.
+#[cold]
+fn negative(rate: f64) -> StepFailure {
+    StepFailure::Bath(BathError::Friction { rate })
+}
+
+impl Frozen {
+    #[inline(always)]
+    fn apply_diagonal<T: Damped, S: Scalar, C: Carry<S>>(
+        &self,
+        system: &T,
+        q: &[S],
+        normals: &[S],
+        p: &mut [S],
+        lost: &mut [S],
+        room: &mut [S],
+    ) -> Result<S, StepFailure> {
+        let rates = &mut room[..p.len()];
+        system.damping(q, rates);
+        let mut heat = S::from_f64(0.0);
+        for (i, p) in p.iter_mut().enumerate() {
+            let inverse = self.inverse_mass[i];
+            refuse_negative(rates[i]).map_err(negative)?;
+            let (decay, noise) = self.bath.mode(rates[i]);
+            let noise = of_normal(normals, i) * noise / inverse.sqrt();
+            let before = *p;
+            if C::CARRIES {
+                (*p, lost[i]) = C::add(before * decay, noise, lost[i] * decay);
+            } else {
+                *p = before * decay + noise;
+            }
+            heat = heat + gain(before, *p, inverse);
+        }
+        Ok(heat)
+    }
+
+    fn apply_uniform<T: Damped, S: Scalar, C: Carry<S>>(
+        &self,
+        system: &T,
+        q: &[S],
+        normals: &[S],
+        p: &mut [S],
+        lost: &mut [S],
+        room: &mut [S],
+    ) -> Result<S, StepFailure> {
+        let d = p.len();
+        let (rates, new) = room.split_at_mut(d);
+        system.damping(q, rates);
+        let Some(&rate) = rates.first() else { return Ok(S::from_f64(0.0)) };
+        refuse_negative(rate).map_err(negative)?;
+        let (decay, noise) = self.bath.mode(rate);
+        for (i, new) in new.iter_mut().enumerate() {
+            let drawn = (0..=i)
+                .fold(S::from_f64(0.0), |sum, j| sum + of_normal(normals, j) * self.mass.mass[i * d + j]);
+            *new = p[i] * decay + drawn * noise;
+        }
+        Ok(replace::<S, C>(p, lost, new, &self.inverse_mass))
+    }
+
+    fn apply_matrix<T: Damped, S: Scalar, C: Carry<S>>(
+        &self,
+        system: &T,
+        q: &[S],
+        normals: &[S],
+        p: &mut [S],
+        lost: &mut [S],
+        room: &mut [S],
+    ) -> Result<S, StepFailure> {
+        let (zero, d) = (S::from_f64(0.0), p.len());
+        let (rates, room) = room.split_at_mut(d * d);
+        let (vectors, room) = room.split_at_mut(d * d);
+        let (modes, room) = room.split_at_mut(d * d);
+        let (along, new) = room.split_at_mut(d);
+        system.damping(q, rates);
+        let mut found = Modes { rates, vectors, modes };
+        found.solve(&self.mass, d).map_err(negative)?;
+        let (smallest, slowest) = found.slowest(&self.bath, d);
+        for (k, along) in along.iter_mut().enumerate() {
+            let own = (0..d).fold(zero, |sum, j| sum + found.inverse(&self.mass, [k, j], d) * p[j]);
+            *along = found.faster(&self.bath, smallest, k, d) * own;
+        }
+        for (i, new) in new.iter_mut().enumerate().take(d) {
+            let lost = (0..d).fold(zero, |sum, k| sum + found.modes[i * d + k] * along[k]);
+            *new = slowest * (p[i] - lost);
+        }
+        found.deviation(&self.bath, d);
+        for (i, new) in new.iter_mut().enumerate().take(d) {
+            *new = (0..=i).fold(*new, |sum, j| sum + found.modes[i * d + j] * of_normal(normals, j));
+        }
+        Ok(replace::<S, C>(p, lost, &new[..d], &self.inverse_mass))
+    }
+}

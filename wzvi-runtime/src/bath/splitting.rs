@@ -1,0 +1,208 @@
+//! Kicks, drifts and O parts in turn: [`Baoab`] and [`Obabo`].
+//!
+//! Kicks and drifts are the flows of [`compose::flows`](crate::compose), with the increments of the noises; the force at the end of a step is that at the
+//! start of the next.
+//!
+//! Generated, for a system with [`Flows`] and [`Damped`]: `composition! { [impl Discretized<Baoab> for System] Baoab, Splitting<Baoab>, 2, "text", [] }`.
+
+use std::fmt::Debug;
+use std::marker::PhantomData;
+
+use super::part::{self, Parts};
+use super::{Baoab, Damped, Obabo, Relaxation, with_bath};
+use crate::carry::{Carry, Plain};
+use crate::compose::flows::{Flows, FlowsOf};
+use crate::compose::sequence::{Followed, Half, Sequence, Substep};
+use crate::compose::stages::{self, Rooms, Stage, Stages, Take};
+use crate::error::{ConfigError, StepFailure};
+use crate::gauss::Shape;
+use crate::memory::StepMemory;
+use crate::numbers::{Numbers, Tape};
+use crate::plan::Plan;
+use crate::scalar::Scalar;
+use crate::solve::Effort;
+use crate::system::{Exchange, Segment};
+
+/// A word of kicks, drifts and O parts.
+pub trait Letters: Debug {
+    /// The kicks and drifts: weights, and how far the drifts before a kick have come.
+    const FLOWS: &'static [(Half, f64, f64)];
+    /// Before which of them there is an O part; one after all has the number of them.
+    const RELAXES_BEFORE: &'static [usize];
+}
+
+impl Letters for Baoab {
+    const FLOWS: &'static [(Half, f64, f64)] = &[
+        (Half::Second, 0.5, 0.0),
+        (Half::First, 0.5, 0.0),
+        (Half::First, 0.5, 0.5),
+        (Half::Second, 0.5, 1.0),
+    ];
+    const RELAXES_BEFORE: &'static [usize] = &[2];
+}
+
+impl Letters for Obabo {
+    const FLOWS: &'static [(Half, f64, f64)] =
+        &[(Half::Second, 0.5, 0.0), (Half::First, 1.0, 0.0), (Half::Second, 0.5, 1.0)];
+    const RELAXES_BEFORE: &'static [usize] = &[0, 3];
+}
+
+/// The steps of a word.
+#[derive(Clone, Copy, Debug)]
+pub struct Splitting<W>(PhantomData<W>);
+
+/// What is computed once.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    flows: Stages,
+    /// The same with neighbours as one: without friction nothing is between them.
+    still: Stages,
+    relaxation: Option<Relaxation>,
+}
+
+/// What a step leaves.
+#[derive(Debug)]
+pub struct Memory<S: Scalar, H: Shape> {
+    flows: stages::Memory<S, H>,
+    bath: part::Memory<S>,
+}
+
+impl<S: Scalar, H: Shape> Default for Memory<S, H> {
+    fn default() -> Self {
+        Self { flows: Default::default(), bath: Default::default() }
+    }
+}
+
+/// The copy allocates its own room, as that of the flows.
+impl<S: Scalar, H: Shape> Clone for Memory<S, H> {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl<S: Scalar, H: Shape> Numbers for Memory<S, H> {
+    fn pass(&mut self, _: &mut Tape) {}
+}
+
+impl<S: Scalar, H: Shape> StepMemory for Memory<S, H> {
+    fn forget(&mut self) {}
+    fn adopt(&mut self, _: Self) {}
+}
+
+impl<F, W> Sequence<F> for Splitting<W>
+where
+    F: Flows + Damped,
+    W: Letters,
+{
+    const PLAN: Plan = with_bath(<F as Flows>::PLAN);
+    const REMEMBERS: bool = false;
+    const IN_LANES: bool = true;
+    const IS_VARIATIONAL: bool = false;
+    const EXCHANGES: bool = true;
+    type Prepared = Prepared;
+    type Memory<S: Scalar> = Memory<S, F::Shape>;
+    type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
+    type Carry<S: Scalar> = Plain;
+
+    fn increments(system: &F, degrees: usize) -> usize {
+        system.noises() + part::normals(system, degrees, W::RELAXES_BEFORE.len())
+    }
+
+    fn exchanged(_: &F, memory: &Self::Memory<f64>) -> Exchange {
+        Exchange { work: 0.0, heat: memory.bath.heat }
+    }
+
+    fn memory(system: &F, _: &[Substep]) -> Self::Memory<f64> {
+        Memory { flows: stages::Memory::of_system(system), bath: part::Memory::of_system(system) }
+    }
+
+    fn prepare(system: &F, h: f64, _: &[Substep]) -> Result<Self::Prepared, ConfigError> {
+        stages::check(system)?;
+        let relaxation = part::prepare(system, h, W::RELAXES_BEFORE.len())?;
+        let substeps: Vec<Substep> = W::FLOWS.iter().map(|&(half, weight, _)| (half, weight)).collect();
+        let flows = Stages::listed(W::FLOWS.iter().copied());
+        Ok(Prepared { flows, still: Stages::of(&substeps), relaxation })
+    }
+
+    #[inline(always)]
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        system: &F,
+        prepared: &Self::Prepared,
+        t: f64,
+        h: f64,
+        q: &mut [S],
+        p: &mut [S],
+        dw: &[S],
+        memory: &mut Self::Memory<S>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        let Memory { flows: memory, bath } = memory;
+        let (degrees, noises, parts) = (q.len(), system.noises(), W::RELAXES_BEFORE.len());
+        if !system.fits(degrees) {
+            system.check(degrees)?;
+        }
+        let parts = bath.parts(system, &prepared.relaxation, (h, parts, degrees), (dw, noises))?;
+        let Stages(list) = if parts.are_still() { &prepared.still } else { &prepared.flows };
+        let mut word = Word::<F, S, W> {
+            flows: FlowsOf { system, t, h, count: list.len() },
+            parts,
+            heat: S::from_f64(0.0),
+            word: PhantomData,
+        };
+        let effort = stages::advance(system, &mut word, list, q, p, &dw[..noises], memory, carry)?;
+        bath.heat = word.heat;
+        Ok(effort)
+    }
+
+    fn follow(_: &F, _: &Segment<F::Vector>, _: &[f64], _: &[Substep]) -> Option<Followed<F::Vector>> {
+        None
+    }
+}
+
+/// The parts of a step.
+struct Word<'m, F, S, W> {
+    flows: FlowsOf<'m, F>,
+    parts: Parts<'m, F, S>,
+    heat: S,
+    word: PhantomData<W>,
+}
+
+impl<F: Damped, S: Scalar, W: Letters> Word<'_, F, S, W> {
+    /// The O part in front of flow number `index`, if there is one.
+    #[inline(always)]
+    fn relax<C: Carry<S>, H: Shape>(
+        &mut self,
+        index: usize,
+        rooms: &mut Rooms<S, H>,
+    ) -> Result<(), StepFailure> {
+        if self.parts.are_still() {
+            return Ok(());
+        }
+        if let Some(part) = W::RELAXES_BEFORE.iter().position(|&before| before == index) {
+            let Rooms { q, p, lost_p, .. } = rooms;
+            let heat = self.parts.apply::<C>(part, q.as_ref(), p.as_mut(), lost_p.as_mut())?;
+            self.heat = self.heat + heat;
+        }
+        Ok(())
+    }
+}
+
+impl<F, S, W> Take<S, F::Shape> for Word<'_, F, S, W>
+where
+    F: Flows + Damped,
+    S: Scalar,
+    W: Letters,
+{
+    #[inline(always)]
+    fn take<C: Carry<S>>(
+        &mut self,
+        index: usize,
+        stage: &Stage,
+        rooms: &mut Rooms<S, F::Shape>,
+        memory: &mut stages::Memory<S, F::Shape>,
+    ) -> Result<(), StepFailure> {
+        self.relax::<C, _>(index, rooms)?;
+        self.flows.take::<C>(index, stage, rooms, memory)?;
+        if index + 1 == W::FLOWS.len() { self.relax::<C, _>(index + 1, rooms) } else { Ok(()) }
+    }
+}

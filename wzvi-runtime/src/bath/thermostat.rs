@@ -1,0 +1,210 @@
+//! O parts around the steps of any scheme: [`Thermostat`](super::Thermostat).
+//!
+//! Generated, for a system with [`Damped`] and `Discretized<I>`, where `I` steps its Hamiltonians and forces without friction:
+//! `composition! { [impl Discretized<Thermostat<E>> for System] Thermostat<E>, Around<I>, 1, "text", [] }`. It is of the order that `I` has, but not above 2.
+
+use std::fmt::Debug;
+use std::marker::PhantomData;
+
+use super::part::{self, Parts, normals};
+use super::{Damped, Relaxation, with_bath};
+use crate::carry::Carry;
+use crate::compose::kept;
+use crate::compose::sequence::{Followed, Sequence, Substep};
+use crate::elements::are_finite;
+use crate::error::{ConfigError, StepFailure};
+use crate::memory::{Iteration, Method, StepMemory};
+use crate::numbers::{Numbers, Tape};
+use crate::plan::Plan;
+use crate::scalar::Scalar;
+use crate::solve::Effort;
+use crate::system::{Discretized, Exchange, Segment};
+
+/// O parts in front of and behind a step.
+const PARTS: usize = 2;
+
+/// Steps of `E`, of the system without its bath, between two O parts.
+#[derive(Clone, Copy, Debug)]
+pub struct Around<E>(PhantomData<E>);
+
+/// What is computed once.
+#[derive(Clone, Debug)]
+pub struct Prepared<M> {
+    step: M,
+    relaxation: Option<Relaxation>,
+}
+
+/// What a step leaves.
+#[derive(Debug)]
+pub struct Memory<S: Scalar, M> {
+    /// That of the step between, and the state before it all.
+    kept: kept::Memory<S, M, ()>,
+    /// What is carried for coordinates and momenta.
+    lost: [Vec<S>; 2],
+    bath: part::Memory<S>,
+}
+
+impl<S: Scalar, M> Memory<S, M> {
+    fn of(kept: kept::Memory<S, M, ()>) -> Self {
+        Self { kept, lost: [Vec::new(), Vec::new()], bath: Default::default() }
+    }
+}
+
+impl<S: Scalar, M> Default for Memory<S, M> {
+    fn default() -> Self {
+        Self::of(Default::default())
+    }
+}
+
+/// What the steps before left; scratch is allocated anew where the copy is used.
+impl<S: Scalar, M: Clone> Clone for Memory<S, M> {
+    fn clone(&self) -> Self {
+        Self::of(self.kept.clone())
+    }
+}
+
+impl<S: Scalar, M: Numbers + Default> Numbers for Memory<S, M> {
+    fn pass(&mut self, tape: &mut Tape) {
+        self.kept.pass(tape);
+    }
+}
+
+impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
+    fn forget(&mut self) {
+        self.kept.forget();
+    }
+
+    fn adopt(&mut self, left: Self) {
+        self.kept.adopt(left.kept);
+        self.bath.heat = left.bath.heat;
+    }
+
+    fn pin(&mut self, iteration: Iteration) {
+        self.kept.pin(iteration);
+    }
+
+    fn pinned(&self) -> Iteration {
+        self.kept.pinned()
+    }
+
+    fn method(&self) -> Option<Method> {
+        self.kept.method()
+    }
+}
+
+impl<T: Damped + Discretized<E>, E> Sequence<T> for Around<E> {
+    const PLAN: Plan = with_bath(<T as Discretized<E>>::PLAN);
+    const REMEMBERS: bool = <T as Discretized<E>>::REMEMBERS;
+    const IN_LANES: bool = <T as Discretized<E>>::IN_LANES;
+    // As far as the plan of `E` says.
+    const IS_SYMMETRIC: bool = false;
+    const IS_VARIATIONAL: bool = false;
+    const EXCHANGES: bool = true;
+    type Prepared = Prepared<<T as Discretized<E>>::Prepared>;
+    type Memory<S: Scalar> = Memory<S, <T as Discretized<E>>::Memory<S>>;
+    type Compensated<S: Scalar> = <T as Discretized<E>>::Compensated<S>;
+    type Carry<S: Scalar> = <T as Discretized<E>>::Carry<S>;
+
+    fn increments(system: &T, degrees: usize) -> usize {
+        Discretized::<E>::increments(system, degrees) + normals(system, degrees, PARTS)
+    }
+
+    fn exchanged(system: &T, memory: &Self::Memory<f64>) -> Exchange {
+        let mut exchange = Exchange { work: 0.0, heat: memory.bath.heat };
+        if let Some(step) = memory.kept.first.first() {
+            exchange += Discretized::<E>::exchanged(system, step);
+        }
+        exchange
+    }
+
+    fn memory(system: &T, _: &[Substep]) -> Self::Memory<f64> {
+        let (step, degrees) = (Discretized::<E>::memory(system), system.degrees());
+        Memory {
+            kept: kept::Memory::of(vec![step], Vec::new()).with_room(degrees, system.noises()),
+            lost: std::array::from_fn(|_| Vec::with_capacity(degrees)),
+            bath: part::Memory::of_system(system),
+        }
+    }
+
+    fn prepare(system: &T, h: f64, _: &[Substep]) -> Result<Self::Prepared, ConfigError> {
+        let relaxation = part::prepare(system, h, PARTS)?;
+        Ok(Prepared { step: Discretized::<E>::prepare(system, h)?, relaxation })
+    }
+
+    #[inline(always)]
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        system: &T,
+        prepared: &Self::Prepared,
+        t: f64,
+        h: f64,
+        q: &mut [S],
+        p: &mut [S],
+        dw: &[S],
+        memory: &mut Self::Memory<S>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        let (degrees, got) = (q.len(), p.len());
+        if !system.fits(degrees) {
+            system.check(degrees)?;
+        }
+        if got != degrees {
+            return Err(StepFailure::Dimension { expected: degrees, got });
+        }
+        let Memory { kept, lost, bath } = memory;
+        let noises = Discretized::<E>::increments(system, degrees);
+        let size = (h, PARTS, degrees);
+        let mut parts = bath.parts(system, &prepared.relaxation, size, (dw, noises))?;
+        kept.save([1, 0], q, p, &[], carry);
+        let mut step = |kept: &mut kept::Memory<S, _, ()>, carry: &mut C| {
+            let before = relax(&mut parts, 0, q, p, lost, carry)?;
+            let (prepared, memory) = (&prepared.step, &mut kept.first[0]);
+            let effort = Discretized::<E>::advance_carrying::<S, C, CAREFUL>(
+                system,
+                prepared,
+                t,
+                h,
+                q,
+                p,
+                &dw[..noises],
+                memory,
+                carry,
+            )?;
+            let after = relax(&mut parts, 1, q, p, lost, carry)?;
+            if are_finite(p) { Ok((effort, before + after)) } else { Err(StepFailure::NonFinite) }
+        };
+        match step(kept, carry) {
+            Ok((effort, heat)) => {
+                bath.heat = heat;
+                Ok(effort)
+            }
+            Err(failure) => {
+                kept.restore(q, p, carry);
+                Err(failure)
+            }
+        }
+    }
+
+    fn follow(_: &T, _: &Segment<T::Vector>, _: &[f64], _: &[Substep]) -> Option<Followed<T::Vector>> {
+        None
+    }
+}
+
+/// An O part of a state, with what is carried for it.
+#[inline(always)]
+fn relax<T: Damped, S: Scalar, C: Carry<S>>(
+    parts: &mut Parts<'_, T, S>,
+    part: usize,
+    q: &[S],
+    p: &mut [S],
+    [lost_q, lost_p]: &mut [Vec<S>; 2],
+    carry: &mut C,
+) -> Result<S, StepFailure> {
+    if C::CARRIES {
+        kept::list_carried(carry, q.len(), [lost_q, lost_p]);
+    }
+    let heat = parts.apply::<C>(part, q, p, lost_p)?;
+    if C::CARRIES {
+        carry.keep(lost_q, lost_p);
+    }
+    Ok(heat)
+}

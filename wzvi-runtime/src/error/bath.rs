@@ -1,0 +1,95 @@
+//! What is wrong with friction, temperature or masses.
+
+use std::fmt;
+
+/// Why a system has no Langevin equation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BathError {
+    /// The temperature is negative, NaN or infinite.
+    Temperature {
+        /// `kT`, in units of energy.
+        temperature: f64,
+    },
+    /// A rate of the friction is negative, NaN or infinite: it would heat without bound.
+    Friction {
+        /// In 1/time: an eigenvalue of `Γ M⁻¹`, or an entry of `Γ` that is no number.
+        rate: f64,
+    },
+    /// The friction matrix is not symmetric.
+    Asymmetric {
+        /// Row and column, from 0, of an entry that differs from the one across the diagonal.
+        entry: [usize; 2],
+    },
+    /// The mass of a degree of freedom with friction is not positive.
+    Mass {
+        /// Which one, from 0.
+        degree: usize,
+        /// `1 / m`
+        inverse: f64,
+    },
+    /// The matrix of the kinetic energy is not positive definite.
+    Masses,
+    /// Steps backwards in time, which nothing with friction can take.
+    Backwards {
+        /// Step size.
+        h: f64,
+    },
+}
+
+impl fmt::Display for BathError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Temperature { temperature } => {
+                write!(f, "the temperature is {temperature}; it must be finite and not negative")
+            }
+            Self::Friction { rate } => {
+                write!(f, "the friction has the rate {rate}; it must be finite and not negative")
+            }
+            Self::Asymmetric { entry: [i, j] } => {
+                write!(f, "the damping matrix is not symmetric at row {i}, column {j} (from 0)")
+            }
+            Self::Mass { degree, inverse } => write!(
+                f,
+                "degree of freedom {degree} (from 0) has friction, but its inverse mass is {inverse}; it must be positive"
+            ),
+            Self::Masses => write!(
+                f,
+                "the system has friction, but the masses of its kinetic energy are not a positive definite matrix"
+            ),
+            Self::Backwards { h } => write!(
+                f,
+                "the step size is {h}: a system with friction has no way back in time; take a positive one"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for BathError {}
+
+#[cfg(all(feature = "serde", feature = "ensemble"))]
+impl BathError {
+    /// Which one, and its two values.
+    pub(super) fn words(self) -> [u64; 3] {
+        match self {
+            Self::Temperature { temperature } => [0, temperature.to_bits(), 0],
+            Self::Friction { rate } => [1, rate.to_bits(), 0],
+            Self::Asymmetric { entry: [i, j] } => [2, i as u64, j as u64],
+            Self::Mass { degree, inverse } => [3, degree as u64, inverse.to_bits()],
+            Self::Masses => [4, 0, 0],
+            Self::Backwards { h } => [5, h.to_bits(), 0],
+        }
+    }
+
+    pub(super) fn from_words([which, a, b]: [u64; 3]) -> Option<Self> {
+        let x = f64::from_bits(a);
+        Some(match which {
+            0 => Self::Temperature { temperature: x },
+            1 => Self::Friction { rate: x },
+            2 => Self::Asymmetric { entry: [usize::try_from(a).ok()?, usize::try_from(b).ok()?] },
+            3 => Self::Mass { degree: usize::try_from(a).ok()?, inverse: f64::from_bits(b) },
+            4 => Self::Masses,
+            5 => Self::Backwards { h: x },
+            _ => return None,
+        })
+    }
+}

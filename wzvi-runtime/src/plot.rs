@@ -1,0 +1,30 @@
+//! Plots: figures as data, drawn as SVG and PNG without a font or a display on the machine (feature `plot`).
+//!
+//! ```ignore
+//! let path = kubo.simulate::<Midpoint>(0.02)./* ... */run()?;
+//! path.plot().phase_portrait().write("portrait.svg")?;
+//! path.plot().energy_drift(&kubo).write("drift.png")?;
+//! ```
+//!
+//! [`Trajectory::plot`](crate::trajectory::Trajectory::plot) makes the figures that a path is looked at with; a [`Figure`] of your own takes any points, and a [`Sheet`] puts
+//! several into one file. Colours are those of Okabe and Ito, which every kind of colour vision tells apart.
+
+mod axes;
+mod drawing;
+mod error;
+mod figure;
+mod layout;
+mod path;
+mod sheet;
+mod ticks;
+
+#[cfg(feature = "report")]
+pub(crate) use drawing::Plot;
+pub use error::PlotError;
+pub use figure::{Axis, Colour, Figure, Look, Series};
+#[cfg(feature = "report")]
+pub(crate) use layout::Layout;
+pub use path::PathPlot;
+pub use sheet::Sheet;
+
+pub use crate::digits::number;

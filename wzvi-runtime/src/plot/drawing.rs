@@ -1,0 +1,338 @@
+//! Figures as SVG and as pixels, by one drawing for both.
+
+use std::sync::LazyLock;
+
+use plotters::coord::Shift;
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{FontStyle, FontTransform, register_font};
+
+use super::axes::ranges;
+use super::error::PlotError;
+use super::figure::{Colour, Figure, Look, Series};
+use super::layout::{Entry, INDENT, KEY, Layout};
+use super::ticks::{Tick, ticks};
+
+/// Pixels of a PNG of one figure for one of its SVG.
+#[cfg(feature = "report")]
+const PIXELS: i32 = 2;
+/// A line is drawn through about so many points at most.
+const DRAWN: usize = 2500;
+/// Told apart with every kind of colour vision (Okabe and Ito), in the order of [`Colour`]. A page maps them to lighter ones in the dark.
+const PALETTE: [RGBColor; 8] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(138, 109, 0),
+    RGBColor(86, 86, 206),
+    RGBColor(96, 96, 96),
+    INK,
+];
+/// Axes and text.
+const INK: RGBColor = RGBColor(17, 17, 17);
+/// Lines of the grid.
+const GRID: RGBColor = RGBColor(221, 221, 221);
+/// The ground.
+const PAPER: RGBColor = RGBColor(255, 255, 255);
+
+/// A point of a series on the drawing.
+#[cfg(feature = "report")]
+pub(crate) struct Placed {
+    pub(crate) series: usize,
+    pub(crate) index: usize,
+    pub(crate) at: (i32, i32),
+}
+
+/// A figure with its scales.
+#[derive(Clone)]
+pub(crate) struct Plot<'a> {
+    figure: &'a Figure,
+    layout: Layout,
+    x: (f64, f64),
+    y: (f64, f64),
+    scale: i32,
+    /// Whether letters are drawn in the font of this library, which has no raised minus; browsers take their own.
+    is_bitmap: bool,
+}
+
+type Outcome<E> = Result<(), DrawingAreaErrorKind<E>>;
+
+/// Drawings beside each other, with the places of their corners, as the text of an SVG file of this size.
+pub(super) fn drawn_svg(size: (u32, u32), plots: &[((i32, i32), Plot<'_>)]) -> Result<String, PlotError> {
+    let mut text = String::new();
+    let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
+    drawn(&area, plots)?;
+    drop(area);
+    Ok(text)
+}
+
+/// The same as the content of a PNG file.
+pub(super) fn drawn_png(size: (u32, u32), plots: &[((i32, i32), Plot<'_>)]) -> Result<Vec<u8>, PlotError> {
+    let (width, height) = size;
+    let mut pixels = vec![0; 3 * width as usize * height as usize];
+    let area = BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area();
+    let plots: Vec<_> = plots.iter().map(|(corner, plot)| (*corner, plot.as_pixels())).collect();
+    drawn(&area, &plots)?;
+    drop(area);
+    encoded(&pixels, size).map_err(|error| failed(&plots, &error))
+}
+
+fn encoded(pixels: &[u8], (width, height): (u32, u32)) -> Result<Vec<u8>, png::EncodingError> {
+    let mut file = vec![];
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(pixels)?;
+    writer.finish()?;
+    Ok(file)
+}
+
+fn drawn<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    plots: &[((i32, i32), Plot<'_>)],
+) -> Result<(), PlotError> {
+    if !*FONTS {
+        return Err(failed(plots, &"its font is unusable"));
+    }
+    area.fill(&PAPER).map_err(|error| failed(plots, &error))?;
+    for (corner, plot) in plots {
+        let (width, height) = plot.layout.size;
+        let (width, height) = ((width * plot.scale) as u32, (height * plot.scale) as u32);
+        let part = area.clone().shrink(*corner, (width, height));
+        plot.draw(&part).map_err(|error| failed(plots, &error))?;
+    }
+    area.present().map_err(|error| failed(plots, &error))
+}
+
+fn failed(plots: &[((i32, i32), Plot<'_>)], error: &dyn std::fmt::Display) -> PlotError {
+    let figure = plots.first().map_or_else(String::new, |(_, plot)| plot.figure.title.clone());
+    PlotError::Drawing { figure, cause: error.to_string() }
+}
+
+impl<'a> Plot<'a> {
+    pub(crate) fn new(figure: &'a Figure, layout: Layout, scale: i32) -> Self {
+        let [x, y] = ranges(figure, &layout);
+        Self { figure, layout, x, y, scale, is_bitmap: false }
+    }
+
+    fn as_pixels(&self) -> Self {
+        Self { is_bitmap: true, ..self.clone() }
+    }
+
+    /// What is drawn of a text: in the font of this library a macron is what a raised minus looks like.
+    fn letters(&self, text: &str) -> String {
+        if self.is_bitmap { text.replace('⁻', "¯") } else { text.to_owned() }
+    }
+
+    /// Where a point is, in pixels; `None` if it cannot be drawn.
+    fn at(&self, (x, y): (f64, f64)) -> Option<(i32, i32)> {
+        let (x, y) = (self.figure.x.place(x)?, self.figure.y.place(y)?);
+        let is_inside = |place: f64, (low, high): (f64, f64)| (low..=high).contains(&place);
+        (is_inside(x, self.x) && is_inside(y, self.y)).then(|| (self.horizontal(x), self.vertical(y)))
+    }
+
+    fn horizontal(&self, place: f64) -> i32 {
+        let [left, _, right, _] = self.layout.frame;
+        self.scale * left + (f64::from(self.scale * (right - left)) * part(place, self.x)).round() as i32
+    }
+
+    fn vertical(&self, place: f64) -> i32 {
+        let [_, top, _, bottom] = self.layout.frame;
+        self.scale * bottom - (f64::from(self.scale * (bottom - top)) * part(place, self.y)).round() as i32
+    }
+
+    /// Every point that is drawn, for the page: marks all, lines at some places.
+    #[cfg(feature = "report")]
+    pub(crate) fn placed(&self) -> Vec<Placed> {
+        let mut placed = vec![];
+        for (number, series) in self.figure.series.iter().enumerate() {
+            let stride = if series.marked() { 1 } else { series.points.len().div_ceil(40).max(1) };
+            for (index, point) in series.points.iter().enumerate().step_by(stride) {
+                placed.extend(self.at(*point).map(|at| Placed { series: number, index, at }));
+            }
+        }
+        placed
+    }
+
+    /// Width and height, in pixels.
+    #[cfg(feature = "report")]
+    pub(crate) fn size(&self) -> (u32, u32) {
+        let (width, height) = self.layout.size;
+        ((self.scale * width) as u32, (self.scale * height) as u32)
+    }
+
+    #[cfg(feature = "report")]
+    pub(crate) fn svg(&self) -> Result<String, PlotError> {
+        drawn_svg(self.size(), &[((0, 0), self.clone())])
+    }
+
+    #[cfg(feature = "report")]
+    pub(crate) fn png(&self) -> Result<Vec<u8>, PlotError> {
+        let larger = Plot { scale: PIXELS, ..self.clone() };
+        drawn_png(larger.size(), &[((0, 0), larger)])
+    }
+
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Outcome<B::ErrorType> {
+        if let Some((x, y)) = self.layout.title {
+            let at = (self.scale * x, self.scale * y);
+            self.text(area, &self.figure.title, at, 16, HPos::Left, VPos::Top)?;
+        }
+        self.axes(area)?;
+        for (number, series) in self.figure.series.iter().enumerate() {
+            self.series(area, number, series)?;
+        }
+        self.layout.legend.iter().try_for_each(|entry| self.entry(area, entry))
+    }
+
+    fn axes<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Outcome<B::ErrorType> {
+        let s = self.scale;
+        let [left, top, right, bottom] = self.layout.frame.map(|edge| s * edge);
+        let line = |from: (i32, i32), to: (i32, i32), colour: RGBColor| {
+            area.draw(&PathElement::new(vec![from, to], colour.stroke_width(s as u32)))
+        };
+        let [across, along] = self.layout.marks;
+        for Tick { place, label } in ticks(self.x, self.figure.x.logarithmic, across) {
+            let x = self.horizontal(place);
+            line((x, top), (x, bottom), GRID)?;
+            self.text(area, &label, (x, bottom + 8 * s), 13, HPos::Center, VPos::Top)?;
+        }
+        for Tick { place, label } in ticks(self.y, self.figure.y.logarithmic, along) {
+            let y = self.vertical(place);
+            line((left, y), (right, y), GRID)?;
+            self.text(area, &label, (left - 8 * s, y), 13, HPos::Right, VPos::Center)?;
+        }
+        line((left, bottom), (right, bottom), INK)?;
+        line((left, top), (left, bottom), INK)?;
+        let middle = ((left + right) / 2, (top + bottom) / 2);
+        self.text(area, &self.figure.x.label, (middle.0, bottom + 30 * s), 15, HPos::Center, VPos::Top)?;
+        let style = self.style(15, HPos::Center, VPos::Top).transform(FontTransform::Rotate270);
+        area.draw(&Text::new(self.letters(&self.figure.y.label), (4 * s, middle.1), style))
+    }
+
+    fn style(&self, size: i32, across: HPos, along: VPos) -> TextStyle<'static> {
+        let font = ("sans-serif", size * self.scale).into_font();
+        TextStyle::from(font).color(&INK).pos(Pos::new(across, along))
+    }
+
+    fn text<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        text: &str,
+        at: (i32, i32),
+        size: i32,
+        across: HPos,
+        along: VPos,
+    ) -> Outcome<B::ErrorType> {
+        area.draw(&Text::new(self.letters(text), at, self.style(size, across, along)))
+    }
+
+    fn series<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        number: usize,
+        series: &Series,
+    ) -> Outcome<B::ErrorType> {
+        let stride = if series.joined() { series.points.len().div_ceil(DRAWN).max(1) } else { 1 };
+        let last = series.points.len().saturating_sub(1);
+        let kept = series.points.iter().enumerate().filter(|(i, _)| i % stride == 0 || *i == last);
+        let points: Vec<Option<(i32, i32)>> = kept.map(|(_, point)| self.at(*point)).collect();
+        // What is outside, or nowhere, interrupts a line.
+        for piece in points.split(Option::is_none) {
+            self.stroke(area, series, piece.iter().flatten().copied().collect())?;
+        }
+        points.into_iter().flatten().try_for_each(|at| self.mark(area, number, series, at))
+    }
+
+    fn stroke<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        series: &Series,
+        points: Vec<(i32, i32)>,
+    ) -> Outcome<B::ErrorType> {
+        let width = |tenths: u32| (tenths * self.scale as u32).div_ceil(10);
+        let style = |tenths: u32| colour(series.colour).stroke_width(width(tenths));
+        match series.look {
+            _ if points.len() < 2 => Ok(()),
+            Look::Marks | Look::Dots | Look::FineDots => Ok(()),
+            Look::Joined | Look::Line => self.line(area, points, style(15)),
+            Look::Broad => self.line(area, points, style(40)),
+            Look::Dashed => {
+                let (dash, gap) = (7 * self.scale, 5 * self.scale);
+                area.draw(&DashedPathElement::new(points, dash, gap, style(15)))
+            }
+        }
+    }
+
+    /// A line through points. In pixels its pieces are drawn one by one with round joints: the corners that the backend would draw
+    /// grow without bound as the angle between pieces falls.
+    fn line<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        points: Vec<(i32, i32)>,
+        style: ShapeStyle,
+    ) -> Outcome<B::ErrorType> {
+        if !self.is_bitmap {
+            return area.draw(&PathElement::new(points, style));
+        }
+        let radius = style.stroke_width / 2;
+        for piece in points.windows(2) {
+            if piece[0] != piece[1] {
+                area.draw(&PathElement::new(piece.to_vec(), style))?;
+                area.draw(&Circle::new(piece[1], radius, style.filled()))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn mark<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        number: usize,
+        series: &Series,
+        at: (i32, i32),
+    ) -> Outcome<B::ErrorType> {
+        let (s, colour) = (self.scale, colour(series.colour));
+        match (series.look, number % 4) {
+            (Look::Line | Look::Dashed | Look::Broad, _) => Ok(()),
+            (Look::FineDots, _) => area.draw(&Circle::new(at, s, colour.filled())),
+            (Look::Dots, _) => area.draw(&Circle::new(at, (5 * s) / 2, colour.filled())),
+            (_, 0) => area.draw(&Circle::new(at, 4 * s, colour.filled())),
+            (_, 1) => area.draw(&TriangleMarker::new(at, 6 * s, colour.filled())),
+            (_, 2) => {
+                let corners = [(at.0 - 4 * s, at.1 - 4 * s), (at.0 + 4 * s, at.1 + 4 * s)];
+                area.draw(&Rectangle::new(corners, colour.filled()))
+            }
+            _ => area.draw(&Cross::new(at, 5 * s, colour.stroke_width(2 * s as u32))),
+        }
+    }
+
+    fn entry<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, entry: &Entry) -> Outcome<B::ErrorType> {
+        let s = self.scale;
+        let Some(series) = self.figure.series.get(entry.series) else { return Ok(()) };
+        let (x, y) = (s * entry.at.0, s * entry.at.1);
+        self.stroke(area, series, vec![(x, y), (x + KEY * s, y)])?;
+        self.mark(area, entry.series, series, (x + KEY / 2 * s, y))?;
+        for (row, line) in entry.lines.iter().enumerate() {
+            let at = (x + INDENT * s, y + Layout::line() * s * row as i32);
+            self.text(area, line, at, 14, HPos::Left, VPos::Center)?;
+        }
+        Ok(())
+    }
+}
+
+/// How far a place is along a range, 0 to 1.
+fn part(place: f64, (low, high): (f64, f64)) -> f64 {
+    (place - low) / (high - low)
+}
+
+fn colour(index: usize) -> RGBColor {
+    if index == Colour::INK { INK } else { PALETTE[index % (PALETTE.len() - 1)] }
+}
+
+/// The font of both backends: none of the machine is needed.
+static FONTS: LazyLock<bool> = LazyLock::new(|| {
+    register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok()
+});

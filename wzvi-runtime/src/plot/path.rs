@@ -1,0 +1,115 @@
+//! The figures that a path is looked at with.
+
+use super::figure::{Colour, Figure, Look};
+use crate::state::{State, Vector};
+use crate::system::Hamiltonian;
+use crate::trajectory::Trajectory;
+
+/// Degrees of freedom that are shown unless asked otherwise: as many as there are colours.
+const SHOWN: usize = 6;
+
+/// A path to look at: [`Trajectory::plot`] begins it. Each method makes a [`Figure`], which [`Figure::write`] draws as SVG or PNG, a
+/// [`Sheet`](super::Sheet) puts beside others, and you may add to.
+#[derive(Debug)]
+#[must_use = "nothing is drawn before `write`"]
+pub struct PathPlot<'a, V, E> {
+    path: &'a Trajectory<V, E>,
+    degrees: Vec<usize>,
+}
+
+impl<V: Vector, E> Trajectory<V, E> {
+    /// The path as figures, with the names of the closure: of the first six degrees of freedom, or of those that
+    /// [`PathPlot::degrees`] names. They show the recorded nodes.
+    ///
+    /// `path.plot().phase_portrait().write("portrait.svg")?` draws one.
+    pub fn plot(&self) -> PathPlot<'_, V, E> {
+        let degrees = self.last().q.components().len();
+        PathPlot { path: self, degrees: (0..degrees.min(SHOWN)).collect() }
+    }
+}
+
+impl<V: Vector, E> PathPlot<'_, V, E> {
+    /// These degrees of freedom, which count from 0; one that does not exist is not drawn.
+    pub fn degrees(mut self, degrees: impl IntoIterator<Item = usize>) -> Self {
+        let all = self.path.last().q.components().len();
+        self.degrees = degrees.into_iter().filter(|&degree| degree < all).collect();
+        self
+    }
+
+    /// Momenta against coordinates, a curve for each degree of freedom.
+    pub fn phase_portrait(&self) -> Figure {
+        let all: Vec<(usize, [String; 2])> = self.named().collect();
+        let labels =
+            |which: usize| all.iter().map(|(_, names)| names[which].as_str()).collect::<Vec<_>>().join(", ");
+        let mut figure = Figure::panel("Phase portrait", labels(0), labels(1));
+        for (colour, (degree, [q, p])) in all.iter().enumerate() {
+            let points = self.path.iter().map(|state| pair(state, *degree));
+            let name = if all.len() > 1 { format!("{p} against {q}") } else { String::new() };
+            figure = figure.line(name, colour, points);
+        }
+        figure
+    }
+
+    /// Coordinates (lines) and momenta (dashed) against time.
+    pub fn time_series(&self) -> Figure {
+        let mut figure = Figure::panel("Time series", self.path.variables().t, "");
+        for (colour, (degree, [q, p])) in self.named().enumerate() {
+            let along = |which: usize| {
+                let value = move |state: &State<V>| {
+                    let (q, p) = pair(state, degree);
+                    [q, p][which]
+                };
+                self.path.iter().map(move |state| (state.t, value(state)))
+            };
+            figure = figure.line(q, colour, along(0)).points(Look::Dashed, p, colour, along(1));
+        }
+        figure
+    }
+
+    /// The drift Hamiltonian of the system and its proven first integrals, each minus its value at the start, against time: absolute, in
+    /// their own units.
+    pub fn energy_drift<H: Hamiltonian<Vector = V>>(&self, system: &H) -> Figure {
+        let mut figure =
+            Figure::panel("What should be kept", self.path.variables().t, "change since the start");
+        let energy = |state: &State<V>| system.energy(state);
+        figure = figure.line("H₀", Colour::BLUE, self.since_start(energy));
+        for index in 0..system.invariants() {
+            let value = |state: &State<V>| system.invariant(index, state);
+            figure = figure.line(format!("invariant_{index}"), 1 + index, self.since_start(value));
+        }
+        figure
+    }
+
+    /// The crossings of the sections of the run ([`Simulation::section`](crate::simulate::Simulation::section)): momenta against coordinates, a
+    /// colour for each section. Of the first degree of freedom that is shown.
+    pub fn section(&self) -> Figure {
+        let Some((degree, [q, p])) = self.named().next() else { return Figure::panel("Section", "", "") };
+        let mut figure = Figure::panel("Section", q, p);
+        let crossings = self.path.crossings();
+        let sections = crossings.iter().map(|crossing| crossing.section + 1).max().unwrap_or(0);
+        for section in 0..sections {
+            let of_section = crossings.iter().filter(|crossing| crossing.section == section);
+            let points = of_section.map(|crossing| pair(&crossing.state, degree));
+            let name = if sections > 1 { format!("section {section}") } else { String::new() };
+            figure = figure.points(Look::FineDots, name, section, points);
+        }
+        figure
+    }
+
+    fn since_start(&self, value: impl Fn(&State<V>) -> f64) -> Vec<(f64, f64)> {
+        let start = self.path.iter().next().map_or(f64::NAN, &value);
+        self.path.iter().map(|state| (state.t, value(state) - start)).collect()
+    }
+
+    /// The degrees of freedom that are shown, with the names of coordinate and momentum.
+    fn named(&self) -> impl Iterator<Item = (usize, [String; 2])> {
+        let names = self.path.variables();
+        self.degrees.iter().map(move |&degree| (degree, [names.q.name(degree), names.p.name(degree)]))
+    }
+}
+
+/// Coordinate and momentum of a degree of freedom.
+fn pair<V: Vector>(state: &State<V>, degree: usize) -> (f64, f64) {
+    let component = |vector: &V| vector.components().get(degree).copied().unwrap_or(f64::NAN);
+    (component(&state.q), component(&state.p))
+}
