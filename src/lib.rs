@@ -206,7 +206,8 @@ pub mod __private {
     pub use core::cmp::Ord;
     pub use core::convert::{Into, TryInto};
     pub use core::default::Default;
-    pub use core::marker::PhantomData;
+    pub use core::marker::{PhantomData, Sized};
+    pub use core::mem::drop;
     pub use core::ops::Range;
     pub use core::option::Option::{self, None, Some};
     pub use core::primitive::{bool, f64, i128, isize, str, usize};
@@ -223,7 +224,7 @@ pub mod __private {
     pub use wzvi_runtime::modified::Conservative;
     pub use wzvi_runtime::nalgebra::{DVector, SVector};
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
-    pub use wzvi_runtime::scalar::{Mask, Rounded, Scalar};
+    pub use wzvi_runtime::scalar::{Mask, Number, Rounded, Scalar};
     pub use wzvi_runtime::solve::*;
     pub use wzvi_runtime::state::{State, Vector};
     pub use wzvi_runtime::system::{

@@ -1,15 +1,16 @@
-//! The chain in C, built and run here if there is a compiler.
+//! Programs in C, built and run here if there is a compiler.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-pub(crate) fn report() {
-    println!("\nThe chain in C (hand_ode.c), ns per particle and step (iterations)\n");
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/elements/hand_ode.c");
+/// Runs a program for sizes and numbers of steps.
+pub(crate) fn report(what: &str, file: &str, sizes: &[(usize, u64)]) {
+    println!("\n{what} in C ({file}), ns per site and step (iterations)\n");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/elements").join(file);
     for (name, flags) in [("cc -O3", &["-O3"][..]), ("cc -O3 -march=native", &["-O3", "-march=native"])] {
         match build(&source, flags) {
             Some(program) => {
-                for (n, steps) in [(32, 4_000), (1024, 100), (1_000_000, 1)] {
+                for &(n, steps) in sizes {
                     run(&program, name, n, steps);
                 }
                 // Nobody needs it any more.
@@ -21,13 +22,13 @@ pub(crate) fn report() {
 }
 
 fn build(source: &Path, flags: &[&str]) -> Option<PathBuf> {
-    let program = std::env::temp_dir().join(format!("hand_ode_{}_{}", std::process::id(), flags.len()));
+    let program = std::env::temp_dir().join(format!("hand_{}_{}", std::process::id(), flags.len()));
     let status =
         Command::new("cc").args(flags).arg(source).arg("-o").arg(&program).arg("-lm").status().ok()?;
     status.success().then_some(program)
 }
 
-fn run(program: &Path, name: &str, n: usize, steps: usize) {
+fn run(program: &Path, name: &str, n: usize, steps: u64) {
     let Ok(output) = Command::new(program).args([n.to_string(), steps.to_string()]).output() else {
         println!("  {name}: does not run");
         return;

@@ -7,7 +7,8 @@
 //!
 //! * `chain`: FPUT-beta, ends fixed, first mode of amplitude 1, β = 1/4, h = 0.05; also in C (`hand_ode.c`).
 //! * `bodies`: gravity between all pairs, softened, h = 0.01.
-//! * `lattice`: the field φ⁴ on a torus of N = n² sites, h = 0.05.
+//! * `lattice`: the field φ⁴ on a torus of N = n² sites, h = 0.05; also in C (`hand_field.c`).
+//! * `ring`: coupled pendulums around a ring, h = 0.05; also in C.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark stops at the first error")]
 
@@ -16,6 +17,7 @@ mod c_program;
 mod chain;
 mod lattice;
 mod measure;
+mod ring;
 
 use measure::{Case, growth};
 
@@ -24,6 +26,7 @@ fn cases() -> Vec<Case> {
     let mut cases = chain::cases();
     cases.extend(bodies::cases());
     cases.extend(lattice::cases());
+    cases.extend(ring::cases());
     cases
 }
 
@@ -54,6 +57,9 @@ fn main() {
     println!();
     growth(&times);
     if wanted("chain") {
-        c_program::report();
+        c_program::report("The chain", "hand_ode.c", &[(32, 4_000), (1024, 100), (1_000_000, 1)]);
+    }
+    if wanted("lattice") || wanted("ring") {
+        c_program::report("Fields", "hand_field.c", &[(1024, 200), (65_536, 4)]);
     }
 }

@@ -59,12 +59,12 @@ pub struct Bodies {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
-        Err, Hamiltonian, Knowledge, Labels, LagrangianGradient, NoiseClass, Option,
-        Plain, Plan, Range, Result, Scalar, Segment, Solver, State, StepFailure,
-        Variables, bool, f64, isize, str, usize,
+        Err, Hamiltonian, Knowledge, Labels, LagrangianGradient, NoiseClass, Number,
+        Option, Plain, Plan, Range, Result, Scalar, Segment, Sized, Solver, State,
+        StepFailure, Variables, bool, f64, isize, str, usize,
         elements::{
-            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
-            Slopes, Stage, Unknowns,
+            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Run,
+            Scheme, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -289,23 +289,28 @@ const _: () = {
             }
             value
         }
+        const HAS_WINDOWS: bool = false;
+        const HAS_ONE_VELOCITY: bool = false;
+        type Exact = f64;
+        type Usual = f64;
         #[inline(always)]
-        fn slopes<S: Scalar>(
+        fn slopes<S: Scalar, T: Number<S>, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
             &self,
             part: usize,
             weight: f64,
             at: &Point<'_, S>,
             wanted: Slopes,
-            by_q: &mut [S],
-            by_p: &mut [S],
+            by_q: &mut Q,
+            by_p: &mut P,
         ) {
+            use Run as _;
             let g: f64 = self.g;
             let size = (at.q.len() / 2) as isize;
             match part {
                 0 => {
                     if wanted.by_p {
                         {
-                            let factor = S::from_f64(at.h);
+                            let factor = T::from_f64(at.h);
                             let (low, end): (isize, isize) = (0, size);
                             if low < end {
                                 let i0 = low;
@@ -317,31 +322,26 @@ const _: () = {
                                     .0[..len];
                                 let s2 = i0 as usize;
                                 let s2 = &self.mass[s2..s2 + len];
-                                let points1 = (2 * i0) as usize;
-                                let points1 = &mut by_p[points1..points1 + 2 * len]
-                                    .as_chunks_mut::<2>()
-                                    .0[..len];
+                                let mut points1 = by_p.points::<2>((2 * i0) as usize, len);
                                 for place in 0..len {
-                                    let p_2i = points0[place][0];
-                                    let p_2i_plus_1 = points0[place][1];
-                                    let mass_i = S::from_f64(s2[place]);
-                                    points1[place][0] = points1[place][0]
-                                        + p_2i * factor / mass_i;
-                                    points1[place][1] = points1[place][1]
-                                        + p_2i_plus_1 * factor / mass_i;
+                                    let p_2i = T::of(points0[place][0]);
+                                    let p_2i_plus_1 = T::of(points0[place][1]);
+                                    let mass_i = T::from_f64(s2[place]);
+                                    points1.add_part(place, 1, p_2i_plus_1 * factor / mass_i);
+                                    points1.add_part(place, 0, p_2i * factor / mass_i);
                                 }
                             }
                         }
                     }
                     if wanted.by_q {
                         {
-                            for i1 in 0 as isize..size {
-                                let factor = S::from_f64(at.h);
-                                let q_2i = at.q[(2 * i1) as usize];
-                                let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
-                                let mass_i = S::from_f64(self.mass[i1 as usize]);
-                                let mut b0 = S::from_f64(0.0);
-                                let mut b2 = S::from_f64(0.0);
+                            for i1 in by_q.outer(1, 0 as isize..size) {
+                                let factor = T::from_f64(at.h);
+                                let q_2i = T::of(at.q[(2 * i1) as usize]);
+                                let q_2i_plus_1 = T::of(at.q[(2 * i1 + 1) as usize]);
+                                let mass_i = T::from_f64(self.mass[i1 as usize]);
+                                let mut b2 = T::from_f64(0.0);
+                                let mut b0 = T::from_f64(0.0);
                                 let (low, end): (isize, isize) = (0, i1);
                                 if low < end {
                                     let i2 = low;
@@ -353,14 +353,11 @@ const _: () = {
                                         .0[..len];
                                     let s5 = i2 as usize;
                                     let s5 = &self.mass[s5..s5 + len];
-                                    let points1 = (2 * i2) as usize;
-                                    let points1 = &mut by_q[points1..points1 + 2 * len]
-                                        .as_chunks_mut::<2>()
-                                        .0[..len];
+                                    let mut points1 = by_q.points::<2>((2 * i2) as usize, len);
                                     for place in 0..len {
-                                        let q_2j = points0[place][0];
-                                        let q_2j_plus_1 = points0[place][1];
-                                        let mass_j = S::from_f64(s5[place]);
+                                        let q_2j = T::of(points0[place][0]);
+                                        let q_2j_plus_1 = T::of(points0[place][1]);
+                                        let mass_j = T::from_f64(s5[place]);
                                         let difference = q_2i_plus_1 - q_2j_plus_1;
                                         let difference2 = q_2i - q_2j;
                                         let sum = difference2 * difference2
@@ -370,16 +367,14 @@ const _: () = {
                                         let product2 = inverse * (inverse * sum.sqrt());
                                         let product3 = difference2 * product * product2 * g;
                                         let product4 = product2 * (difference * product) * g;
-                                        points1[place][0] = points1[place][0] + -product3;
-                                        points1[place][1] = points1[place][1] + -product4;
-                                        b0 = b0 + product3;
+                                        points1.add_part(place, 1, -product4);
+                                        points1.add_part(place, 0, -product3);
                                         b2 = b2 + product4;
+                                        b0 = b0 + product3;
                                     }
                                 }
-                                let at_index = (2 * i1) as usize;
-                                by_q[at_index] = by_q[at_index] + b0;
-                                let at_index = (2 * i1 + 1) as usize;
-                                by_q[at_index] = by_q[at_index] + b2;
+                                by_q.add((2 * i1 + 1) as usize, b2);
+                                by_q.add((2 * i1) as usize, b0);
                             }
                         }
                     }
@@ -600,6 +595,30 @@ const _: () = {
                     C,
                 >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
+            #[inline(always)]
+            fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
+                &self,
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut Self::Vector,
+                p: &mut Self::Vector,
+                dw: &[f64],
+                memory: &mut Self::Memory<f64>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                wzvi::elements::advance_explicit_vectors(
+                    self,
+                    &SCHEME,
+                    t,
+                    h,
+                    q,
+                    p,
+                    dw,
+                    memory,
+                    carry,
+                )
+            }
             fn discrete_lagrangian(
                 &self,
                 segment: &Segment<Self::Vector>,
@@ -629,24 +648,24 @@ const _: () = {
     impl Conservative for Bodies {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as at, binding as at_index, binding as b0,
-        binding as b2, binding as b7, binding as before, binding as by_p,
-        binding as by_q, binding as carry, binding as degrees, binding as difference,
-        binding as difference2, binding as difference2_squared,
-        binding as difference_squared, binding as dw, binding as end, binding as factor,
-        binding as g, binding as h, binding as i0, binding as i1, binding as i2,
-        binding as index, binding as into, binding as inverse, binding as len,
-        binding as list, binding as low, binding as mass_i, binding as mass_j,
-        binding as memory, binding as minus, binding as outer, binding as p,
-        binding as p_2i, binding as p_2i_plus_1, binding as part, binding as place,
-        binding as points0, binding as points1, binding as prepared, binding as product,
-        binding as product2, binding as product3, binding as product4,
-        binding as product5, binding as product6, binding as q, binding as q_2i,
-        binding as q_2i_plus_1, binding as q_2j, binding as q_2j_plus_1,
-        binding as quotient, binding as range, binding as s2, binding as s5,
-        binding as segment, binding as size, binding as sum, binding as t,
-        binding as table, binding as term, binding as three_g, binding as total,
-        binding as value, binding as wanted, binding as weight,
+        binding as after, binding as at, binding as b0, binding as b2, binding as b7,
+        binding as before, binding as by_p, binding as by_q, binding as carry,
+        binding as degrees, binding as difference, binding as difference2,
+        binding as difference2_squared, binding as difference_squared, binding as dw,
+        binding as end, binding as factor, binding as g, binding as h, binding as i0,
+        binding as i1, binding as i2, binding as index, binding as into,
+        binding as inverse, binding as len, binding as list, binding as low,
+        binding as mass_i, binding as mass_j, binding as memory, binding as minus,
+        binding as outer, binding as p, binding as p_2i, binding as p_2i_plus_1,
+        binding as part, binding as place, binding as points0, binding as points1,
+        binding as prepared, binding as product, binding as product2,
+        binding as product3, binding as product4, binding as product5,
+        binding as product6, binding as q, binding as q_2i, binding as q_2i_plus_1,
+        binding as q_2j, binding as q_2j_plus_1, binding as quotient, binding as range,
+        binding as s2, binding as s5, binding as segment, binding as size,
+        binding as sum, binding as t, binding as table, binding as term,
+        binding as three_g, binding as total, binding as value, binding as wanted,
+        binding as weight,
     };
 };
 const _: () = {

@@ -56,12 +56,13 @@ pub struct Chain {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
-        Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Option, Plain, Plan,
-        Range, Result, Scalar, Segment, Solver, State, StepFailure, bool, f64, isize,
-        str, usize, compose::{Composes, Equations, General, ROOM, Structure},
+        Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Number, Option,
+        Plain, Plan, Range, Result, Scalar, Segment, Sized, Solver, State, StepFailure,
+        bool, f64, isize, str, usize,
+        compose::{Composes, Equations, General, ROOM, Structure},
         elements::{
-            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
-            Slopes, Stage, Unknowns,
+            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Run,
+            Scheme, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{Entries, Index, Name, Nest, Places, Slot},
         embedding::{Composed, Midpoint},
@@ -180,72 +181,87 @@ const _: () = {
             }
             value
         }
+        const HAS_WINDOWS: bool = true;
+        const HAS_ONE_VELOCITY: bool = true;
+        type Exact = f64;
+        type Usual = f64;
         #[inline(always)]
-        fn slopes<S: Scalar>(
+        fn slopes<S: Scalar, T: Number<S>, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
             &self,
             part: usize,
             weight: f64,
             at: &Point<'_, S>,
             wanted: Slopes,
-            by_q: &mut [S],
-            by_p: &mut [S],
+            by_q: &mut Q,
+            by_p: &mut P,
         ) {
+            use Run as _;
             let beta: f64 = self.beta;
             let size = at.q.len() as isize;
             match part {
                 0 => {
                     if wanted.by_p {
                         {
-                            let factor = S::from_f64(at.h);
+                            let factor = T::from_f64(at.h);
                             let (low, end): (isize, isize) = (0, size);
                             if low < end {
                                 let i0 = low;
                                 let len = (end - low) as usize;
-                                let s0 = i0 as usize;
-                                let s0 = &at.p[s0..s0 + len];
-                                let b0 = i0 as usize;
-                                let b0 = &mut by_p[b0..b0 + len];
-                                for place in 0..len {
-                                    let p_i = s0[place];
-                                    b0[place] = b0[place] + p_i * factor;
+                                let (skipped, len) = by_p.clip(len, [i0 as usize]);
+                                if len > 0 {
+                                    let low = low + skipped as isize;
+                                    let i0 = low;
+                                    let s0 = i0 as usize;
+                                    let s0 = &at.p[s0..s0 + len];
+                                    let mut b0 = by_p.run(i0 as usize, len);
+                                    for place in 0..len {
+                                        let p_i = T::of(s0[place]);
+                                        b0.add(place, p_i * factor);
+                                    }
                                 }
                             }
                         }
                     }
                     if wanted.by_q {
                         {
-                            let factor = S::from_f64(at.h);
+                            let factor = T::from_f64(at.h);
                             let (low, end): (isize, isize) = (0, size - 1);
                             if low < end {
                                 let i1 = low;
                                 let len = (end - low) as usize;
-                                let s0 = (i1 + 1) as usize;
-                                let s0 = &at.q[s0..s0 + len];
-                                let s1 = i1 as usize;
-                                let s1 = &at.q[s1..s1 + len];
-                                let at1 = (i1 + 1) as usize + (len - 1);
-                                let mut carried1 = S::from_f64(0.0);
-                                let b1 = i1 as usize;
-                                let b1 = &mut by_q[b1..b1 + len];
-                                for place in 0..len {
-                                    let q_i_plus_1 = s0[place];
-                                    let q_i = s1[place];
-                                    let difference = q_i_plus_1 - q_i;
-                                    let product = (difference * difference * beta + 1.0)
-                                        * (factor * difference);
-                                    let ahead = product;
-                                    b1[place] = b1[place] + (-product + carried1);
-                                    carried1 = ahead;
+                                let (skipped, len) = by_q
+                                    .clip(len, [(i1 + 1) as usize, i1 as usize]);
+                                if len > 0 {
+                                    let low = low + skipped as isize;
+                                    let i1 = low;
+                                    let s0 = (i1 + 1) as usize;
+                                    let s0 = &at.q[s0..s0 + len];
+                                    let s1 = i1 as usize;
+                                    let s1 = &at.q[s1..s1 + len];
+                                    let at1 = (i1 + 1) as usize + (len - 1);
+                                    let mut carried1 = T::from_f64(0.0);
+                                    let mut b1 = by_q.run(i1 as usize, len);
+                                    for place in 0..len {
+                                        let q_i_plus_1 = T::of(s0[place]);
+                                        let q_i = T::of(s1[place]);
+                                        let difference = q_i_plus_1 - q_i;
+                                        let product = (difference * difference * beta + 1.0)
+                                            * (factor * difference);
+                                        let ahead = product;
+                                        b1.add(place, -product + carried1);
+                                        carried1 = ahead;
+                                    }
+                                    wzvi::drop(b1);
+                                    by_q.add(at1, carried1);
                                 }
-                                by_q[at1] = by_q[at1] + carried1;
                             }
                         }
                     }
                     if wanted.by_q {
                         {
-                            let factor = S::from_f64(at.h);
-                            let q0 = at.q[0];
-                            by_q[0] = by_q[0] + factor * (q0 * (q0 * q0 * beta + 1.0));
+                            let factor = T::from_f64(at.h);
+                            let q0 = T::of(at.q[0]);
+                            by_q.add(0, factor * (q0 * (q0 * q0 * beta + 1.0)));
                         }
                     }
                 }
@@ -438,9 +454,9 @@ const _: () = {
         binding as part, binding as place, binding as prepared, binding as product,
         binding as q, binding as q0, binding as q0_squared, binding as q_i,
         binding as q_i_plus_1, binding as quarter_beta, binding as range, binding as s0,
-        binding as s1, binding as segment, binding as size, binding as t,
-        binding as table, binding as term, binding as three_beta, binding as total,
-        binding as value, binding as wanted, binding as weight,
+        binding as s1, binding as segment, binding as size, binding as skipped,
+        binding as t, binding as table, binding as term, binding as three_beta,
+        binding as total, binding as value, binding as wanted, binding as weight,
     };
 };
 const _: () = {

@@ -52,12 +52,12 @@ pub struct Bonds {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
-        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Plain, Plan, Range,
-        Result, Scalar, Segment, Solver, State, StepFailure, bool, f64, i128, isize, str,
-        usize,
+        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Number, Plain, Plan,
+        Range, Result, Scalar, Segment, Sized, Solver, State, StepFailure, bool, f64,
+        i128, isize, str, usize,
         elements::{
-            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
-            Slopes, Stage, Unknowns,
+            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Run,
+            Scheme, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -262,40 +262,49 @@ const _: () = {
             }
             value
         }
+        const HAS_WINDOWS: bool = false;
+        const HAS_ONE_VELOCITY: bool = true;
+        type Exact = f64;
+        type Usual = f64;
         #[inline(always)]
-        fn slopes<S: Scalar>(
+        fn slopes<S: Scalar, T: Number<S>, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
             &self,
             part: usize,
             weight: f64,
             at: &Point<'_, S>,
             wanted: Slopes,
-            by_q: &mut [S],
-            by_p: &mut [S],
+            by_q: &mut Q,
+            by_p: &mut P,
         ) {
+            use Run as _;
             let size = at.q.len() as isize;
             match part {
                 0 => {
                     if wanted.by_p {
                         {
-                            let factor = S::from_f64(at.h);
+                            let factor = T::from_f64(at.h);
                             let (low, end): (isize, isize) = (0, size);
                             if low < end {
                                 let i0 = low;
                                 let len = (end - low) as usize;
-                                let s0 = i0 as usize;
-                                let s0 = &at.p[s0..s0 + len];
-                                let b0 = i0 as usize;
-                                let b0 = &mut by_p[b0..b0 + len];
-                                for place in 0..len {
-                                    let p_i = s0[place];
-                                    b0[place] = b0[place] + p_i * factor;
+                                let (skipped, len) = by_p.clip(len, [i0 as usize]);
+                                if len > 0 {
+                                    let low = low + skipped as isize;
+                                    let i0 = low;
+                                    let s0 = i0 as usize;
+                                    let s0 = &at.p[s0..s0 + len];
+                                    let mut b0 = by_p.run(i0 as usize, len);
+                                    for place in 0..len {
+                                        let p_i = T::of(s0[place]);
+                                        b0.add(place, p_i * factor);
+                                    }
                                 }
                             }
                         }
                     }
                     if wanted.by_q {
                         {
-                            let factor = S::from_f64(at.h);
+                            let factor = T::from_f64(at.h);
                             let (low, end): (isize, isize) = (
                                 0,
                                 self.bonds.len() as isize,
@@ -305,15 +314,17 @@ const _: () = {
                                 let len = (end - low) as usize;
                                 for place in 0..len {
                                     let i1 = low + place as isize;
-                                    let bonds_2_i = S::from_f64(self.bonds[i1 as usize].2);
-                                    let q_bonds_0_i = at.q[self.bonds[i1 as usize].0 as usize];
-                                    let q_bonds_1_i = at.q[self.bonds[i1 as usize].1 as usize];
+                                    let bonds_2_i = T::from_f64(self.bonds[i1 as usize].2);
+                                    let q_bonds_0_i = T::of(
+                                        at.q[self.bonds[i1 as usize].0 as usize],
+                                    );
+                                    let q_bonds_1_i = T::of(
+                                        at.q[self.bonds[i1 as usize].1 as usize],
+                                    );
                                     let product = (q_bonds_0_i - q_bonds_1_i)
                                         * (bonds_2_i * factor);
-                                    let at_index = self.bonds[i1 as usize].0 as usize;
-                                    by_q[at_index] = by_q[at_index] + product;
-                                    let at_index = self.bonds[i1 as usize].1 as usize;
-                                    by_q[at_index] = by_q[at_index] + -product;
+                                    by_q.add(self.bonds[i1 as usize].0 as usize, product);
+                                    by_q.add(self.bonds[i1 as usize].1 as usize, -product);
                                 }
                             }
                         }
@@ -445,6 +456,30 @@ const _: () = {
                     C,
                 >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
+            #[inline(always)]
+            fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
+                &self,
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut Self::Vector,
+                p: &mut Self::Vector,
+                dw: &[f64],
+                memory: &mut Self::Memory<f64>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                wzvi::elements::advance_explicit_vectors(
+                    self,
+                    &SCHEME,
+                    t,
+                    h,
+                    q,
+                    p,
+                    dw,
+                    memory,
+                    carry,
+                )
+            }
             fn discrete_lagrangian(
                 &self,
                 segment: &Segment<Self::Vector>,
@@ -474,18 +509,18 @@ const _: () = {
     impl Conservative for Bonds {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as at, binding as at_index, binding as b0,
-        binding as before, binding as bonds_2_i, binding as bonds_2_i_factor,
-        binding as by_p, binding as by_q, binding as carry, binding as degrees,
-        binding as difference, binding as dw, binding as end, binding as entry,
-        binding as factor, binding as h, binding as i0, binding as i1,
-        binding as integer, binding as into, binding as len, binding as list,
-        binding as low, binding as memory, binding as outer, binding as p,
-        binding as p_i, binding as part, binding as place, binding as prepared,
-        binding as product, binding as q, binding as q_bonds_0_i, binding as q_bonds_1_i,
-        binding as range, binding as s0, binding as segment, binding as size,
-        binding as t, binding as table, binding as term, binding as total,
-        binding as value, binding as wanted, binding as weight,
+        binding as after, binding as at, binding as b0, binding as before,
+        binding as bonds_2_i, binding as bonds_2_i_factor, binding as by_p,
+        binding as by_q, binding as carry, binding as degrees, binding as difference,
+        binding as dw, binding as end, binding as entry, binding as factor, binding as h,
+        binding as i0, binding as i1, binding as integer, binding as into,
+        binding as len, binding as list, binding as low, binding as memory,
+        binding as outer, binding as p, binding as p_i, binding as part,
+        binding as place, binding as prepared, binding as product, binding as q,
+        binding as q_bonds_0_i, binding as q_bonds_1_i, binding as range, binding as s0,
+        binding as segment, binding as size, binding as skipped, binding as t,
+        binding as table, binding as term, binding as total, binding as value,
+        binding as wanted, binding as weight,
     };
 };
 const _: () = {

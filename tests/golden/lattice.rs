@@ -58,12 +58,12 @@ pub struct Lattice<const N: usize> {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
-        Err, Hamiltonian, Knowledge, Labels, LagrangianGradient, NoiseClass, Option, Ord,
-        Plain, Plan, Range, Result, Scalar, Segment, Solver, State, StepFailure,
-        Variables, bool, f64, isize, str, usize,
+        Err, Hamiltonian, Knowledge, Labels, LagrangianGradient, NoiseClass, Number,
+        Option, Ord, Plain, Plan, Range, Result, Scalar, Segment, Sized, Solver, State,
+        StepFailure, Variables, bool, f64, isize, str, usize,
         elements::{
-            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Scheme,
-            Slopes, Stage, Unknowns,
+            Alone, CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point,
+            Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
         },
         elements::places::{Entries, Name, Places},
         embedding::DeltaPlus,
@@ -182,22 +182,27 @@ const _: () = {
             }
             value
         }
+        const HAS_WINDOWS: bool = false;
+        const HAS_ONE_VELOCITY: bool = false;
+        type Exact = Alone;
+        type Usual = Usual;
         #[inline(always)]
-        fn slopes<S: Scalar>(
+        fn slopes<S: Scalar, T: Number<S>, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
             &self,
             part: usize,
             weight: f64,
             at: &Point<'_, S>,
             wanted: Slopes,
-            by_q: &mut [S],
-            by_p: &mut [S],
+            by_q: &mut Q,
+            by_p: &mut P,
         ) {
+            use Run as _;
             let k: f64 = self.k;
             match part {
                 0 => {
                     if wanted.by_p {
                         {
-                            let factor = S::from_f64(at.h);
+                            let factor = T::from_f64(at.h);
                             let (low, end): (isize, isize) = (0, N as isize);
                             if low < end {
                                 let i0 = low;
@@ -207,67 +212,67 @@ const _: () = {
                                     .p[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
                                     .0[..len];
-                                let points1 = (2 * i0) as usize;
-                                let points1 = &mut by_p[points1..points1 + 2 * len]
-                                    .as_chunks_mut::<2>()
-                                    .0[..len];
+                                let mut points1 = by_p.points::<2>((2 * i0) as usize, len);
                                 for place in 0..len {
-                                    let p_2i = points0[place][0];
-                                    let p_2i_plus_1 = points0[place][1];
-                                    points1[place][0] = points1[place][0] + p_2i * factor;
-                                    points1[place][1] = points1[place][1]
-                                        + p_2i_plus_1 * factor;
+                                    let p_2i = T::of(points0[place][0]);
+                                    let p_2i_plus_1 = T::of(points0[place][1]);
+                                    points1.add_part(place, 1, p_2i_plus_1 * factor);
+                                    points1.add_part(place, 0, p_2i * factor);
                                 }
                             }
                         }
                     }
                     if wanted.by_q {
                         {
-                            let factor = S::from_f64(at.h);
-                            let mut b0 = [S::from_f64(0.0); 64];
-                            let mut b2 = [S::from_f64(0.0); 64];
+                            let mut b2 = [T::from_f64(0.0); 256];
+                            let mut b0 = [T::from_f64(0.0); 256];
+                            let factor = T::from_f64(at.h);
                             let mut i1: isize = 0;
                             let end: isize = N as isize;
                             while i1 < end {
                                 let low = i1;
-                                let len = Ord::min((end - low) as usize, 64);
+                                let len = Ord::min((end - low) as usize, 256);
                                 let points0 = (2 * i1) as usize;
                                 let points0 = &at
                                     .q[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
                                     .0[..len];
-                                let points1 = (2 * i1) as usize;
-                                let points1 = &mut by_q[points1..points1 + 2 * len]
-                                    .as_chunks_mut::<2>()
-                                    .0[..len];
-                                let b0 = &mut b0[..len];
+                                let mut points1 = by_q.points::<2>((2 * i1) as usize, len);
                                 let b2 = &mut b2[..len];
+                                let b0 = &mut b0[..len];
                                 for place in 0..len {
                                     let i1 = low + place as isize;
-                                    let q_2_i_plus_1_mod_N = at
-                                        .q[(2 * ((i1 + 1) % (N as isize))) as usize];
-                                    let q_2i = points0[place][0];
-                                    let q_2_i_plus_1_mod_N_plus_1 = at
-                                        .q[(2 * ((i1 + 1) % (N as isize)) + 1) as usize];
-                                    let q_2i_plus_1 = points0[place][1];
+                                    let q_2_i_plus_1_mod_N = T::of(
+                                        at.q[(2 * ((i1 + 1) % (N as isize))) as usize],
+                                    );
+                                    let q_2i = T::of(points0[place][0]);
+                                    let q_2_i_plus_1_mod_N_plus_1 = T::of(
+                                        at.q[(2 * ((i1 + 1) % (N as isize)) + 1) as usize],
+                                    );
+                                    let q_2i_plus_1 = T::of(points0[place][1]);
                                     let product = factor
                                         * ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
                                     let product2 = factor
                                         * (q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1);
-                                    points1[place][0] = points1[place][0] + -product;
-                                    points1[place][1] = points1[place][1] + -product2;
-                                    b0[place] = product;
+                                    points1.add_part(place, 1, -product2);
+                                    points1.add_part(place, 0, -product);
                                     b2[place] = product2;
+                                    b0[place] = product;
+                                }
+                                wzvi::drop(points1);
+                                for place in 0..len {
+                                    let i1 = low + place as isize;
+                                    by_q.add(
+                                        (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
+                                        b2[place],
+                                    );
                                 }
                                 for place in 0..len {
                                     let i1 = low + place as isize;
-                                    let at_index = (2 * ((i1 + 1) % (N as isize))) as usize;
-                                    by_q[at_index] = by_q[at_index] + b0[place];
-                                }
-                                for place in 0..len {
-                                    let i1 = low + place as isize;
-                                    let at_index = (2 * ((i1 + 1) % (N as isize)) + 1) as usize;
-                                    by_q[at_index] = by_q[at_index] + b2[place];
+                                    by_q.add(
+                                        (2 * ((i1 + 1) % (N as isize))) as usize,
+                                        b0[place],
+                                    );
                                 }
                                 i1 += len as isize;
                             }
@@ -438,6 +443,30 @@ const _: () = {
                     C,
                 >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
+            #[inline(always)]
+            fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
+                &self,
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut Self::Vector,
+                p: &mut Self::Vector,
+                dw: &[f64],
+                memory: &mut Self::Memory<f64>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                wzvi::elements::advance_explicit_vectors(
+                    self,
+                    &SCHEME,
+                    t,
+                    h,
+                    q,
+                    p,
+                    dw,
+                    memory,
+                    carry,
+                )
+            }
             fn discrete_lagrangian(
                 &self,
                 segment: &Segment<Self::Vector>,
@@ -467,19 +496,19 @@ const _: () = {
     impl<const N: usize> Conservative for Lattice<N> {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as at, binding as at_index, binding as b0,
-        binding as b2, binding as before, binding as by_p, binding as by_q,
-        binding as carry, binding as degrees, binding as difference, binding as dw,
-        binding as end, binding as factor, binding as h, binding as half_k,
-        binding as i0, binding as i1, binding as index, binding as into, binding as k,
-        binding as k_squared, binding as len, binding as low, binding as memory,
-        binding as outer, binding as p, binding as p_2i, binding as p_2i_plus_1,
-        binding as part, binding as place, binding as points0, binding as points1,
-        binding as prepared, binding as product, binding as product2, binding as q,
-        binding as q_2_i_plus_1_mod_N, binding as q_2_i_plus_1_mod_N_plus_1,
-        binding as q_2i, binding as q_2i_plus_1, binding as range, binding as segment,
-        binding as sin, binding as t, binding as table, binding as term,
-        binding as total, binding as value, binding as wanted, binding as weight,
+        binding as after, binding as at, binding as b0, binding as b2, binding as before,
+        binding as by_p, binding as by_q, binding as carry, binding as degrees,
+        binding as difference, binding as dw, binding as end, binding as factor,
+        binding as h, binding as half_k, binding as i0, binding as i1, binding as index,
+        binding as into, binding as k, binding as k_squared, binding as len,
+        binding as low, binding as memory, binding as outer, binding as p,
+        binding as p_2i, binding as p_2i_plus_1, binding as part, binding as place,
+        binding as points0, binding as points1, binding as prepared, binding as product,
+        binding as product2, binding as q, binding as q_2_i_plus_1_mod_N,
+        binding as q_2_i_plus_1_mod_N_plus_1, binding as q_2i, binding as q_2i_plus_1,
+        binding as range, binding as segment, binding as sin, binding as t,
+        binding as table, binding as term, binding as total, binding as value,
+        binding as wanted, binding as weight,
     };
 };
 const _: () = {

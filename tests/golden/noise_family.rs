@@ -53,13 +53,13 @@ pub struct Bath {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
-        Knowledge, LagrangianGradient, NoiseClass, None, Ok, Option, Ord, PhantomData,
-        Plain, Plan, Range, Result, Scalar, Segment, Solution, Solver, Some, State,
-        StepFailure, bool, f64, i128, isize, str, usize,
+        Knowledge, LagrangianGradient, NoiseClass, None, Number, Ok, Option, Ord,
+        PhantomData, Plain, Plan, Range, Result, Scalar, Segment, Sized, Solution,
+        Solver, Some, State, StepFailure, bool, f64, i128, isize, str, usize,
         compose::{Composes, Equations, General, ROOM, Structure},
         elements::{
-            CompensationVec, Curvature, Elements, MomentumUpdate, Point, Scheme, Slopes,
-            Stage, Unknowns,
+            CompensationVec, Curvature, Elements, MomentumUpdate, Point, Run, Scheme,
+            Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{Atom, Entries, Index, Loop, Name, Nest, Places, Slot},
         elements::sites::Sites, embedding::{Composed, Midpoint},
@@ -195,52 +195,65 @@ const _: () = {
             }
             value
         }
+        const HAS_WINDOWS: bool = true;
+        const HAS_ONE_VELOCITY: bool = true;
+        type Exact = f64;
+        type Usual = f64;
         #[inline(always)]
-        fn slopes<S: Scalar>(
+        fn slopes<S: Scalar, T: Number<S>, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
             &self,
             part: usize,
             weight: f64,
             at: &Point<'_, S>,
             wanted: Slopes,
-            by_q: &mut [S],
-            by_p: &mut [S],
+            by_q: &mut Q,
+            by_p: &mut P,
         ) {
+            use Run as _;
             let sigma: f64 = self.sigma;
             let size = at.q.len() as isize;
             match part {
                 0 => {
                     if wanted.by_q {
                         {
-                            let factor = S::from_f64(at.h);
+                            let factor = T::from_f64(at.h);
                             let (low, end): (isize, isize) = (0, size);
                             if low < end {
                                 let i0 = low;
                                 let len = (end - low) as usize;
-                                let s0 = i0 as usize;
-                                let s0 = &at.q[s0..s0 + len];
-                                let b0 = i0 as usize;
-                                let b0 = &mut by_q[b0..b0 + len];
-                                for place in 0..len {
-                                    let q_i = s0[place];
-                                    b0[place] = b0[place] + q_i * factor;
+                                let (skipped, len) = by_q.clip(len, [i0 as usize]);
+                                if len > 0 {
+                                    let low = low + skipped as isize;
+                                    let i0 = low;
+                                    let s0 = i0 as usize;
+                                    let s0 = &at.q[s0..s0 + len];
+                                    let mut b0 = by_q.run(i0 as usize, len);
+                                    for place in 0..len {
+                                        let q_i = T::of(s0[place]);
+                                        b0.add(place, q_i * factor);
+                                    }
                                 }
                             }
                         }
                     }
                     if wanted.by_p {
                         {
-                            let factor = S::from_f64(at.h);
+                            let factor = T::from_f64(at.h);
                             let (low, end): (isize, isize) = (0, size);
                             if low < end {
                                 let i0 = low;
                                 let len = (end - low) as usize;
-                                let s0 = i0 as usize;
-                                let s0 = &at.p[s0..s0 + len];
-                                let b0 = i0 as usize;
-                                let b0 = &mut by_p[b0..b0 + len];
-                                for place in 0..len {
-                                    let p_i = s0[place];
-                                    b0[place] = b0[place] + p_i * factor;
+                                let (skipped, len) = by_p.clip(len, [i0 as usize]);
+                                if len > 0 {
+                                    let low = low + skipped as isize;
+                                    let i0 = low;
+                                    let s0 = i0 as usize;
+                                    let s0 = &at.p[s0..s0 + len];
+                                    let mut b0 = by_p.run(i0 as usize, len);
+                                    for place in 0..len {
+                                        let p_i = T::of(s0[place]);
+                                        b0.add(place, p_i * factor);
+                                    }
                                 }
                             }
                         }
@@ -256,12 +269,16 @@ const _: () = {
                             if low < end {
                                 let i1 = low;
                                 let len = (end - low) as usize;
-                                let b0 = i1 as usize;
-                                let b0 = &mut by_q[b0..b0 + len];
-                                for place in 0..len {
-                                    let i1 = low + place as isize;
-                                    let factor = at.increment(i1 as usize);
-                                    b0[place] = b0[place] + factor * sigma;
+                                let (skipped, len) = by_q.clip(len, [i1 as usize]);
+                                if len > 0 {
+                                    let low = low + skipped as isize;
+                                    let i1 = low;
+                                    let mut b0 = by_q.run(i1 as usize, len);
+                                    for place in 0..len {
+                                        let i1 = low + place as isize;
+                                        let factor = T::of(at.increment(i1 as usize));
+                                        b0.add(place, factor * sigma);
+                                    }
                                 }
                             }
                         }
@@ -502,8 +519,9 @@ const _: () = {
         binding as place, binding as prepared, binding as q, binding as q_i,
         binding as q_k, binding as range, binding as s0, binding as s1,
         binding as segment, binding as sigma, binding as site, binding as sites,
-        binding as size, binding as sum, binding as t, binding as table, binding as term,
-        binding as total, binding as value, binding as wanted, binding as weight,
+        binding as size, binding as skipped, binding as sum, binding as t,
+        binding as table, binding as term, binding as total, binding as value,
+        binding as wanted, binding as weight,
     };
 };
 const _: () = {

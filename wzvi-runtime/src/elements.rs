@@ -38,24 +38,30 @@ mod scheme;
 #[doc(hidden)]
 pub mod sites;
 mod step;
+mod sums;
+mod window;
+mod windowed;
 
 pub use bath::{damping, rates};
-pub use explicit::advance_explicit;
+pub use explicit::{advance_explicit, advance_explicit_vectors};
 pub use hamiltonian::{differentiate, evaluate, force, invariant};
 pub use iterate::advance;
 pub use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::{CompensationVec, Memory};
 pub(crate) use passes::are_finite;
 pub use scheme::{MomentumUpdate, Scheme, Stage, Unknowns};
+pub use sums::{Run, Sums, apart};
+pub use windowed::LEAST_IN_WINDOWS;
 
 use std::ops::Range;
 
+pub use crate::lanes::single::{Alone, Usual};
 pub use crate::memory::{Iteration, Method};
 
 use hamiltonian::{DRIFT, FORCE, NOISE};
 
 use crate::error::{ConfigError, StepFailure};
-use crate::scalar::Scalar;
+use crate::scalar::{Number, Scalar};
 use crate::system::Hamiltonian;
 
 /// Fixed-point iterations and old factors are kept while corrections shrink to this fraction.
@@ -144,15 +150,29 @@ pub trait Elements: Hamiltonian {
     /// checked.
     fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S;
 
+    /// Whether slopes can be taken window by window: elements that read coordinates add to places next to each other, and
+    /// those that read momenta read one each, to whose place they add.
+    const HAS_WINDOWS: bool;
+
+    /// Whether one element in one loop adds to every place what follows from momenta, and no other does.
+    const HAS_ONE_VELOCITY: bool;
+
+    /// What slopes are computed with where numbers are kept as `f64`: functions have the same bits on every machine, and in
+    /// lanes.
+    type Exact: Number<f64>;
+
+    /// The same in a loop over neighbours that becomes vector code: NaN where that cannot have the result of [`Elements::Exact`].
+    type Usual: Number<f64>;
+
     /// Adds the weighted slopes of a part to `by_q` and `by_p`.
-    fn slopes<S: Scalar>(
+    fn slopes<S: Scalar, T: Number<S>, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
         &self,
         part: usize,
         weight: f64,
         at: &Point<'_, S>,
         wanted: Slopes,
-        by_q: &mut [S],
-        by_p: &mut [S],
+        by_q: &mut Q,
+        by_p: &mut P,
     );
 
     /// Adds the weighted second derivatives of a part. All noises act.
@@ -164,6 +184,20 @@ pub trait Elements: Hamiltonian {
         wanted: Slopes,
         into: &mut C,
     );
+}
+
+/// Adds the weighted slopes of a part at all places.
+#[inline(always)]
+fn slopes<H: Elements, S: Scalar>(
+    system: &H,
+    part: usize,
+    weight: f64,
+    at: &Point<'_, S>,
+    wanted: Slopes,
+    by_q: &mut [S],
+    by_p: &mut [S],
+) {
+    system.slopes::<S, S::OfElements<H::Exact>, [S], [S]>(part, weight, at, wanted, by_q, by_p);
 }
 
 /// The slopes of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`, as far as they are wanted; `t` is the same in all lanes, or is
@@ -188,9 +222,9 @@ pub fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     if BY_P {
         by_p.fill(S::from_f64(0.0));
     }
-    system.slopes(DRIFT, 1.0, &at, wanted, by_q, by_p);
+    slopes(system, DRIFT, 1.0, &at, wanted, by_q, by_p);
     if H::HAS_FORCE {
-        system.slopes(FORCE, 1.0, &at, wanted, by_q, by_p);
+        slopes(system, FORCE, 1.0, &at, wanted, by_q, by_p);
     }
     // Weights of stages differ from lane to lane.
     if BY_Q {
@@ -200,7 +234,7 @@ pub fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
         by_p.iter_mut().for_each(|slope| *slope = *slope * h);
     }
     if !dw.is_empty() {
-        system.slopes(NOISE, 1.0, &at, wanted, by_q, by_p);
+        slopes(system, NOISE, 1.0, &at, wanted, by_q, by_p);
     }
 }
 
@@ -218,12 +252,12 @@ pub fn add_slopes<H: Elements, S: Scalar>(
     // Elements of one half of the phase space read nothing of the other.
     let at = Point { q: state, p: state, t, h, dw, acting: 0..dw.len(), scale: 1.0 };
     let (by_q, by_p) = if wanted.by_q { (into, &mut [][..]) } else { (&mut [][..], into) };
-    system.slopes(DRIFT, 1.0, &at, wanted, by_q, by_p);
+    slopes(system, DRIFT, 1.0, &at, wanted, by_q, by_p);
     if H::HAS_FORCE {
-        system.slopes(FORCE, 1.0, &at, wanted, by_q, by_p);
+        slopes(system, FORCE, 1.0, &at, wanted, by_q, by_p);
     }
     if !dw.is_empty() {
-        system.slopes(NOISE, 1.0, &at, wanted, by_q, by_p);
+        slopes(system, NOISE, 1.0, &at, wanted, by_q, by_p);
     }
 }
 
@@ -243,7 +277,7 @@ pub fn slopes_of_part<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool
     by_q.fill(S::from_f64(0.0));
     by_p.fill(S::from_f64(0.0));
     let at = Point { q, p, t, h, dw: &[], acting: 0..0, scale: 1.0 };
-    system.slopes(number, 1.0, &at, Slopes { by_q: BY_Q, by_p: BY_P }, by_q, by_p);
+    slopes(system, number, 1.0, &at, Slopes { by_q: BY_Q, by_p: BY_P }, by_q, by_p);
 }
 
 /// The value of a numbered part of the drift.

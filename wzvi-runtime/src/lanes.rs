@@ -19,13 +19,14 @@
 
 mod elementary;
 pub mod instructions;
+pub(crate) mod single;
 
 use std::ops::{Add, BitAnd, BitOr, Div, Index, Mul, Neg, Not, Sub};
 
 use elementary::{Binary, Unary};
 
 use crate::numbers::{Numbers, Tape};
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::{Mask, Number, Scalar};
 use crate::solve::LaneByLane;
 
 /// `L` numbers, in registers where they fit.
@@ -233,6 +234,7 @@ impl<const L: usize> Scalar for Lanes<L> {
     type Stages<const N: usize> = [Self; N];
     type Mask = LaneMask<L>;
     type Solver = LaneByLane;
+    type OfElements<T: Number<f64>> = Self;
     const LANES: usize = L;
 
     #[inline(always)]

@@ -56,6 +56,19 @@ pub trait Scalar:
     type Stages<const N: usize>: Stages<Self, N>;
     /// How the equations of a step are solved in numbers of this type.
     type Solver: Solve<Self>;
+    /// What elements compute with in vectors of this type: `T` for `f64`, else the type itself.
+    type OfElements<T: Number<f64>>: Number<Self>;
+
+    /// A list of such numbers, if they are `f64`.
+    #[inline(always)]
+    fn plain(_list: &[Self]) -> Option<&[f64]> {
+        None
+    }
+    /// The same, to be written.
+    #[inline(always)]
+    fn plain_mut(_list: &mut [Self]) -> Option<&mut [f64]> {
+        None
+    }
 
     /// A constant.
     fn from_f64(value: f64) -> Self;
@@ -169,6 +182,25 @@ pub trait Scalar:
     fn max(self, other: Self) -> Self;
 }
 
+/// What is computed with where numbers are kept as `S`.
+pub trait Number<S>: Scalar {
+    /// A number that is kept.
+    fn of(kept: S) -> Self;
+    /// As it is kept.
+    fn kept(self) -> S;
+}
+
+impl<S: Scalar> Number<S> for S {
+    #[inline(always)]
+    fn of(kept: S) -> S {
+        kept
+    }
+    #[inline(always)]
+    fn kept(self) -> S {
+        self
+    }
+}
+
 macro_rules! forward {
     ($($function:ident)*) => { $(#[inline(always)] fn $function(self) -> Self { f64::$function(self) })* };
 }
@@ -177,6 +209,16 @@ impl Scalar for f64 {
     type Mask = bool;
     type Stages<const N: usize> = Lanes<N>;
     type Solver = Together;
+    type OfElements<T: Number<f64>> = T;
+
+    #[inline(always)]
+    fn plain(list: &[f64]) -> Option<&[f64]> {
+        Some(list)
+    }
+    #[inline(always)]
+    fn plain_mut(list: &mut [f64]) -> Option<&mut [f64]> {
+        Some(list)
+    }
 
     #[inline(always)]
     fn from_f64(value: f64) -> Self {

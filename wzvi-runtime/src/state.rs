@@ -12,6 +12,11 @@ pub trait Vector: Clone + Debug + PartialEq + Send + Sync {
     fn components(&self) -> &[f64];
     /// The components, to change.
     fn components_mut(&mut self) -> &mut [f64];
+    /// Takes the numbers of a list of the same length; the list takes those of the vector where that copies nothing.
+    #[inline(always)]
+    fn exchange(&mut self, list: &mut Vec<f64>) {
+        self.components_mut().copy_from_slice(list);
+    }
 }
 
 impl<const D: usize> Vector for SVector<f64, D> {
@@ -39,6 +44,10 @@ impl Vector for DVector<f64> {
     #[inline(always)]
     fn components_mut(&mut self) -> &mut [f64] {
         self.as_mut_slice()
+    }
+    #[inline(always)]
+    fn exchange(&mut self, list: &mut Vec<f64>) {
+        *list = std::mem::replace(self, std::mem::take(list).into()).data.into();
     }
 }
 

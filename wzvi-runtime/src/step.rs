@@ -217,10 +217,9 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             None
         };
         let next = self.clock.next(self.h);
-        let (q, p) = (state.q.components_mut(), state.p.components_mut());
+        let (q, p) = (&mut state.q, &mut state.p);
         let (t, h, prepared, memory) = (state.t, self.h, &self.prepared, &mut self.memory);
-        match self.system.advance_carrying::<f64, C, false>(prepared, t, h, q, p, dw, memory, &mut self.carry)
-        {
+        match self.system.advance_vectors::<C, false>(prepared, t, h, q, p, dw, memory, &mut self.carry) {
             Ok(effort) => {
                 self.arrive(state, next, dw);
                 Ok(StepInfo { iterations: effort.iterations, ..StepInfo::default() })

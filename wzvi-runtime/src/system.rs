@@ -422,6 +422,27 @@ pub trait Discretized<E>: Hamiltonian {
         carry: &mut C,
     ) -> Result<Effort, StepFailure>;
 
+    /// [`Discretized::advance_carrying`] of vectors that may be exchanged for others with the new numbers.
+    ///
+    /// # Errors
+    /// As there.
+    #[expect(clippy::too_many_arguments, reason = "as above")]
+    #[inline(always)]
+    fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
+        &self,
+        prepared: &Self::Prepared,
+        t: f64,
+        h: f64,
+        q: &mut Self::Vector,
+        p: &mut Self::Vector,
+        dw: &[f64],
+        memory: &mut Self::Memory<f64>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        let (q, p) = (q.components_mut(), p.components_mut());
+        self.advance_carrying::<f64, C, CAREFUL>(prepared, t, h, q, p, dw, memory, carry)
+    }
+
     /// [`Discretized::advance_carrying`] with plain sums, and from zero with a line search where the
     /// short way fails.
     ///

@@ -28,6 +28,8 @@ pub(crate) struct Discretized<'a> {
     pub(crate) prepare: TokenStream,
     pub(crate) inline: TokenStream,
     pub(crate) advance: TokenStream,
+    /// The body of `advance_vectors`, if that of the trait is not enough.
+    pub(crate) advance_vectors: Option<TokenStream>,
     pub(crate) lagrangian: TokenStream,
     pub(crate) gradient: TokenStream,
     pub(crate) momentum: TokenStream,
@@ -45,6 +47,24 @@ impl Discretized<'_> {
         let new_memory = self.new_memory.as_ref().map(|body| {
             quote! {
                 fn memory(&self) -> Self::Memory<#f64> {
+                    #body
+                }
+            }
+        });
+        let advance_vectors = self.advance_vectors.as_ref().map(|body| {
+            quote! {
+                #[inline(always)]
+                fn advance_vectors<__C: __wzvi::Carry<#f64>, const __CAREFUL: __wzvi::bool>(
+                    &self,
+                    __prepared: &Self::Prepared,
+                    __t: #f64,
+                    __h: #f64,
+                    __q: &mut Self::Vector,
+                    __p: &mut Self::Vector,
+                    __dw: &[#f64],
+                    __memory: &mut Self::Memory<#f64>,
+                    __carry: &mut __C,
+                ) -> __wzvi::Result<__wzvi::Effort, __wzvi::StepFailure> {
                     #body
                 }
             }
@@ -83,6 +103,8 @@ impl Discretized<'_> {
                     ) -> __wzvi::Result<__wzvi::Effort, __wzvi::StepFailure> {
                         #advance
                     }
+
+                    #advance_vectors
 
                     fn discrete_lagrangian(
                         &self,

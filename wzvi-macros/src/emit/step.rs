@@ -162,6 +162,7 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
         prepare,
         inline: quote!(#[inline(always)]),
         advance,
+        advance_vectors: None,
         lagrangian: lagrangian.value,
         gradient: lagrangian.gradient,
         momentum,

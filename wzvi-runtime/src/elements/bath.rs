@@ -1,6 +1,6 @@
 //! Friction of any sum of elements, for thermostats.
 
-use super::{Elements, Point, Slopes};
+use super::{Elements, Point, Slopes, slopes};
 use crate::scalar::Scalar;
 
 /// The rates of friction: part number `part`, whose slopes are those of a covector.
@@ -31,7 +31,7 @@ pub fn damping<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], into: &
 fn along<H: Elements, S: Scalar>(system: &H, part: usize, [q, p]: [&[S]; 2], into: &mut [S]) {
     let at = Point { q, p, t: 0.0, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 };
     into.fill(S::from_f64(0.0));
-    system.slopes(part, 1.0, &at, Slopes::BY_COORDINATES, into, &mut []);
+    slopes(system, part, 1.0, &at, Slopes::BY_COORDINATES, into, &mut []);
     // Slopes of a covector `f` are those of `-f`.
     into.iter_mut().for_each(|entry| *entry = -*entry);
 }

@@ -3,11 +3,13 @@
 use super::memory::Lists;
 use super::passes::{add, are_finite};
 use super::step::{Step, nothing};
+use super::windowed::takes_windows;
 use super::{Elements, Memory, MomentumUpdate, Scheme, Slopes};
 use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
 use crate::solve::Effort;
+use crate::state::Vector;
 
 /// One step from `(q, p)` at `t` in place; on `Err` nothing but scratch is changed.
 ///
@@ -71,6 +73,22 @@ fn advance_inline<H: Elements, S: Scalar, C: Carry<S>>(
     }
     let [q, p] = super::sized_mut(system, [q, p])?;
     let dw = super::increments(system, dw)?;
+    if H::HAS_WINDOWS
+        && takes_windows(scheme, q.len())
+        && let (Some(known_q), Some(known_p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
+    {
+        if !C::CARRIES {
+            let (q, p) = (known_q, known_p);
+            let step = Step { system, scheme, t, h, q, p, dw, increment: None };
+            step.advance_windows(&mut memory.plan)?;
+            if let Some(plan) = &memory.plan {
+                q.copy_from_slice(&plan.next_q);
+                p.copy_from_slice(&plan.next_p);
+            }
+            return Ok(Effort::fast(0));
+        }
+        memory.make_room(scheme, q.len());
+    }
     let step = Step { system, scheme, t, h, q, p, dw, increment: None };
     let mut lists = memory.work.lists(scheme, step.degrees());
     step.assign(&mut lists);
@@ -85,6 +103,61 @@ fn advance_inline<H: Elements, S: Scalar, C: Carry<S>>(
     } else {
         step.finish(&mut lists);
         lists.store(q, p, carry)?;
+    }
+    Ok(Effort::fast(0))
+}
+
+/// [`advance_explicit`] of vectors that may be exchanged for others.
+///
+/// # Errors
+/// As there.
+#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+#[inline(always)]
+pub fn advance_explicit_vectors<H: Elements, C: Carry<f64>>(
+    system: &H,
+    scheme: &Scheme,
+    t: f64,
+    h: f64,
+    q: &mut H::Vector,
+    p: &mut H::Vector,
+    dw: &[f64],
+    memory: &mut Memory<f64>,
+    carry: &mut C,
+) -> Result<Effort, StepFailure> {
+    let degrees = q.components().len();
+    if H::HAS_WINDOWS && !C::CARRIES && takes_windows(scheme, degrees) {
+        return exchange_windowed(system, scheme, t, h, q, p, dw, memory);
+    }
+    let (q, p) = (q.components_mut(), p.components_mut());
+    advance_explicit(system, scheme, t, h, q, p, dw, memory, carry)
+}
+
+/// The same, window by window.
+#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+#[inline(always)]
+fn exchange_windowed<H: Elements>(
+    system: &H,
+    scheme: &Scheme,
+    t: f64,
+    h: f64,
+    q: &mut H::Vector,
+    p: &mut H::Vector,
+    dw: &[f64],
+    memory: &mut Memory<f64>,
+) -> Result<Effort, StepFailure> {
+    let degrees = q.components().len();
+    if !memory.fits(system, degrees) {
+        memory.fit(system, scheme, degrees)?;
+    }
+    if p.components().len() != degrees {
+        return Err(StepFailure::Dimension { expected: degrees, got: p.components().len() });
+    }
+    let dw = super::increments(system, dw)?;
+    let step = Step { system, scheme, t, h, q: q.components(), p: p.components(), dw, increment: None };
+    step.advance_windows(&mut memory.plan)?;
+    if let Some(plan) = &mut memory.plan {
+        q.exchange(&mut plan.next_q);
+        p.exchange(&mut plan.next_p);
     }
     Ok(Effort::fast(0))
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Elements, Point, Slopes, check};
+use super::{Elements, Point, Slopes, check, slopes};
 use crate::scalar::Scalar;
 use crate::state::{State, Vector};
 
@@ -53,7 +53,7 @@ pub fn differentiate<H: Elements, S: Scalar>(
     if is_known {
         let (dw, (part, acting)) = ([S::from_f64(1.0)], part_of(term));
         let at = Point { q, p, t, h: 1.0, dw: &dw, acting, scale: 1.0 };
-        system.slopes(part, 1.0, &at, Slopes::ALL, by_q, by_p);
+        slopes(system, part, 1.0, &at, Slopes::ALL, by_q, by_p);
     }
 }
 
@@ -63,7 +63,7 @@ pub fn force<H: Elements, S: Scalar>(system: &H, q: &[S], p: &[S], t: f64, into:
     into.fill(S::from_f64(if is_known { 0.0 } else { f64::NAN }));
     if is_known && H::HAS_FORCE {
         let at = Point { q, p, t, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 };
-        system.slopes(FORCE, 1.0, &at, Slopes::BY_COORDINATES, into, &mut []);
+        slopes(system, FORCE, 1.0, &at, Slopes::BY_COORDINATES, into, &mut []);
         into.iter_mut().for_each(|slope| *slope = -*slope);
     }
 }

@@ -3,7 +3,7 @@
 
 use super::hamiltonian::fits;
 use super::step::{Step, decay, scale_at};
-use super::{Elements, Memory, MomentumUpdate, Point, Scheme, Slopes, Stage, Unknowns};
+use super::{Elements, Memory, MomentumUpdate, Point, Scheme, Slopes, Stage, Unknowns, slopes};
 use crate::state::{State, Vector};
 use crate::system::{LagrangianGradient, Segment};
 
@@ -86,7 +86,7 @@ pub fn discrete_lagrangian_gradient<H: Elements>(
     evaluated.for_each(system, scheme, |part, stage, weight, at| {
         force.fill(0.0);
         velocity.fill(0.0);
-        system.slopes(part, weight, at, Slopes::ALL, &mut force, &mut velocity);
+        slopes(system, part, weight, at, Slopes::ALL, &mut force, &mut velocity);
         for i in 0..force.len() {
             by_start[i] -= stage.start * force[i];
             by_end[i] -= stage.end * force[i];

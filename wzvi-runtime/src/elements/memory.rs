@@ -2,6 +2,7 @@
 
 use super::jacobian::{Linear, pattern};
 use super::rounding::Rounding;
+use super::windowed::{Plan, takes_windows};
 use super::{Elements, Scheme, Unknowns};
 use crate::carry::{Carry, Compensation};
 use crate::error::StepFailure;
@@ -40,6 +41,8 @@ pub struct Memory<S> {
     /// The step size of factors that no state enters.
     pub(super) factored: Option<f64>,
     pub(super) rounding: Option<Box<Rounding>>,
+    /// How a large system is stepped that solves nothing.
+    pub(super) plan: Option<Box<Plan>>,
 }
 
 /// Scratch for the equations of one step: one list, because only of parts of one can be seen that they do not overlap.
@@ -193,6 +196,7 @@ impl<S> Default for Memory<S> {
             linear: None,
             factored: None,
             rounding: None,
+            plan: None,
         }
     }
 }
@@ -212,6 +216,7 @@ impl<S: Scalar> std::fmt::Debug for Memory<S> {
             linear: _,
             factored: _,
             rounding: _,
+            plan: _,
         } = self;
         formatter
             .debug_struct("Memory")
@@ -323,10 +328,18 @@ impl<S: Scalar> Memory<S> {
         Ok(())
     }
 
+    /// Makes room for a step that does not go window by window.
+    pub(super) fn make_room(&mut self, scheme: &Scheme, degrees: usize) {
+        if !self.work.fits(scheme, degrees) {
+            self.work = Work::new(scheme, degrees);
+        }
+    }
+
     fn allocate<H: Elements>(&mut self, system: &H, scheme: &Scheme, degrees: usize) {
-        self.work = Work::new(scheme, degrees);
+        let has_room_in_windows = H::HAS_WINDOWS && S::plain(&[]).is_some() && takes_windows(scheme, degrees);
+        self.work = if has_room_in_windows { Work::default() } else { Work::new(scheme, degrees) };
         self.diagonal = vec![S::from_f64(0.0); scheme.unknowns.diagonals(degrees)];
-        self.rounding = None;
+        (self.rounding, self.plan) = (None, None);
         let unknowns = scheme.unknowns.count(degrees);
         let is_implicit = scheme.unknowns != Unknowns::None;
         let remembered = if scheme.remembers { unknowns } else { 0 };

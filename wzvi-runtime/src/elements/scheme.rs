@@ -69,3 +69,15 @@ pub struct Scheme {
     /// Whether the Jacobian reads the step size and parameters only.
     pub is_linear: bool,
 }
+
+impl Scheme {
+    /// Whether no part is evaluated at two stages.
+    #[inline(always)]
+    pub(super) fn takes_parts_once(&self) -> bool {
+        let numbers = |stage: &'static Stage| stage.parts.iter().map(|&(part, _)| part);
+        let stages = self.stages.iter().enumerate();
+        let mut earlier =
+            stages.flat_map(|(s, stage)| self.stages[..s].iter().map(move |other| (stage, other)));
+        earlier.all(|(stage, other)| numbers(stage).all(|part| numbers(other).all(|known| known != part)))
+    }
+}

@@ -6,7 +6,7 @@
 
 use super::memory::Lists;
 use super::passes::{add, are_finite};
-use super::{Curvature, Elements, MomentumUpdate, Point, Scheme, Slopes, Stage, Unknowns};
+use super::{Curvature, Elements, MomentumUpdate, Point, Scheme, Slopes, Stage, Unknowns, slopes};
 use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
@@ -156,7 +156,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let at = self.at(stage, q, p);
         for &(part, weight) in stage.parts {
             if size_of::<S>() == size_of::<f64>() {
-                self.system.slopes(part, weight, &at, wanted, by_q, by_p);
+                slopes(self.system, part, weight, &at, wanted, by_q, by_p);
             } else {
                 slopes_apart(self.system, part, weight, &at, wanted, by_q, by_p);
             }
@@ -180,7 +180,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     #[inline(always)]
-    fn at<'b>(&'b self, stage: &Stage, q: &'b [S], p: &'b [S]) -> Point<'b, S> {
+    pub(super) fn at<'b>(&'b self, stage: &Stage, q: &'b [S], p: &'b [S]) -> Point<'b, S> {
         let (t, acting) = (self.t + stage.point * self.h, 0..self.dw.len());
         let scale = scale_at(self.system, stage.point * self.h);
         Point { q, p, t, h: self.h, dw: self.dw, acting, scale }
@@ -233,7 +233,7 @@ fn slopes_apart<H: Elements, S: Scalar>(
     by_q: &mut [S],
     by_p: &mut [S],
 ) {
-    system.slopes(part, weight, at, wanted, by_q, by_p);
+    slopes(system, part, weight, at, wanted, by_q, by_p);
 }
 
 impl<S: Scalar> Lists<'_, S> {

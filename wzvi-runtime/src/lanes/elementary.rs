@@ -34,6 +34,18 @@ pub(super) trait Unary {
     /// The function of any other number.
     fn rare(x: f64) -> f64;
 
+    /// The function of a usual number, NaN for any other, without branches.
+    #[inline(always)]
+    fn usual(x: f64) -> f64 {
+        select(Self::is_usual(x), Self::fast(x), f64::NAN)
+    }
+
+    /// The function of any number, as a call.
+    #[inline(never)]
+    fn alone(x: f64) -> f64 {
+        Self::of([x])[0]
+    }
+
     /// The function of every number.
     #[inline(always)]
     fn of<const L: usize>(x: [f64; L]) -> [f64; L] {
@@ -74,6 +86,18 @@ pub(super) trait Binary {
     fn fast(a: f64, b: f64) -> f64;
     /// The function of any other pair.
     fn rare(a: f64, b: f64) -> f64;
+
+    /// The function of a usual pair, NaN for any other, without branches.
+    #[inline(always)]
+    fn usual(a: f64, b: f64) -> f64 {
+        select(Self::is_usual(a, b), Self::fast(a, b), f64::NAN)
+    }
+
+    /// The function of any pair, as a call.
+    #[inline(never)]
+    fn alone(a: f64, b: f64) -> f64 {
+        Self::of([a], [b])[0]
+    }
 
     /// The function of every pair.
     #[inline(always)]

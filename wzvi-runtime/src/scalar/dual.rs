@@ -9,7 +9,7 @@
 use std::f64::consts::{LN_2, LN_10};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::Scalar;
+use super::{Number, Scalar};
 use crate::numbers::{Numbers, Tape};
 
 /// A number with its partial derivatives in `N` directions.
@@ -153,6 +153,7 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     type Mask = S::Mask;
     const LANES: usize = S::LANES;
     type Solver = crate::solve::Together;
+    type OfElements<T: Number<f64>> = Self;
 
     #[inline]
     fn from_f64(value: f64) -> Self {

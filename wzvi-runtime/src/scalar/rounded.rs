@@ -8,7 +8,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{Scalar, Together};
+use super::{Number, Scalar, Together};
 use crate::numbers::{Numbers, Tape};
 
 /// Twice what one operation loses at most: the bound is of the size of the loss even where errors of many add up.
@@ -130,6 +130,7 @@ impl Scalar for Rounded {
     type Stages<const N: usize> = [Self; N];
     type Mask = bool;
     type Solver = Together;
+    type OfElements<T: Number<f64>> = Self;
 
     fn from_f64(value: f64) -> Self {
         Self::exact(value)

@@ -3,12 +3,16 @@
 //! slice of each vector; what belongs to a second slice of the same vector, which may overlap the first, waits in a
 //! buffer. A bond of neighbours needs none: what it adds to the right end is carried to the next bond, whose left end
 //! that is.
+//!
+//! Every place gets its terms in the order of the placements, wherever chunks begin: the slice that is furthest ahead is added to
+//! at once, those behind it after the chunk, which ends before it would reach a slice that is further ahead than an earlier one.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
+use super::Wanted;
 use super::indices::{Indices, variable};
-use super::kernel::Target;
+use super::kernel::{Target, written};
 use crate::diagnostics::internal::Promised;
 use crate::emit::count;
 use crate::emit::step::mentions;
@@ -17,7 +21,7 @@ use crate::model::{Element, Local, Slot};
 use crate::symbolic::Expr;
 
 /// Placements in one chunk, if there are buffers.
-const CHUNK: usize = 64;
+const CHUNK: usize = 256;
 
 /// The innermost loop.
 pub(super) struct Chunk<'a> {
@@ -30,6 +34,7 @@ pub(super) struct Chunk<'a> {
     pub(super) locals: &'a [Ident],
     /// Components of a point.
     pub(super) components: i128,
+    pub(super) wanted: Wanted,
 }
 
 /// How an index moves with the innermost loop.
@@ -48,6 +53,8 @@ enum Motion {
 /// The loop as it is put together.
 #[derive(Default)]
 struct Code {
+    /// Before the outermost loop.
+    buffers: TokenStream,
     /// Before all chunks.
     before: TokenStream,
     /// Ends the chunk early, by `__len`.
@@ -58,6 +65,8 @@ struct Code {
     opening: TokenStream,
     reads: TokenStream,
     stores: TokenStream,
+    /// Gives back the slices that are written to.
+    release: TokenStream,
     /// After the arithmetic of a chunk.
     closing: TokenStream,
     after: TokenStream,
@@ -66,11 +75,21 @@ struct Code {
     /// Vectors of which a slice is written to while the arithmetic runs.
     direct: Vec<Ident>,
     has_buffers: bool,
+    /// Outputs of slices, in the order in which they are added.
+    added: Vec<usize>,
+}
+
+/// A loop, and what stands before the outermost one around it.
+pub(super) struct Emitted {
+    pub(super) buffers: TokenStream,
+    pub(super) body: TokenStream,
 }
 
 impl Chunk<'_> {
-    pub(super) fn emit(&self, inside: &TokenStream, values: &[TokenStream]) -> TokenStream {
-        let Some((inner, [start, end])) = &self.inner else { return self.single(inside, values) };
+    pub(super) fn emit(&self, inside: &TokenStream, values: &[TokenStream]) -> Emitted {
+        let Some((inner, [start, end])) = &self.inner else {
+            return Emitted { buffers: TokenStream::new(), body: self.single(inside, values) };
+        };
         let (inner, name) = (*inner, variable(*inner));
         let (isize, usize) = (quote!(__wzvi::isize), quote!(__wzvi::usize));
         let mut code = Code::default();
@@ -84,44 +103,95 @@ impl Chunk<'_> {
             true => quote!(__wzvi::Ord::min((__end - __low) as #usize, #most)),
             false => quote!((__end - __low) as #usize),
         };
-        let Code { before, limits, opening, reads, stores, closing, after, .. } = code;
+        let Code { buffers, before, limits, opening, reads, stores, release, closing, after, .. } = code;
+        let release = (!closing.is_empty()).then_some(release);
         let mutable = if limits.is_empty() { quote!() } else { quote!(mut) };
         let body = quote!(#reads #inside #stores);
         let place =
             mentions(&body, &name.to_string()).then(|| quote!(let #name = __low + __place as #isize;));
-        let chunk = quote! {
+        let limited = quote! {
             let #mutable __len = #most;
             #limits
+        };
+        let pass = quote! {
             #opening
             for __place in 0..__len {
                 #place
                 #body
             }
+            #release
             #closing
         };
+        let (places, sums) = (self.places(inner), written(self.outputs));
         if has_all {
-            let opens_at_low = mentions(&chunk, &name.to_string()).then(|| quote!(let #name = __low;));
-            return quote! {
+            let mentioned = quote!(#limited #pass #places);
+            let opens_at_low = mentions(&mentioned, &name.to_string()).then(|| quote!(let #name = __low;));
+            let pass = match &places {
+                None => pass,
+                Some(places) => {
+                    let moves = opens_at_low.as_ref().map(|_| quote!(let #name = __low;));
+                    quote! {
+                        let (__skipped, __len) = #sums.clip(__len, #places);
+                        if __len > 0 {
+                            let __low = __low + __skipped as #isize;
+                            #moves
+                            #pass
+                        }
+                    }
+                }
+            };
+            let body = quote! {
                 #before
                 let (__low, __end): (#isize, #isize) = (#start, #end);
                 if __low < __end {
                     #opens_at_low
-                    #chunk
+                    #limited
+                    #pass
                 }
                 #after
             };
+            return Emitted { buffers, body };
         }
-        quote! {
+        let pass = match places {
+            None => quote! {
+                #pass
+                #name += __len as #isize;
+            },
+            Some(places) => quote! {
+                let __next = #name + __len as #isize;
+                let (__skipped, __len) = #sums.clip(__len, #places);
+                if __len > 0 {
+                    let __low = __low + __skipped as #isize;
+                    #name = __low;
+                    #pass
+                }
+                #name = __next;
+            },
+        };
+        let body = quote! {
             #before
             let mut #name: #isize = #start;
             let __end: #isize = #end;
             while #name < __end {
                 let __low = #name;
-                #chunk
-                #name += __len as #isize;
+                #limited
+                #pass
             }
             #after
+        };
+        Emitted { buffers, body }
+    }
+
+    /// Where the first placement of a chunk writes, if that of each one after it is the place after.
+    fn places(&self, inner: u32) -> Option<TokenStream> {
+        if self.wanted != Wanted::Slopes || !can_be_clipped(self.outputs, inner) {
+            return None;
         }
+        let places = self.outputs.iter().map(|(_, target)| match target {
+            Target::Slope { index, .. } => self.indices.position(index),
+            Target::Total | Target::Curvature { .. } => TokenStream::new(),
+        });
+        Some(quote!([#(#places),*]))
     }
 
     /// The local variables that the arithmetic reads, with their numbers.
@@ -166,13 +236,20 @@ impl Chunk<'_> {
                 });
                 let is_state = matches!(local.slot, Slot::Coordinate(_) | Slot::Momentum(_));
                 code.reads.extend(match is_state {
-                    true => quote!(let #own = #slice[__place];),
-                    false => quote!(let #own = __S::from_f64(#slice[__place]);),
+                    true => {
+                        let value = self.wanted.lifted(quote!(#slice[__place]));
+                        quote!(let #own = #value;)
+                    }
+                    false => {
+                        let number = self.wanted.number();
+                        quote!(let #own = #number::from_f64(#slice[__place]);)
+                    }
                 });
             }
             Motion::Points { base, part } => {
                 let (points, part) = (self.points(code, &list, &base, false), count(part));
-                code.reads.extend(quote!(let #own = #points[__place][#part];));
+                let value = self.wanted.lifted(quote!(#points[__place][#part]));
+                code.reads.extend(quote!(let #own = #value;));
             }
             Motion::Free => {
                 let value = self.read(&local.slot);
@@ -194,12 +271,11 @@ impl Chunk<'_> {
                 let #name = #at;
                 let #name = &#list[#name..#name + #components * __len].as_chunks::<#components>().0[..__len];
             },
-            true => quote! {
-                let #name = #at;
-                let #name =
-                    &mut #list[#name..#name + #components * __len].as_chunks_mut::<#components>().0[..__len];
-            },
+            true => quote!(let mut #name = #list.points::<#components>(#at, __len);),
         });
+        if is_written {
+            code.release.extend(quote!(__wzvi::drop(#name);));
+        }
         code.points.push((key, base.clone(), name.clone()));
         name
     }
@@ -207,9 +283,10 @@ impl Chunk<'_> {
     /// Where the computed values go. Slices first: what is left knows then which vectors are taken.
     fn store(&self, code: &mut Code, inner: u32, values: &[TokenStream]) {
         let mut left: Vec<usize> = Vec::new();
+        let order = self.furthest_first(inner);
         // Pairs of neighbours before others, which would take their vector.
         let pairs: Vec<(usize, usize)> =
-            (0..self.outputs.len()).filter_map(|j| Some((j, self.neighbour(j, inner)?))).collect();
+            order.iter().filter_map(|&j| Some((j, self.neighbour(j, inner)?))).collect();
         let mut carried: Vec<usize> = Vec::new();
         for &(j, next) in &pairs {
             if let Some((_, Target::Slope { vector, .. })) = self.outputs.get(j)
@@ -220,11 +297,14 @@ impl Chunk<'_> {
                 self.store_run(code, inner, values, j, Some(next));
             }
         }
-        for (j, (_, target)) in self.outputs.iter().enumerate() {
-            let (Target::Slope { vector, index }, false) = (target, carried.contains(&j)) else {
+        for j in order {
+            let Some((_, Target::Slope { vector, index })) = self.outputs.get(j) else {
                 left.push(j);
                 continue;
             };
+            if carried.contains(&j) {
+                continue;
+            }
             let is_taken = code.direct.contains(vector);
             match motion(index, inner, self.components) {
                 Motion::Run if !is_taken => {
@@ -242,14 +322,58 @@ impl Chunk<'_> {
                     code.direct.push(vector.clone());
                     let (points, value) = (self.points(code, &list, &base, true), &values[j]);
                     let part = count(part);
-                    code.stores.extend(quote!(#points[__place][#part] = #points[__place][#part] + #value;));
+                    code.stores.extend(quote!(#points.add_part(__place, #part, #value);));
                 }
                 _ => left.push(j),
             }
         }
-        for j in left.into_iter().filter(|j| !carried.contains(j)) {
+        for j in left {
             self.store_other(code, inner, j, &values[j]);
         }
+    }
+
+    /// The outputs, so that of slopes whose places differ by a constant the one furthest ahead comes first.
+    fn furthest_first(&self, inner: u32) -> Vec<usize> {
+        let place = |j: &usize| -> Option<(&Ident, Index, i128)> {
+            let (_, Target::Slope { vector, index }) = self.outputs.get(*j)? else { return None };
+            let (place, _) = unwrapped(index, inner)?;
+            let constant = place.constant;
+            Some((vector, place.shifted(-constant)?, constant))
+        };
+        let all: Vec<usize> = (0..self.outputs.len()).collect();
+        let mut order = all.clone();
+        order.sort_by_key(|j| match place(j) {
+            None => (*j, 0),
+            Some((vector, moving, constant)) => {
+                let is_alike = |other: &&usize| {
+                    place(other).is_some_and(|(known, place, _)| known == vector && place == moving)
+                };
+                (all.iter().find(is_alike).copied().unwrap_or(*j), -constant)
+            }
+        });
+        order
+    }
+
+    /// A chunk ends before it would reach, with a slice that is added after others, where one of those is: places get their
+    /// terms in the order of the placements.
+    fn keep_order(&self, code: &mut Code, inner: u32, j: usize) {
+        let place = |j: usize| match self.outputs.get(j) {
+            Some((_, Target::Slope { vector, index })) => Some((vector, index)),
+            _ => None,
+        };
+        let Some((vector, index)) = place(j) else { return };
+        let own = self.indices.position(index);
+        for &earlier in &code.added {
+            let Some((_, before)) = place(earlier).filter(|(known, _)| *known == vector) else { continue };
+            let is_plain = wrap(index, inner).is_none() && wrap(before, inner).is_none();
+            let ahead = index.subtract(before).and_then(|distance| distance.as_integer());
+            if is_plain && ahead.is_some_and(|ahead| ahead <= 0) {
+                continue;
+            }
+            let before = self.indices.position(before);
+            code.limits.extend(quote!(__len = __wzvi::elements::apart(__len, #before, #own);));
+        }
+        code.added.push(j);
     }
 
     /// Another slope whose place is that of slope `j` in the next round of the loop.
@@ -271,12 +395,13 @@ impl Chunk<'_> {
         let carried = format_ident!("__carried{j}");
         let base = self.indices.position(index);
         self.limit(code, index, inner);
+        self.keep_order(code, inner, j);
         if let Some((next, (_, Target::Slope { index: ahead, .. }))) =
             next.and_then(|next| Some((next, self.outputs.get(next)?)))
         {
             self.limit(code, ahead, inner);
             let (base_ahead, value_ahead) = (self.indices.position(ahead), &values[next]);
-            let zero = zero();
+            let zero = self.zero();
             // One by one where the next place is another one after all.
             if wrap(index, inner).is_some() || wrap(ahead, inner).is_some() {
                 code.limits.extend(quote! {
@@ -292,23 +417,21 @@ impl Chunk<'_> {
             // Computed first: only then can the compiler keep what is carried in a vector register.
             code.stores.extend(quote! {
                 let __ahead = #value_ahead;
-                #slice[__place] = #slice[__place] + (#value + #carried);
+                #slice.add(__place, #value + #carried);
                 #carried = __ahead;
             });
-            code.closing.extend(quote!(#vector[#at] = #vector[#at] + #carried;));
+            code.closing.extend(quote!(#vector.add(#at, #carried);));
         } else {
-            code.stores.extend(quote!(#slice[__place] = #slice[__place] + #value;));
+            code.stores.extend(quote!(#slice.add(__place, #value);));
         }
-        code.opening.extend(quote! {
-            let #slice = #base;
-            let #slice = &mut #vector[#slice..#slice + __len];
-        });
+        code.opening.extend(quote!(let mut #slice = #vector.run(#base, __len);));
+        code.release.extend(quote!(__wzvi::drop(#slice);));
     }
 
     /// What does not go to a slice of its own: sums, buffers, single places.
     fn store_other(&self, code: &mut Code, inner: u32, j: usize, value: &TokenStream) {
         let Some((_, target)) = self.outputs.get(j) else { return };
-        let (buffer, zero, most) = (format_ident!("__b{j}"), zero(), count(CHUNK));
+        let (buffer, zero, most) = (format_ident!("__b{j}"), self.zero(), count(CHUNK));
         let is_fixed = match target {
             Target::Total => true,
             Target::Slope { index, .. } => !index.loops().contains(&inner),
@@ -326,16 +449,17 @@ impl Chunk<'_> {
             code.after.extend(self.add(target, &quote!(#buffer)));
         } else if let Some((vector, index)) = shared {
             code.has_buffers = true;
-            code.before.extend(quote!(let mut #buffer = [#zero; #most];));
+            code.buffers.extend(quote!(let mut #buffer = [#zero; #most];));
             code.opening.extend(quote!(let #buffer = &mut #buffer[..__len];));
             code.stores.extend(quote!(#buffer[__place] = #value;));
             if matches!(motion(index, inner, self.components), Motion::Run) {
                 let base = self.indices.position(index);
                 self.limit(code, index, inner);
+                self.keep_order(code, inner, j);
                 code.closing.extend(quote! {
-                    let __base = #base;
-                    for (__sum, &__value) in #vector[__base..__base + __len].iter_mut().zip(&*#buffer) {
-                        *__sum = *__sum + __value;
+                    let mut __run = #vector.run(#base, __len);
+                    for __place in 0..__len {
+                        __run.add(__place, #buffer[__place]);
                     }
                 });
             } else {
@@ -379,6 +503,11 @@ impl Chunk<'_> {
         }
     }
 
+    fn zero(&self) -> TokenStream {
+        let number = self.wanted.number();
+        quote!(#number::from_f64(0.0))
+    }
+
     fn list(&self, slot: &Slot) -> TokenStream {
         match slot {
             Slot::Coordinate(_) => quote!(__at.q),
@@ -393,19 +522,19 @@ impl Chunk<'_> {
         match slot {
             Slot::Coordinate(index) => {
                 let position = self.indices.position(index);
-                quote!(__at.q[#position])
+                self.wanted.lifted(quote!(__at.q[#position]))
             }
             Slot::Momentum(index) => {
                 let position = self.indices.position(index);
-                quote!(__at.p[#position])
+                self.wanted.lifted(quote!(__at.p[#position]))
             }
             Slot::Entry(table, indices) => {
-                let entry = self.indices.entry(*table, indices);
-                quote!(__S::from_f64(#entry))
+                let (entry, number) = (self.indices.entry(*table, indices), self.wanted.number());
+                quote!(#number::from_f64(#entry))
             }
             Slot::Number(index) | Slot::Displacement(index) => {
-                let value = self.indices.value(index);
-                quote!(__S::from_f64(#value as __wzvi::f64))
+                let (value, number) = (self.indices.value(index), self.wanted.number());
+                quote!(#number::from_f64(#value as __wzvi::f64))
             }
         }
     }
@@ -415,13 +544,7 @@ impl Chunk<'_> {
             Target::Total => quote!(__total = __total + #value;),
             Target::Slope { vector, index } => {
                 let position = self.indices.position(index);
-                match index.as_integer() {
-                    Some(_) => quote!(#vector[#position] = #vector[#position] + #value;),
-                    None => quote! {
-                        let __at_index = #position;
-                        #vector[__at_index] = #vector[__at_index] + #value;
-                    },
-                }
+                quote!(#vector.add(#position, #value);)
             }
             Target::Curvature { method, row, column, is_diagonal } => {
                 let (row, column) = (self.indices.position(row), self.indices.position(column));
@@ -432,8 +555,9 @@ impl Chunk<'_> {
     }
 }
 
-fn zero() -> TokenStream {
-    quote!(__S::from_f64(0.0))
+/// Whether each placement of the loop writes to the places after those that the one before writes to.
+fn can_be_clipped(outputs: &[(Expr, Target)], inner: u32) -> bool {
+    outputs.iter().all(|(_, target)| matches!(target, Target::Slope { index, .. } if runs(index, inner)))
 }
 
 fn slot_index(slot: &Slot) -> Index {
@@ -464,7 +588,7 @@ fn motion(index: &Index, inner: u32, components: i128) -> Motion {
 }
 
 /// Whether the index goes up by one with the loop, perhaps wrapping around.
-fn runs(index: &Index, inner: u32) -> bool {
+pub(super) fn runs(index: &Index, inner: u32) -> bool {
     index.slope(inner) == Some(1) || wrap(index, inner).is_some()
 }
 
@@ -481,19 +605,21 @@ fn wrap(index: &Index, inner: u32) -> Option<&(Index, Index)> {
     }
 }
 
+/// The index without wrapping around, and after how many places it does.
+fn unwrapped(index: &Index, inner: u32) -> Option<(Index, Index)> {
+    match wrap(index, inner) {
+        None => Some((index.clone(), Index::default())),
+        Some(both) => {
+            let rest = index.subtract(&Index::atom(Atom::Remainder(Box::new(both.clone()))))?;
+            Some((rest.add(&both.0)?, both.1.clone()))
+        }
+    }
+}
+
 /// Whether `ahead` is `own + 1` but for wrapping around, which the loop looks for itself.
 fn follows(ahead: &Index, own: &Index, inner: u32) -> bool {
-    let unwrapped = |index: &Index| -> Option<(Index, Index)> {
-        match wrap(index, inner) {
-            None => Some((index.clone(), Index::default())),
-            Some(both) => {
-                let rest = index.subtract(&Index::atom(Atom::Remainder(Box::new(both.clone()))))?;
-                Some((rest.add(&both.0)?, both.1.clone()))
-            }
-        }
-    };
     let distance = || -> Option<[Index; 3]> {
-        let ((ahead, size), (own, other)) = (unwrapped(ahead)?, unwrapped(own)?);
+        let ((ahead, size), (own, other)) = (unwrapped(ahead, inner)?, unwrapped(own, inner)?);
         let plain = ahead.subtract(&own)?;
         Some([plain.add(&other)?, plain.subtract(&size)?, plain])
     };

@@ -30,6 +30,7 @@ pub(super) struct Road {
     pub(super) prepare: TokenStream,
     pub(super) inline: TokenStream,
     pub(super) advance: TokenStream,
+    pub(super) advance_vectors: Option<TokenStream>,
     pub(super) momentum: TokenStream,
 }
 
@@ -62,6 +63,7 @@ pub(super) fn emit(
         prepare: road.prepare,
         inline: road.inline,
         advance: road.advance,
+        advance_vectors: road.advance_vectors,
         lagrangian: quote!(#elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)),
         gradient: quote!(#elements::discrete_lagrangian_gradient(self, &__SCHEME, __segment, __dw)),
         momentum: road.momentum,
@@ -151,6 +153,10 @@ pub(super) fn sweep(
         advance: quote! {
             #advance(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
         },
+        advance_vectors: (unknowns == Unknowns::None).then(|| {
+            let vectors = quote!(#elements::advance_explicit_vectors);
+            quote!(#vectors(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry))
+        }),
         momentum: quote!(#elements::step_momentum(self, &__SCHEME, __before, __after, __h, __dw)),
     }
 }

@@ -5,12 +5,13 @@ use std::collections::HashMap;
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-use super::chunk::Chunk;
+use super::Wanted;
+use super::chunk::{Chunk, Emitted};
 use super::indices::{Indices, variable};
 use crate::diagnostics::internal::Promised;
 use crate::discretise::sums::Weighted;
 use crate::elements::parts::family_of;
-use crate::emit::{Level, Lowering, Names, Op, Printer, parameter_names};
+use crate::emit::{Level, Lowering, Names, Op, Printer, count, parameter_names};
 use crate::model::Parameter;
 use crate::model::Table;
 use crate::model::index::{Atom, Index, Loop};
@@ -37,8 +38,8 @@ pub(super) struct Context<'a> {
     pub(super) scale: Option<Symbol>,
     /// The symbol of the weight `c`, and what it is: a value of the scalar type, in scope of the loops.
     pub(super) weight: Option<(Symbol, &'a TokenStream)>,
-    /// Whether only the noises that act count.
-    pub(super) is_selective: bool,
+    /// What is computed; for all but second derivatives only the noises that act count.
+    pub(super) wanted: Wanted,
     /// Components of a point.
     pub(super) components: i128,
     /// What other symbols of the outputs stand for.
@@ -46,9 +47,9 @@ pub(super) struct Context<'a> {
 }
 
 /// What the code around an element names.
-const LIVE: [&str; 22] = [
-    "ahead", "at", "base", "by_p", "by_q", "end", "factor", "into", "len", "low", "nan", "p", "part",
-    "place", "q", "scale", "size", "t", "total", "value", "wanted", "weight",
+const LIVE: [&str; 25] = [
+    "ahead", "at", "base", "by_p", "by_q", "end", "factor", "into", "len", "low", "nan", "next", "p", "part",
+    "place", "q", "run", "scale", "size", "skipped", "t", "total", "value", "wanted", "weight",
 ];
 
 /// Loop variables, slices, buffers, and what is carried from one place to another.
@@ -110,7 +111,7 @@ pub(super) fn emit(
     let program = &lowering.program;
     let uses = program.uses(&ops);
     let hints = HashMap::new();
-    let mut printer = Printer::new(program, quote!(__S), &hints, taken);
+    let mut printer = Printer::new(program, context.wanted.number(), &hints, taken);
     for (op, name) in inputs {
         printer.set(op, name);
     }
@@ -140,7 +141,7 @@ pub(super) fn emit(
         }
         (Some((_, weight)), _) => (quote!(let __factor = #weight;), quote!()),
     };
-    let acting = if context.is_selective { family_of(weighted) } else { None };
+    let acting = if context.wanted == Wanted::Curvature { None } else { family_of(weighted) };
     let range_of = |known: &Loop| match acting {
         Some(family) if family == known.variable => {
             let range = [indices.value(&known.start), indices.value(&known.end)];
@@ -149,22 +150,45 @@ pub(super) fn emit(
         _ => [indices.sum(&known.start), indices.sum(&known.end)],
     };
     let inner = inner.map(|known| (known.variable, range_of(known)));
-    let chunk =
-        Chunk { indices: &indices, element, inner, outputs, locals: &locals, components: context.components };
-    let body = chunk.emit(&quote!(#own_weight #inside), &values);
+    let chunk = Chunk {
+        indices: &indices,
+        element,
+        inner,
+        outputs,
+        locals: &locals,
+        components: context.components,
+        wanted: context.wanted,
+    };
+    let Emitted { buffers, body } = chunk.emit(&quote!(#own_weight #inside), &values);
     let mut nest = quote! { #fixed_weight #body };
-    for known in outer.iter().rev() {
+    for (depth, known) in outer.iter().enumerate().rev() {
         let (name, [start, end]) = (variable(known.variable), range_of(known));
         // Literals alone have no type.
         let is_typed = !known.start.terms.is_empty() || acting == Some(known.variable);
         let start = if is_typed { start } else { quote!(#start as __wzvi::isize) };
+        let range = match (depth, context.wanted) {
+            (0, Wanted::Slopes) => {
+                let (number, sums) = (count(known.variable as usize), written(outputs));
+                quote!(#sums.outer(#number, #start..#end))
+            }
+            _ => quote!(#start..#end),
+        };
         nest = quote! {
-            for #name in #start..#end {
+            for #name in #range {
                 #nest
             }
         };
     }
-    quote! {{ #before #nest }}
+    quote! {{ #before #buffers #nest }}
+}
+
+/// The vector of slopes that an element adds to; where it adds to both, either.
+pub(super) fn written(outputs: &[(Expr, Target)]) -> TokenStream {
+    let vector = outputs.iter().find_map(|(_, target)| match target {
+        Target::Slope { vector, .. } => Some(quote!(#vector)),
+        Target::Total | Target::Curvature { .. } => None,
+    });
+    vector.unwrap_or_default()
 }
 
 /// The members of a family that act.

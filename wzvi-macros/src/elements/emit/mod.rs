@@ -11,6 +11,7 @@ mod kernel;
 mod parts;
 mod places;
 mod sites;
+mod windows;
 
 use std::collections::HashMap;
 
@@ -168,6 +169,24 @@ enum Wanted {
     Curvature,
 }
 
+impl Wanted {
+    /// The type that it is computed with.
+    fn number(self) -> TokenStream {
+        match self {
+            Self::Slopes => quote!(__T),
+            Self::Value | Self::Curvature => quote!(__S),
+        }
+    }
+
+    /// A number of a vector as it is computed with.
+    fn lifted(self, kept: TokenStream) -> TokenStream {
+        match self {
+            Self::Slopes => quote!(__T::of(#kept)),
+            Self::Value | Self::Curvature => kept,
+        }
+    }
+}
+
 /// The code of one element: `c H_e` with the weight `c`, one if there is none, or its first or second derivatives.
 fn element_code(
     model: &mut System,
@@ -289,7 +308,7 @@ fn computed(
         t: model.t,
         scale: model.scale,
         weight,
-        is_selective: wanted != Wanted::Curvature,
+        wanted,
         components: model.components,
         definitions,
     };
@@ -333,6 +352,9 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let (f64, usize) = (f64_type(), quote!(__wzvi::usize));
+    let has_windows = windows::are_there(model, &parts);
+    let has_one_velocity = windows::have_one_velocity(model, &parts);
+    let [exact, usual] = windows::numbers(model, &parts);
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::elements::Elements for #name #arguments #filter {
@@ -356,16 +378,27 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
                 __value
             }
 
+            const HAS_WINDOWS: __wzvi::bool = #has_windows;
+            const HAS_ONE_VELOCITY: __wzvi::bool = #has_one_velocity;
+            type Exact = #exact;
+            type Usual = #usual;
+
             #[inline(always)]
-            fn slopes<__S: __wzvi::Scalar>(
+            fn slopes<
+                __S: __wzvi::Scalar,
+                __T: __wzvi::Number<__S>,
+                __Q: __wzvi::elements::Sums<__S> + ?__wzvi::Sized,
+                __P: __wzvi::elements::Sums<__S> + ?__wzvi::Sized,
+            >(
                 &self,
                 __part: #usize,
                 __weight: #f64,
                 __at: &__wzvi::elements::Point<'_, __S>,
                 __wanted: __wzvi::elements::Slopes,
-                __by_q: &mut [__S],
-                __by_p: &mut [__S],
+                __by_q: &mut __Q,
+                __by_p: &mut __P,
             ) {
+                use __wzvi::elements::Run as _;
                 #of_slopes
                 match __part {
                     #slopes
@@ -418,7 +451,7 @@ fn part_code(model: &mut System, part: &PartElements, wanted: Wanted) -> TokenSt
     // Elements with the same increments stand together.
     for group in sum.chunk_by(|a, b| a.increments == b.increments) {
         let Some(first) = group.first() else { continue };
-        let (weight, condition) = (weight(model, part, first), condition(model, first, wanted));
+        let (weight, condition) = (weight(model, part, first, wanted), condition(model, first, wanted));
         let body: TokenStream = match wanted {
             Wanted::Value => values(model, group, Some(&weight)),
             Wanted::Slopes | Wanted::Curvature => {
@@ -461,16 +494,24 @@ fn derivatives(model: &mut System, weighted: &Weighted, wanted: Wanted, weight: 
 }
 
 /// The product of the increments of an element of a part, and the weight of the part.
-fn weight(model: &System, part: &PartElements, Weighted { increments, .. }: &Weighted) -> TokenStream {
+fn weight(
+    model: &System,
+    part: &PartElements,
+    Weighted { increments, .. }: &Weighted,
+    wanted: Wanted,
+) -> TokenStream {
     let indices = Indices { tables: &model.tables, checked: false };
     let factor = part.is_weighted.then(|| quote!(*__weight));
     let increments = increments.iter().map(|number| {
         let position = indices.position(number);
-        quote!(__at.increment(#position))
+        wanted.lifted(quote!(__at.increment(#position)))
     });
     match increments.reduce(|product, increment| quote!(#product * #increment)) {
         Some(product) => quote!(#product #factor),
-        None => quote!(__S::from_f64(__at.h #factor)),
+        None => {
+            let number = wanted.number();
+            quote!(#number::from_f64(__at.h #factor))
+        }
     }
 }
 

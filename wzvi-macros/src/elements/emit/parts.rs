@@ -33,7 +33,8 @@ impl Numbers {
 
 /// The arms of values or slopes.
 pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
-    let weight = quote!(__S::from_f64(__at.h));
+    let number = wanted.number();
+    let weight = quote!(#number::from_f64(__at.h));
     let numbers = Numbers::of(model);
     let parts = model.parts.iter().cloned().zip(numbers.parts..);
     let friction = model.friction.clone().map(|mut friction| {

@@ -164,6 +164,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
                 self, __prepared, __t, __h, __q, __p, __dw, __memory, __carry,
             )
         },
+        advance_vectors: None,
         momentum,
     }
 }

@@ -1,0 +1,96 @@
+//! Whether the slopes of a system can be taken window by window, and what they are computed with.
+
+use proc_macro2::{Literal, TokenStream};
+use quote::quote;
+
+use super::chunk::runs;
+use crate::elements::parts::PartElements;
+use crate::emit::count;
+use crate::input::{Length, Shape};
+use crate::model::index::{Atom, Index};
+use crate::model::{Element, Reads, System};
+use crate::symbolic::{Expr, Function, Node};
+
+/// All elements that slopes are taken of.
+fn elements<'a>(model: &'a System, parts: &'a [PartElements]) -> impl Iterator<Item = &'a Element> {
+    let of_parts = parts.iter().flat_map(|part| &part.elements).map(|weighted| &weighted.element);
+    of_parts.chain(model.parts.iter().flat_map(|term| &term.elements))
+}
+
+/// Whether the system can be stepped window by window, and is large enough where its size is known when it is compiled.
+pub(super) fn are_there(model: &System, parts: &[PartElements]) -> TokenStream {
+    let are_local = have_runs(model, parts);
+    let (components, elements) = (Literal::i128_unsuffixed(model.components), quote!(__wzvi::elements));
+    match &model.shape {
+        _ if !are_local => quote!(false),
+        Shape::Real => quote!(false),
+        Shape::Array(_, Length::RunTime) => quote!(true),
+        Shape::Array(_, Length::Literal(len)) => {
+            let len = count(*len);
+            quote!(#len * #components >= #elements::LEAST_IN_WINDOWS)
+        }
+        Shape::Array(_, Length::Named(expr)) => {
+            quote!((#expr) * #components >= #elements::LEAST_IN_WINDOWS)
+        }
+    }
+}
+
+/// Whether elements that read coordinates add to places next to each other, and those that read momenta read one each, to
+/// whose place they add.
+fn have_runs(model: &System, parts: &[PartElements]) -> bool {
+    let moves_on = |element: &Element, index: &Index| match element.loops.last() {
+        None => true,
+        Some(inner) => runs(index, inner.variable),
+    };
+    if model.conformal.is_some() {
+        return false;
+    }
+    elements(model, parts).all(|element| match element.reads() {
+        // What stands in the place of a gradient reads anything.
+        _ if element.displacements().next().is_some() => false,
+        Reads::Nothing => true,
+        Reads::Coordinates => element.coordinates().all(|(_, index)| moves_on(element, index)),
+        Reads::Momenta => {
+            let mut read = element.momenta().map(|(_, index)| index);
+            read.next().is_some_and(|index| moves_on(element, index)) && read.next().is_none()
+        }
+        Reads::Both => false,
+    })
+}
+
+/// Whether the velocity of every degree of freedom is the slope of one element, in a loop over all.
+pub(super) fn have_one_velocity(model: &System, parts: &[PartElements]) -> bool {
+    let mut read = elements(model, parts).filter(|element| matches!(element.reads(), Reads::Momenta));
+    let (Some(element), None, true) = (read.next(), read.next(), model.components == 1) else { return false };
+    let [only] = element.loops.as_slice() else { return false };
+    let is_all = only.start == Index::default() && only.end == model.size;
+    is_all && element.momenta().all(|(_, index)| *index == Index::atom(Atom::Loop(only.variable)))
+}
+
+/// The types that slopes are computed with where numbers are kept as `f64`: one by one, and in loops over neighbours. Where
+/// nothing but correctly rounded functions are called, that is `f64` itself.
+pub(super) fn numbers(model: &System, parts: &[PartElements]) -> [TokenStream; 2] {
+    let values: Vec<Expr> = elements(model, parts).map(|element| element.value).collect();
+    let reached = model.graph.reachable(&values);
+    match reached.into_iter().all(|expr| is_correctly_rounded(model.graph.node(expr))) {
+        true => [quote!(__wzvi::f64), quote!(__wzvi::f64)],
+        false => [quote!(__wzvi::elements::Alone), quote!(__wzvi::elements::Usual)],
+    }
+}
+
+/// Exponents up to here are multiplications and square roots, also where derivatives have raised them.
+const SPELLED_OUT: i64 = 12;
+
+/// Whether the operation, and its derivatives, are made of correctly rounded ones.
+fn is_correctly_rounded(node: &Node) -> bool {
+    match node {
+        Node::Apply(function, _) => matches!(
+            function,
+            Function::Sqrt | Function::Abs | Function::Signum | Function::Min | Function::Max
+        ),
+        Node::Product(factors) => factors.iter().all(|(_, exponent)| {
+            exponent.denominator() <= 2 && exponent.numerator().abs() <= SPELLED_OUT * exponent.denominator()
+        }),
+        _ => true,
+    }
+}

@@ -1,0 +1,117 @@
+//! What the slopes of elements are added to.
+//!
+//! The loops of a system say where a run of placements adds, place by place, and what. Whether that goes to a vector, to the part of
+//! it that is in a window, or at once to the new state, is decided here.
+
+use std::ops::Range;
+
+use crate::scalar::{Number, Scalar};
+
+/// Sums by degree of freedom.
+pub trait Sums<S> {
+    /// Values of the variable of a loop.
+    type Outer: Iterator<Item = isize>;
+    /// Sums next to each other.
+    type Run<'r>: Run<S>
+    where
+        Self: 'r;
+    /// Sums next to each other, in points of `D`.
+    type Points<'r, const D: usize>: Run<S>
+    where
+        Self: 'r;
+
+    /// Those `values` of an outermost loop, by its number, whose placements add to any of the sums.
+    fn outer(&self, variable: usize, values: Range<isize>) -> Self::Outer;
+
+    /// Of `len` placements, of which each adds to the places after those of the one before, from the places `first` on: how many
+    /// to leave out, and how many to take then.
+    fn clip<const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize);
+
+    /// The sums of `len` places from `first` on.
+    fn run(&mut self, first: usize, len: usize) -> Self::Run<'_>;
+
+    /// The sums of `len` points from place `first` on.
+    fn points<const D: usize>(&mut self, first: usize, len: usize) -> Self::Points<'_, D>;
+
+    /// Adds to a place.
+    fn add<T: Number<S>>(&mut self, place: usize, value: T);
+}
+
+/// Sums next to each other.
+pub trait Run<S> {
+    /// Adds to a place.
+    fn add<T: Number<S>>(&mut self, place: usize, value: T);
+    /// Adds to the part of a point.
+    fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T);
+}
+
+/// `sum += value`
+#[inline(always)]
+pub(super) fn add_to<S: Scalar, T: Number<S>>(sum: &mut S, value: T) {
+    *sum = (T::of(*sum) + value).kept();
+}
+
+/// Of `len` placements whose slopes are all added to the places from `first` on, and only then to those from `second` on: how
+/// many may be taken at once, so that every place still gets its slopes in the order of the placements.
+#[inline(always)]
+pub fn apart(len: usize, first: usize, second: usize) -> usize {
+    if second > first { len.min(second - first) } else { len }
+}
+
+/// All of a vector.
+impl<S: Scalar> Sums<S> for [S] {
+    type Outer = Range<isize>;
+    type Run<'r> = Places<'r, S>;
+    type Points<'r, const D: usize> = Points<'r, S, D>;
+
+    #[inline(always)]
+    fn outer(&self, _variable: usize, values: Range<isize>) -> Range<isize> {
+        values
+    }
+    #[inline(always)]
+    fn clip<const N: usize>(&self, len: usize, _first: [usize; N]) -> (usize, usize) {
+        (0, len)
+    }
+    #[inline(always)]
+    fn run(&mut self, first: usize, len: usize) -> Places<'_, S> {
+        Places(&mut self[first..first + len])
+    }
+    #[inline(always)]
+    fn points<const D: usize>(&mut self, first: usize, len: usize) -> Points<'_, S, D> {
+        Points(&mut self[first..first + D * len].as_chunks_mut::<D>().0[..len])
+    }
+    #[inline(always)]
+    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
+        add_to(&mut self[place], value);
+    }
+}
+
+/// A stretch of a vector.
+#[derive(Debug)]
+pub struct Places<'r, S>(pub(super) &'r mut [S]);
+
+impl<S: Scalar> Run<S> for Places<'_, S> {
+    #[inline(always)]
+    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
+        add_to(&mut self.0[place], value);
+    }
+    #[inline(always)]
+    fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T) {
+        add_to(&mut self.0[place + part], value);
+    }
+}
+
+/// Points of a vector.
+#[derive(Debug)]
+pub struct Points<'r, S, const D: usize>(pub(super) &'r mut [[S; D]]);
+
+impl<S: Scalar, const D: usize> Run<S> for Points<'_, S, D> {
+    #[inline(always)]
+    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
+        self.add_part(place, 0, value);
+    }
+    #[inline(always)]
+    fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T) {
+        add_to(&mut self.0[place][part], value);
+    }
+}
