@@ -71,6 +71,7 @@ impl Scalar for Counted {
     type Mask = bool;
     type Stages<const N: usize> = [Self; N];
     type Solver = Together;
+    type OfElements<T: wzvi::scalar::Number<f64>> = Self;
 
     fn sin(self) -> Self {
         SINES.set(SINES.get() + 1);
