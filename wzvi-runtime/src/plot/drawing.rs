@@ -5,8 +5,10 @@ use std::sync::LazyLock;
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
+use plotters::style::FontTransform;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{FontStyle, FontTransform, register_font};
+#[cfg(not(target_arch = "wasm32"))]
+use plotters::style::{FontStyle, register_font};
 
 use super::axes::ranges;
 use super::error::PlotError;
@@ -332,7 +334,12 @@ fn colour(index: usize) -> RGBColor {
     if index == Colour::INK { INK } else { PALETTE[index % (PALETTE.len() - 1)] }
 }
 
-/// The font of both backends: none of the machine is needed.
+/// Whether the font of both backends is there: none of the machine is needed.
+#[cfg(not(target_arch = "wasm32"))]
 static FONTS: LazyLock<bool> = LazyLock::new(|| {
     register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok()
 });
+
+/// There it is the browser that has fonts.
+#[cfg(target_arch = "wasm32")]
+static FONTS: LazyLock<bool> = LazyLock::new(|| true);
