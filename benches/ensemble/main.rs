@@ -6,6 +6,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a benchmark stops at the first error")]
 
+mod bath;
 mod by_hand;
 mod c;
 mod scenes;
@@ -90,4 +91,5 @@ fn main() {
         );
     }
     starts::print(PATHS, REPETITIONS, only.as_deref());
+    bath::print(PATHS, REPETITIONS, only.as_deref());
 }

@@ -31,6 +31,7 @@
 //! each O part, in the order of the step, one for each degree of freedom. A system without temperature has none, which is friction alone.
 
 mod matrix;
+mod modes;
 mod part;
 mod relaxation;
 mod splitting;

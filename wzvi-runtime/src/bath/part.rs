@@ -126,6 +126,12 @@ impl<T: Damped, S: Scalar> Parts<'_, T, S> {
         self.relaxation.is_still()
     }
 
+    /// The first part between two drifts over `time`, and its heat; `None` where that is not done at once.
+    #[inline(always)]
+    pub(super) fn apply_between_drifts(&mut self, time: f64, q: &mut [S], p: &mut [S]) -> Option<S> {
+        self.relaxation.apply_between_drifts(time, &self.normals[..self.per_part], q, p)
+    }
+
     /// Part number `part`, and its heat.
     ///
     /// # Errors

@@ -11,10 +11,10 @@
 //! momenta to the last bit.
 
 use super::Damped;
-use super::matrix::{cholesky, diagonalise, inverse_transposed, triangularise};
+use super::modes::{Bath, Factors, Modes, refuse_negative};
 use crate::carry::Carry;
 use crate::error::{BathError, StepFailure};
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::Scalar;
 
 /// The O part of a step, with everything that does not depend on the state.
 #[derive(Clone, Debug)]
@@ -47,140 +47,6 @@ struct Frozen {
     inverse_mass: Vec<f64>,
     mass: Factors,
     bath: Bath,
-}
-
-/// Time and temperature of an O part.
-#[derive(Clone, Copy, Debug)]
-struct Bath {
-    /// `s`
-    time: f64,
-    /// `kT`
-    temperature: f64,
-    /// `1 / √h` of the whole step: what drives it is `√h ξ`.
-    unit: f64,
-}
-
-impl Bath {
-    /// `E` and `R √(M⁻¹) / √h` of a mode with this rate.
-    #[inline(always)]
-    fn mode<S: Scalar>(&self, rate: S) -> (S, S) {
-        let x = -(rate * self.time);
-        (x.exp(), (-(x * 2.0).exp_m1() * self.temperature).sqrt() * self.unit)
-    }
-}
-
-/// Factors of the masses; empty where rates and masses are lists.
-#[derive(Clone, Debug, Default)]
-struct Factors {
-    /// `C`
-    lower: Vec<f64>,
-    /// `N`
-    upper: Vec<f64>,
-    /// The lower triangular `L` with `M = L Lᵀ`.
-    mass: Vec<f64>,
-}
-
-impl Factors {
-    fn of(inverse_mass: &[f64], d: usize) -> Result<Self, BathError> {
-        let mut lower = inverse_mass.to_vec();
-        if !cholesky(&mut lower, d) {
-            return Err(BathError::Masses);
-        }
-        let upper = inverse_transposed(&lower, d);
-        let mut mass = upper.clone();
-        triangularise(&mut mass, d);
-        Ok(Self { lower, upper, mass })
-    }
-}
-
-/// `Γ`, and what it becomes: room for three matrices.
-struct Modes<'r, S> {
-    /// `Γ`, then `Λ` on the diagonal.
-    rates: &'r mut [S],
-    /// `V`
-    vectors: &'r mut [S],
-    /// `W`
-    modes: &'r mut [S],
-}
-
-impl<S: Scalar> Modes<'_, S> {
-    /// From the friction in `rates`.
-    ///
-    /// # Errors
-    /// The smallest rate, if it is negative.
-    fn solve(&mut self, mass: &Factors, d: usize) -> Result<(), f64> {
-        let Self { rates, vectors, modes } = self;
-        let zero = S::from_f64(0.0);
-        // Γ C, then Cᵀ Γ C.
-        for i in 0..d {
-            for k in 0..d {
-                modes[i * d + k] = (k..d).fold(zero, |sum, j| sum + rates[i * d + j] * mass.lower[j * d + k]);
-            }
-        }
-        for i in 0..d {
-            for k in 0..=i {
-                let entry = (i..d).fold(zero, |sum, j| sum + modes[j * d + k] * mass.lower[j * d + i]);
-                (rates[i * d + k], rates[k * d + i]) = (entry, entry);
-            }
-        }
-        diagonalise(rates, vectors, d);
-        let largest = (0..d).fold(zero, |largest, k| largest.larger(rates[k * (d + 1)]));
-        // What the roundings of the products can make of zero.
-        let rounding = largest * (4.0 * d as f64 * f64::EPSILON);
-        for k in 0..d {
-            let rate = &mut rates[k * (d + 1)];
-            refuse_negative(*rate + rounding).map_err(|_| lowest(*rate))?;
-            *rate = rate.max(zero);
-        }
-        for i in 0..d {
-            for k in 0..d {
-                modes[i * d + k] =
-                    (i..d).fold(zero, |sum, j| sum + vectors[j * d + k] * mass.upper[i * d + j]);
-            }
-        }
-        Ok(())
-    }
-
-    /// `e^{-s μ}`
-    fn slowest(&self, bath: &Bath, d: usize) -> (S, S) {
-        let smallest = (1..d).fold(self.rates[0], |least, k| least.min(self.rates[k * (d + 1)]));
-        (smallest, (-(smallest * bath.time)).exp())
-    }
-
-    /// `1 - exp(-s (λ_k - μ))`
-    fn faster(&self, bath: &Bath, smallest: S, k: usize, d: usize) -> S {
-        -(-((self.rates[k * (d + 1)] - smallest) * bath.time)).exp_m1()
-    }
-
-    /// `W⁻¹` at row `k` and column `j`
-    fn inverse(&self, mass: &Factors, [k, j]: [usize; 2], d: usize) -> S {
-        let zero = S::from_f64(0.0);
-        (0..=j).fold(zero, |sum, i| sum + self.vectors[i * d + k] * mass.lower[j * d + i])
-    }
-
-    /// `R / √h`, in the place of `W`.
-    fn deviation(&mut self, bath: &Bath, d: usize) {
-        for k in 0..d {
-            let (_, deviation) = bath.mode(self.rates[k * (d + 1)]);
-            for row in self.modes.chunks_exact_mut(d) {
-                row[k] = row[k] * deviation;
-            }
-        }
-        triangularise(self.modes, d);
-    }
-}
-
-/// The smallest of the lanes of a number.
-fn lowest<S: Scalar>(number: S) -> f64 {
-    (0..S::LANES).map(|lane| number.lane(lane)).fold(f64::INFINITY, f64::min)
-}
-
-/// # Errors
-/// The number, if it is negative in any lane.
-#[inline(always)]
-fn refuse_negative<S: Scalar>(number: S) -> Result<(), f64> {
-    let is_negative = number.less(S::from_f64(0.0));
-    if (!is_negative).all() { Ok(()) } else { Err(lowest(number)) }
 }
 
 impl Relaxation {
@@ -240,6 +106,28 @@ impl Relaxation {
         matches!(self.0, Law::Still)
     }
 
+    /// A drift over `time`, the O part, and the same drift again, in one pass over lists of masses and rates; `None` where they are no lists.
+    #[inline(always)]
+    pub(super) fn apply_between_drifts<S: Scalar>(
+        &self,
+        time: f64,
+        normals: &[S],
+        q: &mut [S],
+        p: &mut [S],
+    ) -> Option<S> {
+        let Law::Diagonal { decay, deviation, inverse_mass } = &self.0 else { return None };
+        let mut heat = S::from_f64(0.0);
+        let constants = decay.iter().zip(deviation).zip(inverse_mass);
+        for ((i, (q, p)), ((&decay, &deviation), &inverse)) in q.iter_mut().zip(p).enumerate().zip(constants)
+        {
+            let (before, drift) = (*p, time * inverse);
+            *p = before * decay + of_normal(normals, i) * deviation;
+            *q = *q + before * drift + *p * drift;
+            heat = heat + gain(before, *p, inverse);
+        }
+        Some(heat)
+    }
+
     /// How much room [`Relaxation::apply`] needs.
     pub(super) fn room<T: Damped>(degrees: usize) -> usize {
         if T::PER_STATE && T::IS_MATRIX { 3 * degrees * degrees + 2 * degrees } else { 2 * degrees }
@@ -267,13 +155,8 @@ impl Relaxation {
                 let constants = decay.iter().zip(deviation).zip(inverse_mass);
                 for ((i, p), ((&decay, &deviation), &inverse)) in p.iter_mut().enumerate().zip(constants) {
                     let noise = of_normal(normals, i) * deviation;
-                    let before = *p;
-                    if C::CARRIES {
-                        (*p, lost[i]) = C::add(before * decay, noise, lost[i] * decay);
-                    } else {
-                        *p = before * decay + noise;
-                    }
-                    heat = heat + gain(before, *p, inverse);
+                    let lost = if C::CARRIES { lost.get_mut(i) } else { None };
+                    heat = heat + relax::<S, C>(p, lost, (S::from_f64(decay), noise), inverse);
                 }
                 Ok(heat)
             }
@@ -300,6 +183,22 @@ impl Relaxation {
 #[inline(always)]
 fn of_normal<S: Scalar>(normals: &[S], i: usize) -> S {
     normals.get(i).copied().unwrap_or(S::from_f64(0.0))
+}
+
+/// `p <- E p + R ξ` of one momentum, with what is carried for it, and the heat.
+#[inline(always)]
+fn relax<S: Scalar, C: Carry<S>>(
+    p: &mut S,
+    lost: Option<&mut S>,
+    (decay, noise): (S, S),
+    inverse_mass: f64,
+) -> S {
+    let before = *p;
+    match lost {
+        Some(lost) => (*p, *lost) = C::add(before * decay, noise, *lost * decay),
+        None => *p = before * decay + noise,
+    }
+    gain(before, *p, inverse_mass)
 }
 
 /// What the kinetic energy of one momentum gains.
@@ -436,13 +335,8 @@ impl Frozen {
             refuse_negative(rates[i]).map_err(negative)?;
             let (decay, noise) = self.bath.mode(rates[i]);
             let noise = of_normal(normals, i) * noise / inverse.sqrt();
-            let before = *p;
-            if C::CARRIES {
-                (*p, lost[i]) = C::add(before * decay, noise, lost[i] * decay);
-            } else {
-                *p = before * decay + noise;
-            }
-            heat = heat + gain(before, *p, inverse);
+            let lost = if C::CARRIES { lost.get_mut(i) } else { None };
+            heat = heat + relax::<S, C>(p, lost, (decay, noise), inverse);
         }
         Ok(heat)
     }
