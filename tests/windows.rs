@@ -4,6 +4,8 @@
 //! The reference is the same generated step on [`Lanes<1>`], which takes no windows and no vector registers. Nothing is
 //! compared but for equality.
 
+#![allow(clippy::unwrap_used, reason = "a test may stop")]
+
 use wzvi::lanes::Lanes;
 use wzvi::prelude::*;
 
