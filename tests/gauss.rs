@@ -146,7 +146,7 @@ fn orders_are_twice_the_stages() {
 struct Kepler;
 
 /// Brouwer's law: where rounding is all of the error the energy walks at random. Twenty ellipses of eccentricity 1/2, turned against each
-/// other, in steps that are no part of the period; `cargo bench --bench order -- brouwer` follows a hundred of them over a million steps.
+/// other, in steps that are no part of the period; `cargo bench --bench gauss -- brouwer` follows a hundred of them over a million steps.
 #[test]
 fn rounding_does_not_add_up() {
     let (h, steps, starts) = (0.0617, 40_000, 20);
