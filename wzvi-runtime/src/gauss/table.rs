@@ -183,7 +183,6 @@ mod tests {
 
     /// As whole numbers, which do not round.
     #[test]
-    #[expect(clippy::needless_range_loop, reason = "indices as in the formula")]
     fn coefficients_are_symplectic_to_the_last_bit() {
         let whole = |number: f64, bits: i32| {
             let scaled = number * 2.0_f64.powi(bits);
