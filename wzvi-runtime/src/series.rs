@@ -4,8 +4,8 @@
 //! values has the variance `2 τ σ² / N`: as of `N / 2τ` independent ones.
 //!
 //! Two estimates: by [batch means](BatchMeans) of every size, which take a few numbers of memory and end runs that are exact enough
-//! ([`Simulation::until_error`](crate::simulate::Simulation::until_error)), and, with the feature `correlation`, by the autocorrelation function itself
-//! ([`Autocorrelation`]), which also says how long things take.
+//! ([`TimeAveraging::until_error`]), and, with the feature `correlation`, by the autocorrelation function itself
+//! (`Autocorrelation`), which also says how long things take.
 
 mod averages;
 mod batches;
