@@ -105,6 +105,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (determinant, exact) = (shrinking()?, (-GAMMA * h).exp());
     println!("an area shrinks in a step by {determinant:.12}, e^(-γ h) is {exact:.12}\n");
     let (mut rows, mut panels) = (Vec::new(), Vec::new());
+    let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
     for (amplitude, color) in [(0.9, Colour::BLUE), (1.09, Colour::GREEN), (1.5, Colour::VERMILION)] {
         let Section { points, imbalance, work } = section(amplitude)?;
         let dimension = dimension(&points);
@@ -119,8 +120,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         ]);
         let look = if places.len() < 100 { Look::Dots } else { Look::FineDots };
         let figure = Figure::panel(format!("a = {amplitude}"), "angle q", "q'").x_range(-PI..PI);
+        for &(_, speed) in &points {
+            ends = [ends[0].min(speed), ends[1].max(speed)];
+        }
         panels.push(figure.points(look, "", color, points));
     }
+    // One scale for all: a section of one point would be drawn as large as its rounding.
+    let panels: Vec<Figure> =
+        panels.into_iter().map(|panel| panel.y_range(ends[0] - 0.2..ends[1] + 0.2)).collect();
     let headings = [
         "amplitude a",
         "points of the section",
