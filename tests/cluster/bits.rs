@@ -21,8 +21,7 @@ fn of_a_single_block() {
     let folder = folder("cluster-few");
     for paths in [1, 513] {
         let outcome = run_with_paths(paths).run();
-        let expected =
-            outcome.map_or_else(|error| format!("{error:?}: {error}"), |statistics| bits(&statistics));
+        let expected = outcome.map_or_else(|error| error.to_string(), |statistics| bits(&statistics));
         assert_eq!(on_ranks(4, Plan::Plain, paths, &folder).well(), expected);
     }
 }
