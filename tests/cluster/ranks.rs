@@ -180,7 +180,7 @@ fn rank() {
     let text = match ensemble.run_on(&world) {
         Ok(Some(statistics)) => bits(&statistics),
         Ok(None) => "nothing".to_owned(),
-        Err(error) => format!("{error:?}: {error}"),
+        Err(error) => error.to_string(),
     };
     fs::write(folder.join(format!("took-{rank}")), began.elapsed().as_millis().to_string()).unwrap();
     fs::write(said(folder, rank), text).unwrap();
