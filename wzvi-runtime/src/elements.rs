@@ -24,6 +24,7 @@
 
 mod bath;
 mod careful;
+mod change;
 mod explicit;
 mod hamiltonian;
 mod iterate;
@@ -39,6 +40,7 @@ mod scheme;
 pub mod sites;
 mod step;
 mod sums;
+mod sweep;
 mod window;
 mod windowed;
 

@@ -67,13 +67,19 @@ impl Plan {
 }
 
 /// Sums of a window in a list of their own, of which those before `filled` have terms: what comes to the others is their first.
-struct Window<'a> {
+pub(super) struct Window<'a> {
     strip: Strip<'a>,
     sums: &'a mut [f64],
     filled: usize,
 }
 
 impl<'a> Window<'a> {
+    /// Without a term.
+    #[inline(always)]
+    pub(super) fn empty(strip: Strip<'a>, sums: &'a mut [f64]) -> Self {
+        Self { strip, sums, filled: 0 }
+    }
+
     /// Where the sums of `len` places from `first` on are, and whether they have no term yet.
     #[inline(always)]
     fn open(&mut self, first: usize, len: usize) -> (usize, bool) {
@@ -90,7 +96,7 @@ impl<'a> Window<'a> {
 
     /// The sums of the window.
     #[inline(always)]
-    fn finish(self) -> &'a [f64] {
+    pub(super) fn finish(self) -> &'a [f64] {
         let Self { strip, sums, filled } = self;
         let own = strip.own();
         if filled < own.end {
@@ -140,7 +146,7 @@ impl<'a> Sums<f64> for Window<'a> {
 }
 
 /// A stretch of a window.
-struct Gathered<'r> {
+pub(super) struct Gathered<'r> {
     sums: &'r mut [f64],
     is_fresh: bool,
 }
@@ -250,7 +256,7 @@ impl<H: Elements> Step<'_, H, f64> {
         wanted: Slopes,
         sums: &'w mut [f64],
     ) -> &'w [f64] {
-        let mut window = Window { strip, sums, filled: 0 };
+        let mut window = Window::empty(strip, sums);
         self.slopes_in::<T, _>(p, wanted, &mut window);
         window.finish()
     }
