@@ -198,8 +198,17 @@ pub(crate) struct Friction {
     /// `δq · G p` or `δq · Γ p`
     pub(crate) term: Term,
     pub(crate) is_matrix: bool,
+    /// Whether all degrees of freedom have the same rate.
+    pub(crate) is_one_rate: bool,
     /// The rate, where it is one number for all degrees of freedom, whatever the state.
     pub(crate) uniform: Option<Expr>,
+}
+
+impl Friction {
+    /// Whether it depends on the coordinates.
+    pub(crate) fn is_per_place(&self) -> bool {
+        self.term.elements.iter().any(|element| element.coordinates().next().is_some())
+    }
 }
 
 /// The members `0..count` of a family of noises; `variable` is the loop variable that counts them. It is the outermost loop
