@@ -126,3 +126,21 @@ fn thermostats_read_what_was_declared() {
     const { assert!(MatrixInline::IS_MATRIX && MatrixLoops::IS_MATRIX && !UniformLoops::IS_MATRIX) };
     const { assert!(MatrixInline::HAS_DIAGONAL_MASSES && MatrixLoops::HAS_DIAGONAL_MASSES) };
 }
+
+row!(ForcedInline, inline, friction = self.gamma, force = |_q: [f64; 3], _p: [f64; 3]| [1.0, 0.0, 0.0]);
+row!(ForcedLoops, sweep, friction = self.gamma, force = |_q: [f64; 3], _p: [f64; 3]| [1.0, 0.0, 0.0]);
+
+#[test]
+fn kicks_are_written_with_the_forces_there_are() {
+    let kick = |text: &str, slope: &str| text.matches(&format!("p <- p - h/2 {slope}\n")).count();
+    for text in
+        [<UniformInline as Discretized<Baoab>>::EQUATIONS, <UniformLoops as Discretized<Obabo>>::EQUATIONS]
+    {
+        assert_eq!((kick(text, "∂V/∂q"), kick(text, "(∂V/∂q - F)")), (2, 0), "{text}");
+    }
+    for text in
+        [<ForcedInline as Discretized<Baoab>>::EQUATIONS, <ForcedLoops as Discretized<Obabo>>::EQUATIONS]
+    {
+        assert_eq!((kick(text, "∂V/∂q"), kick(text, "(∂V/∂q - F)")), (0, 2), "{text}");
+    }
+}

@@ -272,7 +272,12 @@ impl System {
 
     /// Whether there are functions of displacements.
     pub(crate) fn has_covectors(&self) -> bool {
-        self.force.is_some() || self.friction.is_some() || self.noise.iter().any(|noise| noise.is_force)
+        self.has_forces() || self.friction.is_some()
+    }
+
+    /// Whether covectors stand beside the Hamiltonians, with noise or without.
+    pub(crate) fn has_forces(&self) -> bool {
+        self.force.is_some() || self.noise.iter().any(|noise| noise.is_force)
     }
 
     /// For each noise the number of noises before it, members of families counted one by one; at last the number of all.
@@ -329,6 +334,11 @@ impl Model {
     /// The number of increments.
     pub(crate) fn noises(&self) -> usize {
         self.noise.len() + self.noise_forces.len()
+    }
+
+    /// As [`System::has_forces`].
+    pub(crate) fn has_forces(&self) -> bool {
+        self.force.is_some() || !self.noise_forces.is_empty()
     }
 }
 
