@@ -260,15 +260,15 @@ fn noise() -> Result<Vec<Row>, Error> {
         let squeeze = Squeeze { sigma };
         let size = |state: &Point| state.q[0].hypot(state.p[0]).ln().abs();
         let run = || squeeze.simulate::<Midpoint>(0.1).start(start).noise(Wiener::seed(7)).steps(1000);
-        rows.push(row(format!("sigma q p, sigma = {sigma}, truncated"), "Midpoint", "|ln r|", run, size)?);
+        rows.push(row(format!("σ q p, σ = {sigma}, truncated"), "Midpoint", "|ln r|", run, size)?);
         let free = || Wiener::seed(7).untruncated();
         let run = || squeeze.simulate::<Midpoint>(0.1).start(start).noise(free()).steps(1000);
-        rows.push(row(format!("sigma q p, sigma = {sigma}, untruncated"), "Midpoint", "|ln r|", run, size)?);
+        rows.push(row(format!("σ q p, σ = {sigma}, untruncated"), "Midpoint", "|ln r|", run, size)?);
     }
     let squeeze = Squeeze { sigma: 1.0 };
     let pole = || Increments::from(vec![2.0]);
     let run = || squeeze.simulate::<Midpoint>(1e-200).start(start).noise(pole()).steps(1);
-    rows.push(row("sigma q p at its pole".into(), "Midpoint", "|ln r|", run, |_| 0.0)?);
+    rows.push(row("σ q p at its pole".into(), "Midpoint", "|ln r|", run, |_| 0.0)?);
     Ok(rows)
 }
 

@@ -94,6 +94,10 @@ fn powers(text: &str) -> String {
         let parts = number.split_once('e').filter(|_| number.parse::<f64>().is_ok());
         match parts {
             None => shown.push_str(word),
+            Some((mantissa, "0")) => {
+                shown.push_str(mantissa);
+                shown.push_str(&word[number.len()..]);
+            }
             Some((mantissa, exponent)) => {
                 if mantissa != "1" {
                     shown.push_str(&format!("{mantissa}·"));
