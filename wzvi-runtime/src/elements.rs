@@ -261,20 +261,17 @@ fn add_flow<H: Elements, S: Scalar, T: Number<S>, A: Sums<S> + ?Sized>(
 ) {
     // Elements of one half of the phase space read nothing of the other.
     let at = Point { q: state, p: state, t, h, dw, acting: 0..dw.len(), scale: 1.0 };
-    let mut add = |part: usize| {
+    // One call for all, which is inlined.
+    for (part, is_there) in [(DRIFT, true), (FORCE, H::HAS_FORCE), (NOISE, !dw.is_empty())] {
         let none = &mut [][..];
+        if !is_there {
+            continue;
+        }
         if wanted.by_q {
             system.slopes::<S, T, A, [S]>(part, 1.0, &at, wanted, into, none);
         } else {
             system.slopes::<S, T, [S], A>(part, 1.0, &at, wanted, none, into);
         }
-    };
-    add(DRIFT);
-    if H::HAS_FORCE {
-        add(FORCE);
-    }
-    if !dw.is_empty() {
-        add(NOISE);
     }
 }
 
