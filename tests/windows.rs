@@ -143,7 +143,11 @@ fn check_scheme<E, H: Discretized<E, Vector = DVector<f64>>>(system: &H, start: 
         for (i, ((a, v), b)) in q.iter().chain(&p).zip(vectors).zip(own_q.iter().chain(&own_p)).enumerate() {
             let n = q.len();
             assert_eq!(a.to_bits(), b[0].to_bits(), "{what}: number {i} of {n} after step {step}");
-            assert_eq!(v.to_bits(), b[0].to_bits(), "{what}: number {i} of a vector of {n} after step {step}");
+            assert_eq!(
+                v.to_bits(),
+                b[0].to_bits(),
+                "{what}: number {i} of a vector of {n} after step {step}"
+            );
         }
     }
 }

@@ -55,5 +55,9 @@ pub(crate) fn cases() -> Vec<Case> {
         by_hand: |n| KickDriftKick::boxed(Pendulums, H, wave(n), vec![0.0; n]),
         ..case
     };
-    [(32, 4_000), (1024, 200), (65_536, 2)].map(case).into_iter().flat_map(|case| [case, verlet(case)]).collect()
+    [(32, 4_000), (1024, 200), (65_536, 2)]
+        .map(case)
+        .into_iter()
+        .flat_map(|case| [case, verlet(case)])
+        .collect()
 }

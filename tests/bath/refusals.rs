@@ -19,7 +19,7 @@ where
 
 #[test]
 fn numbers_that_make_no_sense_are_refused() {
-    let with = |gamma, kt| Oscillator { gamma, kt: kt, ..OSCILLATOR };
+    let with = |gamma, kt| Oscillator { gamma, kt, ..OSCILLATOR };
     for (system, h, error) in [
         (with(-0.5, 1.0), 0.1, BathError::Friction { rate: -0.5 }),
         (with(0.5, -1.0), 0.1, BathError::Temperature { temperature: -1.0 }),

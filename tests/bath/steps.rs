@@ -25,7 +25,7 @@ where
     let m = numbers(&case["mass"])[0];
     let gamma = numbers(&case["friction_matrix"][0])[0] / m;
     let (kt, h) = (number(&case["kT"]), number(&case["h"]));
-    let system = Oscillator { m, k: 1.0, b: 1.0, gamma, kt: kt };
+    let system = Oscillator { m, k: 1.0, b: 1.0, gamma, kt };
     let mut state = State::new([numbers(&case["q0"])[0]], [numbers(&case["p0"])[0]]);
     let mut stepper = system.stepper::<E>(h).expect("steps");
     let normals: Vec<f64> =

@@ -202,8 +202,7 @@ impl Plan {
 
     /// Whether it is one for such moves.
     fn fits(&self, moves: &impl Moves) -> bool {
-        self.degrees() == moves.degrees()
-            && self.rounds.last().is_some_and(|last| last.end == moves.count())
+        self.degrees() == moves.degrees() && self.rounds.last().is_some_and(|last| last.end == moves.count())
     }
 
     /// The coordinates that the step has led to: no round but the last is without a drift.
