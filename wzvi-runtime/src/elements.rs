@@ -48,9 +48,10 @@ pub use iterate::advance;
 pub use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::{CompensationVec, Memory};
 pub(crate) use passes::are_finite;
-pub(crate) use step::nothing;
 pub use scheme::{MomentumUpdate, Scheme, Stage, Unknowns};
+pub(crate) use step::nothing;
 pub use sums::{Run, Sums, apart};
+pub(crate) use windows::BLOCK;
 pub use windows::{Flow, LEAST_IN_WINDOWS, Letter, Origin, Taken, WindowPlan, Word, take_windows};
 
 use std::ops::Range;

@@ -176,4 +176,3 @@ impl<const D: usize> Run<f64> for MovedRun<'_, D> {
         self.next[place][part] = (T::of(self.base[place][part]) + value).kept();
     }
 }
-
