@@ -111,6 +111,47 @@ struct Block {
     nz: usize,
 }
 
+/// A chain in a bath, of masses that are not the same.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let n = q.len();
+        (0..n).map(|i| p[i] * p[i] / (2.0 * self.mass[i])).sum::<f64>()
+            + (0..n).map(|i| 0.5 * k * (q[(i + 1) % n] - q[i]).powi(2) - k * q[i].cos()).sum::<f64>()
+    },
+    friction = gamma,
+    temperature = kt,
+    embedding = [Baoab, Obabo],
+)]
+struct Bathed {
+    k: f64,
+    gamma: f64,
+    kt: f64,
+    mass: Vec<f64>,
+}
+
+impl Bathed {
+    fn of(n: usize, k: f64) -> Self {
+        Self { k, gamma: 1.3, kt: 0.7, mass: (0..n).map(|i| 1.0 + 0.2 * (i % 7) as f64).collect() }
+    }
+}
+
+/// The same with a noise that kicks, in the bath.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (1..q.len()).map(|i| 0.5 * (q[i] - q[i - 1]).powi(2)).sum::<f64>()
+    },
+    noise = [|q, p, k| 0.3 * q[k]; self.sites],
+    friction = gamma,
+    temperature = kt,
+    embedding = [Baoab, Obabo],
+)]
+struct Shaken {
+    sites: usize,
+    gamma: f64,
+    kt: f64,
+}
+
 const H: f64 = 0.05;
 
 fn numbers(n: usize, seed: f64) -> Vec<f64> {
@@ -133,7 +174,7 @@ fn check_scheme<E, H: Discretized<E, Vector = DVector<f64>>>(system: &H, start: 
             let site = q.len() / 2;
             (q[site], own_q[site], state.q[site]) = (0.5, Lanes::new([0.5]), 0.5);
         }
-        let dw = numbers(system.noises(), 0.7 * f64::from(step));
+        let dw = numbers(system.increments(q.len()), 0.7 * f64::from(step));
         system.advance(&prepared, t, self::H, &mut q, &mut p, &dw, &mut memory).unwrap();
         stepper.step(&mut state, &dw).unwrap();
         let dw = alone(&dw);
@@ -183,6 +224,43 @@ fn chains_have_the_bits_of_one_pass() {
         let (mass, spring) = ((0..n).map(|i| 1.0 + 0.1 * i as f64).collect(), numbers(n, 2.0));
         check(&Kicked { mass, spring }, numbers(n, 0.2), numbers(n, 1.1), "kicked");
     }
+}
+
+#[test]
+fn chains_in_baths_have_the_bits_of_one_pass() {
+    for n in sizes() {
+        let (bathed, shaken) = (Bathed::of(n, 0.7), Shaken { sites: n, gamma: 0.8, kt: 0.5 });
+        let start = [numbers(n, 0.2), numbers(n, 1.1)];
+        check_scheme::<Baoab, _>(&bathed, &start, "bathed, Baoab");
+        check_scheme::<Obabo, _>(&bathed, &start, "bathed, Obabo");
+        check_scheme::<Baoab, _>(&shaken, &start, "shaken, Baoab");
+        check_scheme::<Obabo, _>(&shaken, &start, "shaken, Obabo");
+    }
+}
+
+/// Without a potential the heat is all that the energy gains.
+fn check_heat<E>()
+where
+    Bathed: Discretized<E, Vector = DVector<f64>>,
+{
+    for n in [3, 100, 600, 1500] {
+        let bathed = Bathed::of(n, 0.0);
+        let mut state = State::new(numbers(n, 0.2), numbers(n, 1.1));
+        let (before, mut stepper) = (bathed.energy(&state), bathed.stepper::<E>(H).unwrap());
+        for step in 0..3 {
+            let dw = numbers(bathed.increments(n), 0.7 * f64::from(step));
+            stepper.step(&mut state, &dw).unwrap();
+        }
+        let (gain, heat) = (bathed.energy(&state) - before, stepper.exchanged().heat);
+        // The rounding of sums of so many terms of order one.
+        assert!((gain - heat).abs() < 1e-14 * n as f64, "{n} sites: {gain} by {heat}");
+    }
+}
+
+#[test]
+fn heat_is_what_the_energy_gains() {
+    check_heat::<Baoab>();
+    check_heat::<Obabo>();
 }
 
 #[test]

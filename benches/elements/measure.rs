@@ -155,6 +155,7 @@ fn slope(points: &[(f64, f64)]) -> f64 {
 struct Generated<H: Discretized<E> + 'static, E: 'static> {
     stepper: Stepper<'static, H, E>,
     state: State<H::Vector>,
+    dw: Vec<f64>,
     iterations: u64,
 }
 
@@ -168,14 +169,28 @@ pub(crate) fn generated<H, E: 'static>(
 where
     H: Discretized<E, Vector = DVector<f64>>,
 {
+    generated_with(system, h, q, p, Vec::new())
+}
+
+/// The same, with the same increments in each step.
+pub(crate) fn generated_with<H, E: 'static>(
+    system: &'static H,
+    h: f64,
+    q: Vec<f64>,
+    p: Vec<f64>,
+    dw: Vec<f64>,
+) -> Box<dyn Runner>
+where
+    H: Discretized<E, Vector = DVector<f64>>,
+{
     let stepper = system.stepper::<E>(h).unwrap();
-    Box::new(Generated { stepper, state: State::new(q, p), iterations: 0 })
+    Box::new(Generated { stepper, state: State::new(q, p), dw, iterations: 0 })
 }
 
 impl<H: Discretized<E, Vector = DVector<f64>>, E> Runner for Generated<H, E> {
     fn run(&mut self, steps: usize) {
         for _ in 0..steps {
-            self.iterations += u64::from(self.stepper.step(&mut self.state, &[]).unwrap().iterations);
+            self.iterations += u64::from(self.stepper.step(&mut self.state, &self.dw).unwrap().iterations);
         }
     }
     fn state(&self) -> (Vec<f64>, Vec<f64>) {

@@ -51,6 +51,7 @@ pub(crate) use passes::are_finite;
 pub use scheme::{MomentumUpdate, Scheme, Stage, Unknowns};
 pub(crate) use step::nothing;
 pub use sums::{Run, Sums, apart};
+pub(crate) use windows::BLOCK;
 pub use windows::{Flow, LEAST_IN_WINDOWS, Letter, Origin, Taken, WindowPlan, Word, take_windows};
 
 use std::ops::Range;

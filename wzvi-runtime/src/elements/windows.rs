@@ -42,6 +42,9 @@ pub const LEAST_IN_WINDOWS: usize = 96;
 /// Places of a window. Five stretches of it are used at one time: forces, and both halves of the state before and after.
 const SIZE: usize = 512;
 
+/// Windows begin at multiples of it.
+pub(crate) const BLOCK: usize = 64;
+
 /// Numbers in a line of the cache: sums start with one.
 const LINE: usize = 8;
 

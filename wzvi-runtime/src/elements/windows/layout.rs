@@ -11,6 +11,7 @@ use std::ops::Range;
 use std::slice;
 
 use super::super::sums::{Run, Sums};
+use super::BLOCK;
 use crate::scalar::Number;
 
 /// The places from `start` to `end`, of a plan.
@@ -196,7 +197,7 @@ impl Windows {
     /// freedom.
     pub(super) fn new(degrees: usize, size: usize, recorder: Recorder) -> Self {
         let (runs, single) = (recorder.runs.into_inner(), recorder.single.into_inner());
-        let size = size.max(REACHES * reach(&runs)).min(degrees).max(1);
+        let size = size.max(REACHES * reach(&runs)).next_multiple_of(BLOCK).min(degrees).max(1);
         let count = degrees.div_ceil(size);
         let neighbours = (0..count).map(|number| vec![number]).collect();
         let mut windows = Self { degrees, size, margin: 0, unread: 1, rows: Vec::new(), neighbours };
