@@ -111,6 +111,72 @@ struct Block {
     nz: usize,
 }
 
+/// A ring of points in the plane with springs and a substrate.
+#[hamiltonian(
+    drift = |q: &[[f64; 2]], p: &[[f64; 2]]| {
+        let n = q.len();
+        p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum::<f64>()
+            + (0..n)
+                .map(|i| {
+                    let next = q[(i + 1) % n];
+                    let [x, y] = [next[0] - q[i][0], next[1] - q[i][1]];
+                    0.5 * k * ((x * x + y * y + 1.0).sqrt() - 1.0).powi(2) - q[i][0].cos()
+                })
+                .sum::<f64>()
+    },
+    embedding = [DeltaPlus, Verlet],
+)]
+struct Necklace {
+    k: f64,
+}
+
+/// A chain of points in space, with bonds to the next and to the second next, and an end that is held.
+#[hamiltonian(
+    drift = |q: &[[f64; 3]], p: &[[f64; 3]]| {
+        let n = q.len();
+        let bond = |x: f64, y: f64, z: f64| {
+            let square = x * x + y * y + z * z;
+            0.5 * square + 0.25 * beta * square * square
+        };
+        (0..n).map(|i| 0.5 * (p[i][0] * p[i][0] + p[i][1] * p[i][1] + 2.0 * p[i][2] * p[i][2])).sum::<f64>()
+            + (1..n).map(|i| bond(q[i][0] - q[i - 1][0], q[i][1] - q[i - 1][1], q[i][2] - q[i - 1][2])).sum::<f64>()
+            + (0..n - 2)
+                .map(|i| 0.1 * bond(q[i + 2][0] - q[i][0], q[i + 2][1] - q[i][1], 0.5 * (q[i + 2][2] - q[i][2])))
+                .sum::<f64>()
+            + bond(q[0][0], q[0][1], q[0][2])
+    },
+    embedding = [DeltaPlus, Verlet],
+)]
+struct Polymer {
+    beta: f64,
+}
+
+/// A sheet of points in space.
+#[hamiltonian(
+    drift = |q: &[[f64; 3]], p: &[[f64; 3]]| {
+        p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum::<f64>()
+            + p.iter().map(|p| 0.25 * p[2] * p[2]).sum::<f64>()
+            + (0..rows)
+                .map(|i| {
+                    (0..columns)
+                        .map(|j| {
+                            let [own, right] = [q[i * columns + j], q[i * columns + (j + 1) % columns]];
+                            let down = q[(i + 1) % rows * columns + j];
+                            let square = |a: f64| a * a;
+                            0.5 * (square(right[0] - own[0]) + square(right[1] - own[1]) + square(right[2] - own[2]))
+                                + 0.3 * (square(down[0] - own[0]) + square(down[1] - own[1]) * square(down[2] - own[2]))
+                        })
+                        .sum::<f64>()
+                })
+                .sum::<f64>()
+    },
+    embedding = [DeltaPlus, Verlet],
+)]
+struct Sheet {
+    rows: usize,
+    columns: usize,
+}
+
 /// A chain in a bath, of masses that are not the same.
 #[hamiltonian(
     drift = |q: &[f64], p: &[f64]| {
@@ -223,6 +289,26 @@ fn chains_have_the_bits_of_one_pass() {
         check(&SineGordon { k: 0.7 }, numbers(n, 0.2), numbers(n, 1.1), "ring");
         let (mass, spring) = ((0..n).map(|i| 1.0 + 0.1 * i as f64).collect(), numbers(n, 2.0));
         check(&Kicked { mass, spring }, numbers(n, 0.2), numbers(n, 1.1), "kicked");
+    }
+}
+
+fn check_points<H>(system: &H, degrees: usize, what: &str)
+where
+    H: Hamiltonian<Vector = DVector<f64>> + Discretized<DeltaPlus> + Discretized<Verlet>,
+{
+    let start = [numbers(degrees, 0.2), numbers(degrees, 1.1)];
+    check_scheme::<DeltaPlus, H>(system, &start, &format!("{what}, DeltaPlus"));
+    check_scheme::<Verlet, H>(system, &start, &format!("{what}, Verlet"));
+}
+
+#[test]
+fn points_have_the_bits_of_one_pass() {
+    for n in sizes() {
+        check_points(&Necklace { k: 0.7 }, 2 * n, "necklace");
+        check_points(&Polymer { beta: 0.25 }, 3 * n, "polymer");
+    }
+    for (rows, columns) in [(2, 3), (9, 11), (1, 300), (300, 1), (31, 33), (5, 400), (60, 13)] {
+        check_points(&Sheet { rows, columns }, 3 * rows * columns, "sheet");
     }
 }
 
