@@ -6,6 +6,7 @@
 mod banded;
 mod damped;
 mod dense;
+mod factors;
 mod krylov;
 mod lanes;
 mod newton;
@@ -13,6 +14,7 @@ mod newton;
 pub use banded::{Banded, reverse_cuthill_mckee};
 pub(crate) use damped::{Problem, Room, damped};
 pub use dense::{Factor, SymmetricFactor, prepared, reciprocal_above_one};
+pub use factors::FactorsByLane;
 pub use krylov::Krylov;
 pub use lanes::LaneByLane;
 pub use newton::{Block, Effort, Equations, Extrapolation};

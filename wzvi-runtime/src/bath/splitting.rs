@@ -158,6 +158,8 @@ where
         Ok(effort)
     }
 
+    crate::__apart!(F);
+
     fn follow(_: &F, _: &Segment<F::Vector>, _: &[f64], _: &[Substep]) -> Option<Followed<F::Vector>> {
         None
     }

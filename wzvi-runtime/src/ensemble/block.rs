@@ -1,10 +1,13 @@
 //! A block of paths, the unit of work: its statistics depend on nothing but its number.
 
+use std::marker::PhantomData;
+
 use super::dispatch::Kernel;
 use super::group::Group;
 use super::halt::Halt;
 use super::job::Job;
 use super::observation::Observation;
+use super::starts::Systems;
 use super::statistics::Statistics;
 use crate::steps::take_steps;
 use crate::system::Discretized;
@@ -14,12 +17,19 @@ pub(super) const PATHS: u64 = 512;
 
 /// One block, as many paths at a time as the instructions ask for (half as many if a path has more than one degree of freedom), or `WIDTH` if
 /// that is not 0.
-pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const WIDTH: usize> {
-    pub(super) job: &'j Job<'a, H, E>,
-    pub(super) number: u64,
+pub(super) struct Block<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> {
+    job: &'j Job<'a, H, E>,
+    number: u64,
+    systems: PhantomData<P>,
 }
 
-impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Block<'_, '_, H, E, WIDTH> {
+impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Block<'j, 'a, H, E, P, WIDTH> {
+    pub(super) fn new(job: &'j Job<'a, H, E>, number: u64) -> Self {
+        Self { job, number, systems: PhantomData }
+    }
+}
+
+impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Block<'_, '_, H, E, P, WIDTH> {
     type Output = Result<Statistics, Halt>;
 
     #[inline(always)]
@@ -34,11 +44,11 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Block<'_, '_, H, E, WI
     }
 }
 
-impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
+impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Block<'_, '_, H, E, P, WIDTH> {
     #[inline(always)]
     fn of_width<const L: usize>(self) -> Result<Statistics, Halt> {
         let job = self.job;
-        let (mut group, mut observation) = (Group::<H, E, L>::new(job), Observation::new(job));
+        let (mut group, mut observation) = (Group::<H, E, P, L>::new(job), Observation::new(job));
         let mut path = self.number * PATHS;
         let end = job.paths.min(path + PATHS);
         while path < end {

@@ -30,7 +30,7 @@ fn wrong<T>(what: impl Into<String>) -> Result<T, ConfigError> {
     Err(ConfigError::Setting(what.into()))
 }
 
-impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
+impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// The run, checked.
     ///
     /// # Errors

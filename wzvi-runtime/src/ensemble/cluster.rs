@@ -30,6 +30,7 @@ use super::account::Account;
 use super::block::Block;
 use super::halt::Halt;
 use super::keeping::described;
+use super::starts::Systems;
 use super::statistics::Statistics;
 use crate::error::{ConfigError, Error};
 use crate::increments::Noise;
@@ -38,10 +39,11 @@ use crate::retry::Serves;
 use crate::schedule::Queue;
 use crate::system::Discretized;
 
-impl<H, E, N, R> Ensemble<'_, H, E, N, R>
+impl<H, E, N, R, P> Ensemble<'_, H, E, N, R, P>
 where
     H: Discretized<E> + Sync,
     N: Noise,
+    P: Systems,
 {
     /// Runs all paths on all ranks of `world`, each of which calls this with the same settings; [`Ensemble::run`] gives
     /// the same statistics, bit for bit. Rank 0 has them, the others get `None`: whoever prints or writes files does so
@@ -87,7 +89,7 @@ where
         };
         let account = agree(&world, account)?;
         let failed = OnceLock::new();
-        let work = |number| match instructions.run(Block::<H, E, 0> { job: &job, number }) {
+        let work = |number| match instructions.run(Block::<H, E, P, 0>::new(&job, number)) {
             Ok(block) => Some(block),
             Err(Halt::Stopped) => None,
             Err(Halt::Failed(error)) => {

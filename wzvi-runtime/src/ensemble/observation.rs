@@ -5,6 +5,7 @@ use super::halt::Halt;
 use super::job::Job;
 use super::pace::Pace;
 use super::passage::{Passage, crossing};
+use super::starts::Systems;
 use super::statistics::Statistics;
 use crate::dense::{DenseOutput, copy_state};
 use crate::error::{Error, InternalError};
@@ -90,7 +91,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     ///
     /// # Errors
     /// If the run was stopped on the way.
-    pub(super) fn begin(&mut self, group: &mut Group<'_, '_, H, E, L>) -> Result<(), Halt> {
+    pub(super) fn begin<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>) -> Result<(), Halt> {
         (self.seen, self.next) = (0, 0);
         if let Some(paths) = &mut self.statistics.paths {
             for lane in (0..L).filter(|&lane| group.is_path(lane)) {
@@ -118,7 +119,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
 
     /// Looks for the events of the step that ended at this node.
     #[inline(never)]
-    fn watch(&mut self, group: &mut Group<'_, '_, H, E, L>, node: u64) -> Result<(), Error> {
+    fn watch<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Error> {
         let times = [node - 1, node].map(|node| self.job.grid.time(node));
         for lane in 0..L {
             let is_over = !group.is_path(lane) || group.has_failed(lane);
@@ -147,7 +148,12 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
 
     /// The times of the events that happened in the step of a lane before this node, on its dense output.
     #[cold]
-    fn refine(&mut self, group: &mut Group<'_, '_, H, E, L>, lane: usize, node: u64) -> Result<(), Error> {
+    fn refine<P: Systems>(
+        &mut self,
+        group: &mut Group<'_, '_, H, E, P, L>,
+        lane: usize,
+        node: u64,
+    ) -> Result<(), Error> {
         let Some(LaneInside { before, dense, room, .. }) = self.lanes.get_mut(lane) else { return Ok(()) };
         let (events, changes, passed) = (&self.job.events, &mut self.changes, &mut self.passed);
         group.look_inside(lane, node, before, dense, |dense, _, _| {
@@ -164,7 +170,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
 
     /// Counts the crossings of the step that ended at this node.
     #[inline(never)]
-    fn follow(&mut self, group: &mut Group<'_, '_, H, E, L>, node: u64) -> Result<(), Error> {
+    fn follow<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Error> {
         let Job { sections, wanted, .. } = self.job;
         for (lane, LaneInside { before, dense, watch, counts, .. }) in self.lanes.iter_mut().enumerate() {
             if !group.is_path(lane) || group.has_failed(lane) {
@@ -184,7 +190,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
 
     /// Adds the paths that are still there to the statistics of the next recorded node, which is this one.
     #[inline(never)]
-    fn record(&mut self, group: &mut Group<'_, '_, H, E, L>, node: u64) -> Result<(), Halt> {
+    fn record<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Halt> {
         let (job, place) = (self.job, self.next);
         let (t, is_inside) =
             job.recorded.get(place).map_or((f64::NAN, false), |recorded| (recorded.t, recorded.is_inside));
@@ -242,7 +248,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     }
 
     /// What became of the paths of a group, in the order of their numbers.
-    pub(super) fn finish(&mut self, group: &mut Group<'_, '_, H, E, L>) {
+    pub(super) fn finish<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>) {
         let failures = group.take_failures();
         let watched = self.statistics.passages.iter_mut().zip(&self.passed).zip(&self.job.wanted.watches);
         for ((passages, passed), watch) in watched {
@@ -274,13 +280,13 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     }
 }
 
-impl<'g, 'j, 'a, H: Discretized<E>, E, const L: usize> Monitor<Group<'g, 'a, H, E, L>>
+impl<'g, 'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Monitor<Group<'g, 'a, H, E, P, L>>
     for Observation<'j, 'a, H, E, L>
 {
     type Error = Halt;
 
     #[inline(always)]
-    fn next(&self, _group: &Group<'g, 'a, H, E, L>, node: u64) -> u64 {
+    fn next(&self, _group: &Group<'g, 'a, H, E, P, L>, node: u64) -> u64 {
         let recorded = self.job.recorded.get(self.next).map_or(u64::MAX, |recorded| {
             // Both nodes of a step that is looked into.
             if recorded.is_inside && recorded.node > node + 1 { recorded.node - 1 } else { recorded.node }
@@ -291,7 +297,7 @@ impl<'g, 'j, 'a, H: Discretized<E>, E, const L: usize> Monitor<Group<'g, 'a, H, 
     }
 
     #[inline(always)]
-    fn look(&mut self, group: &mut Group<'g, 'a, H, E, L>, node: u64) -> Result<(), Halt> {
+    fn look(&mut self, group: &mut Group<'g, 'a, H, E, P, L>, node: u64) -> Result<(), Halt> {
         self.pace.done(node - self.seen)?;
         self.seen = node;
         if !self.job.events.is_empty() {
