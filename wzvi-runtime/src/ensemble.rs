@@ -40,6 +40,7 @@ mod origin;
 mod pace;
 mod passage;
 mod paths;
+mod piece;
 mod quantiles;
 mod replay;
 mod source;
@@ -60,7 +61,7 @@ pub use error::{LossError, StatisticsError};
 pub use histogram::Histogram;
 use job::Inspector;
 pub use multilevel::{Level, LevelError, LevelFailure, Multilevel, MultilevelEstimate, Nothing, Observed};
-pub use passage::Passages;
+pub use passage::{Passage, Passages};
 pub use paths::Paths;
 pub use quantiles::Quantiles;
 use source::{Settings, Source};
@@ -318,7 +319,8 @@ impl<'a, H: Discretized<E>, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         self
     }
 
-    /// Keeps all observables of every path at every recorded time, if that takes `bytes` of memory at most.
+    /// Keeps all observables of every path at every recorded time ([`Statistics::paths`]), and when it passed each event
+    /// ([`Passages::by_path`]), if that takes `bytes` of memory at most.
     pub fn keep_paths(mut self, bytes: u64) -> Self {
         self.setup.wanted.most_bytes = Some(bytes);
         self
@@ -390,9 +392,13 @@ where
                 ConfigError::Setting(format!("antithetic pairs in {WIDTH} lanes: take 2 or more")).into()
             );
         }
-        let mut account = Account::open(&job, &control, keeping, execution.progress("paths"))?;
-        let work = |number| instructions.run(Block::<H, E, P, WIDTH>::new(&job, number));
-        in_order(account.blocks(), threads, work, |_, block| account.take(block));
+        let mut account = Account::open(&job, &control, keeping, execution.progress("paths"), threads)?;
+        let size = account.size();
+        let work = |number| {
+            let block = Block::<H, E, P, WIDTH>::new(&job, number, size);
+            block.instructions(instructions).run(block)
+        };
+        in_order(account.pieces(), threads, work, |_, piece| account.take(piece));
         account.close()
     }
 }
