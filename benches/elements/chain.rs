@@ -2,7 +2,7 @@
 
 use wzvi::prelude::*;
 
-use crate::measure::{Case, Explicit, FixedPoint, Forces, generated};
+use crate::measure::{Case, Explicit, FixedPoint, Forces, KickDriftKick, generated};
 
 #[hamiltonian(
     drift = |q: &[f64], p: &[f64]| {
@@ -12,7 +12,7 @@ use crate::measure::{Case, Explicit, FixedPoint, Forces, generated};
             + (1..n).map(|i| v(q[i] - q[i - 1])).sum::<f64>()
             + v(q[0]) + v(q[n - 1])
     },
-    embedding = [DeltaPlus, Midpoint],
+    embedding = [DeltaPlus, Verlet, Midpoint],
 )]
 struct Fput {
     beta: f64,
@@ -58,6 +58,16 @@ pub(crate) fn cases() -> Vec<Case> {
             tolerance,
             generated: |n| generated::<_, DeltaPlus>(&FPUT, H, first_mode(n), vec![0.0; n]),
             by_hand: |n| Explicit::boxed(Springs, H, first_mode(n), vec![0.0; n]),
+        });
+        cases.push(Case {
+            problem: "chain",
+            scheme: "Verlet",
+            n,
+            steps: 4 * steps,
+            is_counted,
+            tolerance,
+            generated: |n| generated::<_, Verlet>(&FPUT, H, first_mode(n), vec![0.0; n]),
+            by_hand: |n| KickDriftKick::boxed(Springs, H, first_mode(n), vec![0.0; n]),
         });
         cases.push(Case {
             problem: "chain",

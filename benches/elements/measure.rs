@@ -228,6 +228,44 @@ impl<F: Forces> Runner for Explicit<F> {
     }
 }
 
+/// `P = p + h/2 f(q)`, `q += h P`, `p = P + h/2 f(q)`, whose force is that of the next step, too.
+pub(crate) struct KickDriftKick<F> {
+    explicit: Explicit<F>,
+}
+
+impl<F: Forces> KickDriftKick<F> {
+    pub(crate) fn boxed(forces: F, h: f64, q: Vec<f64>, p: Vec<f64>) -> Box<dyn Runner>
+    where
+        F: 'static,
+    {
+        let mut force = vec![0.0; q.len()];
+        forces.forces(&q, &mut force);
+        Box::new(Self { explicit: Explicit { forces, force, q, p, h } })
+    }
+}
+
+impl<F: Forces> Runner for KickDriftKick<F> {
+    fn run(&mut self, steps: usize) {
+        let Explicit { forces, q, p, force, h } = &mut self.explicit;
+        for _ in 0..steps {
+            for ((q, p), force) in q.iter_mut().zip(&mut *p).zip(&*force) {
+                *p += 0.5 * *h * force;
+                *q += *h * *p;
+            }
+            forces.forces(q, force);
+            for (p, force) in p.iter_mut().zip(&*force) {
+                *p += 0.5 * *h * force;
+            }
+        }
+    }
+    fn state(&self) -> (Vec<f64>, Vec<f64>) {
+        self.explicit.state()
+    }
+    fn iterations(&self) -> u64 {
+        0
+    }
+}
+
 /// The mid-point rule by fixed-point iteration on the mid-point, from the parabola through the last three, until a
 /// correction is below 1e-15 or does not shrink.
 pub(crate) struct FixedPoint<F> {

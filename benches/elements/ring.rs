@@ -2,7 +2,7 @@
 
 use wzvi::prelude::*;
 
-use crate::measure::{Case, Explicit, Forces, generated};
+use crate::measure::{Case, Explicit, Forces, KickDriftKick, generated};
 
 #[hamiltonian(
     drift = |q: &[f64], p: &[f64]| {
@@ -10,7 +10,7 @@ use crate::measure::{Case, Explicit, Forces, generated};
         p.iter().map(|p| 0.5 * p * p).sum::<f64>()
             + (0..n).map(|i| 0.5 * (q[(i + 1) % n] - q[i]).powi(2) + k * (1.0 - q[i].cos())).sum::<f64>()
     },
-    embedding = DeltaPlus,
+    embedding = [DeltaPlus, Verlet],
 )]
 struct SineGordon {
     k: f64,
@@ -49,5 +49,15 @@ pub(crate) fn cases() -> Vec<Case> {
         generated: |n| generated::<_, DeltaPlus>(&RING, H, wave(n), vec![0.0; n]),
         by_hand: |n| Explicit::boxed(Pendulums, H, wave(n), vec![0.0; n]),
     };
-    [(32, 4_000), (1024, 200), (65_536, 2)].map(case).to_vec()
+    let verlet = |case: Case| Case {
+        scheme: "Verlet",
+        generated: |n| generated::<_, Verlet>(&RING, H, wave(n), vec![0.0; n]),
+        by_hand: |n| KickDriftKick::boxed(Pendulums, H, wave(n), vec![0.0; n]),
+        ..case
+    };
+    [(32, 4_000), (1024, 200), (65_536, 2)]
+        .map(case)
+        .into_iter()
+        .flat_map(|case| [case, verlet(case)])
+        .collect()
 }

@@ -4,6 +4,7 @@
 //! numbers), is in `newton` and `dense`; lanes of trajectories are decided one by one, in `lanes`.
 
 mod banded;
+mod convergence;
 mod damped;
 mod dense;
 mod factors;
@@ -28,7 +29,7 @@ pub trait Solve<S: Scalar> {
     /// See [`newton`].
     ///
     /// # Errors
-    /// As there.
+    /// Those of [`newton`].
     #[inline(always)]
     fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
         start: [S; N],
@@ -40,7 +41,7 @@ pub trait Solve<S: Scalar> {
     /// See [`linear`].
     ///
     /// # Errors
-    /// As there.
+    /// Those of [`linear`].
     #[inline(always)]
     fn linear<const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
         Ok(Factor::new(matrix)?.solve(b))
@@ -49,7 +50,7 @@ pub trait Solve<S: Scalar> {
     /// See [`reciprocal`].
     ///
     /// # Errors
-    /// As there.
+    /// Those of [`reciprocal`].
     #[inline(always)]
     fn reciprocal(pivot: S) -> Result<S, StepFailure> {
         dense::reciprocal(pivot)
@@ -58,7 +59,7 @@ pub trait Solve<S: Scalar> {
     /// See [`quotient`].
     ///
     /// # Errors
-    /// As there.
+    /// Those of [`quotient`].
     #[inline(always)]
     fn quotient(rhs: S, pivot: S) -> Result<S, StepFailure> {
         dense::quotient(rhs, pivot)

@@ -449,7 +449,7 @@ pub trait Discretized<E>: Hamiltonian {
     /// [`Discretized::advance_carrying`] of vectors that may be exchanged for others with the new numbers.
     ///
     /// # Errors
-    /// As there.
+    /// Those of [`Discretized::advance_carrying`].
     #[expect(clippy::too_many_arguments, reason = "as above")]
     #[inline(always)]
     fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(

@@ -1,5 +1,6 @@
 //! The O parts of a step: their constants, their share of what drives it, and the heat that they bring.
 
+use super::relaxation::Momenta;
 use super::{Damped, Relaxation};
 use crate::carry::Carry;
 use crate::error::{ConfigError, StepFailure};
@@ -145,6 +146,6 @@ impl<T: Damped, S: Scalar> Parts<'_, T, S> {
         lost: &mut [S],
     ) -> Result<S, StepFailure> {
         let normals = &self.normals[part * self.per_part..(part + 1) * self.per_part];
-        self.relaxation.apply::<T, S, C>(self.system, q, normals, p, lost, self.room)
+        self.relaxation.apply::<T, S, C>(self.system, Momenta { q, normals, p, lost }, self.room)
     }
 }

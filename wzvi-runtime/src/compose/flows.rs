@@ -14,7 +14,9 @@
 
 use super::sequence::{Followed, Half, Sequence, Substep};
 use super::stages::{Fits, Memory, Origin, Rooms, Stage, Stages, Take, add, advance, check, follow};
+use super::windowed::{Givens, takes_windows};
 use crate::carry::{Carry, Plain};
+use crate::elements::{Taken, WindowPlan, Word, nothing};
 use crate::error::{ConfigError, StepFailure};
 use crate::gauss::{Field, Shape};
 use crate::lanes::Lanes;
@@ -32,6 +34,24 @@ pub trait Flows: Field {
     const FORCE_READS_TIME: bool;
     /// Whether [`Flows::add_force`] and [`Flows::add_velocity`] add without room of their own.
     const IN_PLACE: bool;
+
+    /// Whether steps of large systems go window by window.
+    const HAS_WINDOWS: bool = false;
+
+    /// All parts of a step, window by window, where there are [windows](Flows::HAS_WINDOWS).
+    ///
+    /// # Errors
+    /// [`StepFailure::NonFinite`] if the new state is not finite.
+    fn take_windows<'p, W: Word>(
+        &self,
+        word: &mut W,
+        q: &[f64],
+        p: &[f64],
+        plan: &'p mut WindowPlan,
+    ) -> Option<Result<Taken<'p>, StepFailure>> {
+        let _ = (word, q, p, plan);
+        None
+    }
 
     /// `p ← p + ∂F/∂q`, only where it is [`Flows::IN_PLACE`].
     fn add_force<S: Scalar>(&self, t: f64, h: f64, q: &[S], dw: &[S], p: &mut [S]) {
@@ -185,6 +205,15 @@ impl<F: Flows> Sequence<F> for KickDrift {
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
+        if takes_windows::<F>(q.len())
+            && !C::CARRIES
+            && let (Some(q), Some(p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
+        {
+            let givens = Givens { t, h, q, p, dw };
+            let (taken, _) = memory.windows.advance(system, &prepared.0, givens, |flows| flows)?;
+            taken.copy(q, p);
+            return Ok(Effort::fast(0));
+        }
         let mut flows = FlowsOf { system, t, h, count: prepared.0.len() };
         advance(system, &mut flows, &prepared.0, q, p, dw, memory, carry)
     }
@@ -215,6 +244,28 @@ impl<F: Flows> Sequence<F> for KickDrift {
         let Stages(stages) = &beside.stages;
         let mut flows = FlowsOf { system: beside, t, h, count: stages.len() };
         advance(beside, &mut flows, stages, q, p, dw, memory, &mut Plain)
+    }
+
+    #[inline(always)]
+    fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
+        system: &F,
+        prepared: &Stages,
+        t: f64,
+        h: f64,
+        q: &mut F::Vector,
+        p: &mut F::Vector,
+        dw: &[f64],
+        memory: &mut Self::Memory<f64>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        if takes_windows::<F>(q.components().len()) && !C::CARRIES {
+            let givens = Givens { t, h, q: q.components(), p: p.components(), dw };
+            let (taken, _) = memory.windows.advance(system, &prepared.0, givens, |flows| flows)?;
+            taken.exchange(q, p);
+            return Ok(Effort::fast(0));
+        }
+        let (q, p) = (q.components_mut(), p.components_mut());
+        Self::advance::<f64, C, CAREFUL>(system, prepared, t, h, q, p, dw, memory, carry)
     }
 
     fn follow(
@@ -344,7 +395,12 @@ impl<F> FlowsOf<'_, F> {
         if is_kept && memory.has_force(origin, F::FORCE_READS_TIME, q) {
             return add::<S, C>(p, memory.kept_force.as_ref(), lost);
         }
-        self.system.slopes::<true, false>(t, h, q, p, &memory.dw, force, &mut []);
+        if F::IN_PLACE {
+            force.fill(nothing());
+            self.system.add_force(t, h, q, &memory.dw, force);
+        } else {
+            self.system.slopes::<true, false>(t, h, q, p, &memory.dw, force, &mut []);
+        }
         add::<S, C>(p, force, lost);
         if is_kept {
             memory.keep_force(origin, q, force);

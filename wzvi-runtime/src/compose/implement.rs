@@ -87,6 +87,23 @@ macro_rules! __composition {
                 )
             }
 
+            #[inline(always)]
+            fn advance_vectors<__C: $crate::carry::Carry<$crate::core::primitive::f64>, const __CAREFUL: $crate::core::primitive::bool>(
+                &self,
+                __prepared: &Self::Prepared,
+                __t: $crate::core::primitive::f64,
+                __h: $crate::core::primitive::f64,
+                __q: &mut Self::Vector,
+                __p: &mut Self::Vector,
+                __dw: &[$crate::core::primitive::f64],
+                __memory: &mut Self::Memory<$crate::core::primitive::f64>,
+                __carry: &mut __C,
+            ) -> $crate::core::result::Result<$crate::solve::Effort, $crate::error::StepFailure> {
+                <$sequence as $crate::compose::Sequence<Self>>::advance_vectors::<__C, __CAREFUL>(
+                    self, __prepared, __t, __h, __q, __p, __dw, __memory, __carry,
+                )
+            }
+
             fn discrete_lagrangian(&self, __segment: &$crate::system::Segment<Self::Vector>, __dw: &[$crate::core::primitive::f64]) -> $crate::core::primitive::f64 {
                 $crate::compose::value::<Self, $sequence>(self, __segment, __dw, &$substeps)
             }

@@ -9,6 +9,7 @@ use crate::memory::StepMemory;
 use crate::plan::{Plan, Solver};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
+use crate::state::Vector;
 use crate::system::{Exchange, Hamiltonian, Segment};
 
 /// Which of the two kinds of parts of a step: which scheme of a pair, or which flow of a splitting.
@@ -103,6 +104,27 @@ pub trait Sequence<H: Hamiltonian> {
         dw: &[Lanes<L>],
         memory: &mut Self::Memory<Lanes<L>>,
     ) -> Result<Effort, StepFailure>;
+
+    /// [`Sequence::advance`] of vectors that may be exchanged for others with the new numbers.
+    ///
+    /// # Errors
+    /// As there.
+    #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+    #[inline(always)]
+    fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
+        system: &H,
+        prepared: &Self::Prepared,
+        t: f64,
+        h: f64,
+        q: &mut H::Vector,
+        p: &mut H::Vector,
+        dw: &[f64],
+        memory: &mut Self::Memory<f64>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        let (q, p) = (q.components_mut(), p.components_mut());
+        Self::advance::<f64, C, CAREFUL>(system, prepared, t, h, q, p, dw, memory, carry)
+    }
 
     /// Where the parts lead to from the start of a segment, and the sum of their discrete Lagrangians; `None` where a part
     /// has no solution.

@@ -2,6 +2,7 @@
 
 use super::gradient::Directional;
 use super::sequence::{Followed, Half, Substep};
+use super::windowed;
 use crate::carry::{Carry, Plain};
 use crate::elements::are_finite;
 use crate::error::{ConfigError, StepFailure};
@@ -78,6 +79,8 @@ pub struct Memory<S: Scalar, H: Shape> {
     pub(crate) dw: Vec<S>,
     /// For derivatives of slopes; empty unless a table asks for them.
     pub(super) directional: Directional<S>,
+    /// For large systems of elements.
+    pub(crate) windows: windowed::Memory,
 }
 
 /// Time and weighted step size of a force.
@@ -167,6 +170,7 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
             rooms: Rooms::of_length(length),
             dw: Vec::new(),
             directional: Directional::default(),
+            windows: windowed::Memory::default(),
         }
     }
 

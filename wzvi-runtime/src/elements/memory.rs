@@ -2,7 +2,7 @@
 
 use super::jacobian::{Linear, pattern};
 use super::rounding::Rounding;
-use super::windowed::{Plan, takes_windows};
+use super::windows::{WindowPlan, takes_windows};
 use super::{Elements, Scheme, Unknowns};
 use crate::carry::{Carry, Compensation};
 use crate::error::StepFailure;
@@ -42,7 +42,7 @@ pub struct Memory<S> {
     pub(super) factored: Option<f64>,
     pub(super) rounding: Option<Box<Rounding>>,
     /// How a large system is stepped that solves nothing.
-    pub(super) plan: Option<Box<Plan>>,
+    pub(super) plan: WindowPlan,
 }
 
 /// Scratch for the equations of one step: one list, because only of parts of one can be seen that they do not overlap.

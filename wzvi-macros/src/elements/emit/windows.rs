@@ -9,7 +9,7 @@ use crate::emit::count;
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, Reads, System};
-use crate::symbolic::{Expr, Function, Node};
+use crate::symbolic::{Expr, Function, Node, Symbol};
 
 /// All elements that slopes are taken of.
 fn elements<'a>(model: &'a System, parts: &'a [PartElements]) -> impl Iterator<Item = &'a Element> {
@@ -18,8 +18,8 @@ fn elements<'a>(model: &'a System, parts: &'a [PartElements]) -> impl Iterator<I
 }
 
 /// Whether the system can be stepped window by window, and is large enough where its size is known when it is compiled.
-pub(super) fn are_there(model: &System, parts: &[PartElements]) -> TokenStream {
-    let are_local = have_runs(model, parts);
+pub(super) fn are_there(model: &mut System, parts: &[PartElements]) -> TokenStream {
+    let are_local = have_runs(model, parts) && move_what_they_read(model, parts);
     let (components, elements) = (Literal::i128_unsuffixed(model.components), quote!(__wzvi::elements));
     match &model.shape {
         _ if !are_local => quote!(false),
@@ -55,6 +55,19 @@ fn have_runs(model: &System, parts: &[PartElements]) -> bool {
             read.next().is_some_and(|index| moves_on(element, index)) && read.next().is_none()
         }
         Reads::Both => false,
+    })
+}
+
+/// Whether elements have a slope by every coordinate that they read: whose slopes are added to a window reads of no other windows
+/// than its own are added to.
+fn move_what_they_read(model: &mut System, parts: &[PartElements]) -> bool {
+    let read = |element: &Element| -> Vec<(Expr, Symbol)> {
+        element.coordinates().map(|(symbol, _)| (element.value, symbol)).collect()
+    };
+    let read: Vec<(Expr, Symbol)> = elements(model, parts).flat_map(read).collect();
+    read.into_iter().all(|(value, symbol)| {
+        let slope = model.graph.derivative(value, symbol);
+        !model.graph.is_zero(slope)
     })
 }
 

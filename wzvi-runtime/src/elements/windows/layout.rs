@@ -10,7 +10,7 @@ use std::iter::{Cloned, Flatten};
 use std::ops::Range;
 use std::slice;
 
-use super::sums::{Run, Sums};
+use super::super::sums::{Run, Sums};
 use crate::scalar::Number;
 
 /// The places from `start` to `end`, of a plan.
@@ -90,6 +90,8 @@ struct Placements {
 pub(super) struct Recorder {
     runs: RefCell<Vec<Placements>>,
     outer: Cell<Option<(usize, isize)>>,
+    /// Places that elements outside of all loops add to.
+    single: RefCell<Vec<usize>>,
 }
 
 /// The values of an outermost loop, each of which the recorder is told before its turn.
@@ -134,7 +136,9 @@ impl<'a> Sums<f64> for &'a Recorder {
     fn points<const D: usize>(&mut self, _first: usize, _len: usize) -> Unkept {
         Unkept
     }
-    fn add<T: Number<f64>>(&mut self, _place: usize, _value: T) {}
+    fn add<T: Number<f64>>(&mut self, place: usize, _value: T) {
+        self.single.borrow_mut().push(place);
+    }
 }
 
 /// Sums that nobody reads.
@@ -163,6 +167,8 @@ pub(super) struct Windows {
     /// Entries that nobody reads, behind all others.
     unread: usize,
     rows: Vec<Rows>,
+    /// By window, those whose coordinates its slopes read, itself included.
+    neighbours: Vec<Vec<usize>>,
 }
 
 /// Windows are as many times as long as placements reach: that part of them is computed twice.
@@ -189,16 +195,37 @@ impl Windows {
     /// Windows of `size` places, or of more where placements write far apart, from the runs of a system of so many degrees of
     /// freedom.
     pub(super) fn new(degrees: usize, size: usize, recorder: Recorder) -> Self {
-        let runs = recorder.runs.into_inner();
+        let (runs, single) = (recorder.runs.into_inner(), recorder.single.into_inner());
         let size = size.max(REACHES * reach(&runs)).min(degrees).max(1);
         let count = degrees.div_ceil(size);
-        let mut windows = Self { degrees, size, margin: 0, unread: 1, rows: Vec::new() };
+        let neighbours = (0..count).map(|number| vec![number]).collect();
+        let mut windows = Self { degrees, size, margin: 0, unread: 1, rows: Vec::new(), neighbours };
         for run in runs {
             for number in windows.touched(&run) {
                 windows.add(&run, number, count);
             }
         }
+        windows.join(&single);
+        for number in 0..count {
+            for neighbour in windows.neighbours[number].clone() {
+                windows.neighbours[neighbour].push(number);
+            }
+        }
+        for neighbours in &mut windows.neighbours {
+            neighbours.sort_unstable();
+            neighbours.dedup();
+        }
         windows
+    }
+
+    /// The windows of single places are all neighbours: which of them one element reads is not told.
+    fn join(&mut self, single: &[usize]) {
+        let mut numbers: Vec<usize> = single.iter().map(|place| place / self.size).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        for &number in &numbers {
+            self.neighbours[number].extend(&numbers);
+        }
     }
 
     /// The windows that a run writes into.
@@ -222,6 +249,9 @@ impl Windows {
                 self.margin = self.margin.max(start.saturating_sub(first)).max(last.saturating_sub(end));
             }
             self.unread = self.unread.max(to - from);
+            if from < to {
+                self.neighbours[number].extend(first / self.size..=(last - 1) / self.size);
+            }
         }
         let Some((variable, value)) = run.outer else { return };
         let known = self.rows.iter().position(|rows| rows.variable == variable);
@@ -237,6 +267,7 @@ impl Windows {
         }
     }
 
+    #[inline(always)]
     fn bounds(&self, number: usize) -> (usize, usize) {
         (number * self.size, ((number + 1) * self.size).min(self.degrees))
     }
@@ -252,12 +283,15 @@ impl Windows {
         self.margin
     }
 
-    /// All windows, in order.
+    /// By window, those whose coordinates its slopes read, itself included: who reads is read.
+    pub(super) fn neighbours(&self) -> &[Vec<usize>] {
+        &self.neighbours
+    }
+
+    /// A window by its number.
     #[inline(always)]
-    pub(super) fn all(&self) -> impl Iterator<Item = Strip<'_>> {
-        (0..self.degrees.div_ceil(self.size)).map(move |number| {
-            let (start, end) = self.bounds(number);
-            Strip { start, end, number, plan: self }
-        })
+    pub(super) fn strip(&self, number: usize) -> Strip<'_> {
+        let (start, end) = self.bounds(number);
+        Strip { start, end, number, plan: self }
     }
 }
