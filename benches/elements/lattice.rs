@@ -2,7 +2,7 @@
 
 use wzvi::prelude::*;
 
-use crate::measure::{Case, Explicit, FixedPoint, Forces, Runner, generated};
+use crate::measure::{Case, Explicit, FixedPoint, Forces, KickDriftKick, Runner, generated};
 
 #[hamiltonian(
     drift = |q: &[f64], p: &[f64]| {
@@ -23,7 +23,7 @@ use crate::measure::{Case, Explicit, FixedPoint, Forces, Runner, generated};
             .sum();
         kinetic + potential
     },
-    embedding = [DeltaPlus, Midpoint],
+    embedding = [DeltaPlus, Verlet, Midpoint],
 )]
 struct Torus {
     side: usize,
@@ -93,6 +93,16 @@ pub(crate) fn cases() -> Vec<Case> {
             tolerance,
             generated: |n| generated::<_, DeltaPlus>(torus(n), H, wave(n), vec![0.0; n]),
             by_hand: by_hand::<false>,
+        });
+        cases.push(Case {
+            problem: "lattice",
+            scheme: "Verlet",
+            n,
+            steps: 4 * steps,
+            is_counted: true,
+            tolerance,
+            generated: |n| generated::<_, Verlet>(torus(n), H, wave(n), vec![0.0; n]),
+            by_hand: |n| KickDriftKick::boxed(Sites { side: torus(n).side }, H, wave(n), vec![0.0; n]),
         });
         cases.push(Case {
             problem: "lattice",

@@ -155,6 +155,7 @@ fn slope(points: &[(f64, f64)]) -> f64 {
 struct Generated<H: Discretized<E> + 'static, E: 'static> {
     stepper: Stepper<'static, H, E>,
     state: State<H::Vector>,
+    dw: Vec<f64>,
     iterations: u64,
 }
 
@@ -168,14 +169,28 @@ pub(crate) fn generated<H, E: 'static>(
 where
     H: Discretized<E, Vector = DVector<f64>>,
 {
+    generated_with(system, h, q, p, Vec::new())
+}
+
+/// The same, with the same increments in each step.
+pub(crate) fn generated_with<H, E: 'static>(
+    system: &'static H,
+    h: f64,
+    q: Vec<f64>,
+    p: Vec<f64>,
+    dw: Vec<f64>,
+) -> Box<dyn Runner>
+where
+    H: Discretized<E, Vector = DVector<f64>>,
+{
     let stepper = system.stepper::<E>(h).unwrap();
-    Box::new(Generated { stepper, state: State::new(q, p), iterations: 0 })
+    Box::new(Generated { stepper, state: State::new(q, p), dw, iterations: 0 })
 }
 
 impl<H: Discretized<E, Vector = DVector<f64>>, E> Runner for Generated<H, E> {
     fn run(&mut self, steps: usize) {
         for _ in 0..steps {
-            self.iterations += u64::from(self.stepper.step(&mut self.state, &[]).unwrap().iterations);
+            self.iterations += u64::from(self.stepper.step(&mut self.state, &self.dw).unwrap().iterations);
         }
     }
     fn state(&self) -> (Vec<f64>, Vec<f64>) {
@@ -222,6 +237,44 @@ impl<F: Forces> Runner for Explicit<F> {
     }
     fn state(&self) -> (Vec<f64>, Vec<f64>) {
         (self.q.clone(), self.p.clone())
+    }
+    fn iterations(&self) -> u64 {
+        0
+    }
+}
+
+/// `P = p + h/2 f(q)`, `q += h P`, `p = P + h/2 f(q)`, whose force is that of the next step, too.
+pub(crate) struct KickDriftKick<F> {
+    explicit: Explicit<F>,
+}
+
+impl<F: Forces> KickDriftKick<F> {
+    pub(crate) fn boxed(forces: F, h: f64, q: Vec<f64>, p: Vec<f64>) -> Box<dyn Runner>
+    where
+        F: 'static,
+    {
+        let mut force = vec![0.0; q.len()];
+        forces.forces(&q, &mut force);
+        Box::new(Self { explicit: Explicit { forces, force, q, p, h } })
+    }
+}
+
+impl<F: Forces> Runner for KickDriftKick<F> {
+    fn run(&mut self, steps: usize) {
+        let Explicit { forces, q, p, force, h } = &mut self.explicit;
+        for _ in 0..steps {
+            for ((q, p), force) in q.iter_mut().zip(&mut *p).zip(&*force) {
+                *p += 0.5 * *h * force;
+                *q += *h * *p;
+            }
+            forces.forces(q, force);
+            for (p, force) in p.iter_mut().zip(&*force) {
+                *p += 0.5 * *h * force;
+            }
+        }
+    }
+    fn state(&self) -> (Vec<f64>, Vec<f64>) {
+        self.explicit.state()
     }
     fn iterations(&self) -> u64 {
         0

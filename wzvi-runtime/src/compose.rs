@@ -28,6 +28,7 @@ pub(crate) mod stages;
 mod structure;
 mod tables;
 mod text;
+pub(crate) mod windowed;
 
 use std::marker::PhantomData;
 

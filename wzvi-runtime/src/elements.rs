@@ -40,9 +40,7 @@ mod scheme;
 pub mod sites;
 mod step;
 mod sums;
-mod sweep;
-mod window;
-mod windowed;
+mod windows;
 
 pub use bath::{damping, rates};
 pub use explicit::{advance_explicit, advance_explicit_vectors};
@@ -52,8 +50,10 @@ pub use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_mom
 pub use memory::{CompensationVec, Memory};
 pub(crate) use passes::are_finite;
 pub use scheme::{MomentumUpdate, Scheme, Stage, Unknowns};
+pub(crate) use step::nothing;
 pub use sums::{Run, Sums, apart};
-pub use windowed::LEAST_IN_WINDOWS;
+pub(crate) use windows::BLOCK;
+pub use windows::{Flow, LEAST_IN_WINDOWS, Letter, Origin, Taken, WindowPlan, Word, take_windows};
 
 use std::ops::Range;
 
@@ -244,22 +244,36 @@ pub fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
 #[inline(always)]
 pub fn add_slopes<H: Elements, S: Scalar>(
     system: &H,
-    t: f64,
-    h: f64,
+    flow: Flow<'_, S>,
     state: &[S],
-    dw: &[S],
     wanted: Slopes,
     into: &mut [S],
 ) {
+    add_flow::<H, S, S::OfElements<H::Exact>, [S]>(system, flow, state, wanted, into);
+}
+
+/// The same to any sums.
+#[inline(always)]
+fn add_flow<H: Elements, S: Scalar, T: Number<S>, A: Sums<S> + ?Sized>(
+    system: &H,
+    Flow { t, h, dw }: Flow<'_, S>,
+    state: &[S],
+    wanted: Slopes,
+    into: &mut A,
+) {
     // Elements of one half of the phase space read nothing of the other.
     let at = Point { q: state, p: state, t, h, dw, acting: 0..dw.len(), scale: 1.0 };
-    let (by_q, by_p) = if wanted.by_q { (into, &mut [][..]) } else { (&mut [][..], into) };
-    slopes(system, DRIFT, 1.0, &at, wanted, by_q, by_p);
-    if H::HAS_FORCE {
-        slopes(system, FORCE, 1.0, &at, wanted, by_q, by_p);
-    }
-    if !dw.is_empty() {
-        slopes(system, NOISE, 1.0, &at, wanted, by_q, by_p);
+    // One call for all, which is inlined.
+    for (part, is_there) in [(DRIFT, true), (FORCE, H::HAS_FORCE), (NOISE, !dw.is_empty())] {
+        let none = &mut [][..];
+        if !is_there {
+            continue;
+        }
+        if wanted.by_q {
+            system.slopes::<S, T, A, [S]>(part, 1.0, &at, wanted, into, none);
+        } else {
+            system.slopes::<S, T, [S], A>(part, 1.0, &at, wanted, none, into);
+        }
     }
 }
 

@@ -62,6 +62,48 @@ macro_rules! __composition {
                 )
             }
 
+            type Beside<const __L: $crate::core::primitive::usize> =
+                <$sequence as $crate::compose::Sequence<Self>>::Beside<__L>;
+
+            fn beside<const __L: $crate::core::primitive::usize>(
+                __systems: [&Self; __L],
+                __prepared: [&Self::Prepared; __L],
+            ) -> $crate::core::option::Option<Self::Beside<__L>> {
+                <$sequence as $crate::compose::Sequence<Self>>::beside(__systems, __prepared)
+            }
+
+            #[inline(always)]
+            fn advance_beside<const __L: $crate::core::primitive::usize>(
+                __beside: &Self::Beside<__L>,
+                __t: $crate::core::primitive::f64,
+                __h: $crate::core::primitive::f64,
+                __q: &mut [$crate::lanes::Lanes<__L>],
+                __p: &mut [$crate::lanes::Lanes<__L>],
+                __dw: &[$crate::lanes::Lanes<__L>],
+                __memory: &mut Self::Memory<$crate::lanes::Lanes<__L>>,
+            ) -> $crate::core::result::Result<$crate::solve::Effort, $crate::error::StepFailure> {
+                <$sequence as $crate::compose::Sequence<Self>>::advance_beside(
+                    __beside, __t, __h, __q, __p, __dw, __memory,
+                )
+            }
+
+            #[inline(always)]
+            fn advance_vectors<__C: $crate::carry::Carry<$crate::core::primitive::f64>, const __CAREFUL: $crate::core::primitive::bool>(
+                &self,
+                __prepared: &Self::Prepared,
+                __t: $crate::core::primitive::f64,
+                __h: $crate::core::primitive::f64,
+                __q: &mut Self::Vector,
+                __p: &mut Self::Vector,
+                __dw: &[$crate::core::primitive::f64],
+                __memory: &mut Self::Memory<$crate::core::primitive::f64>,
+                __carry: &mut __C,
+            ) -> $crate::core::result::Result<$crate::solve::Effort, $crate::error::StepFailure> {
+                <$sequence as $crate::compose::Sequence<Self>>::advance_vectors::<__C, __CAREFUL>(
+                    self, __prepared, __t, __h, __q, __p, __dw, __memory, __carry,
+                )
+            }
+
             fn discrete_lagrangian(&self, __segment: &$crate::system::Segment<Self::Vector>, __dw: &[$crate::core::primitive::f64]) -> $crate::core::primitive::f64 {
                 $crate::compose::value::<Self, $sequence>(self, __segment, __dw, &$substeps)
             }

@@ -4,10 +4,12 @@ use std::fmt::Debug;
 
 use crate::carry::Carry;
 use crate::error::{ConfigError, StepFailure};
+use crate::lanes::Lanes;
 use crate::memory::StepMemory;
 use crate::plan::{Plan, Solver};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
+use crate::state::Vector;
 use crate::system::{Exchange, Hamiltonian, Segment};
 
 /// Which of the two kinds of parts of a step: which scheme of a pair, or which flow of a splitting.
@@ -82,6 +84,47 @@ pub trait Sequence<H: Hamiltonian> {
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure>;
+
+    /// As `Discretized::Beside`.
+    type Beside<const L: usize>;
+
+    /// As `Discretized::beside`.
+    fn beside<const L: usize>(systems: [&H; L], prepared: [&Self::Prepared; L]) -> Option<Self::Beside<L>>;
+
+    /// As `Discretized::advance_beside`.
+    ///
+    /// # Errors
+    /// As there.
+    fn advance_beside<const L: usize>(
+        beside: &Self::Beside<L>,
+        t: f64,
+        h: f64,
+        q: &mut [Lanes<L>],
+        p: &mut [Lanes<L>],
+        dw: &[Lanes<L>],
+        memory: &mut Self::Memory<Lanes<L>>,
+    ) -> Result<Effort, StepFailure>;
+
+    /// [`Sequence::advance`] of vectors that may be exchanged for others with the new numbers.
+    ///
+    /// # Errors
+    /// As there.
+    #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+    #[inline(always)]
+    fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
+        system: &H,
+        prepared: &Self::Prepared,
+        t: f64,
+        h: f64,
+        q: &mut H::Vector,
+        p: &mut H::Vector,
+        dw: &[f64],
+        memory: &mut Self::Memory<f64>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        let (q, p) = (q.components_mut(), p.components_mut());
+        Self::advance::<f64, C, CAREFUL>(system, prepared, t, h, q, p, dw, memory, carry)
+    }
 
     /// Where the parts lead to from the start of a segment, and the sum of their discrete Lagrangians; `None` where a part
     /// has no solution.

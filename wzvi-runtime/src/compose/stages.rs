@@ -2,6 +2,7 @@
 
 use super::gradient::Directional;
 use super::sequence::{Followed, Half, Substep};
+use super::windowed;
 use crate::carry::{Carry, Plain};
 use crate::elements::are_finite;
 use crate::error::{ConfigError, StepFailure};
@@ -78,6 +79,8 @@ pub struct Memory<S: Scalar, H: Shape> {
     pub(crate) dw: Vec<S>,
     /// For derivatives of slopes; empty unless a table asks for them.
     pub(super) directional: Directional<S>,
+    /// For large systems of elements.
+    pub(crate) windows: windowed::Memory,
 }
 
 /// Time and weighted step size of a force.
@@ -167,6 +170,7 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
             rooms: Rooms::of_length(length),
             dw: Vec::new(),
             directional: Directional::default(),
+            windows: windowed::Memory::default(),
         }
     }
 
@@ -234,6 +238,30 @@ pub(crate) fn check<F: Hamiltonian>(system: &F) -> Result<(), ConfigError> {
     }
 }
 
+/// What says which states a step can be taken of.
+pub(crate) trait Fits {
+    /// As [`Hamiltonian::fits`].
+    fn fits(&self, degrees: usize) -> bool;
+    /// As [`Hamiltonian::check`].
+    fn check(&self, degrees: usize) -> Result<(), StepFailure>;
+    /// As [`Hamiltonian::noises`].
+    fn noises(&self) -> usize;
+}
+
+impl<F: Hamiltonian> Fits for F {
+    #[inline(always)]
+    fn fits(&self, degrees: usize) -> bool {
+        Hamiltonian::fits(self, degrees)
+    }
+    fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+        Hamiltonian::check(self, degrees)
+    }
+    #[inline(always)]
+    fn noises(&self) -> usize {
+        Hamiltonian::noises(self)
+    }
+}
+
 /// How a part of a step is taken.
 pub(crate) trait Take<S: Scalar, H: Shape> {
     /// Moves the state in `rooms` by part `index` of a step, with `memory.dw` as its increments.
@@ -255,8 +283,8 @@ pub(crate) trait Take<S: Scalar, H: Shape> {
 /// [`StepFailure::NonFinite`], that of a part, or where sizes do not fit.
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
-pub(crate) fn advance<F: Hamiltonian, S: Scalar, C: Carry<S>, H: Shape>(
-    system: &F,
+pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape>(
+    system: &impl Fits,
     taken: &mut impl Take<S, H>,
     stages: &[Stage],
     q: &mut [S],

@@ -3,7 +3,7 @@
 use super::memory::Lists;
 use super::passes::{add, are_finite};
 use super::step::{Step, nothing};
-use super::windowed::takes_windows;
+use super::windows::takes_windows;
 use super::{Elements, Memory, MomentumUpdate, Scheme, Slopes};
 use crate::carry::Carry;
 use crate::error::StepFailure;
@@ -80,11 +80,7 @@ fn advance_inline<H: Elements, S: Scalar, C: Carry<S>>(
         if !C::CARRIES {
             let (q, p) = (known_q, known_p);
             let step = Step { system, scheme, t, h, q, p, dw, increment: None };
-            step.advance_windows(&mut memory.plan)?;
-            if let Some(plan) = &memory.plan {
-                q.copy_from_slice(&plan.next_q);
-                p.copy_from_slice(&plan.next_p);
-            }
+            step.advance_windows(&mut memory.plan)?.copy(q, p);
             return Ok(Effort::fast(0));
         }
         memory.make_room(scheme, q.len());
@@ -154,11 +150,7 @@ fn exchange_windowed<H: Elements>(
     }
     let dw = super::increments(system, dw)?;
     let step = Step { system, scheme, t, h, q: q.components(), p: p.components(), dw, increment: None };
-    step.advance_windows(&mut memory.plan)?;
-    if let Some(plan) = &mut memory.plan {
-        q.exchange(&mut plan.next_q);
-        p.exchange(&mut plan.next_p);
-    }
+    step.advance_windows(&mut memory.plan)?.exchange(q, p);
     Ok(Effort::fast(0))
 }
 

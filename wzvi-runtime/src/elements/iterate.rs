@@ -94,15 +94,25 @@ fn advance_fitting<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     let step = Step { system, scheme, t, h, q, p, dw, increment: None };
     let degrees = step.degrees();
     let (effort, prefers_newton) = if CAREFUL {
-        (step.careful(memory)?, true)
+        let effort = step.careful(memory)?;
+        let mut lists = memory.work.lists(scheme, degrees);
+        step.finish(&mut lists);
+        lists.store(q, p, carry)?;
+        memory.record(scheme, degrees);
+        (effort, true)
     } else {
-        let solved = step.solve(&mut memory.scratch(scheme, degrees))?;
+        let mut scratch = memory.scratch(scheme, degrees);
+        let solved = step.solve(&mut scratch)?;
+        if !C::CARRIES && step.is_in_windows(&mut scratch) {
+            scratch.store_windows(scheme, q, p);
+            memory.known = if scheme.remembers { (memory.known + 1).min(3) } else { 0 };
+        } else {
+            step.finish(&mut scratch.lists);
+            scratch.lists.store(q, p, carry)?;
+            memory.record(scheme, degrees);
+        }
         (Effort::fast(solved.iterations), solved.prefers_newton)
     };
-    let mut lists = memory.work.lists(scheme, degrees);
-    step.finish(&mut lists);
-    lists.store(q, p, carry)?;
-    memory.record(scheme, degrees);
     memory.prefers_newton = prefers_newton;
     Ok(effort)
 }
@@ -270,6 +280,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let is_fresh = iteration.is_newton && iteration.is_stale;
         let (mut stretch, mut change) = (1.0, None);
         let relative = if iteration.is_newton {
+            scratch.leave_windows();
             self.residual_as::<S::OfElements<H::Exact>>(&mut scratch.lists);
             let Some(linear) = &scratch.linear else {
                 return Err(astray(iteration.iterations, iteration.last));

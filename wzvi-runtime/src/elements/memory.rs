@@ -2,8 +2,7 @@
 
 use super::jacobian::{Linear, pattern};
 use super::rounding::Rounding;
-use super::sweep::Sweeps;
-use super::windowed::{Plan, takes_windows};
+use super::windows::{LEAST_IN_WINDOWS, Sweeps, WindowPlan, takes_windows};
 use super::{Elements, Scheme, Unknowns};
 use crate::carry::{Carry, Compensation};
 use crate::error::StepFailure;
@@ -43,7 +42,7 @@ pub struct Memory<S> {
     pub(super) factored: Option<f64>,
     pub(super) rounding: Option<Box<Rounding>>,
     /// How a large system is stepped that solves nothing.
-    pub(super) plan: Option<Box<Plan>>,
+    pub(super) plan: WindowPlan,
     /// How the fixed point of a large system goes.
     pub(super) sweeps: Option<Box<Sweeps>>,
 }
@@ -73,6 +72,20 @@ pub(super) struct Stages<'a, S> {
     is_turned: bool,
 }
 
+/// Numbers between two lists of a large system: what is read and written at one time is at different places of pages, which
+/// processors tell apart by their last bits first.
+#[inline(always)]
+fn apart(degrees: usize) -> usize {
+    if degrees < LEAST_IN_WINDOWS { 0 } else { 40 }
+}
+
+/// The first `length` numbers, and what is behind those after them.
+#[inline(always)]
+fn split_apart<S>(numbers: &mut [S], length: usize, apart: usize) -> (&mut [S], &mut [S]) {
+    let (list, rest) = numbers.split_at_mut(length + apart);
+    (&mut list[..length], rest)
+}
+
 impl<S> Default for Work<S> {
     fn default() -> Self {
         Self(Vec::new())
@@ -88,7 +101,8 @@ impl<S: Scalar> Work<S> {
 
     #[inline(always)]
     fn length(scheme: &Scheme, degrees: usize) -> usize {
-        3 * scheme.unknowns.count(degrees) + (3 + 2 * scheme.stages.len()) * degrees
+        let apart = (6 + 2 * scheme.stages.len()) * apart(degrees);
+        3 * scheme.unknowns.count(degrees) + (3 + 2 * scheme.stages.len()) * degrees + apart
     }
 
     /// Whether it was made for such a system.
@@ -101,12 +115,13 @@ impl<S: Scalar> Work<S> {
     pub(super) fn lists(&mut self, scheme: &Scheme, degrees: usize) -> Lists<'_, S> {
         let unknowns = scheme.unknowns.count(degrees);
         let numbers = &mut self.0[..Self::length(scheme, degrees)];
-        let (x, numbers) = numbers.split_at_mut(unknowns);
-        let (correction, numbers) = numbers.split_at_mut(unknowns);
-        let (previous, numbers) = numbers.split_at_mut(unknowns);
-        let (u, numbers) = numbers.split_at_mut(degrees);
-        let (momentum, numbers) = numbers.split_at_mut(degrees);
-        let (by_p, numbers) = numbers.split_at_mut(degrees);
+        let apart = apart(degrees);
+        let (x, numbers) = split_apart(numbers, unknowns, apart);
+        let (correction, numbers) = split_apart(numbers, unknowns, apart);
+        let (previous, numbers) = split_apart(numbers, unknowns, apart);
+        let (u, numbers) = split_apart(numbers, degrees, apart);
+        let (momentum, numbers) = split_apart(numbers, degrees, apart);
+        let (by_p, numbers) = split_apart(numbers, degrees, apart);
         Lists {
             x,
             correction,
@@ -149,19 +164,28 @@ impl<S> Lists<'_, S> {
 }
 
 impl<S> Stages<'_, S> {
+    /// Where the coordinates of a stage are, and the slopes by them.
+    #[inline(always)]
+    fn bounds(&self, stage: usize) -> (usize, usize) {
+        let stride = self.degrees + apart(self.degrees);
+        (2 * stride * stage, stride)
+    }
+
     /// The coordinates of a stage, and the slopes by them.
     #[inline(always)]
     pub(super) fn at(&self, stage: usize) -> (&[S], &[S]) {
-        let (first, second) =
-            self.numbers[2 * self.degrees * stage..][..2 * self.degrees].split_at(self.degrees);
+        let (start, stride) = self.bounds(stage);
+        let (first, second) = self.numbers[start..][..2 * stride].split_at(stride);
+        let (first, second) = (&first[..self.degrees], &second[..self.degrees]);
         if self.is_turned { (second, first) } else { (first, second) }
     }
 
     /// The same, to be written.
     #[inline(always)]
     pub(super) fn at_mut(&mut self, stage: usize) -> (&mut [S], &mut [S]) {
-        let both = &mut self.numbers[2 * self.degrees * stage..][..2 * self.degrees];
-        let (first, second) = both.split_at_mut(self.degrees);
+        let (start, stride) = self.bounds(stage);
+        let (first, second) = self.numbers[start..][..2 * stride].split_at_mut(stride);
+        let (first, second) = (&mut first[..self.degrees], &mut second[..self.degrees]);
         if self.is_turned { (second, first) } else { (first, second) }
     }
 
@@ -176,7 +200,7 @@ impl<S> Stages<'_, S> {
 pub(super) struct Scratch<'a, S> {
     pub(super) lists: Lists<'a, S>,
     pub(super) diagonal: &'a mut [S],
-    pub(super) past: &'a [Vec<S>; 3],
+    pub(super) past: &'a mut [Vec<S>; 3],
     pub(super) known: u8,
     pub(super) iteration: Iteration,
     pub(super) prefers_newton: bool,

@@ -37,7 +37,7 @@ pub(super) fn decay<H: Elements>(system: &H, h: f64) -> f64 {
 
 /// What a sum starts with: adding to `-0.0` is nothing, where compilers see it, and not so for `0.0`.
 #[inline(always)]
-pub(super) fn nothing<S: Scalar>() -> S {
+pub(crate) fn nothing<S: Scalar>() -> S {
     S::from_f64(-0.0)
 }
 

@@ -124,14 +124,15 @@ impl Chunk<'_> {
         };
         let (places, sums) = (self.places(inner), written(self.outputs));
         if has_all {
-            let mentioned = quote!(#limited #pass #places);
+            let positions = places.as_ref().map(|(_, places)| places);
+            let mentioned = quote!(#limited #pass #positions);
             let opens_at_low = mentions(&mentioned, &name.to_string()).then(|| quote!(let #name = __low;));
             let pass = match &places {
                 None => pass,
-                Some(places) => {
+                Some((stride, places)) => {
                     let moves = opens_at_low.as_ref().map(|_| quote!(let #name = __low;));
                     quote! {
-                        let (__skipped, __len) = #sums.clip(__len, #places);
+                        let (__skipped, __len) = #sums.clip::<#stride, _>(__len, #places);
                         if __len > 0 {
                             let __low = __low + __skipped as #isize;
                             #moves
@@ -157,9 +158,9 @@ impl Chunk<'_> {
                 #pass
                 #name += __len as #isize;
             },
-            Some(places) => quote! {
+            Some((stride, places)) => quote! {
                 let __next = #name + __len as #isize;
-                let (__skipped, __len) = #sums.clip(__len, #places);
+                let (__skipped, __len) = #sums.clip::<#stride, _>(__len, #places);
                 if __len > 0 {
                     let __low = __low + __skipped as #isize;
                     #name = __low;
@@ -182,16 +183,25 @@ impl Chunk<'_> {
         Emitted { buffers, body }
     }
 
-    /// Where the first placement of a chunk writes, if that of each one after it is the place after.
-    fn places(&self, inner: u32) -> Option<TokenStream> {
-        if self.wanted != Wanted::Slopes || !can_be_clipped(self.outputs, inner) {
+    /// The arguments of `clip`: where the first placement of a chunk writes, if that of each one after it is the place after, or the
+    /// point after.
+    fn places(&self, inner: u32) -> Option<(Literal, TokenStream)> {
+        if self.wanted != Wanted::Slopes {
             return None;
         }
-        let places = self.outputs.iter().map(|(_, target)| match target {
-            Target::Slope { index, .. } => self.indices.position(index),
-            Target::Total | Target::Curvature { .. } => TokenStream::new(),
-        });
-        Some(quote!([#(#places),*]))
+        let (mut strides, mut bases): (Vec<i128>, Vec<Index>) = (Vec::new(), Vec::new());
+        for (_, target) in self.outputs {
+            let Target::Slope { index, .. } = target else { return None };
+            let (stride, base) = stretch(index, inner, self.components)?;
+            if !bases.contains(&base) {
+                bases.push(base);
+            }
+            strides.push(stride);
+        }
+        let stride = *strides.first()?;
+        let positions = bases.iter().map(|base| self.indices.position(base));
+        let is_same = strides.iter().all(|other| *other == stride);
+        is_same.then(|| (Literal::i128_unsuffixed(stride), quote!([#(#positions),*])))
     }
 
     /// The local variables that the arithmetic reads, with their numbers.
@@ -247,7 +257,7 @@ impl Chunk<'_> {
                 });
             }
             Motion::Points { base, part } => {
-                let (points, part) = (self.points(code, &list, &base, false), count(part));
+                let (points, part) = (self.points(code, inner, &list, &base, false), count(part));
                 let value = self.wanted.lifted(quote!(#points[__place][#part]));
                 code.reads.extend(quote!(let #own = #value;));
             }
@@ -259,11 +269,19 @@ impl Chunk<'_> {
     }
 
     /// The name of the points of `list` from `base` on.
-    fn points(&self, code: &mut Code, list: &TokenStream, base: &Index, is_written: bool) -> Ident {
+    fn points(
+        &self,
+        code: &mut Code,
+        inner: u32,
+        list: &TokenStream,
+        base: &Index,
+        is_written: bool,
+    ) -> Ident {
         let key = list.to_string();
         if let Some((.., name)) = code.points.iter().find(|(known, at, _)| *known == key && at == base) {
             return name.clone();
         }
+        self.limit(code, base, inner);
         let name = format_ident!("__points{}", code.points.len());
         let (at, components) = (self.indices.position(base), Literal::i128_unsuffixed(self.components));
         code.opening.extend(match is_written {
@@ -320,7 +338,8 @@ impl Chunk<'_> {
                         continue;
                     }
                     code.direct.push(vector.clone());
-                    let (points, value) = (self.points(code, &list, &base, true), &values[j]);
+                    self.keep_order(code, inner, j);
+                    let (points, value) = (self.points(code, inner, &list, &base, true), &values[j]);
                     let part = count(part);
                     code.stores.extend(quote!(#points.add_part(__place, #part, #value);));
                 }
@@ -358,19 +377,30 @@ impl Chunk<'_> {
     /// terms in the order of the placements.
     fn keep_order(&self, code: &mut Code, inner: u32, j: usize) {
         let place = |j: usize| match self.outputs.get(j) {
-            Some((_, Target::Slope { vector, index })) => Some((vector, index)),
+            Some((_, Target::Slope { vector, index })) => {
+                stretch(index, inner, self.components).map(|(stride, base)| (vector, stride, base))
+            }
             _ => None,
         };
-        let Some((vector, index)) = place(j) else { return };
-        let own = self.indices.position(index);
+        let Some((vector, stride, own)) = place(j) else { return };
+        let is_own =
+            |earlier: &usize| place(*earlier).is_some_and(|(known, _, at)| known == vector && at == own);
+        if code.added.iter().any(is_own) {
+            return;
+        }
         for &earlier in &code.added {
-            let Some((_, before)) = place(earlier).filter(|(known, _)| *known == vector) else { continue };
-            let is_plain = wrap(index, inner).is_none() && wrap(before, inner).is_none();
-            let ahead = index.subtract(before).and_then(|distance| distance.as_integer());
+            let Some((_, _, before)) = place(earlier).filter(|(known, ..)| *known == vector) else {
+                continue;
+            };
+            let is_plain = wrap(&own, inner, stride).is_none() && wrap(&before, inner, stride).is_none();
+            let ahead = own.subtract(&before).and_then(|distance| distance.as_integer());
             if is_plain && ahead.is_some_and(|ahead| ahead <= 0) {
                 continue;
             }
-            let before = self.indices.position(before);
+            let [before, own] = [&before, &own].map(|index| {
+                let (position, size) = (self.indices.position(index), Literal::i128_unsuffixed(stride));
+                if stride == 1 { position } else { quote!(#position / #size) }
+            });
             code.limits.extend(quote!(__len = __wzvi::elements::apart(__len, #before, #own);));
         }
         code.added.push(j);
@@ -403,7 +433,7 @@ impl Chunk<'_> {
             let (base_ahead, value_ahead) = (self.indices.position(ahead), &values[next]);
             let zero = self.zero();
             // One by one where the next place is another one after all.
-            if wrap(index, inner).is_some() || wrap(ahead, inner).is_some() {
+            if wrap(index, inner, 1).is_some() || wrap(ahead, inner, 1).is_some() {
                 code.limits.extend(quote! {
                     if #base_ahead != #base + 1 {
                         __len = 1;
@@ -452,16 +482,23 @@ impl Chunk<'_> {
             code.buffers.extend(quote!(let mut #buffer = [#zero; #most];));
             code.opening.extend(quote!(let #buffer = &mut #buffer[..__len];));
             code.stores.extend(quote!(#buffer[__place] = #value;));
-            if matches!(motion(index, inner, self.components), Motion::Run) {
-                let base = self.indices.position(index);
+            if let Some((stride, base)) = stretch(index, inner, self.components) {
                 self.limit(code, index, inner);
                 self.keep_order(code, inner, j);
-                code.closing.extend(quote! {
-                    let mut __run = #vector.run(#base, __len);
-                    for __place in 0..__len {
-                        __run.add(__place, #buffer[__place]);
+                let at = self.indices.position(&base);
+                let (run, add) = match motion(index, inner, self.components) {
+                    Motion::Points { part, .. } => {
+                        let (size, part) = (Literal::i128_unsuffixed(stride), count(part));
+                        (quote!(points::<#size>), quote!(add_part(__place, #part, #buffer[__place])))
                     }
-                });
+                    _ => (quote!(run), quote!(add(__place, #buffer[__place]))),
+                };
+                code.closing.extend(quote! {{
+                    let mut __run = #vector.#run(#at, __len);
+                    for __place in 0..__len {
+                        __run.#add;
+                    }
+                }});
             } else {
                 let (name, add) = (variable(inner), self.add(target, &quote!(#buffer[__place])));
                 code.closing.extend(quote! {
@@ -478,7 +515,8 @@ impl Chunk<'_> {
 
     /// A chunk ends where an index wraps around.
     fn limit(&self, code: &mut Code, index: &Index, inner: u32) {
-        let Some(both) = wrap(index, inner).filter(|_| !code.limited.contains(index)) else { return };
+        let both = wrap(index, inner, 1).or_else(|| wrap(index, inner, self.components));
+        let Some(both) = both.filter(|_| !code.limited.contains(index)) else { return };
         code.limited.push(index.clone());
         let (at, size) = (self.indices.value(&both.0), self.indices.value(&both.1));
         code.limits.extend(quote! {
@@ -555,9 +593,14 @@ impl Chunk<'_> {
     }
 }
 
-/// Whether each placement of the loop writes to the places after those that the one before writes to.
-fn can_be_clipped(outputs: &[(Expr, Target)], inner: u32) -> bool {
-    outputs.iter().all(|(_, target)| matches!(target, Target::Slope { index, .. } if runs(index, inner)))
+/// Where the first placement of the loop reads or writes, if each one after it does so `stride` places further on: in the next place,
+/// or in the next point. Components of one point have the same.
+pub(super) fn stretch(index: &Index, inner: u32, components: i128) -> Option<(i128, Index)> {
+    match motion(index, inner, components) {
+        Motion::Run => Some((1, index.clone())),
+        Motion::Points { base, .. } => Some((components, base)),
+        Motion::Fixed | Motion::Free => None,
+    }
 }
 
 fn slot_index(slot: &Slot) -> Index {
@@ -577,8 +620,9 @@ fn motion(index: &Index, inner: u32, components: i128) -> Motion {
         return Motion::Run;
     }
     // All points from the first to the last are in the vector if the index is.
+    let moves_on = index.slope(inner) == Some(components) || wrap(index, inner, components).is_some();
     let is_point = components > 1
-        && index.slope(inner) == Some(components)
+        && moves_on
         && index.terms.iter().all(|(_, coefficient)| coefficient % components == 0);
     let part = if is_point { index.constant.rem_euclid(components) } else { 0 };
     match (is_point, index.shifted(-part), usize::try_from(part)) {
@@ -589,15 +633,15 @@ fn motion(index: &Index, inner: u32, components: i128) -> Motion {
 
 /// Whether the index goes up by one with the loop, perhaps wrapping around.
 pub(super) fn runs(index: &Index, inner: u32) -> bool {
-    index.slope(inner) == Some(1) || wrap(index, inner).is_some()
+    index.slope(inner) == Some(1) || wrap(index, inner, 1).is_some()
 }
 
-/// `k + r` and `n` of an index `... + (k + r) % n` with everything else fixed in the loop over `k`.
-fn wrap(index: &Index, inner: u32) -> Option<&(Index, Index)> {
+/// `k + r` and `n` of an index `... + stride ((k + r) % n)` with everything else fixed in the loop over `k`.
+fn wrap(index: &Index, inner: u32, stride: i128) -> Option<&(Index, Index)> {
     let mut moving =
         index.terms.iter().filter(|(atom, _)| Index::atom(atom.clone()).loops().contains(&inner));
     match (moving.next(), moving.next()) {
-        (Some((Atom::Remainder(both), 1)), None) => {
+        (Some((Atom::Remainder(both), coefficient)), None) if *coefficient == stride => {
             let is_run = both.0.slope(inner) == Some(1) && !both.1.loops().contains(&inner);
             is_run.then_some(&**both)
         }
@@ -607,7 +651,7 @@ fn wrap(index: &Index, inner: u32) -> Option<&(Index, Index)> {
 
 /// The index without wrapping around, and after how many places it does.
 fn unwrapped(index: &Index, inner: u32) -> Option<(Index, Index)> {
-    match wrap(index, inner) {
+    match wrap(index, inner, 1) {
         None => Some((index.clone(), Index::default())),
         Some(both) => {
             let rest = index.subtract(&Index::atom(Atom::Remainder(Box::new(both.clone()))))?;

@@ -37,6 +37,24 @@ pub(super) fn emit(model: &mut System, facts: &Facts, texts: &Texts) -> TokenStr
             const IN_LANES: #bool = #in_lanes;
             type Shape = __wzvi::gauss::Dynamic;
             type Noises = __wzvi::gauss::Dynamic;
+            type Parameters<__K: __wzvi::Constant> = __wzvi::Apart;
+
+            fn parameters_beside<const __L: __wzvi::usize>(_: [&Self; __L]) -> __wzvi::Option<__wzvi::Apart> {
+                __wzvi::None
+            }
+
+            fn slopes_over<__S: __wzvi::Over<__K>, __K: __wzvi::Constant, const __BY_Q: #bool, const __BY_P: #bool>(
+                __parameters: &__wzvi::Apart,
+                _: __S,
+                _: __S,
+                _: &[__S],
+                _: &[__S],
+                _: &[__S],
+                _: &mut [__S],
+                _: &mut [__S],
+            ) {
+                match *__parameters {}
+            }
 
             #[inline(always)]
             fn slopes<__S: __wzvi::Scalar, const __BY_Q: #bool, const __BY_P: #bool>(
@@ -72,6 +90,18 @@ pub(super) fn emit(model: &mut System, facts: &Facts, texts: &Texts) -> TokenStr
 fn in_place() -> TokenStream {
     let f64 = quote!(__wzvi::f64);
     quote! {
+        const HAS_WINDOWS: __wzvi::bool = <Self as __wzvi::elements::Elements>::HAS_WINDOWS;
+
+        fn take_windows<'p, __W: __wzvi::elements::Word>(
+            &self,
+            __word: &mut __W,
+            __q: &[#f64],
+            __p: &[#f64],
+            __plan: &'p mut __wzvi::elements::WindowPlan,
+        ) -> __wzvi::Option<__wzvi::Result<__wzvi::elements::Taken<'p>, __wzvi::StepFailure>> {
+            __wzvi::elements::take_windows(self, __word, __q, __p, __plan)
+        }
+
         #[inline(always)]
         fn add_force<__S: __wzvi::Scalar>(
             &self,
@@ -82,7 +112,8 @@ fn in_place() -> TokenStream {
             __p: &mut [__S],
         ) {
             let __wanted = __wzvi::elements::Slopes::BY_COORDINATES;
-            __wzvi::elements::add_slopes(self, __t, __h, __q, __dw, __wanted, __p)
+            let __flow = __wzvi::elements::Flow { t: __t, h: __h, dw: __dw };
+            __wzvi::elements::add_slopes(self, __flow, __q, __wanted, __p)
         }
 
         #[inline(always)]
@@ -95,7 +126,8 @@ fn in_place() -> TokenStream {
             __q: &mut [__S],
         ) {
             let __wanted = __wzvi::elements::Slopes::BY_MOMENTA;
-            __wzvi::elements::add_slopes(self, __t, __h, __p, __dw, __wanted, __q)
+            let __flow = __wzvi::elements::Flow { t: __t, h: __h, dw: __dw };
+            __wzvi::elements::add_slopes(self, __flow, __p, __wanted, __q)
         }
     }
 }

@@ -349,10 +349,10 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     });
     let (value, slopes) = (quote!(#value #part_values #integrals), quote!(#slopes #part_slopes));
     let [of_value, of_slopes, of_curvature] = [&value, &slopes, &curvature].map(|code| opened(model, code));
+    let has_windows = windows::are_there(model, &parts);
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let (f64, usize) = (f64_type(), quote!(__wzvi::usize));
-    let has_windows = windows::are_there(model, &parts);
     let has_one_velocity = windows::have_one_velocity(model, &parts);
     let [exact, usual] = windows::numbers(model, &parts);
     quote! {

@@ -10,7 +10,8 @@ use std::iter::{Cloned, Flatten};
 use std::ops::Range;
 use std::slice;
 
-use super::sums::{Run, Sums};
+use super::super::sums::{Run, Sums};
+use super::BLOCK;
 use crate::scalar::Number;
 
 /// The places from `start` to `end`, of a plan.
@@ -37,8 +38,13 @@ impl<'a> Strip<'a> {
 
     /// As [`Sums::clip`].
     #[inline(always)]
-    pub(super) fn clip<const N: usize>(self, len: usize, first: [usize; N]) -> (usize, usize) {
-        clip(self.start..self.end, len, first)
+    pub(super) fn clip<const D: usize, const N: usize>(
+        self,
+        len: usize,
+        first: [usize; N],
+    ) -> (usize, usize) {
+        // Windows begin with a point.
+        clip(self.start / D..self.end / D, len, first.map(|place| place / D))
     }
 
     /// Where the sums of the window are, in a list of [`Windows::room`].
@@ -81,6 +87,8 @@ fn clip<const N: usize>(places: Range<usize>, len: usize, first: [usize; N]) -> 
 struct Placements {
     /// The outermost loop around it and the value of its variable, if there is one.
     outer: Option<(usize, isize)>,
+    /// Places from one placement to the next.
+    stride: usize,
     len: usize,
     first: Vec<usize>,
 }
@@ -90,6 +98,8 @@ struct Placements {
 pub(super) struct Recorder {
     runs: RefCell<Vec<Placements>>,
     outer: Cell<Option<(usize, isize)>>,
+    /// Places that elements outside of all loops add to.
+    single: RefCell<Vec<usize>>,
 }
 
 /// The values of an outermost loop, each of which the recorder is told before its turn.
@@ -123,9 +133,9 @@ impl<'a> Sums<f64> for &'a Recorder {
     fn outer(&self, variable: usize, values: Range<isize>) -> Told<'a> {
         Told { variable, values, recorder: self }
     }
-    fn clip<const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
+    fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
         let first = first.to_vec();
-        self.runs.borrow_mut().push(Placements { outer: self.outer.get(), len, first });
+        self.runs.borrow_mut().push(Placements { outer: self.outer.get(), stride: D, len, first });
         (0, 0)
     }
     fn run(&mut self, _first: usize, _len: usize) -> Unkept {
@@ -134,7 +144,9 @@ impl<'a> Sums<f64> for &'a Recorder {
     fn points<const D: usize>(&mut self, _first: usize, _len: usize) -> Unkept {
         Unkept
     }
-    fn add<T: Number<f64>>(&mut self, _place: usize, _value: T) {}
+    fn add<T: Number<f64>>(&mut self, place: usize, _value: T) {
+        self.single.borrow_mut().push(place);
+    }
 }
 
 /// Sums that nobody reads.
@@ -163,6 +175,8 @@ pub(super) struct Windows {
     /// Entries that nobody reads, behind all others.
     unread: usize,
     rows: Vec<Rows>,
+    /// By window, those whose coordinates its slopes read, itself included.
+    neighbours: Vec<Vec<usize>>,
 }
 
 /// Windows are as many times as long as placements reach: that part of them is computed twice.
@@ -189,21 +203,43 @@ impl Windows {
     /// Windows of `size` places, or of more where placements write far apart, from the runs of a system of so many degrees of
     /// freedom.
     pub(super) fn new(degrees: usize, size: usize, recorder: Recorder) -> Self {
-        let runs = recorder.runs.into_inner();
-        let size = size.max(REACHES * reach(&runs)).min(degrees).max(1);
+        let (runs, single) = (recorder.runs.into_inner(), recorder.single.into_inner());
+        let stride = runs.iter().map(|run| run.stride).max().unwrap_or(1);
+        let size = size.max(REACHES * reach(&runs)).next_multiple_of(BLOCK * stride).min(degrees).max(1);
         let count = degrees.div_ceil(size);
-        let mut windows = Self { degrees, size, margin: 0, unread: 1, rows: Vec::new() };
+        let neighbours = (0..count).map(|number| vec![number]).collect();
+        let mut windows = Self { degrees, size, margin: 0, unread: 1, rows: Vec::new(), neighbours };
         for run in runs {
             for number in windows.touched(&run) {
                 windows.add(&run, number, count);
             }
         }
+        windows.join(&single);
+        for number in 0..count {
+            for neighbour in windows.neighbours[number].clone() {
+                windows.neighbours[neighbour].push(number);
+            }
+        }
+        for neighbours in &mut windows.neighbours {
+            neighbours.sort_unstable();
+            neighbours.dedup();
+        }
         windows
+    }
+
+    /// The windows of single places are all neighbours: which of them one element reads is not told.
+    fn join(&mut self, single: &[usize]) {
+        let mut numbers: Vec<usize> = single.iter().map(|place| place / self.size).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        for &number in &numbers {
+            self.neighbours[number].extend(&numbers);
+        }
     }
 
     /// The windows that a run writes into.
     fn touched(&self, run: &Placements) -> Vec<usize> {
-        let ends = |&first: &usize| first / self.size..(first + run.len).div_ceil(self.size);
+        let ends = |&first: &usize| first / self.size..(first + run.stride * run.len).div_ceil(self.size);
         let mut all: Vec<usize> = run.first.iter().filter(|_| run.len > 0).flat_map(ends).collect();
         all.sort_unstable();
         all.dedup();
@@ -212,16 +248,21 @@ impl Windows {
 
     fn add(&mut self, run: &Placements, number: usize, count: usize) {
         let (start, end) = self.bounds(number);
-        let clips = run.first.iter().map(|&first| clip(start..end, run.len, [first]));
+        let stride = run.stride;
+        let points = start / stride..end / stride;
+        let clips = run.first.iter().map(|&first| clip(points.clone(), run.len, [first / stride]));
         let (from, to) = clips
             .filter(|&(_, len)| len > 0)
             .fold((run.len, 0), |(from, to), (skip, len)| (from.min(skip), to.max(skip + len)));
         for first in &run.first {
-            let (first, last) = (first + from, first + to);
+            let (first, last) = (first + stride * from, first + stride * to);
             if first < end && start < last {
                 self.margin = self.margin.max(start.saturating_sub(first)).max(last.saturating_sub(end));
             }
-            self.unread = self.unread.max(to - from);
+            self.unread = self.unread.max(stride * (to - from));
+            if from < to {
+                self.neighbours[number].extend(first / self.size..=(last - 1) / self.size);
+            }
         }
         let Some((variable, value)) = run.outer else { return };
         let known = self.rows.iter().position(|rows| rows.variable == variable);
@@ -237,6 +278,7 @@ impl Windows {
         }
     }
 
+    #[inline(always)]
     fn bounds(&self, number: usize) -> (usize, usize) {
         (number * self.size, ((number + 1) * self.size).min(self.degrees))
     }
@@ -252,12 +294,15 @@ impl Windows {
         self.margin
     }
 
-    /// All windows, in order.
+    /// By window, those whose coordinates its slopes read, itself included: who reads is read.
+    pub(super) fn neighbours(&self) -> &[Vec<usize>] {
+        &self.neighbours
+    }
+
+    /// A window by its number.
     #[inline(always)]
-    pub(super) fn all(&self) -> impl Iterator<Item = Strip<'_>> {
-        (0..self.degrees.div_ceil(self.size)).map(move |number| {
-            let (start, end) = self.bounds(number);
-            Strip { start, end, number, plan: self }
-        })
+    pub(super) fn strip(&self, number: usize) -> Strip<'_> {
+        let (start, end) = self.bounds(number);
+        Strip { start, end, number, plan: self }
     }
 }

@@ -14,14 +14,15 @@
 use std::any::TypeId;
 use std::ops::Range;
 
-use super::change::{Change, Moved, Seen};
-use super::memory::{Lists, Scratch};
-use super::passes::{Block, Largest, in_blocks, load, store, subtract};
-use super::step::{Step, nothing};
-use super::sums::Sums;
-use super::window::{Recorder, Strip, Windows};
-use super::windowed::Window;
-use super::{Elements, LEAST_IN_WINDOWS, Slopes, Unknowns};
+use super::layout::{Recorder, Strip, Windows};
+use super::sums::Window;
+use super::{LEAST_IN_WINDOWS, LINE};
+use crate::elements::change::{Change, Moved, Seen};
+use crate::elements::memory::{Lists, Scratch};
+use crate::elements::passes::{Block, Largest, in_blocks, load, store, subtract};
+use crate::elements::step::{Step, nothing};
+use crate::elements::sums::Sums;
+use crate::elements::{Elements, MomentumUpdate, Scheme, Slopes, Unknowns};
 use crate::lanes::instructions::{InstructionSet, Kernel};
 use crate::scalar::{Number, Scalar};
 
@@ -29,21 +30,23 @@ use crate::scalar::{Number, Scalar};
 const SIZE: usize = 256;
 
 /// A correction that was taken.
-pub(super) struct Swept {
+pub(in crate::elements) struct Swept {
     /// The largest correction against the largest unknown; NaN if any is not finite.
-    pub(super) relative: f64,
+    pub(in crate::elements) relative: f64,
     /// What it changed of what the equations are evaluated at; of numbers of one part only.
-    pub(super) change: Option<Change>,
+    pub(in crate::elements) change: Option<Change>,
 }
 
 /// Windows of a system, and what is needed for one of them.
 #[derive(Debug)]
-pub(super) struct Sweeps {
+pub(in crate::elements) struct Sweeps {
     windows: Windows,
     sums: Vec<f64>,
     instructions: InstructionSet,
     /// Whether the coordinates at the unknowns are where the next iteration takes them from.
     is_ready: bool,
+    /// Whether the state after the step is known to be finite.
+    is_finite: bool,
 }
 
 impl Sweeps {
@@ -56,15 +59,15 @@ impl Sweeps {
             step.add_slopes::<f64, _>(step.q, step.p, wanted, &mut &recorder);
         }
         let windows = Windows::new(step.degrees(), SIZE, recorder);
-        let sums = vec![nothing(); windows.room()];
-        Self { windows, sums, instructions: InstructionSet::best(), is_ready: false }
+        let sums = vec![nothing(); windows.room() + LINE];
+        Self { windows, sums, instructions: InstructionSet::best(), is_ready: false, is_finite: false }
     }
 }
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// The guess of so many steps before, with its `u` and `P`.
     #[inline(always)]
-    pub(super) fn start(&self, scratch: &mut Scratch<'_, S>, known: u8) {
+    pub(in crate::elements) fn start(&self, scratch: &mut Scratch<'_, S>, known: u8) {
         if self.takes_vectors(scratch) && self.start_in_vectors(scratch, known) {
             return;
         }
@@ -74,7 +77,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 
     /// `x ← φ(x)`, with the new `u` and `P` from those of before.
     #[inline(always)]
-    pub(super) fn sweep(&self, scratch: &mut Scratch<'_, S>) -> Swept {
+    pub(in crate::elements) fn sweep(&self, scratch: &mut Scratch<'_, S>) -> Swept {
         if self.takes_vectors(scratch)
             && let Some(swept) = self.sweep_in_vectors(scratch)
         {
@@ -103,7 +106,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 
     /// Whether an iteration may have failed for arguments of functions that loops over neighbours do not know.
     #[inline(always)]
-    pub(super) fn may_have_been_unusual(&self, scratch: &Scratch<'_, S>) -> bool {
+    pub(in crate::elements) fn may_have_been_unusual(&self, scratch: &Scratch<'_, S>) -> bool {
         TypeId::of::<H::Usual>() != TypeId::of::<H::Exact>() && self.takes_vectors(scratch)
     }
 
@@ -182,6 +185,82 @@ impl<H: Elements> Step<'_, H, f64> {
     }
 }
 
+impl<H: Elements, S: Scalar> Step<'_, H, S> {
+    /// Whether the last iteration went in windows and leads to a state that is finite: then [`Scratch::store_windows`] ends the step.
+    #[inline(always)]
+    pub(in crate::elements) fn is_in_windows(&self, scratch: &mut Scratch<'_, S>) -> bool {
+        let is_a_multiple = matches!(self.scheme.update, MomentumUpdate::Multiple(_));
+        let is_known =
+            |sweeps: &mut Box<Sweeps>| std::mem::replace(&mut sweeps.is_ready, false) && sweeps.is_finite;
+        H::HAS_WINDOWS && !H::IS_CONFORMAL && is_a_multiple && scratch.sweeps.as_mut().is_some_and(is_known)
+    }
+}
+
+impl<S: Scalar> Scratch<'_, S> {
+    /// The unknowns change in another way than in windows.
+    #[inline(always)]
+    pub(in crate::elements) fn leave_windows(&mut self) {
+        if let Some(sweeps) = self.sweeps.as_deref_mut() {
+            sweeps.is_ready = false;
+        }
+    }
+
+    /// Adds the increments of a step to the state, and keeps its unknowns for the next if that is to be.
+    #[inline(never)]
+    pub(in crate::elements) fn store_windows(&mut self, scheme: &Scheme, q: &mut [S], p: &mut [S]) {
+        let (Some(sweeps), MomentumUpdate::Multiple(factor)) = (self.sweeps.as_deref(), scheme.update) else {
+            return;
+        };
+        let (Some(q), Some(p), Some(lists)) = (S::plain_mut(q), S::plain_mut(p), self.lists.plain()) else {
+            return;
+        };
+        self.past.rotate_right(usize::from(scheme.remembers));
+        let past = S::plain_mut(&mut self.past[0]).unwrap_or_default();
+        sweeps.instructions.run(Store { q, p, u: lists.u, x: lists.x, past, factor });
+    }
+}
+
+/// `q += u`, `p += factor v`, and a copy of `v` if there is room for one.
+struct Store<'a> {
+    q: &'a mut [f64],
+    p: &'a mut [f64],
+    u: &'a [f64],
+    x: &'a [f64],
+    past: &'a mut [f64],
+    factor: f64,
+}
+
+impl Kernel for Store<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const L: usize, const HALF: usize>(mut self) {
+        in_blocks::<HALF>(self.x.len(), &mut self);
+    }
+}
+
+impl Block for Store<'_> {
+    #[inline(always)]
+    fn take<const N: usize>(&mut self, first: usize) {
+        let (mut q, mut p) = (load::<_, N>(self.q, first), load::<_, N>(self.p, first));
+        let (u, x) = (load::<_, N>(self.u, first), load::<_, N>(self.x, first));
+        for i in 0..N {
+            (q[i], p[i]) = after([q[i], p[i]], u[i], x[i], self.factor);
+        }
+        store(self.q, first, q);
+        store(self.p, first, p);
+        if !self.past.is_empty() {
+            store(self.past, first, x);
+        }
+    }
+}
+
+/// The state after a step.
+#[inline(always)]
+fn after([q, p]: [f64; 2], u: f64, v: f64, factor: f64) -> (f64, f64) {
+    (q + u, p + v * factor)
+}
+
 /// [`Step::start`]
 struct Start<'a, 's, H> {
     step: Step<'s, H, f64>,
@@ -200,7 +279,8 @@ impl<H: Elements> Kernel for Start<'_, '_, H> {
         let Lists { x, u, momentum, mut stages, .. } = lists;
         let (_, q) = stages.at_mut(0);
         let [point, _] = step.weights();
-        for strip in sweeps.windows.all() {
+        for number in 0..sweeps.windows.neighbours().len() {
+            let strip = sweeps.windows.strip(number);
             let places = strip.start..strip.end;
             let x = &mut x[places.clone()];
             let past = past.map(|past| past.get(places.clone()).unwrap_or(&[]));
@@ -215,7 +295,7 @@ impl<H: Elements> Kernel for Start<'_, '_, H> {
                 Follow::new(&step, &places, u_of, point, &mut u[places.clone()], &mut q[places.clone()]);
             in_blocks::<L>(places.len(), &mut follow);
         }
-        sweeps.is_ready = true;
+        (sweeps.is_ready, sweeps.is_finite) = (true, false);
     }
 }
 
@@ -273,10 +353,15 @@ impl<H: Elements> Kernel for Sweep<'_, '_, H> {
         let Self { step, lists, sweeps } = self;
         let Lists { x, correction, u, by_p: before, momentum, mut stages, .. } = lists;
         let (now, next) = stages.at_mut(0);
-        let [point, weight] = step.weights();
+        let ([point, weight], mut zeros) = (step.weights(), [0.0; HALF]);
+        let factor = match step.scheme.update {
+            MomentumUpdate::Multiple(factor) => factor,
+            MomentumUpdate::Slopes => f64::NAN,
+        };
         let (mut size, mut corrected, mut seen) =
             (Largest::<HALF>::default(), Largest::<HALF>::default(), Seen::<HALF>::new());
-        for strip in sweeps.windows.all() {
+        for number in 0..sweeps.windows.neighbours().len() {
+            let strip = sweeps.windows.strip(number);
             let places = strip.start..strip.end;
             let forces =
                 step.window::<H::Usual>(strip, [now, step.p], Slopes::BY_COORDINATES, &mut sweeps.sums);
@@ -302,10 +387,19 @@ impl<H: Elements> Kernel for Sweep<'_, '_, H> {
                 &mut u[places.clone()],
                 &mut next[places.clone()],
             );
-            let compared = &mut Compared { follow, before: &before[places.clone()], seen: &mut seen };
+            let compared = &mut Compared {
+                p: &step.p[places.clone()],
+                x: &x[places.clone()],
+                factor,
+                zeros,
+                follow,
+                before: &before[places.clone()],
+                seen: &mut seen,
+            };
             in_blocks::<HALF>(places.len(), compared);
+            zeros = compared.zeros;
         }
-        sweeps.is_ready = true;
+        (sweeps.is_ready, sweeps.is_finite) = (true, zeros.iter().sum::<f64>() == 0.0);
         let change = seen.finish();
         let relative = match change {
             Change::Unknown => f64::NAN,
@@ -386,6 +480,11 @@ struct Compared<'a, const L: usize> {
     follow: Follow<'a>,
     before: &'a [f64],
     seen: &'a mut Seen<L>,
+    p: &'a [f64],
+    x: &'a [f64],
+    factor: f64,
+    /// Zero while the state after the step is finite.
+    zeros: [f64; L],
 }
 
 impl<const L: usize> Block for Compared<'_, L> {
@@ -394,5 +493,11 @@ impl<const L: usize> Block for Compared<'_, L> {
         self.follow.take::<N>(first);
         let Follow { velocities: u, q, point, .. } = self.follow;
         Moved { q, u, before: self.before, point, seen: self.seen }.take::<N>(first);
+        let (q, u) = (load::<_, N>(q, first), load::<_, N>(u, first));
+        let (p, x) = (load::<_, N>(self.p, first), load::<_, N>(self.x, first));
+        for i in 0..N.min(L) {
+            let (q, p) = after([q[i], p[i]], u[i], x[i], self.factor);
+            self.zeros[i] += q * 0.0 + p * 0.0;
+        }
     }
 }

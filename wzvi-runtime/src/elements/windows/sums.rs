@@ -1,0 +1,178 @@
+//! What the slopes of a window are added to.
+
+use std::ops::Range;
+
+use super::super::step::nothing;
+use super::super::sums::{Points, Run, Sums};
+use super::layout::{Strip, Values};
+use crate::scalar::Number;
+
+/// Sums of a window in a list of their own, of which those before `filled` have terms: what comes to the others is their first.
+pub(super) struct Window<'a> {
+    strip: Strip<'a>,
+    sums: &'a mut [f64],
+    filled: usize,
+}
+
+impl<'a> Window<'a> {
+    /// Sums without terms.
+    #[inline(always)]
+    pub(super) fn empty(strip: Strip<'a>, sums: &'a mut [f64]) -> Self {
+        Self { strip, sums, filled: 0 }
+    }
+
+    /// Sums that begin with the numbers of the window.
+    #[inline(always)]
+    pub(super) fn onto(strip: Strip<'a>, sums: &'a mut [f64], numbers: &[f64]) -> Self {
+        let (own, filled) = (strip.own(), strip.unread());
+        sums[..own.start].fill(nothing());
+        sums[own.clone()].copy_from_slice(numbers);
+        sums[own.end..filled].fill(nothing());
+        Self { strip, sums, filled }
+    }
+
+    /// Where the sums of `len` places from `first` on are, and whether they have no term yet.
+    #[inline(always)]
+    fn open(&mut self, first: usize, len: usize) -> (usize, bool) {
+        let position = self.strip.position(first, len);
+        let end = position + len;
+        if end <= self.filled || position >= self.strip.unread() {
+            return (position, false);
+        }
+        let is_fresh = position >= self.filled;
+        self.sums[self.filled..if is_fresh { position } else { end }].fill(nothing());
+        self.filled = end;
+        (position, is_fresh)
+    }
+
+    /// The sums of the window.
+    #[inline(always)]
+    pub(super) fn finish(self) -> &'a [f64] {
+        let Self { strip, sums, filled } = self;
+        let own = strip.own();
+        if filled < own.end {
+            sums[filled..own.end].fill(nothing());
+        }
+        &sums[own]
+    }
+}
+
+impl<'a> Sums<f64> for Window<'a> {
+    type Outer = Values<'a>;
+    type Run<'r>
+        = Gathered<'r>
+    where
+        Self: 'r;
+    type Points<'r, const D: usize>
+        = Points<'r, f64, D>
+    where
+        Self: 'r;
+
+    #[inline(always)]
+    fn outer(&self, variable: usize, _values: Range<isize>) -> Values<'a> {
+        self.strip.outer(variable)
+    }
+    #[inline(always)]
+    fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
+        self.strip.clip::<D, N>(len, first)
+    }
+    #[inline(always)]
+    fn run(&mut self, first: usize, len: usize) -> Gathered<'_> {
+        let (position, is_fresh) = self.open(first, len);
+        Gathered { sums: &mut self.sums[position..position + len], is_fresh }
+    }
+    #[inline(always)]
+    fn points<const D: usize>(&mut self, first: usize, len: usize) -> Points<'_, f64, D> {
+        let (position, is_fresh) = self.open(first, D * len);
+        let points = self.sums.points(position, len);
+        if is_fresh {
+            points.0.fill([nothing(); D]);
+        }
+        points
+    }
+    #[inline(always)]
+    fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
+        self.run(place, 1).add(0, value);
+    }
+}
+
+/// A stretch of a window.
+pub(super) struct Gathered<'r> {
+    sums: &'r mut [f64],
+    is_fresh: bool,
+}
+
+impl Run<f64> for Gathered<'_> {
+    #[inline(always)]
+    fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
+        let sum = if self.is_fresh { nothing() } else { self.sums[place] };
+        self.sums[place] = (T::of(sum) + value).kept();
+    }
+    #[inline(always)]
+    fn add_part<T: Number<f64>>(&mut self, place: usize, part: usize, value: T) {
+        self.add(place + part, value);
+    }
+}
+
+/// Sums of one term each and a number that is known before: `next[i] = base[i] + term`.
+pub(super) struct Moved<'a> {
+    pub(super) strip: Strip<'a>,
+    pub(super) base: &'a [f64],
+    pub(super) next: &'a mut [f64],
+}
+
+impl<'a> Sums<f64> for Moved<'a> {
+    type Outer = Values<'a>;
+    type Run<'r>
+        = MovedRun<'r, 1>
+    where
+        Self: 'r;
+    type Points<'r, const D: usize>
+        = MovedRun<'r, D>
+    where
+        Self: 'r;
+
+    #[inline(always)]
+    fn outer(&self, variable: usize, _values: Range<isize>) -> Values<'a> {
+        self.strip.outer(variable)
+    }
+    #[inline(always)]
+    fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
+        self.strip.clip::<D, N>(len, first)
+    }
+    #[inline(always)]
+    fn run(&mut self, first: usize, len: usize) -> MovedRun<'_, 1> {
+        self.points::<1>(first, len)
+    }
+    #[inline(always)]
+    fn points<const D: usize>(&mut self, first: usize, len: usize) -> MovedRun<'_, D> {
+        let places = first..first + D * len;
+        MovedRun {
+            base: &self.base[places.clone()].as_chunks().0[..len],
+            next: &mut self.next[places].as_chunks_mut().0[..len],
+        }
+    }
+    #[inline(always)]
+    fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
+        if (self.strip.start..self.strip.end).contains(&place) {
+            self.run(place, 1).add(0, value);
+        }
+    }
+}
+
+/// A stretch of [`Moved`], in points.
+pub(super) struct MovedRun<'r, const D: usize> {
+    base: &'r [[f64; D]],
+    next: &'r mut [[f64; D]],
+}
+
+impl<const D: usize> Run<f64> for MovedRun<'_, D> {
+    #[inline(always)]
+    fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
+        self.add_part(place, 0, value);
+    }
+    #[inline(always)]
+    fn add_part<T: Number<f64>>(&mut self, place: usize, part: usize, value: T) {
+        self.next[place][part] = (T::of(self.base[place][part]) + value).kept();
+    }
+}
