@@ -5,7 +5,7 @@
 //!
 //! * **Temperature**: momenta and positions have that of the bath, `⟨q · ∂H/∂q⟩ = d kT`.
 //! * **Specific heat**: `C = Var H/(kT)²` at each temperature, and between neighbours what `⟨H⟩` gains; 36 for a cold cluster, half of 39 momenta and 33 vibrations.
-//! * **Melting**: the peak of `C` is published at `kT = 0.288` (D. D. Frantz, J. Chem. Phys. 102, 3747, 1995, by Monte Carlo).
+//! * **Melting**: the peak of `C` is published near `kT = 0.29` (D. D. Frantz, J. Chem. Phys. 102, 3747, 1995, arXiv:chem-ph/9406001, by Monte Carlo).
 //!
 //! `cargo run --release --example langevin_lennard_jones`, less than a minute
 
@@ -149,11 +149,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let headings = ["kT", "kinetic", "configurational", "energy", "C by its variance", "C to the next kT"];
     table::print(headings, &rows);
-    println!("\n  published: the peak of C is at kT = 0.288\n");
+    println!("\n  published: the peak of C is near kT = 0.29\n");
     let heat: Vec<(f64, f64)> =
         TEMPERATURES.iter().zip(&measured).map(|(&kt, now)| (kt, now.heat_capacity)).collect();
     let capacity = Figure::panel("Specific heat of 13 atoms", "kT [ε]", "C [k]")
-        .points(Look::Dashed, "published peak", Colour::GREY, [(0.288, 30.0), (0.288, 130.0)])
+        .points(Look::Dashed, "published peak", Colour::GREY, [(0.29, 30.0), (0.29, 130.0)])
         .points(Look::Joined, "Var H/(kT)²", Colour::BLUE, heat);
     let pairs = Figure::panel("Distances of pairs", "r [σ]", "density")
         .line("kT = 0.1", Colour::BLUE, distances(0.1)?)

@@ -221,10 +221,11 @@ pub mod __private {
     pub use wzvi_runtime::elements;
     pub use wzvi_runtime::embedding;
     pub use wzvi_runtime::error::{ConfigError, StepFailure};
+    pub use wzvi_runtime::lanes::Lanes;
     pub use wzvi_runtime::modified::Conservative;
     pub use wzvi_runtime::nalgebra::{DVector, SVector};
     pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
-    pub use wzvi_runtime::scalar::{Mask, Number, Rounded, Scalar};
+    pub use wzvi_runtime::scalar::{Apart, Beside, Constant, Mask, Number, Over, Rounded, Scalar};
     pub use wzvi_runtime::solve::*;
     pub use wzvi_runtime::state::{State, Vector};
     pub use wzvi_runtime::system::{
@@ -232,7 +233,7 @@ pub mod __private {
         increments,
     };
     pub use wzvi_runtime::variables::{Labels, Variables};
-    pub use wzvi_runtime::{__composition as composition, __gauss as gauss, gauss};
+    pub use wzvi_runtime::{__apart as apart, __composition as composition, __gauss as gauss, gauss};
 
     /// What bindings of generated code are called until they are bound: a pattern may shadow a function, and not a
     /// constant.

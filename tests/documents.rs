@@ -107,6 +107,18 @@ fn the_guide_has_all_of_its_pages() {
 }
 
 /// All code that says it is Rust is compiled and run as a test of the documentation.
+/// The book has the pages of the guide, and not what stands around it.
+#[test]
+fn the_guide_links_to_its_own_pages() {
+    for document in documents().into_iter().filter(|document| document.parent().unwrap().ends_with("guide")) {
+        for link in links(&text(&document)) {
+            let page = link.split('#').next().unwrap();
+            let is_outside = page.starts_with("..") && page.ends_with(".md");
+            assert!(!is_outside, "{}: {link}", document.display());
+        }
+    }
+}
+
 #[test]
 fn every_program_in_a_document_is_run() {
     let tested = fs::read_to_string(root().join("src/lib.rs")).unwrap();

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that unwraps says what it expects")]
 #![allow(missing_docs, reason = "test systems")]
 
-use wzvi::ensemble::{InstructionSet, Quantiles, Statistics};
+use wzvi::ensemble::{Column, InstructionSet, Passage, Quantiles, Statistics, Table};
 use wzvi::error::{ConfigError, Error};
 use wzvi::prelude::*;
 
@@ -134,6 +134,64 @@ fn every_split_gives_the_same_bits() {
     }
 }
 
+/// Few paths are one block, which threads share; and a group of lanes that are not all needed is narrower.
+#[test]
+fn a_block_that_is_shared_has_the_same_bits() {
+    for paths in [5, 40, 77, 512, 600] {
+        let run = |threads: usize| {
+            let run = everything(paths).record_at([0.35, 1.0]).keep_paths(1 << 20).threads(threads);
+            format!("{:?}", run.section(|state| state.p[0]).keep_crossings(2).run().unwrap())
+        };
+        let alone = run(1);
+        for threads in [2, 3, 8, 100] {
+            assert_eq!(run(threads), alone, "{paths} paths, {threads} threads");
+        }
+    }
+    let pairs = |threads| {
+        let run =
+            Kramers { s: 0.3 }.ensemble::<Midpoint>(0.1).start(State::new([-1.0], [0.0])).seed(3).paths(200);
+        run.antithetic().steps(30).threads(threads).quantiles().run().unwrap()
+    };
+    assert!(pairs(8) == pairs(1) && pairs(3) == pairs(1));
+}
+
+/// What the passages and the crossings of each path were, beside what their sums say.
+#[test]
+fn results_by_path_are_columns() {
+    let run =
+        everything(300).keep_paths(1 << 20).section(|state| state.p[0]).keep_crossings(1).run().unwrap();
+    let turns = run.passage("turns").unwrap();
+    let by_path = turns.by_path().unwrap();
+    let count = |of: fn(&Passage) -> bool| by_path.iter().filter(|passage| of(passage)).count() as u64;
+    assert_eq!(count(|passage| matches!(passage, Passage::At(_))), turns.passed());
+    assert_eq!(count(|passage| matches!(passage, Passage::Censored)), turns.censored());
+    assert_eq!(count(|passage| matches!(passage, Passage::Lost(_))), turns.lost());
+    let table = |name: &str| run.tables().into_iter().find(|table| table.name() == name).unwrap();
+    let column = |table: &Table, name: &str| {
+        let (_, column) = table.columns().iter().find(|(known, _)| known == name).unwrap();
+        column.clone()
+    };
+    let (passages, states) = (table("path_passages"), table("crossing_states"));
+    assert_eq!(passages.rows(), 600);
+    let Column::Number(times) = column(&passages, "time") else { unreachable!() };
+    for (time, passage) in times.iter().zip(by_path) {
+        match passage {
+            Passage::At(at) | Passage::Lost(at) => assert_eq!(time, at),
+            Passage::Censored => assert!(time.is_nan()),
+        }
+    }
+    // A path starts with p > 0: where it first turns, it crosses p = 0 downwards for the first time.
+    let (Column::Count(paths), Column::Number(p)) = (column(&states, "path"), column(&states, "p0")) else {
+        unreachable!()
+    };
+    assert_eq!(paths.len() as u64, turns.passed());
+    assert!(paths.iter().all(|&path| matches!(by_path[path as usize], Passage::At(_))));
+    // Of the cubic between the nodes, at its zero to rounding.
+    assert!(p.iter().all(|p| p.abs() < 1e-14), "{p:?}");
+    assert_eq!(table("crossings").rows(), 1);
+    assert!(everything(9).run().unwrap().passages()[0].by_path().is_none());
+}
+
 /// The first passage of Brownian motion through 1 before time 1: `2 Φ(-1) = 0.3173`. Watched at nodes only, the level is as
 /// good as `0.5826 √h` farther away (M. Broadie, P. Glasserman, S. Kou, Math. Finance 7, 1997), up to `o(√h)`; the
 /// correction is 16 standard errors of this run, and what it leaves has to be within five.
@@ -220,8 +278,8 @@ fn times_are_chosen() {
     assert!(config(everything(50).record_at([f64::NAN]).run()).contains("NaN"));
     assert!(config(everything(50).histogram("energy", 0.0, 1.0, 3).run()).contains("energy"));
     assert!(config(everything(50).histogram("q", 1.0, 0.0, 3).run()).contains("width"));
-    assert!(config(everything(50).keep_paths(1599).run()).contains("1600"));
-    assert!(everything(50).keep_paths(1600).run().is_ok());
+    assert!(config(everything(50).keep_paths(3199).run()).contains("3200"));
+    assert!(everything(50).keep_paths(3200).run().is_ok());
     assert!(config(everything(50).observe("q", |_| 0.0).run()).contains("`q`"));
 }
 
@@ -256,7 +314,8 @@ fn files_are_read_back() {
         assert_eq!(text.lines().count(), table.rows() + 1, "{}", table.name());
     }
     let names: Vec<String> = run.tables().iter().map(|table| table.name().to_owned()).collect();
-    let all = "run moments covariances quantiles histograms passages passage_times failures paths";
+    let all = "run moments covariances quantiles histograms passages passage_times path_passages crossings \
+               crossing_states failures paths";
     assert_eq!(names.join(" "), all);
 
     run.write_json(folder.join("all.json")).unwrap();

@@ -1,4 +1,4 @@
-//! A cloud of starts without noise: what a path and step costs in an ensemble, beside loops written by hand.
+//! A cloud of starts and a sweep over parameters, without noise: what a path and step costs in an ensemble, beside loops written by hand.
 
 use std::hint::black_box;
 
@@ -16,7 +16,39 @@ use crate::scenes::STEPS;
 )]
 struct HenonHeiles;
 
+/// The same with parameters.
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) + 0.5 * (a * x * x + b * y * y) + c * x * x * y - d * y * y * y / 3.0,
+    embedding = [Verlet, Midpoint],
+)]
+#[derive(Clone, Copy)]
+struct Galaxy {
+    a: f64,
+    b: f64,
+    c: f64,
+    d: f64,
+}
+
 const H: f64 = 0.1;
+
+/// A grid of four parameters.
+fn galaxy(path: u64) -> Galaxy {
+    let digit = |place: u32| 0.05 * (path / 5_u64.pow(place) % 5) as f64;
+    Galaxy { a: 0.9 + digit(0), b: 0.9 + digit(1), c: 0.9 + digit(2), d: 0.9 + digit(3) }
+}
+
+/// The mean of `x²` at the end of a sweep.
+fn sweep<E>(paths: u64) -> f64
+where
+    Galaxy: Discretized<E, Vector = SVector<f64, 2>>,
+{
+    let first = galaxy(0);
+    let run =
+        first.ensemble::<E>(H).systems(|draw| galaxy(draw.path())).start(State::new([0.1, 0.0], [0.05, 0.1]));
+    let run = run.paths(paths).steps(STEPS).threads(1);
+    let run = run.observe("x²", |state| state.q[0] * state.q[0]).run().unwrap();
+    run.mean("x²").unwrap()
+}
 
 /// Starts that a loop by hand makes, too.
 fn start(path: u64) -> [f64; 4] {
@@ -38,59 +70,83 @@ where
     run.mean("x²").unwrap()
 }
 
-fn by_hand(paths: u64, mut step: impl FnMut(&mut [f64; 4])) -> f64 {
+#[inline(always)]
+fn by_hand(
+    paths: u64,
+    start: impl Fn(u64) -> [f64; 4],
+    system: impl Fn(u64) -> Galaxy,
+    step: impl Fn(&Galaxy, &mut [f64; 4], &mut [f64; 4]),
+) -> f64 {
     let mut sum = 0.0;
     for path in 0..paths {
-        let mut state = black_box(start(path));
-        (0..STEPS).for_each(|_| step(&mut state));
+        let (mut state, system, mut kept) = (black_box(start(path)), system(path), [f64::NAN; 4]);
+        (0..STEPS).for_each(|_| step(&system, &mut state, &mut kept));
         sum += state[0] * state[0];
     }
     sum / paths as f64
 }
 
-fn force(x: f64, y: f64) -> [f64; 2] {
-    [-x - 2.0 * x * y, -y - x * x + y * y]
+/// `a x²/2 + b y²/2 + c x² y - d y³/3`
+fn force(Galaxy { a, b, c, d }: &Galaxy, x: f64, y: f64) -> [f64; 2] {
+    [-a * x - 2.0 * c * x * y, -b * y - c * x * x + d * y * y]
+}
+
+/// The force of Hénon and Heiles: all four are 1.
+const ONE: Galaxy = Galaxy { a: 1.0, b: 1.0, c: 1.0, d: 1.0 };
+
+fn verlet(paths: u64) -> f64 {
+    by_hand(paths, start, |_| ONE, verlet_step)
+}
+
+fn midpoint(paths: u64) -> f64 {
+    by_hand(paths, start, |_| ONE, midpoint_step)
+}
+
+fn sweep_verlet(paths: u64) -> f64 {
+    by_hand(paths, |_| [0.1, 0.0, 0.05, 0.1], galaxy, verlet_step)
+}
+
+fn sweep_midpoint(paths: u64) -> f64 {
+    by_hand(paths, |_| [0.1, 0.0, 0.05, 0.1], galaxy, midpoint_step)
 }
 
 /// With the force of the end kept for the next start.
-fn verlet(paths: u64) -> f64 {
-    let mut kept = [f64::NAN; 4];
-    by_hand(paths, |state| {
-        let [x, y, mut u, mut v] = *state;
-        let [a, b] = if kept[..2] == [x, y] { [kept[2], kept[3]] } else { force(x, y) };
-        (u, v) = (u + 0.5 * H * a, v + 0.5 * H * b);
-        let (x, y) = (x + H * u, y + H * v);
-        let [a, b] = force(x, y);
-        *state = [x, y, u + 0.5 * H * a, v + 0.5 * H * b];
-        kept = [x, y, a, b];
-    })
+#[inline(always)]
+fn verlet_step(system: &Galaxy, state: &mut [f64; 4], kept: &mut [f64; 4]) {
+    let [x, y, mut u, mut v] = *state;
+    let [a, b] = if kept[..2] == [x, y] { [kept[2], kept[3]] } else { force(system, x, y) };
+    (u, v) = (u + 0.5 * H * a, v + 0.5 * H * b);
+    let (x, y) = (x + H * u, y + H * v);
+    let [a, b] = force(system, x, y);
+    *state = [x, y, u + 0.5 * H * a, v + 0.5 * H * b];
+    *kept = [x, y, a, b];
 }
 
 /// Newton's method for the middle of the coordinates, from where the velocity leads.
-fn midpoint(paths: u64) -> f64 {
-    by_hand(paths, |state| {
-        let [x, y, u, v] = *state;
-        let quarter = 0.25 * H * H;
-        let (mut mx, mut my) = (x + 0.5 * H * u, y + 0.5 * H * v);
-        for _ in 0..50 {
-            let [a, b] = force(mx, my);
-            let residual = [mx - x - 0.5 * H * u - quarter * a, my - y - 0.5 * H * v - quarter * b];
-            let [[j, k], [_, l]] = [
-                [1.0 + quarter * (1.0 + 2.0 * my), quarter * 2.0 * mx],
-                [quarter * 2.0 * mx, 1.0 + quarter * (1.0 - 2.0 * my)],
-            ];
-            let inverse = 1.0 / (j * l - k * k);
-            let dx = (l * residual[0] - k * residual[1]) * inverse;
-            let dy = (j * residual[1] - k * residual[0]) * inverse;
-            (mx, my) = (mx - dx, my - dy);
-            // Quadratic: the next one is below 1e-18.
-            if dx.abs() + dy.abs() <= 1e-10 {
-                break;
-            }
+#[inline(always)]
+fn midpoint_step(system: &Galaxy, state: &mut [f64; 4], _: &mut [f64; 4]) {
+    let [x, y, u, v] = *state;
+    let Galaxy { a, b, c, d } = *system;
+    let quarter = 0.25 * H * H;
+    let (mut mx, mut my) = (x + 0.5 * H * u, y + 0.5 * H * v);
+    for _ in 0..50 {
+        let [fx, fy] = force(system, mx, my);
+        let residual = [mx - x - 0.5 * H * u - quarter * fx, my - y - 0.5 * H * v - quarter * fy];
+        let [[j, k], [_, l]] = [
+            [1.0 + quarter * (a + 2.0 * c * my), quarter * 2.0 * c * mx],
+            [quarter * 2.0 * c * mx, 1.0 + quarter * (b - 2.0 * d * my)],
+        ];
+        let inverse = 1.0 / (j * l - k * k);
+        let dx = (l * residual[0] - k * residual[1]) * inverse;
+        let dy = (j * residual[1] - k * residual[0]) * inverse;
+        (mx, my) = (mx - dx, my - dy);
+        // Quadratic: the next one is below 1e-18.
+        if dx.abs() + dy.abs() <= 1e-10 {
+            break;
         }
-        let (x1, y1) = (2.0 * mx - x, 2.0 * my - y);
-        *state = [x1, y1, 2.0 * (x1 - x) / H - u, 2.0 * (y1 - y) / H - v];
-    })
+    }
+    let (x1, y1) = (2.0 * mx - x, 2.0 * my - y);
+    *state = [x1, y1, 2.0 * (x1 - x) / H - u, 2.0 * (y1 - y) / H - v];
 }
 
 /// A scheme: its name, an ensemble, and a loop by hand if there is one.
@@ -98,10 +154,12 @@ type Row = (&'static str, fn(u64) -> f64, Option<fn(u64) -> f64>);
 
 /// Prints nanoseconds per path and step.
 pub(crate) fn print(paths: u64, repetitions: usize, only: Option<&str>) {
-    let rows: [Row; 3] = [
+    let rows: [Row; 5] = [
         ("Hénon-Heiles, Verlet", ensemble::<Verlet>, Some(verlet)),
         ("Hénon-Heiles, Midpoint", ensemble::<Midpoint>, Some(midpoint)),
         ("Hénon-Heiles, Gauss<8>", ensemble::<Gauss<8>>, None),
+        ("four parameters, Verlet", sweep::<Verlet>, Some(sweep_verlet)),
+        ("four parameters, Midpoint", sweep::<Midpoint>, Some(sweep_midpoint)),
     ];
     println!("\n{:26}{:>9}{:>9}{:>9}    {paths} starts, no noise", "", "ensemble", "by hand", "by hand/");
     for (name, ours, hand) in rows {

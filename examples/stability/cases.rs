@@ -35,7 +35,7 @@ pub(crate) fn all() -> Result<Vec<Table>, Error> {
 /// What ended a run, in two or three words.
 fn word(error: Option<&Error>, halvings: u32) -> String {
     match error {
-        None if halvings > 0 => format!("2^{halvings} parts"),
+        None if halvings > 0 => format!("{} parts", 1_u64 << halvings),
         None => String::from("survived"),
         Some(Error::Step(StepError { cause, .. })) => String::from(match cause {
             StepFailure::Unresolved { .. } => "error: unresolved",
@@ -148,7 +148,7 @@ fn oscillator() -> Result<Vec<Row>, Error> {
         let angle = (-turned.p[0]).atan2(turned.q[0]);
         let exact = 2.0 * (0.5 * omega).atan();
         let run = || oscillator.simulate::<Midpoint>(1.0).start(start).steps(1000);
-        let case = format!("omega h = 1e{exponent}");
+        let case = format!("ω h = 1e{exponent}");
         let growth = |state: &Point| (state.q[0].hypot(state.p[0]) - 1.0).abs();
         let mut row = row(case, "Midpoint", "angle", run, growth)?;
         row.outcome = format!("{}, |r - 1| {:.0e}", row.outcome, row.drift.1);
@@ -159,20 +159,20 @@ fn oscillator() -> Result<Vec<Row>, Error> {
         let oscillator = Oscillator { omega };
         let run = || oscillator.simulate::<DeltaPlus>(1.0).start(start).steps(100_000);
         let size = |state: &Point| state.q[0].hypot(state.p[0]);
-        rows.push(row(format!("omega h = {omega}"), "DeltaPlus", "r", run, size)?);
+        rows.push(row(format!("ω h = {omega}"), "DeltaPlus", "r", run, size)?);
     }
     let size = |state: &Point| state.q[0].hypot(state.p[0]);
     // The limit of explicit steps is `ωh = 2`; above it the radius grows by the same factor in each step.
     for omega in [1.9, 1.999_999, 2.0, 2.000_001, 2.1] {
         let oscillator = Oscillator { omega };
         let run = || oscillator.simulate::<Verlet>(1.0).start(start).steps(100_000);
-        rows.push(row(format!("omega h = {omega}"), "Verlet", "r", run, size)?);
+        rows.push(row(format!("ω h = {omega}"), "Verlet", "r", run, size)?);
     }
     for omega in [1.0, 5.0, 50.0, 1e4, 1e8] {
         let oscillator = Oscillator { omega };
         let run = || oscillator.simulate::<Gauss<8>>(1.0).start(start).steps(100_000);
         let growth = |state: &Point| (size(state) - 1.0).abs();
-        rows.push(row(format!("omega h = {omega:e}"), "Gauss<8>", "|r-1|", run, growth)?);
+        rows.push(row(format!("ω h = {omega:e}"), "Gauss<8>", "|r-1|", run, growth)?);
     }
     Ok(rows)
 }
@@ -237,7 +237,7 @@ fn noise() -> Result<Vec<Row>, Error> {
     for exponent in [-3, 0, 3] {
         let kubo = Kubo { a: 1.5, sigma: 10.0_f64.powi(exponent) };
         let run = || kubo.simulate::<Midpoint>(0.01).start(start).noise(Wiener::seed(7)).steps(10_000);
-        rows.push(row(format!("Kubo sigma = 1e{exponent}"), "Midpoint", "r²-1", run, radius)?);
+        rows.push(row(format!("Kubo σ = 1e{exponent}"), "Midpoint", "r²-1", run, radius)?);
     }
     for (name, h) in [("h = 1e-9", 1e-9), ("h = 1e3", 1e3)] {
         let kubo = Kubo { a: 1.5, sigma: 1.0 };
@@ -260,15 +260,15 @@ fn noise() -> Result<Vec<Row>, Error> {
         let squeeze = Squeeze { sigma };
         let size = |state: &Point| state.q[0].hypot(state.p[0]).ln().abs();
         let run = || squeeze.simulate::<Midpoint>(0.1).start(start).noise(Wiener::seed(7)).steps(1000);
-        rows.push(row(format!("sigma q p, sigma = {sigma}, truncated"), "Midpoint", "|ln r|", run, size)?);
+        rows.push(row(format!("σ q p, σ = {sigma}, truncated"), "Midpoint", "|ln r|", run, size)?);
         let free = || Wiener::seed(7).untruncated();
         let run = || squeeze.simulate::<Midpoint>(0.1).start(start).noise(free()).steps(1000);
-        rows.push(row(format!("sigma q p, sigma = {sigma}, untruncated"), "Midpoint", "|ln r|", run, size)?);
+        rows.push(row(format!("σ q p, σ = {sigma}, untruncated"), "Midpoint", "|ln r|", run, size)?);
     }
     let squeeze = Squeeze { sigma: 1.0 };
     let pole = || Increments::from(vec![2.0]);
     let run = || squeeze.simulate::<Midpoint>(1e-200).start(start).noise(pole()).steps(1);
-    rows.push(row("sigma q p at its pole".into(), "Midpoint", "|ln r|", run, |_| 0.0)?);
+    rows.push(row("σ q p at its pole".into(), "Midpoint", "|ln r|", run, |_| 0.0)?);
     Ok(rows)
 }
 
@@ -279,7 +279,7 @@ fn scales() -> Result<Vec<Row>, Error> {
         let start = State::new([0.6 * size], [0.8 * size]);
         let run = || oscillator.simulate::<Midpoint>(0.1 / omega).start(start).steps(10_000);
         let radius = |state: &Point| ((state.q[0] / size).hypot(state.p[0] / size) - 1.0).abs();
-        rows.push(row(format!("omega = {omega:e}, state of {size:e}"), "Midpoint", "r-1", run, radius)?);
+        rows.push(row(format!("ω = {omega:e}, state of {size:e}"), "Midpoint", "r-1", run, radius)?);
     }
     for heavy in [1.0, 1e12] {
         let masses = TwoMasses { light: 1.0, heavy };

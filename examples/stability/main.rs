@@ -67,8 +67,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (title, rows) in cases::all()? {
         let cells: Vec<[String; 7]> = rows.iter().map(Row::cells).collect();
         println!("\n{title}\n");
-        table::print(HEADS, &cells);
-        let rows = cells.iter().map(marked).collect();
+        let shown: Vec<[String; 7]> =
+            cells.iter().map(|line| line.each_ref().map(|cell| powers(cell))).collect();
+        table::print(HEADS, &shown);
+        let rows = shown.iter().map(marked).collect();
         page = page.table(title, HEADS.map(str::to_owned).to_vec(), rows);
         lines.extend(cells);
     }
@@ -82,6 +84,34 @@ fn main() -> Result<(), Box<dyn Error>> {
     page.write(&folder)?;
     println!("\ntable: {}, {}", folder.join("table.csv").display(), folder.join("index.html").display());
     Ok(())
+}
+
+/// A text with `10⁸` for `1e8`, and `2.5·10⁻⁹` for `2.5e-9`.
+fn powers(text: &str) -> String {
+    let mut shown = String::new();
+    for word in text.split_inclusive(' ') {
+        let number = word.trim_end_matches([' ', ',', ')']);
+        let parts = number.split_once('e').filter(|_| number.parse::<f64>().is_ok());
+        match parts {
+            None => shown.push_str(word),
+            Some((mantissa, "0")) => {
+                shown.push_str(mantissa);
+                shown.push_str(&word[number.len()..]);
+            }
+            Some((mantissa, exponent)) => {
+                if mantissa != "1" {
+                    shown.push_str(&format!("{mantissa}·"));
+                }
+                shown.push_str("10");
+                shown.extend(exponent.chars().map(|letter| match letter.to_digit(10) {
+                    Some(digit) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize],
+                    None => '⁻',
+                }));
+                shown.push_str(&word[number.len()..]);
+            }
+        }
+    }
+    shown
 }
 
 /// The cells of a line for the page: with a mark before the outcome, so that colour is not all that tells.

@@ -57,7 +57,7 @@ where
 const CASES: [(f64, f64); 4] = [(0.1, 0.3), (0.8, 0.3), (0.8, 5.0), (1.1, 60.0)];
 
 fn oscillator(gamma: f64) -> Oscillator {
-    Oscillator { m: 0.8, k: 1.7, b: 0.0, gamma, kt: Some(1.3) }
+    Oscillator { m: 0.8, k: 1.7, b: 0.0, gamma, kt: 1.3 }
 }
 
 /// The variances of `q` and `p` in units of `kT/k` and `m kT`, by `x = h² k / 4m`, as the theory has them.
@@ -68,7 +68,7 @@ where
     for (h, gamma) in CASES {
         let system = oscillator(gamma);
         let Oscillator { m, k, kt, .. } = system;
-        let (kt, covariance) = (kt.expect("a temperature"), stationary::<E>(&system, h));
+        let covariance = stationary::<E>(&system, h);
         let expected = expected(h * h * k / (4.0 * m));
         let got = [covariance[0][0] * k / kt, covariance[1][1] / (m * kt)];
         for (got, expected) in got.iter().zip(expected) {
@@ -123,7 +123,7 @@ where
     Oscillator: Discretized<E, Vector = SVector<f64, 1>>,
     <Oscillator as Discretized<E>>::Prepared: Send + Sync,
 {
-    let system = Oscillator { m: 1.0, k: 1.0, b: 1.0, gamma: 1.0, kt: Some(1.0) };
+    let system = Oscillator { m: 1.0, k: 1.0, b: 1.0, gamma: 1.0, kt: 1.0 };
     let every = (3.0 / h).round();
     let run = system.ensemble::<E>(h).start(State::new([0.5], [0.5])).paths(4096).seed(11);
     let run = run.observe("q2", |state| state.q[0].powi(2)).covariances(false);
@@ -156,7 +156,7 @@ fn the_bias_of_the_quartic_is_that_of_the_theory() {
 
 #[test]
 fn one_site_in_the_bath_heats_all() {
-    let chain = Chain { gamma: 1.0, kt: Some(0.7) };
+    let chain = Chain { gamma: 1.0, kt: 0.7 };
     let start = State::new(vec![0.0; 4], vec![0.0; 4]);
     let run = chain.ensemble::<Baoab>(0.1).start(start).paths(4000).seed(3).until(150.0);
     let run = (0..4).fold(run, |run, i| run.observe(format!("p{i}"), move |state| state.p[i].powi(2)));
@@ -173,7 +173,7 @@ fn one_site_in_the_bath_heats_all() {
 #[test]
 fn levels_share_their_noise() {
     // The mean of q² at t = 1 from rest in the origin: of a linear system, exactly.
-    let system = Oscillator { m: 1.0, k: 1.0, b: 0.0, gamma: 1.0, kt: Some(1.0) };
+    let system = Oscillator { m: 1.0, k: 1.0, b: 0.0, gamma: 1.0, kt: 1.0 };
     check_levels::<Thermostat<Midpoint>>(&system);
 }
 

@@ -5,7 +5,7 @@ use wzvi::prelude::*;
 
 use crate::systems::{Chain, Coupled, Oscillator, Rough};
 
-const OSCILLATOR: Oscillator = Oscillator { m: 0.8, k: 1.3, b: 0.4, gamma: 0.5, kt: Some(0.7) };
+const OSCILLATOR: Oscillator = Oscillator { m: 0.8, k: 1.3, b: 0.4, gamma: 0.5, kt: 0.7 };
 
 fn refused<E>(system: &Oscillator, h: f64) -> ConfigError
 where
@@ -19,7 +19,7 @@ where
 
 #[test]
 fn numbers_that_make_no_sense_are_refused() {
-    let with = |gamma, kt| Oscillator { gamma, kt: Some(kt), ..OSCILLATOR };
+    let with = |gamma, kt| Oscillator { gamma, kt, ..OSCILLATOR };
     for (system, h, error) in [
         (with(-0.5, 1.0), 0.1, BathError::Friction { rate: -0.5 }),
         (with(0.5, -1.0), 0.1, BathError::Temperature { temperature: -1.0 }),
@@ -39,7 +39,7 @@ fn numbers_that_make_no_sense_are_refused() {
         refused::<Baoab>(&light, 0.1),
         ConfigError::Bath(BathError::Mass { degree: 0, inverse: -1.0 })
     );
-    let coupled = |damping, n| Coupled { m: 1.0, n, k: 1.0, damping, kt: Some(1.0) };
+    let coupled = |damping, n| Coupled { m: 1.0, n, k: 1.0, damping, kt: 1.0 };
     let error = |system: &Coupled| match system.stepper::<Baoab>(0.1) {
         Err(ConfigError::Bath(error)) => error,
         other => panic!("{other:?}"),
@@ -64,7 +64,7 @@ fn the_number_of_increments_is_that_of_the_parts() {
     assert_eq!(step(&[0.1, 0.2]), Ok(()));
     assert_eq!(step(&[0.1]), Err(StepFailure::Increments { expected: 2, got: 1 }));
     assert_eq!(step(&[0.1, f64::NAN]), Err(StepFailure::NonFiniteInput));
-    let chain = Chain { gamma: -0.5, kt: Some(1.0) };
+    let chain = Chain { gamma: -0.5, kt: 1.0 };
     let (mut state, start) = (State::new(vec![0.1; 3], vec![0.2; 3]), State::new(vec![0.1; 3], vec![0.2; 3]));
     // The size of the system is that of the state: what is wrong shows in the first step.
     let outcome = cause(chain.stepper::<Baoab>(0.1).expect("steps").step(&mut state, &[0.1; 3]));
@@ -74,7 +74,7 @@ fn the_number_of_increments_is_that_of_the_parts() {
 
 #[test]
 fn friction_that_becomes_negative_is_an_error_of_the_step() {
-    let system = Rough { m: 1.0, gamma: 0.5, edge: 0.35, kt: Some(1.0) };
+    let system = Rough { m: 1.0, gamma: 0.5, edge: 0.35, kt: 1.0 };
     let start = State::new([0.3], [1.0]);
     let mut state = start;
     let mut stepper = system.stepper::<Baoab>(0.2).expect("steps");
@@ -90,7 +90,7 @@ fn friction_that_becomes_negative_is_an_error_of_the_step() {
 #[test]
 fn beyond_the_limit_of_stability_is_an_error() {
     // h ω = 4: Verlet doubles its amplitude many times in each step, until numbers overflow.
-    let stiff = Oscillator { m: 1.0, k: 1600.0, b: 0.0, gamma: 0.1, kt: Some(1.0) };
+    let stiff = Oscillator { m: 1.0, k: 1600.0, b: 0.0, gamma: 0.1, kt: 1.0 };
     let run = stiff.simulate::<Baoab>(0.1).start(State::new([0.1], [0.0])).noise(StepNormals::seed(1));
     let (path, error) = run.steps(2000).run_partial().expect("a run");
     assert!(matches!(error, Some(wzvi::Error::Step(error)) if error.cause == StepFailure::NonFinite));

@@ -6,7 +6,7 @@ use wzvi::prelude::*;
 
 use crate::systems::{Chain, Driven, Oscillator, Rough, Wall};
 
-const OSCILLATOR: Oscillator = Oscillator { m: 0.8, k: 1.3, b: 0.4, gamma: 0.6, kt: Some(0.7) };
+const OSCILLATOR: Oscillator = Oscillator { m: 0.8, k: 1.3, b: 0.4, gamma: 0.6, kt: 0.7 };
 
 /// Path 3 of an ensemble, alone.
 fn alone<H, E>(system: &H, h: f64, start: &State<H::Vector>) -> Vec<State<H::Vector>>
@@ -45,9 +45,9 @@ fn a_path_of_an_ensemble_is_a_path() {
     let start = || State::new([0.3], [-0.4]);
     check_lanes::<_, Baoab>(&OSCILLATOR, 0.1, start());
     check_lanes::<_, Thermostat<Midpoint>>(&OSCILLATOR, 0.1, start());
-    check_lanes::<_, Baoab>(&Driven { sigma: 0.4, gamma: 1.2, kt: Some(0.9) }, 0.1, start());
-    check_lanes::<_, Thermostat<Midpoint>>(&Driven { sigma: 0.4, gamma: 1.2, kt: Some(0.9) }, 0.1, start());
-    let chain = Chain { gamma: 0.5, kt: Some(1.0) };
+    check_lanes::<_, Baoab>(&Driven { sigma: 0.4, gamma: 1.2, kt: 0.9 }, 0.1, start());
+    check_lanes::<_, Thermostat<Midpoint>>(&Driven { sigma: 0.4, gamma: 1.2, kt: 0.9 }, 0.1, start());
+    let chain = Chain { gamma: 0.5, kt: 1.0 };
     let start = || State::new(vec![0.1, 0.4, -0.2], vec![0.3, 0.0, -0.5]);
     check_lanes::<_, Baoab>(&chain, 0.1, start());
     check_lanes::<_, Thermostat<Midpoint>>(&chain, 0.1, start());
@@ -85,14 +85,14 @@ fn energy_is_gained_as_heat() {
 #[test]
 fn steps_that_fail_are_halved_with_their_normals() {
     // Friction is negative beyond the edge, which is no matter of step size; below it everything is as it is.
-    let system = Rough { m: 1.0, gamma: 0.5, edge: 0.9, kt: Some(0.3) };
+    let system = Rough { m: 1.0, gamma: 0.5, edge: 0.9, kt: 0.3 };
     let run = || system.simulate::<Baoab>(0.2).start(State::new([0.0], [0.1])).noise(StepNormals::seed(1));
     let (path, error) = run().retry(Retry::halving(6)).steps(4000).run_partial().expect("a run");
     let Some(wzvi::Error::Step(error)) = error else { panic!("{error:?}") };
     assert!(error.to_string().contains("friction"), "{error}");
     assert_eq!(path.steps(), error.step);
     // A wall that whole steps jump over and halved ones do not.
-    let wall = Wall { gamma: 1.0, kt: Some(4.0) };
+    let wall = Wall { gamma: 1.0, kt: 4.0 };
     let run = || wall.simulate::<Baoab>(1.0).start(State::new([1.0], [0.0])).noise(StepNormals::seed(1));
     let (_, error) = run().steps(300).run_partial().expect("a run");
     assert!(
@@ -147,10 +147,10 @@ fn steps_allocate_nothing() {
     check_room::<_, Thermostat<Midpoint>>(&OSCILLATOR, State::new([0.3], [-0.4]));
     check_room::<_, Thermostat<Gauss<2>>>(&OSCILLATOR, State::new([0.3], [-0.4]));
     check_room::<_, Baoab>(
-        &crate::systems::RoughPlane { m: 0.6, n: 2.0, k: 1.0, kt: Some(1.0) },
+        &crate::systems::RoughPlane { m: 0.6, n: 2.0, k: 1.0, kt: 1.0 },
         State::new([0.1, 0.2], [0.3, 0.4]),
     );
-    let chain = Chain { gamma: 0.5, kt: Some(1.0) };
+    let chain = Chain { gamma: 0.5, kt: 1.0 };
     check_room::<_, Baoab>(&chain, State::new(vec![0.1, 0.4, -0.2], vec![0.3, 0.0, -0.5]));
     check_room::<_, Thermostat<Midpoint>>(&chain, State::new(vec![0.1, 0.4, -0.2], vec![0.3, 0.0, -0.5]));
 }

@@ -4,7 +4,9 @@ use serde_json::Value;
 use wzvi::prelude::*;
 use wzvi::step::StepInfo;
 
-use crate::systems::{Chain, Coupled, Driven, Linked, Oscillator, Rough, RoughLinked, RoughPlane};
+use crate::systems::{
+    Chain, Coupled, Damped, Driven, Free, FreeChain, Linked, Oscillator, Rough, RoughLinked, RoughPlane,
+};
 
 fn numbers(value: &Value) -> Vec<f64> {
     let list = value.as_array().expect("a list");
@@ -23,7 +25,7 @@ where
     let m = numbers(&case["mass"])[0];
     let gamma = numbers(&case["friction_matrix"][0])[0] / m;
     let (kt, h) = (number(&case["kT"]), number(&case["h"]));
-    let system = Oscillator { m, k: 1.0, b: 1.0, gamma, kt: Some(kt) };
+    let system = Oscillator { m, k: 1.0, b: 1.0, gamma, kt };
     let mut state = State::new([numbers(&case["q0"])[0]], [numbers(&case["p0"])[0]]);
     let mut stepper = system.stepper::<E>(h).expect("steps");
     let normals: Vec<f64> =
@@ -61,7 +63,7 @@ fn steps_are_those_of_the_reference() {
     assert_eq!(seen, 2);
 }
 
-const OSCILLATOR: Oscillator = Oscillator { m: 0.8, k: 1.3, b: 0.4, gamma: 0.0, kt: Some(0.7) };
+const OSCILLATOR: Oscillator = Oscillator { m: 0.8, k: 1.3, b: 0.4, gamma: 0.0, kt: 0.7 };
 
 /// The bits of a path with these increments in each step.
 fn bits<H, E>(system: &H, start: &State<H::Vector>, h: f64, dw: &[f64]) -> (Vec<u64>, Vec<StepInfo>)
@@ -82,21 +84,23 @@ where
 #[test]
 fn without_friction_nothing_is_added() {
     let (start, dw) = (State::new([0.3], [-0.4]), [0.2, -0.1]);
-    let verlet = bits::<_, Verlet>(&OSCILLATOR, &start, 0.1, &[]);
+    let Oscillator { m, k, b, .. } = OSCILLATOR;
+    let free = Free { m, k, b };
+    let verlet = bits::<_, Verlet>(&free, &start, 0.1, &[]);
     assert_eq!(verlet.0, bits::<_, Obabo>(&OSCILLATOR, &start, 0.1, &dw).0);
     assert_eq!(verlet.0, bits::<_, Thermostat<Verlet>>(&OSCILLATOR, &start, 0.1, &dw).0);
     assert_eq!(verlet.0, bits::<_, Baoab>(&OSCILLATOR, &start, 0.1, &dw[..1]).0);
-    let midpoint = bits::<_, Midpoint>(&OSCILLATOR, &start, 0.1, &[]);
+    let midpoint = bits::<_, Midpoint>(&free, &start, 0.1, &[]);
     assert_eq!(midpoint, bits::<_, Thermostat<Midpoint>>(&OSCILLATOR, &start, 0.1, &dw));
-    let gauss = bits::<_, Gauss<2>>(&OSCILLATOR, &start, 0.1, &[]);
+    let gauss = bits::<_, Gauss<2>>(&free, &start, 0.1, &[]);
     assert_eq!(gauss, bits::<_, Thermostat<Gauss<2>>>(&OSCILLATOR, &start, 0.1, &dw));
     // Backwards, too.
-    let back = bits::<_, Midpoint>(&OSCILLATOR, &start, -0.1, &[]);
+    let back = bits::<_, Midpoint>(&free, &start, -0.1, &[]);
     assert_eq!(back, bits::<_, Thermostat<Midpoint>>(&OSCILLATOR, &start, -0.1, &dw));
     // Any number of degrees of freedom that only the state knows.
-    let chain = Chain { gamma: 0.0, kt: Some(1.0) };
+    let chain = Chain { gamma: 0.0, kt: 1.0 };
     let start = State::new(vec![0.1, 0.4, -0.2], vec![0.3, 0.0, -0.5]);
-    let verlet = bits::<_, Verlet>(&chain, &start, 0.1, &[]);
+    let verlet = bits::<_, Verlet>(&FreeChain, &start, 0.1, &[]);
     assert_eq!(verlet.0, bits::<_, Obabo>(&chain, &start, 0.1, &[0.3; 6]).0);
     assert_eq!(verlet.0, bits::<_, Baoab>(&chain, &start, 0.1, &[0.3; 3]).0);
 }
@@ -104,7 +108,7 @@ fn without_friction_nothing_is_added() {
 #[test]
 fn at_zero_temperature_there_is_friction_alone() {
     // A free particle: p decays by exp(-γ h) in each step, whatever drives the bath.
-    let free = Oscillator { m: 0.8, k: 0.0, b: 0.0, gamma: 2.5, kt: Some(0.0) };
+    let free = Oscillator { m: 0.8, k: 0.0, b: 0.0, gamma: 2.5, kt: 0.0 };
     let (mut state, h) = (State::new([0.0], [1.0]), 0.1_f64);
     let mut stepper = free.stepper::<Baoab>(h).expect("steps");
     for step in 1..=40 {
@@ -114,7 +118,8 @@ fn at_zero_temperature_there_is_friction_alone() {
         assert!((state.p[0] / expected - 1.0).abs() < 80.0 * f64::EPSILON, "{step}");
     }
     // Without a temperature nothing is drawn, and the path is the same.
-    let silent = Oscillator { kt: None, ..free.clone() };
+    let Oscillator { m, k, b, gamma, .. } = free;
+    let silent = Damped { m, k, b, gamma };
     let (mut other, mut stepper) = (State::new([0.0], [1.0]), silent.stepper::<Baoab>(h).expect("steps"));
     for _ in 0..40 {
         stepper.step(&mut other, &[]).expect("a step");
@@ -125,7 +130,7 @@ fn at_zero_temperature_there_is_friction_alone() {
 #[test]
 fn large_friction_forgets_exactly() {
     // γ h = 10⁶: momenta are new ones, √(m kT) ξ, whatever they were.
-    let system = Oscillator { m: 0.5, k: 0.0, b: 0.0, gamma: 1e6, kt: Some(2.0) };
+    let system = Oscillator { m: 0.5, k: 0.0, b: 0.0, gamma: 1e6, kt: 2.0 };
     let mut state = State::new([0.0], [1e5]);
     let mut stepper = system.stepper::<Obabo>(1.0).expect("steps");
     stepper.step(&mut state, &[0.25, -1.5]).expect("a step");
@@ -200,7 +205,7 @@ fn fluctuations_balance_dissipation() {
             [[1.0, 2.0], [2.0, 4.0]],
             [[1e4, -3e3], [-3e3, 1e3]],
         ] {
-            let system = Coupled { m, n, k: 0.0, damping, kt: Some(1.7) };
+            let system = Coupled { m, n, k: 0.0, damping, kt: 1.7 };
             let [decay, deviation] = map_at(&system, 0.25, [0.0; 2], [m, n]);
             // Some roundings of numbers of the size of 1.
             let imbalance = imbalance([decay, deviation], [[m, 0.0], [0.0, n]], 1.7);
@@ -213,11 +218,11 @@ fn fluctuations_balance_dissipation() {
     let (a, b, c, gamma) = (2.0, -0.6, 0.5, 0.8);
     let determinant = a * c - b * b;
     let mass = [[c / determinant, -b / determinant], [-b / determinant, a / determinant]];
-    let linked = Linked { a, b, c, k: 0.0, gamma, kt: Some(1.7) };
+    let linked = Linked { a, b, c, k: 0.0, gamma, kt: 1.7 };
     let velocities = |p: [f64; 2]| [a * p[0] + b * p[1], b * p[0] + c * p[1]];
     let (constant, place) = (map_by(&linked, 0.25, [0.3, 0.1], velocities), [0.0, 0.1]);
     assert!(imbalance(constant, mass, 1.7) < 30.0 * f64::EPSILON);
-    let rough = RoughLinked { a, b, c, k: 0.0, gamma, kt: Some(1.7) };
+    let rough = RoughLinked { a, b, c, k: 0.0, gamma, kt: 1.7 };
     let [at_place, there] = [place, [0.5, 0.1]].map(|place| map_by(&rough, 0.25, place, velocities));
     assert!(imbalance(there, mass, 1.7) < 30.0 * f64::EPSILON);
     for (a, b) in at_place.iter().flatten().flatten().zip(constant.iter().flatten().flatten()) {
@@ -226,7 +231,7 @@ fn fluctuations_balance_dissipation() {
     // Against the series of the exponential function, and of what it leaves, for little friction.
     let damping = [[0.9e-3, 0.2e-3], [0.2e-3, 0.4e-3]];
     let (masses, h) = ([0.3, 7.0], 0.25);
-    let system = Coupled { m: masses[0], n: masses[1], k: 0.0, damping, kt: Some(1.0) };
+    let system = Coupled { m: masses[0], n: masses[1], k: 0.0, damping, kt: 1.0 };
     let [decay, _] = map_at(&system, h, [0.0; 2], masses);
     let rate: [[f64; 2]; 2] =
         std::array::from_fn(|i| std::array::from_fn(|j| -h * damping[i][j] / masses[j]));
@@ -250,8 +255,8 @@ fn fluctuations_balance_dissipation() {
 
 #[test]
 fn sites_without_friction_are_left_alone() {
-    let chain = Chain { gamma: 1.5, kt: Some(0.8) };
-    let free = Chain { gamma: 0.0, kt: Some(0.8) };
+    let chain = Chain { gamma: 1.5, kt: 0.8 };
+    let free = Chain { gamma: 0.0, kt: 0.8 };
     let start = State::new(vec![0.0, 0.0, 1.0, 0.0], vec![0.3, 0.0, 0.0, -0.5]);
     let [mut warm, mut cold] = [start.clone(), start];
     chain.stepper::<Baoab>(0.1).expect("steps").step(&mut warm, &[0.2, 0.3, 0.4, 0.5]).expect("a step");
@@ -270,9 +275,9 @@ fn friction_of_a_place_is_that_of_a_constant_there() {
     let (place, masses) = ([0.0, -0.7], [0.6, 2.0]);
     // Of rank one at the origin of x, if y is 0.
     for place in [place, [0.4, 0.3], [0.0, 0.0]] {
-        let rough = RoughPlane { m: 0.6, n: 2.0, k: 0.0, kt: Some(1.1) };
+        let rough = RoughPlane { m: 0.6, n: 2.0, k: 0.0, kt: 1.1 };
         let damping = RoughPlane::friction(place[0], place[1]);
-        let flat = Coupled { m: 0.6, n: 2.0, k: 0.0, damping, kt: Some(1.1) };
+        let flat = Coupled { m: 0.6, n: 2.0, k: 0.0, damping, kt: 1.1 };
         let maps = [map_at(&rough, 0.2, place, masses), map_at(&flat, 0.2, place, masses)];
         let [there, here] = maps.map(|map| map.into_iter().flatten().flatten().collect::<Vec<f64>>());
         for (there, here) in there.iter().zip(&here) {
@@ -281,8 +286,8 @@ fn friction_of_a_place_is_that_of_a_constant_there() {
         }
     }
     let (x, h) = (0.4, 0.2);
-    let rough = Rough { m: 0.6, gamma: 0.5, edge: 9.0, kt: Some(1.1) };
-    let same = Oscillator { m: 0.6, k: 1.0, b: 0.0, gamma: 0.5 * (1.0 + x * x), kt: Some(1.1) };
+    let rough = Rough { m: 0.6, gamma: 0.5, edge: 9.0, kt: 1.1 };
+    let same = Oscillator { m: 0.6, k: 1.0, b: 0.0, gamma: 0.5 * (1.0 + x * x), kt: 1.1 };
     let (p, q) = (0.5, x - 0.5 * h * 0.5 / 0.6);
     let begin = State::new([q], [p + 0.5 * h * q]);
     let [mut a, mut b] = [begin, begin];
@@ -293,8 +298,8 @@ fn friction_of_a_place_is_that_of_a_constant_there() {
 
 #[test]
 fn listed_noises_come_before_the_bath() {
-    let system = Driven { sigma: 0.4, gamma: 1.2, kt: Some(0.9) };
-    let silent = Oscillator { m: 1.0, k: 1.0, b: 0.0, gamma: 1.2, kt: Some(0.9) };
+    let system = Driven { sigma: 0.4, gamma: 1.2, kt: 0.9 };
+    let silent = Oscillator { m: 1.0, k: 1.0, b: 0.0, gamma: 1.2, kt: 0.9 };
     let [mut a, mut b] = [State::new([0.2], [0.1]), State::new([0.2], [0.1])];
     let (h, dw) = (0.1, 0.3);
     system.stepper::<Obabo>(h).expect("steps").step(&mut a, &[dw, 0.05, -0.2]).expect("a step");

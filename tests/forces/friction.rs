@@ -212,6 +212,24 @@ drawn!(
         -0.2 * p[0] / self.m - 0.5 * p[1]
     ]
 );
+drawn!(
+    MatrixPlace,
+    inline,
+    damping = |q: [f64; 2]| [[self.gamma * q[1] * q[1], 0.2 * q[0]], [0.2 * q[0], 0.5]]
+);
+drawn!(
+    MatrixPlaceLoops,
+    sweep,
+    damping = |q: [f64; 2]| [[self.gamma * q[1] * q[1], 0.2 * q[0]], [0.2 * q[0], 0.5]]
+);
+drawn!(
+    MatrixPlaceForce,
+    inline,
+    force = |q: [f64; 2], p: [f64; 2]| [
+        -self.gamma * q[1] * q[1] * p[0] / self.m - 0.2 * q[0] * p[1],
+        -0.2 * q[0] * p[0] / self.m - 0.5 * p[1]
+    ]
+);
 
 #[test]
 fn other_friction_is_the_force_that_it_is() {
@@ -225,6 +243,7 @@ fn other_friction_is_the_force_that_it_is() {
         )*};
     }
     same!(List ListForce, ListLoops ListForce, Place PlaceForce, PlaceLoops PlaceForce, Matrix MatrixForce, MatrixLoops MatrixForce);
+    same!(MatrixPlace MatrixPlaceForce, MatrixPlaceLoops MatrixPlaceForce);
 }
 
 #[test]

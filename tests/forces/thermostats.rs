@@ -31,6 +31,18 @@ row!(PlaceInline, inline, friction = |q: [f64; 3]| q.map(|x| self.gamma * (1.0 +
 row!(PlaceLoops, sweep, friction = |q: [f64; 3]| q.map(|x| self.gamma * (1.0 + x * x)));
 row!(MatrixInline, inline, damping = [[self.gamma, 0.1, 0.0], [0.1, 0.5, -0.2], [0.0, -0.2, 0.7]]);
 row!(MatrixLoops, sweep, damping = [[self.gamma, 0.1, 0.0], [0.1, 0.5, -0.2], [0.0, -0.2, 0.7]]);
+row!(
+    MatrixPlaceInline,
+    inline,
+    damping =
+        |[x, y, _z]: [f64; 3]| [[self.gamma + x * x, 0.1 * y, 0.0], [0.1 * y, 0.5, -0.2], [0.0, -0.2, 0.7]]
+);
+row!(
+    MatrixPlaceLoops,
+    sweep,
+    damping =
+        |[x, y, _z]: [f64; 3]| [[self.gamma + x * x, 0.1 * y, 0.0], [0.1 * y, 0.5, -0.2], [0.0, -0.2, 0.7]]
+);
 
 fn same<E, A, B>(a: &A, b: &B)
 where
@@ -81,6 +93,7 @@ fn loops_have_the_friction_of_straight_lines() {
     all(&ListInline { mass, gamma, kt }, &ListLoops { mass, gamma, kt });
     all(&PlaceInline { mass, gamma, kt }, &PlaceLoops { mass, gamma, kt });
     all(&MatrixInline { mass, gamma, kt }, &MatrixLoops { mass, gamma, kt });
+    all(&MatrixPlaceInline { mass, gamma, kt }, &MatrixPlaceLoops { mass, gamma, kt });
 }
 
 /// What a thermostat reads of a system.
@@ -105,7 +118,29 @@ fn thermostats_read_what_was_declared() {
     let matrix = [0.8, 0.1, 0.0, 0.1, 0.5, -0.2, 0.0, -0.2, 0.7];
     assert_eq!(read(&MatrixInline { mass, gamma, kt }, 9), expected(&matrix));
     assert_eq!(read(&MatrixLoops { mass, gamma, kt }, 9), expected(&matrix));
+    let matrix = [0.8 + 0.25, 0.0, 0.0, 0.0, 0.5, -0.2, 0.0, -0.2, 0.7];
+    assert_eq!(read(&MatrixPlaceInline { mass, gamma, kt }, 9), expected(&matrix));
+    assert_eq!(read(&MatrixPlaceLoops { mass, gamma, kt }, 9), expected(&matrix));
+    const { assert!(MatrixPlaceInline::PER_STATE && MatrixPlaceLoops::PER_STATE) };
     const { assert!(PlaceInline::PER_STATE && PlaceLoops::PER_STATE && !ListLoops::PER_STATE) };
     const { assert!(MatrixInline::IS_MATRIX && MatrixLoops::IS_MATRIX && !UniformLoops::IS_MATRIX) };
     const { assert!(MatrixInline::HAS_DIAGONAL_MASSES && MatrixLoops::HAS_DIAGONAL_MASSES) };
+}
+
+row!(ForcedInline, inline, friction = self.gamma, force = |_q: [f64; 3], _p: [f64; 3]| [1.0, 0.0, 0.0]);
+row!(ForcedLoops, sweep, friction = self.gamma, force = |_q: [f64; 3], _p: [f64; 3]| [1.0, 0.0, 0.0]);
+
+#[test]
+fn kicks_are_written_with_the_forces_there_are() {
+    let kick = |text: &str, slope: &str| text.matches(&format!("p <- p - h/2 {slope}\n")).count();
+    for text in
+        [<UniformInline as Discretized<Baoab>>::EQUATIONS, <UniformLoops as Discretized<Obabo>>::EQUATIONS]
+    {
+        assert_eq!((kick(text, "∂V/∂q"), kick(text, "(∂V/∂q - F)")), (2, 0), "{text}");
+    }
+    for text in
+        [<ForcedInline as Discretized<Baoab>>::EQUATIONS, <ForcedLoops as Discretized<Obabo>>::EQUATIONS]
+    {
+        assert_eq!((kick(text, "∂V/∂q"), kick(text, "(∂V/∂q - F)")), (0, 2), "{text}");
+    }
 }

@@ -408,6 +408,7 @@ const _: () = {
                     CAREFUL,
                 >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
+            wzvi::apart!(Self);
             fn discrete_lagrangian(
                 &self,
                 segment: &Segment<Self::Vector>,

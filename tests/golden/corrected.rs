@@ -48,10 +48,11 @@ pub struct Multiplicative {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, Compensation, ConfigError, Discretized, Effort, Err,
-        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option, PhantomData,
-        Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver, State,
-        StepFailure, Vector, bool, f64, str, usize, embedding::{Corrected, DeltaPlus},
+        self as wzvi, Beside, Carry, Compensation, ConfigError, Constant, Discretized,
+        Effort, Err, Hamiltonian, Knowledge, LagrangianGradient, Lanes, NoiseClass, Ok,
+        Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar, Segment,
+        Solution, Solver, Some, State, StepFailure, Vector, bool, f64, str, usize,
+        embedding::{Corrected, DeltaPlus},
     };
     #[automatically_derived]
     impl Hamiltonian for Multiplicative {
@@ -98,11 +99,11 @@ const _: () = {
         }
     }
     const _: () = {
-        type Prepared = [f64; 2];
+        type Prepared<K> = [K; 2];
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
-        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared,
+        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared<K>,
             h: f64,
             q: [S; 1],
             p: [S; 1],
@@ -139,7 +140,7 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "Corrected<DeltaPlus>\n\nHamiltonians\n  H0 = q²/2 + p²/2\n  H1 = q p sigma\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (q_i²/2 + P²/2) - sigma q_i P ΔW - sigma² q_i P ΔW²/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = sigma q_i ΔW + P h + sigma² q_i ΔW²/2\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -sigma P ΔW - q_i h - sigma² P ΔW²/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  solve for δp: linear\n  assign Δq\n\nFacts\n  converges to the Stratonovich system; D = q p sigma²/2\n  {H1, H0} = q² sigma - p² sigma\n  H0 is not a first integral\n";
-            type Prepared = Prepared;
+            type Prepared = Prepared<f64>;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 1>;
             type Carry<S: Scalar> = Plain;
@@ -164,7 +165,35 @@ const _: () = {
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 let dw = wzvi::increments(dw)?;
-                let next = solve::<S, C, CAREFUL>(prepared, h, *q, *p, dw, carry)?;
+                let next = solve::<S, f64, C, CAREFUL>(prepared, h, *q, *p, dw, carry)?;
+                Ok(next.store(q, p, carry))
+            }
+            type Beside<const L: usize> = Prepared<Lanes<L>>;
+            fn beside<const L: usize>(
+                systems: [&Self; L],
+                prepared: [&Self::Prepared; L],
+            ) -> Option<Self::Beside<L>> {
+                Some(Beside::beside(prepared))
+            }
+            #[inline(always)]
+            fn advance_beside<const L: usize>(
+                beside: &Self::Beside<L>,
+                t: f64,
+                h: f64,
+                q: &mut [Lanes<L>],
+                p: &mut [Lanes<L>],
+                dw: &[Lanes<L>],
+                memory: &mut Self::Memory<Lanes<L>>,
+            ) -> Result<Effort, StepFailure> {
+                let (prepared, carry) = (beside, &mut Plain);
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                let dw = wzvi::increments(dw)?;
+                let next = solve::<
+                    Lanes<L>,
+                    Lanes<L>,
+                    Plain,
+                    false,
+                >(prepared, h, *q, *p, dw, carry)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
@@ -223,13 +252,13 @@ const _: () = {
     };
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as before, binding as by_p, binding as by_q,
-        binding as carry, binding as difference, binding as dw, binding as h,
-        binding as half_sigma, binding as index, binding as inverse_pivot,
+        binding as after, binding as before, binding as beside, binding as by_p,
+        binding as by_q, binding as carry, binding as difference, binding as dw,
+        binding as h, binding as half_sigma, binding as index, binding as inverse_pivot,
         binding as memory, binding as next, binding as node_p, binding as p,
         binding as prepared, binding as product, binding as product2, binding as q,
         binding as q_end, binding as q_start, binding as segment, binding as sigma,
-        binding as sum, binding as t, binding as term,
+        binding as sum, binding as systems, binding as t, binding as term,
     };
 };
 const _: () = {

@@ -49,10 +49,11 @@ pub struct Pendulum {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, Compensation, ConfigError, Conservative, Discretized,
-        Effort, Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option,
-        PhantomData, Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver,
-        State, StepFailure, Vector, bool, f64, str, usize, embedding::DeltaPlus,
+        self as wzvi, Beside, Carry, Compensation, ConfigError, Conservative, Constant,
+        Discretized, Effort, Err, Hamiltonian, Knowledge, LagrangianGradient, Lanes,
+        NoiseClass, Ok, Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar,
+        Segment, Solution, Solver, Some, State, StepFailure, Vector, bool, f64, str,
+        usize, embedding::DeltaPlus,
     };
     #[automatically_derived]
     impl Hamiltonian for Pendulum {
@@ -94,11 +95,11 @@ const _: () = {
         }
     }
     const _: () = {
-        type Prepared = [f64; 1];
+        type Prepared<K> = [K; 1];
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
-        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared,
+        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared<K>,
             h: f64,
             q: [S; 1],
             p: [S; 1],
@@ -132,7 +133,7 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_i))\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_i)\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = p omega² sin(q)\n    H_pp(H_q,H_q) = omega^4 sin(q)²\n    H_qq(H_p,H_p) = p² omega² cos(q)\n";
-            type Prepared = Prepared;
+            type Prepared = Prepared<f64>;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 1>;
             type Carry<S: Scalar> = Plain;
@@ -156,8 +157,36 @@ const _: () = {
                 carry: &mut C,
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                wzvi::increments::<S, 0>(dw)?;
-                let next = solve::<S, C, CAREFUL>(prepared, h, *q, *p, carry)?;
+                wzvi::increments::<_, 0>(dw)?;
+                let next = solve::<S, f64, C, CAREFUL>(prepared, h, *q, *p, carry)?;
+                Ok(next.store(q, p, carry))
+            }
+            type Beside<const L: usize> = Prepared<Lanes<L>>;
+            fn beside<const L: usize>(
+                systems: [&Self; L],
+                prepared: [&Self::Prepared; L],
+            ) -> Option<Self::Beside<L>> {
+                Some(Beside::beside(prepared))
+            }
+            #[inline(always)]
+            fn advance_beside<const L: usize>(
+                beside: &Self::Beside<L>,
+                t: f64,
+                h: f64,
+                q: &mut [Lanes<L>],
+                p: &mut [Lanes<L>],
+                dw: &[Lanes<L>],
+                memory: &mut Self::Memory<Lanes<L>>,
+            ) -> Result<Effort, StepFailure> {
+                let (prepared, carry) = (beside, &mut Plain);
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                wzvi::increments::<_, 0>(dw)?;
+                let next = solve::<
+                    Lanes<L>,
+                    Lanes<L>,
+                    Plain,
+                    false,
+                >(prepared, h, *q, *p, carry)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
@@ -214,12 +243,12 @@ const _: () = {
     impl Conservative for Pendulum {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as before, binding as by_p, binding as by_q,
-        binding as carry, binding as dw, binding as h, binding as index,
+        binding as after, binding as before, binding as beside, binding as by_p,
+        binding as by_q, binding as carry, binding as dw, binding as h, binding as index,
         binding as memory, binding as next, binding as node_p, binding as omega,
         binding as p, binding as prepared, binding as product, binding as product2,
         binding as q, binding as q_end, binding as q_start, binding as segment,
-        binding as t, binding as term,
+        binding as systems, binding as t, binding as term,
     };
 };
 const _: () = {

@@ -79,8 +79,8 @@ pub struct Perturbed {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Discretized, Hamiltonian, Knowledge, NoiseClass, Option, Plan,
-        SVector, Scalar, Solver, bool, f64, str, usize,
+        self as wzvi, Constant, Discretized, Hamiltonian, Knowledge, Lanes, NoiseClass,
+        Option, Over, Plan, SVector, Scalar, Solver, Some, bool, f64, str, usize,
         compose::{
             Composes, Equations, Flows, Form, Half, Nystrom, Parted, Parts, ROOM,
             Sequence, Structure,
@@ -146,6 +146,15 @@ const _: () = {
             let omega: f64 = self.omega;
             k[0] = omega * omega;
         }
+        type Parameters<K: Constant> = [K; 2];
+        fn parameters_beside<const L: usize>(
+            systems: [&Self; L],
+        ) -> Option<Self::Parameters<Lanes<L>>> {
+            Some([
+                Lanes::new(systems.map(|system| system.omega)),
+                Lanes::new(systems.map(|system| system.epsilon)),
+            ])
+        }
         #[inline(always)]
         fn slopes<S: Scalar, const BY_Q: bool, const BY_P: bool>(
             &self,
@@ -157,14 +166,31 @@ const _: () = {
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
+            Self::slopes_over::<
+                S,
+                f64,
+                BY_Q,
+                BY_P,
+            >(&[self.omega, self.epsilon], t, h, q, p, dw, by_q, by_p)
+        }
+        #[inline(always)]
+        fn slopes_over<S: Over<K>, K: Constant, const BY_Q: bool, const BY_P: bool>(
+            parameters: &Self::Parameters<K>,
+            t: S,
+            h: S,
+            q: &[S],
+            p: &[S],
+            dw: &[S],
+            by_q: &mut [S],
+            by_p: &mut [S],
+        ) {
+            let [omega, epsilon] = *parameters;
             let (&[q], &[p], &[]) = (q, p, dw) else {
                 return wzvi::gauss::unfit(by_q, by_p);
             };
-            let omega: f64 = self.omega;
-            let epsilon: f64 = self.epsilon;
             if BY_Q {
                 by_q.copy_from_slice(
-                    &[h * (q * (q * t.cos() * (3.0 * epsilon) + omega * omega))],
+                    &[h * (q * (q * t.cos() * (epsilon * 3.0) + omega * omega))],
                 );
             }
             if BY_P {
@@ -284,7 +310,8 @@ const _: () = {
     use ::wzvi::__private::{
         binding as by_p, binding as by_q, binding as dw, binding as epsilon,
         binding as h, binding as index, binding as k, binding as omega, binding as p,
-        binding as part, binding as q, binding as t, binding as term,
+        binding as parameters, binding as part, binding as q, binding as system,
+        binding as systems, binding as t, binding as term,
     };
 };
 const _: () = {

@@ -510,6 +510,7 @@ const _: () = {
                     carry,
                 )
             }
+            wzvi::apart!(Self);
             fn discrete_lagrangian(
                 &self,
                 segment: &Segment<Self::Vector>,

@@ -54,11 +54,12 @@ pub struct Oscillators {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, Compensation, ConfigError, Conservative, Discretized,
-        Effort, Err, Factor, Hamiltonian, Knowledge, Labels, LagrangianGradient,
-        NoiseClass, Ok, Option, PhantomData, Plain, Plan, Result, SVector, Scalar,
-        Segment, Solution, Solver, State, StepFailure, Variables, Vector, bool, f64, str,
-        usize, compose::{Composes, Equations, General, ROOM, Structure},
+        self as wzvi, Beside, Carry, Compensation, ConfigError, Conservative, Constant,
+        Discretized, Effort, Err, Factor, Hamiltonian, Knowledge, Labels,
+        LagrangianGradient, Lanes, NoiseClass, Ok, Option, Over, PhantomData, Plain,
+        Plan, Result, SVector, Scalar, Segment, Solution, Solver, Some, State,
+        StepFailure, Variables, Vector, bool, f64, str, usize,
+        compose::{Composes, Equations, General, ROOM, Structure},
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -112,11 +113,11 @@ const _: () = {
         }
     }
     const _: () = {
-        type Prepared = ([f64; 3], Factor<f64, 2>);
+        type Prepared<K> = ([K; 3], <K as Constant>::Factor<2>);
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
-        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared,
+        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared<K>,
             h: f64,
             q: [S; 2],
             p: [S; 2],
@@ -126,10 +127,12 @@ const _: () = {
             let ([k, c, half_h], ref factor) = *prepared;
             let sum = y + py * half_h;
             let sum2 = x + px * half_h;
-            let [delta_px, delta_py] = factor
-                .apply::<
-                    S,
-                >([-((sum2 * k + sum * c) * half_h), -((sum * k + sum2 * c) * half_h)]);
+            let [delta_px, delta_py] = <S as Over<
+                K,
+            >>::solve_factored(
+                factor,
+                [-((sum2 * k + sum * c) * half_h), -((sum * k + sum2 * c) * half_h)],
+            );
             let node_px = px + delta_px;
             let node_py = py + delta_py;
             let next = Solution::new(
@@ -156,7 +159,7 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (py² + px²)/2 + k (y² + x²)/2 + x y c\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}² + P_{px}²)/2 + k (y_{i+1/2}² + x_{i+1/2}²)/2 + c x_{i+1/2} y_{i+1/2}) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (k x_{i+1/2} + c y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (k y_{i+1/2} + c x_{i+1/2})/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: linear (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step to rounding\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (x k + y c)² + (y k + x c)²\n    H_qq(H_p,H_p) = px (px k + py c) + py (px c + py k)\n";
-            type Prepared = Prepared;
+            type Prepared = Prepared<f64>;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 2>;
             type Carry<S: Scalar> = Plain;
@@ -188,8 +191,36 @@ const _: () = {
                 carry: &mut C,
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                wzvi::increments::<S, 0>(dw)?;
-                let next = solve::<S, C, CAREFUL>(prepared, h, *q, *p, carry)?;
+                wzvi::increments::<_, 0>(dw)?;
+                let next = solve::<S, f64, C, CAREFUL>(prepared, h, *q, *p, carry)?;
+                Ok(next.store(q, p, carry))
+            }
+            type Beside<const L: usize> = Prepared<Lanes<L>>;
+            fn beside<const L: usize>(
+                systems: [&Self; L],
+                prepared: [&Self::Prepared; L],
+            ) -> Option<Self::Beside<L>> {
+                Some(Beside::beside(prepared))
+            }
+            #[inline(always)]
+            fn advance_beside<const L: usize>(
+                beside: &Self::Beside<L>,
+                t: f64,
+                h: f64,
+                q: &mut [Lanes<L>],
+                p: &mut [Lanes<L>],
+                dw: &[Lanes<L>],
+                memory: &mut Self::Memory<Lanes<L>>,
+            ) -> Result<Effort, StepFailure> {
+                let (prepared, carry) = (beside, &mut Plain);
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                wzvi::increments::<_, 0>(dw)?;
+                let next = solve::<
+                    Lanes<L>,
+                    Lanes<L>,
+                    Plain,
+                    false,
+                >(prepared, h, *q, *p, carry)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
@@ -264,16 +295,17 @@ const _: () = {
     impl Conservative for Oscillators {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as before, binding as by_p, binding as by_q,
-        binding as c, binding as carry, binding as delta_px, binding as delta_py,
-        binding as dw, binding as factor, binding as h, binding as h_squared,
-        binding as half_h, binding as index, binding as k, binding as memory,
-        binding as next, binding as node_px, binding as node_py, binding as p,
-        binding as prepared, binding as product, binding as product2,
+        binding as after, binding as before, binding as beside, binding as by_p,
+        binding as by_q, binding as c, binding as carry, binding as delta_px,
+        binding as delta_py, binding as dw, binding as factor, binding as h,
+        binding as h_squared, binding as half_h, binding as index, binding as k,
+        binding as memory, binding as next, binding as node_px, binding as node_py,
+        binding as p, binding as prepared, binding as product, binding as product2,
         binding as product3, binding as product4, binding as px, binding as py,
-        binding as q, binding as segment, binding as sum, binding as sum2, binding as t,
-        binding as term, binding as x, binding as x_end, binding as x_start,
-        binding as y, binding as y_end, binding as y_start,
+        binding as q, binding as segment, binding as sum, binding as sum2,
+        binding as systems, binding as t, binding as term, binding as x,
+        binding as x_end, binding as x_start, binding as y, binding as y_end,
+        binding as y_start,
     };
 };
 const _: () = {

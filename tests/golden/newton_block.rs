@@ -51,10 +51,11 @@ pub struct HenonHeiles;
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Block, Carry, Compensation, ConfigError, Conservative, Discretized,
-        Effort, Err, Extrapolation, Hamiltonian, Knowledge, Labels, LagrangianGradient,
-        NoiseClass, Ok, Plain, Plan, Result, Rounded, SVector, Scalar, Segment, Solution,
-        Solver, State, StepFailure, Variables, Vector, bool, f64, str, usize,
+        self as wzvi, Beside, Block, Carry, Compensation, ConfigError, Conservative,
+        Constant, Discretized, Effort, Err, Extrapolation, Hamiltonian, Knowledge,
+        Labels, LagrangianGradient, Lanes, NoiseClass, Ok, Option, Over, Plain, Plan,
+        Result, Rounded, SVector, Scalar, Segment, Solution, Solver, Some, State,
+        StepFailure, Variables, Vector, bool, f64, str, usize,
         compose::{Composes, Equations, General, ROOM, Structure},
         embedding::{Composed, Midpoint},
     };
@@ -108,13 +109,13 @@ const _: () = {
         }
     }
     const _: () = {
-        type Prepared = [f64; 3];
+        type Prepared<K> = [K; 3];
         type Memory<S> = Extrapolation<S, 2>;
         /// The equations of a block, and their Jacobian by rows.
         #[inline(always)]
-        fn equations<S: Scalar>(
+        fn equations<S: Over<K>, K: Constant>(
             given: [S; 4],
-            constants: [f64; 3],
+            constants: [K; 3],
             iterate: [S; 2],
         ) -> ([S; 2], [[S; 2]; 2]) {
             let (
@@ -163,8 +164,8 @@ const _: () = {
                 .0
         }
         #[inline(always)]
-        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared,
+        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared<K>,
             h: f64,
             q: [S; 2],
             p: [S; 2],
@@ -190,7 +191,11 @@ const _: () = {
                     rounded: move |iterate: &[S; 2], lane| {
                         rounded(
                             [x.lane(lane), y.lane(lane), px.lane(lane), py.lane(lane)],
-                            [half_h, quarter_h_squared, half_h_squared],
+                            [
+                                half_h.lane(lane),
+                                quarter_h_squared.lane(lane),
+                                half_h_squared.lane(lane),
+                            ],
                             iterate.map(|number| number.lane(lane)),
                         )
                     },
@@ -223,7 +228,7 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (py² + px² + x² + y²)/2 + x² y - y³/3\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}² + P_{px}² + x_{i+1/2}² + y_{i+1/2}²)/2 + x_{i+1/2}² y_{i+1/2} - y_{i+1/2}³/3) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (x_{i+1/2} + 2 x_{i+1/2} y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (y_{i+1/2} + x_{i+1/2}² - y_{i+1/2}²)/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: Newton, symmetric Jacobian (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (x + 2 x y)² + (y + x² - y²)²\n    H_qq(H_p,H_p) = px (px (1 + 2 y) + 2 x py) + py (2 x px + py (1 - 2 y))\n";
-            type Prepared = Prepared;
+            type Prepared = Prepared<f64>;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 2>;
             type Carry<S: Scalar> = Plain;
@@ -244,8 +249,41 @@ const _: () = {
                 carry: &mut C,
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                wzvi::increments::<S, 0>(dw)?;
-                let next = solve::<S, C, CAREFUL>(prepared, h, *q, *p, memory, carry)?;
+                wzvi::increments::<_, 0>(dw)?;
+                let next = solve::<
+                    S,
+                    f64,
+                    C,
+                    CAREFUL,
+                >(prepared, h, *q, *p, memory, carry)?;
+                Ok(next.store(q, p, carry))
+            }
+            type Beside<const L: usize> = Prepared<Lanes<L>>;
+            fn beside<const L: usize>(
+                systems: [&Self; L],
+                prepared: [&Self::Prepared; L],
+            ) -> Option<Self::Beside<L>> {
+                Some(Beside::beside(prepared))
+            }
+            #[inline(always)]
+            fn advance_beside<const L: usize>(
+                beside: &Self::Beside<L>,
+                t: f64,
+                h: f64,
+                q: &mut [Lanes<L>],
+                p: &mut [Lanes<L>],
+                dw: &[Lanes<L>],
+                memory: &mut Self::Memory<Lanes<L>>,
+            ) -> Result<Effort, StepFailure> {
+                let (prepared, carry) = (beside, &mut Plain);
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                wzvi::increments::<_, 0>(dw)?;
+                let next = solve::<
+                    Lanes<L>,
+                    Lanes<L>,
+                    Plain,
+                    false,
+                >(prepared, h, *q, *p, memory, carry)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
@@ -321,20 +359,20 @@ const _: () = {
     impl Conservative for HenonHeiles {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as before, binding as by_p, binding as by_q,
-        binding as carry, binding as constants, binding as delta_px, binding as delta_py,
-        binding as difference, binding as dw, binding as effort, binding as given,
-        binding as h, binding as h_squared, binding as half_h, binding as half_h_squared,
-        binding as iterate, binding as lane, binding as memory, binding as next,
-        binding as node_px, binding as node_py, binding as number, binding as p,
-        binding as prepared, binding as product, binding as product2,
-        binding as product2_squared, binding as product3, binding as product4,
-        binding as product_squared, binding as px, binding as py, binding as q,
-        binding as quarter_h_squared, binding as segment, binding as stage_x,
-        binding as stage_y, binding as sum, binding as t, binding as term,
-        binding as twice_stage_y, binding as x, binding as x_end, binding as x_squared,
-        binding as x_start, binding as y, binding as y_end, binding as y_squared,
-        binding as y_start,
+        binding as after, binding as before, binding as beside, binding as by_p,
+        binding as by_q, binding as carry, binding as constants, binding as delta_px,
+        binding as delta_py, binding as difference, binding as dw, binding as effort,
+        binding as given, binding as h, binding as h_squared, binding as half_h,
+        binding as half_h_squared, binding as iterate, binding as lane,
+        binding as memory, binding as next, binding as node_px, binding as node_py,
+        binding as number, binding as p, binding as prepared, binding as product,
+        binding as product2, binding as product2_squared, binding as product3,
+        binding as product4, binding as product_squared, binding as px, binding as py,
+        binding as q, binding as quarter_h_squared, binding as segment,
+        binding as stage_x, binding as stage_y, binding as sum, binding as systems,
+        binding as t, binding as term, binding as twice_stage_y, binding as x,
+        binding as x_end, binding as x_squared, binding as x_start, binding as y,
+        binding as y_end, binding as y_squared, binding as y_start,
     };
 };
 const _: () = {

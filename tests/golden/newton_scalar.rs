@@ -48,10 +48,11 @@ pub struct Pendulum {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Block, Carry, Compensation, ConfigError, Conservative, Discretized,
-        Effort, Err, Extrapolation, Hamiltonian, Knowledge, LagrangianGradient,
-        NoiseClass, Ok, Option, Plain, Plan, Result, Rounded, SVector, Scalar, Segment,
-        Solution, Solver, State, StepFailure, Vector, bool, f64, str, usize,
+        self as wzvi, Beside, Block, Carry, Compensation, ConfigError, Conservative,
+        Constant, Discretized, Effort, Err, Extrapolation, Hamiltonian, Knowledge,
+        LagrangianGradient, Lanes, NoiseClass, Ok, Option, Over, Plain, Plan, Result,
+        Rounded, SVector, Scalar, Segment, Solution, Solver, Some, State, StepFailure,
+        Vector, bool, f64, str, usize,
         compose::{Composes, Equations, General, ROOM, Structure},
         embedding::{Composed, Midpoint},
     };
@@ -95,13 +96,13 @@ const _: () = {
         }
     }
     const _: () = {
-        type Prepared = [f64; 3];
+        type Prepared<K> = [K; 3];
         type Memory<S> = Extrapolation<S, 1>;
         /// The equations of a block, and their Jacobian by rows.
         #[inline(always)]
-        fn equations<S: Scalar>(
+        fn equations<S: Over<K>, K: Constant>(
             given: [S; 2],
-            constants: [f64; 3],
+            constants: [K; 3],
             iterate: [S; 1],
         ) -> ([S; 1], [[S; 1]; 1]) {
             let ([q, p], [half_h, product, product2], [delta_p]) = (
@@ -129,8 +130,8 @@ const _: () = {
                 .0
         }
         #[inline(always)]
-        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared,
+        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared<K>,
             h: f64,
             q: [S; 1],
             p: [S; 1],
@@ -156,7 +157,7 @@ const _: () = {
                     rounded: move |iterate: &[S; 1], lane| {
                         rounded(
                             [q.lane(lane), p.lane(lane)],
-                            [half_h, product, product2],
+                            [half_h.lane(lane), product.lane(lane), product2.lane(lane)],
                             iterate.map(|number| number.lane(lane)),
                         )
                     },
@@ -188,7 +189,7 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_{i+1/2}))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_{i+1/2})/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = omega^4 sin(q)²\n    H_qq(H_p,H_p) = p² omega² cos(q)\n";
-            type Prepared = Prepared;
+            type Prepared = Prepared<f64>;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 1>;
             type Carry<S: Scalar> = Plain;
@@ -213,8 +214,41 @@ const _: () = {
                 carry: &mut C,
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                wzvi::increments::<S, 0>(dw)?;
-                let next = solve::<S, C, CAREFUL>(prepared, h, *q, *p, memory, carry)?;
+                wzvi::increments::<_, 0>(dw)?;
+                let next = solve::<
+                    S,
+                    f64,
+                    C,
+                    CAREFUL,
+                >(prepared, h, *q, *p, memory, carry)?;
+                Ok(next.store(q, p, carry))
+            }
+            type Beside<const L: usize> = Prepared<Lanes<L>>;
+            fn beside<const L: usize>(
+                systems: [&Self; L],
+                prepared: [&Self::Prepared; L],
+            ) -> Option<Self::Beside<L>> {
+                Some(Beside::beside(prepared))
+            }
+            #[inline(always)]
+            fn advance_beside<const L: usize>(
+                beside: &Self::Beside<L>,
+                t: f64,
+                h: f64,
+                q: &mut [Lanes<L>],
+                p: &mut [Lanes<L>],
+                dw: &[Lanes<L>],
+                memory: &mut Self::Memory<Lanes<L>>,
+            ) -> Result<Effort, StepFailure> {
+                let (prepared, carry) = (beside, &mut Plain);
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                wzvi::increments::<_, 0>(dw)?;
+                let next = solve::<
+                    Lanes<L>,
+                    Lanes<L>,
+                    Plain,
+                    false,
+                >(prepared, h, *q, *p, memory, carry)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
@@ -281,15 +315,15 @@ const _: () = {
     impl Conservative for Pendulum {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as before, binding as by_p, binding as by_q,
-        binding as carry, binding as constants, binding as cos_stage_q,
+        binding as after, binding as before, binding as beside, binding as by_p,
+        binding as by_q, binding as carry, binding as constants, binding as cos_stage_q,
         binding as delta_p, binding as dw, binding as effort, binding as given,
         binding as h, binding as half_h, binding as index, binding as iterate,
         binding as lane, binding as memory, binding as next, binding as node_p,
         binding as number, binding as omega, binding as omega_squared, binding as p,
         binding as prepared, binding as product, binding as product2, binding as q,
         binding as q_end, binding as q_start, binding as segment, binding as sin_stage_q,
-        binding as stage_q, binding as t, binding as term,
+        binding as stage_q, binding as systems, binding as t, binding as term,
     };
 };
 const _: () = {

@@ -78,10 +78,10 @@ pub struct Kubo {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, Compensation, ConfigError, Discretized, Effort, Err,
-        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option, PhantomData,
-        Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver, State,
-        StepFailure, Vector, bool, f64, str, usize,
+        self as wzvi, Beside, Carry, Compensation, ConfigError, Constant, Discretized,
+        Effort, Err, Hamiltonian, Knowledge, LagrangianGradient, Lanes, NoiseClass, Ok,
+        Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar, Segment,
+        Solution, Solver, Some, State, StepFailure, Vector, bool, f64, str, usize,
         compose::{Composes, Equations, General, ROOM, Structure},
         embedding::{Composed, DeltaPlus, Midpoint, Uncorrected},
     };
@@ -145,11 +145,11 @@ const _: () = {
         }
     }
     const _: () = {
-        type Prepared = [f64; 2];
+        type Prepared<K> = [K; 2];
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
-        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared,
+        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared<K>,
             q: [S; 1],
             p: [S; 1],
             dw: [S; 1],
@@ -186,7 +186,7 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_{i+1/2}²)/2 - sigma ΔW (P² + q_{i+1/2}²)/2\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = (-a q_{i+1/2} h - sigma q_{i+1/2} ΔW)/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: linear (then Δq)\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H1, H0} = 0\n  H0 is a first integral: kept by the step to rounding\n  first integral p² + q²: kept by the step to rounding\n";
-            type Prepared = Prepared;
+            type Prepared = Prepared<f64>;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 1>;
             type Carry<S: Scalar> = Plain;
@@ -212,7 +212,35 @@ const _: () = {
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 let dw = wzvi::increments(dw)?;
-                let next = solve::<S, C, CAREFUL>(prepared, *q, *p, dw, carry)?;
+                let next = solve::<S, f64, C, CAREFUL>(prepared, *q, *p, dw, carry)?;
+                Ok(next.store(q, p, carry))
+            }
+            type Beside<const L: usize> = Prepared<Lanes<L>>;
+            fn beside<const L: usize>(
+                systems: [&Self; L],
+                prepared: [&Self::Prepared; L],
+            ) -> Option<Self::Beside<L>> {
+                Some(Beside::beside(prepared))
+            }
+            #[inline(always)]
+            fn advance_beside<const L: usize>(
+                beside: &Self::Beside<L>,
+                t: f64,
+                h: f64,
+                q: &mut [Lanes<L>],
+                p: &mut [Lanes<L>],
+                dw: &[Lanes<L>],
+                memory: &mut Self::Memory<Lanes<L>>,
+            ) -> Result<Effort, StepFailure> {
+                let (prepared, carry) = (beside, &mut Plain);
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                let dw = wzvi::increments(dw)?;
+                let next = solve::<
+                    Lanes<L>,
+                    Lanes<L>,
+                    Plain,
+                    false,
+                >(prepared, *q, *p, dw, carry)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
@@ -271,11 +299,11 @@ const _: () = {
         }
     };
     const _: () = {
-        type Prepared = [f64; 2];
+        type Prepared<K> = [K; 2];
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
-        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared,
+        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared<K>,
             q: [S; 1],
             p: [S; 1],
             dw: [S; 1],
@@ -310,7 +338,7 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "Uncorrected<DeltaPlus>\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2\n  {H1, H0} = 0\n  H0 is a first integral: of the system, and not kept by what the step converges to in general\n  first integral p² + q²: of the system, and not kept by what the step converges to in general\n";
-            type Prepared = Prepared;
+            type Prepared = Prepared<f64>;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 1>;
             type Carry<S: Scalar> = Plain;
@@ -336,7 +364,35 @@ const _: () = {
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 let dw = wzvi::increments(dw)?;
-                let next = solve::<S, C, CAREFUL>(prepared, *q, *p, dw, carry)?;
+                let next = solve::<S, f64, C, CAREFUL>(prepared, *q, *p, dw, carry)?;
+                Ok(next.store(q, p, carry))
+            }
+            type Beside<const L: usize> = Prepared<Lanes<L>>;
+            fn beside<const L: usize>(
+                systems: [&Self; L],
+                prepared: [&Self::Prepared; L],
+            ) -> Option<Self::Beside<L>> {
+                Some(Beside::beside(prepared))
+            }
+            #[inline(always)]
+            fn advance_beside<const L: usize>(
+                beside: &Self::Beside<L>,
+                t: f64,
+                h: f64,
+                q: &mut [Lanes<L>],
+                p: &mut [Lanes<L>],
+                dw: &[Lanes<L>],
+                memory: &mut Self::Memory<Lanes<L>>,
+            ) -> Result<Effort, StepFailure> {
+                let (prepared, carry) = (beside, &mut Plain);
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                let dw = wzvi::increments(dw)?;
+                let next = solve::<
+                    Lanes<L>,
+                    Lanes<L>,
+                    Plain,
+                    false,
+                >(prepared, *q, *p, dw, carry)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
@@ -402,12 +458,13 @@ const _: () = {
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as a, binding as a_h, binding as after, binding as before,
-        binding as by_p, binding as by_q, binding as carry, binding as dw, binding as h,
-        binding as index, binding as inverse_pivot, binding as memory, binding as next,
-        binding as node_p, binding as p, binding as prepared, binding as product,
-        binding as q, binding as q_end, binding as q_start, binding as segment,
-        binding as sigma, binding as state, binding as sum, binding as sum2,
-        binding as t, binding as term,
+        binding as beside, binding as by_p, binding as by_q, binding as carry,
+        binding as dw, binding as h, binding as index, binding as inverse_pivot,
+        binding as memory, binding as next, binding as node_p, binding as p,
+        binding as prepared, binding as product, binding as q, binding as q_end,
+        binding as q_start, binding as segment, binding as sigma, binding as state,
+        binding as sum, binding as sum2, binding as systems, binding as t,
+        binding as term,
     };
 };
 const _: () = {

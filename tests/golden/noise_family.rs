@@ -52,10 +52,10 @@ pub struct Bath {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Hamiltonian,
-        Knowledge, LagrangianGradient, NoiseClass, None, Number, Ok, Option, Ord,
-        PhantomData, Plain, Plan, Range, Result, Scalar, Segment, Sized, Solution,
-        Solver, Some, State, StepFailure, bool, f64, i128, isize, str, usize,
+        self as wzvi, Carry, ConfigError, Constant, DVector, Discretized, Effort, Err,
+        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, None, Number, Ok, Option,
+        Ord, Over, PhantomData, Plain, Plan, Range, Result, Scalar, Segment, Sized,
+        Solution, Solver, Some, State, StepFailure, bool, f64, i128, isize, str, usize,
         compose::{Composes, Equations, General, ROOM, Structure},
         elements::{
             CompensationVec, Curvature, Elements, MomentumUpdate, Point, Run, Scheme,
@@ -347,11 +347,11 @@ const _: () = {
             remembers: false,
             is_linear: false,
         };
-        type Prepared = ([f64; 4], [bool; 1]);
+        type Prepared<K> = ([K; 4], [<K as Scalar>::Mask; 1]);
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
-        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared,
+        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared<K>,
             h: f64,
             q: [S; 1],
             p: [S; 1],
@@ -362,11 +362,11 @@ const _: () = {
             let ([sigma, inverse_pivot, half_h, half_inverse_pivot], [condition]) = *prepared;
             let dw_sigma = dw * sigma;
             let sum = dw_sigma + (q_k + p_k * half_h) * h;
-            let node_p_k = if condition {
-                (p_k - (dw_sigma + q_k * h) * 0.5) * inverse_pivot
-            } else {
-                p_k - sum * half_inverse_pivot
-            };
+            let node_p_k = Scalar::select(
+                <S as Over<K>>::truth(condition),
+                (p_k - (dw_sigma + q_k * h) * 0.5) * inverse_pivot,
+                p_k - sum * half_inverse_pivot,
+            );
             let next = Solution::new(
                 carry,
                 [[q_k], [p_k]],
@@ -383,14 +383,14 @@ const _: () = {
         impl Sites<Midpoint, 1, 1> for Bath {
             const IS_UNIFORM: bool = true;
             const IS_EXACT_IN_LANES: bool = true;
-            type SitePrepared = Prepared;
+            type SitePrepared = Prepared<f64>;
             type SiteMemory<S: Scalar> = Memory<S>;
             fn prepare_site(
                 &self,
                 h: f64,
                 site: usize,
                 sites: usize,
-            ) -> Result<Prepared, ConfigError> {
+            ) -> Result<Prepared<f64>, ConfigError> {
                 let sigma: f64 = self.sigma;
                 if sigma.is_nan() {
                     return Err(ConfigError::Parameter);
@@ -412,7 +412,7 @@ const _: () = {
             }
             #[inline(always)]
             fn solve_site<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-                prepared: &Prepared,
+                prepared: &Prepared<f64>,
                 t: f64,
                 h: f64,
                 q: [S; 1],
@@ -421,7 +421,7 @@ const _: () = {
                 memory: &mut Memory<S>,
                 carry: &C,
             ) -> Result<Solution<S, 1>, StepFailure> {
-                solve::<S, C, CAREFUL>(prepared, h, q, p, dw, carry)
+                solve::<S, f64, C, CAREFUL>(prepared, h, q, p, dw, carry)
             }
         }
         #[automatically_derived]
@@ -438,11 +438,11 @@ const _: () = {
             const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nThe sites k = 0..n - 1 are not coupled: each is a system of its own\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq[k] - h (q[k]_{i+1/2}²/2 + P²/2) - sigma q[k]_{i+1/2} ΔW\n  Δq[k] = q[k]_{i+1} - q[k]_i\n  q[k]_{i+1/2} = Δq[k]/2 + q[k]_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[k] = P h\n  p[k]_i = -D1 L_d:  P = p[k]_i + δp[k],  δp[k] = (-q[k]_{i+1/2} h - sigma ΔW)/2\n  p[k]_{i+1} = D2 L_d:  p[k]_{i+1} - p[k]_i = 2 δp[k]\n\nStep\n  solve for δp[k]: linear (then Δq[k])\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
             const REMEMBERS: bool = false;
             const IN_LANES: bool = true;
-            type Prepared = wzvi::elements::sites::Prepared<Prepared>;
+            type Prepared = wzvi::elements::sites::Prepared<Prepared<f64>>;
             type Memory<S: Scalar> = wzvi::elements::sites::Memory<
                 S,
                 Memory<S>,
-                Prepared,
+                Prepared<f64>,
             >;
             type Compensated<S: Scalar> = CompensationVec<S>;
             type Carry<S: Scalar> = Plain;
@@ -474,6 +474,7 @@ const _: () = {
                     1,
                 >(self, prepared, t, h, q, p, dw, memory, carry)
             }
+            wzvi::apart!(Self);
             fn discrete_lagrangian(
                 &self,
                 segment: &Segment<Self::Vector>,

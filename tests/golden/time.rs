@@ -46,10 +46,11 @@ pub struct Driven {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, Compensation, ConfigError, Discretized, Effort, Err,
-        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Ok, Option, PhantomData,
-        Plain, Plan, Result, SVector, Scalar, Segment, Solution, Solver, State,
-        StepFailure, Vector, bool, f64, str, usize, embedding::DeltaPlus,
+        self as wzvi, Beside, Carry, Compensation, ConfigError, Constant, Discretized,
+        Effort, Err, Hamiltonian, Knowledge, LagrangianGradient, Lanes, NoiseClass, Ok,
+        Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar, Segment,
+        Solution, Solver, Some, State, StepFailure, Vector, bool, f64, str, usize,
+        embedding::DeltaPlus,
     };
     #[automatically_derived]
     impl Hamiltonian for Driven {
@@ -98,11 +99,11 @@ const _: () = {
         }
     }
     const _: () = {
-        type Prepared = [f64; 2];
+        type Prepared<K> = [K; 2];
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
-        fn solve<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared,
+        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared<K>,
             t: f64,
             h: f64,
             q: [S; 1],
@@ -111,7 +112,7 @@ const _: () = {
         ) -> Result<Solution<S, 1>, StepFailure> {
             let ([q], [p]) = (q, p);
             let [f, omega] = *prepared;
-            let product = (q * (q * q) - (t * omega).cos() * f) * h;
+            let product = (q * (q * q) - (omega * t).cos() * f) * h;
             let node_p = p - product;
             let next = Solution::new(
                 carry,
@@ -137,7 +138,7 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = p²/2 - q f cos(t omega) + q^4/4\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - f q_i cos(omega t_i) + q_i^4/4)\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h (q_i³ - f cos(omega t_i))\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  H0 is not a first integral\n";
-            type Prepared = Prepared;
+            type Prepared = Prepared<f64>;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 1>;
             type Carry<S: Scalar> = Plain;
@@ -162,8 +163,36 @@ const _: () = {
                 carry: &mut C,
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                wzvi::increments::<S, 0>(dw)?;
-                let next = solve::<S, C, CAREFUL>(prepared, t, h, *q, *p, carry)?;
+                wzvi::increments::<_, 0>(dw)?;
+                let next = solve::<S, f64, C, CAREFUL>(prepared, t, h, *q, *p, carry)?;
+                Ok(next.store(q, p, carry))
+            }
+            type Beside<const L: usize> = Prepared<Lanes<L>>;
+            fn beside<const L: usize>(
+                systems: [&Self; L],
+                prepared: [&Self::Prepared; L],
+            ) -> Option<Self::Beside<L>> {
+                Some(Beside::beside(prepared))
+            }
+            #[inline(always)]
+            fn advance_beside<const L: usize>(
+                beside: &Self::Beside<L>,
+                t: f64,
+                h: f64,
+                q: &mut [Lanes<L>],
+                p: &mut [Lanes<L>],
+                dw: &[Lanes<L>],
+                memory: &mut Self::Memory<Lanes<L>>,
+            ) -> Result<Effort, StepFailure> {
+                let (prepared, carry) = (beside, &mut Plain);
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                wzvi::increments::<_, 0>(dw)?;
+                let next = solve::<
+                    Lanes<L>,
+                    Lanes<L>,
+                    Plain,
+                    false,
+                >(prepared, t, h, *q, *p, carry)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
@@ -225,12 +254,12 @@ const _: () = {
     };
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as before, binding as by_p, binding as by_q,
-        binding as carry, binding as difference, binding as dw, binding as f,
-        binding as h, binding as index, binding as memory, binding as next,
+        binding as after, binding as before, binding as beside, binding as by_p,
+        binding as by_q, binding as carry, binding as difference, binding as dw,
+        binding as f, binding as h, binding as index, binding as memory, binding as next,
         binding as node_p, binding as omega, binding as p, binding as prepared,
         binding as product, binding as q, binding as q_end, binding as q_start,
-        binding as segment, binding as t, binding as term,
+        binding as segment, binding as systems, binding as t, binding as term,
     };
 };
 const _: () = {

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use proc_macro2::TokenStream;
 
-use crate::describe::{Texts, derived, stepped};
+use crate::describe::{Split, Texts, derived, stepped};
 use crate::discretise::describe::{describe, hamiltonians, properties};
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
@@ -56,7 +56,7 @@ pub(crate) fn straight_line(mut model: Model, system: &mut System, facts: &Facts
     hamiltonians(&model, &mut declared);
     let texts = Texts::new(
         &listed,
-        (flows, parts),
+        Split { flows, parts, has_force: model.has_forces() },
         of_parts,
         |embedding| staged.get(&embedding.stages().unwrap_or(1)).unwrap_or(&declared).clone(),
         |embedding, text| properties(&mut model.graph, facts, embedding, text),
@@ -110,7 +110,7 @@ pub(crate) fn in_loops(system: &mut System, facts: &Facts) -> TokenStream {
     let declared = format!("\n{}", elements::describe::hamiltonians(system));
     let texts = Texts::new(
         &listed,
-        (flows, parts),
+        Split { flows, parts, has_force: system.has_forces() },
         of_parts,
         |embedding| staged.get(&embedding.stages().unwrap_or(1)).unwrap_or(&declared).clone(),
         |embedding, text| properties(&mut system.graph, facts, embedding, text),

@@ -16,6 +16,15 @@ pub(crate) struct Texts {
     pub(crate) parts: Option<[Form; 2]>,
 }
 
+/// What kicks and drifts are made of.
+pub(crate) struct Split {
+    /// As [`Texts::flows`].
+    pub(crate) flows: Option<Flows>,
+    /// As [`Texts::parts`], whatever is listed.
+    pub(crate) parts: Option<[Form; 2]>,
+    pub(crate) has_force: bool,
+}
+
 /// Those of the derived schemes whose steps are taken: halves of `Verlet` are not where it is made of flows.
 pub(crate) fn stepped(listed: &[Embedding], flows: Option<Flows>) -> Vec<Embedding> {
     let is_stepped = |embedding: &&Embedding| flows.is_none() || !embedding.takes_flows();
@@ -43,7 +52,7 @@ impl Texts {
     /// `facts_of` says what is known of a scheme that is none of the parts.
     pub(crate) fn new(
         listed: &[Embedding],
-        (flows, parts_of_drift): (Option<Flows>, Option<[Form; 2]>),
+        Split { flows, parts, has_force }: Split,
         of_parts: Vec<String>,
         mut staged: impl FnMut(&Embedding) -> String,
         mut facts_of: impl FnMut(&Embedding, &mut String),
@@ -56,7 +65,7 @@ impl Texts {
         let mut text = |embedding: &Embedding| match embedding.parts().as_slice() {
             _ if embedding.is_thermostat() => {
                 let declared = staged(&Embedding::Baoab);
-                let mut text = format!("{embedding}\n{declared}{}", thermostat(embedding));
+                let mut text = format!("{embedding}\n{declared}{}", thermostat(embedding, has_force));
                 facts_of(embedding, &mut text);
                 text
             }
@@ -66,11 +75,11 @@ impl Texts {
                 facts_of(embedding, &mut text);
                 text
             }
-            parts => {
+            halves => {
                 let mut text = format!(
                     "{embedding}\n\nA step of size h is two of size h/2, with half of the increments each:\n"
                 );
-                for part in parts {
+                for part in halves {
                     let derivation = text_of(part).split("\nFacts").next().unwrap_or_default();
                     text.push('\n');
                     text.push_str(derivation);
@@ -82,20 +91,21 @@ impl Texts {
                 text
             }
         };
-        let parts_of_drift = parts_of_drift.filter(|_| listed.contains(&Embedding::Verlet));
+        let parts = parts.filter(|_| listed.contains(&Embedding::Verlet));
         let listed = listed.iter().map(|embedding| (embedding.clone(), text(embedding))).collect();
-        Self { of_parts, listed, flows, parts: parts_of_drift }
+        Self { of_parts, listed, flows, parts }
     }
 }
 
 /// How a step with a bath is taken.
-fn thermostat(embedding: &Embedding) -> String {
+fn thermostat(embedding: &Embedding, has_force: bool) -> String {
     let relax = |share: &str| {
         format!(
             "  friction and noise of {share}: p <- E p + R ξ, E = exp(-{share} Γ M⁻¹), R Rᵀ = kT (M - E M Eᵀ)\n"
         )
     };
-    let kick = "  kick of h/2:  p <- p - h/2 (∂V/∂q - F)\n";
+    let slope = if has_force { "(∂V/∂q - F)" } else { "∂V/∂q" };
+    let kick = format!("  kick of h/2:  p <- p - h/2 {slope}\n");
     let half_drift = "  drift of h/2:  q <- q + h/2 M⁻¹ p\n";
     let step = match embedding {
         Embedding::Baoab => format!("{kick}{half_drift}{}{half_drift}{kick}", relax("h")),

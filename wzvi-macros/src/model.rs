@@ -198,8 +198,17 @@ pub(crate) struct Friction {
     /// `δq · G p` or `δq · Γ p`
     pub(crate) term: Term,
     pub(crate) is_matrix: bool,
+    /// Whether all degrees of freedom have the same rate.
+    pub(crate) is_one_rate: bool,
     /// The rate, where it is one number for all degrees of freedom, whatever the state.
     pub(crate) uniform: Option<Expr>,
+}
+
+impl Friction {
+    /// Whether it depends on the coordinates.
+    pub(crate) fn is_per_place(&self) -> bool {
+        self.term.elements.iter().any(|element| element.coordinates().next().is_some())
+    }
 }
 
 /// The members `0..count` of a family of noises; `variable` is the loop variable that counts them. It is the outermost loop
@@ -263,7 +272,12 @@ impl System {
 
     /// Whether there are functions of displacements.
     pub(crate) fn has_covectors(&self) -> bool {
-        self.force.is_some() || self.friction.is_some() || self.noise.iter().any(|noise| noise.is_force)
+        self.has_forces() || self.friction.is_some()
+    }
+
+    /// Whether covectors stand beside the Hamiltonians, with noise or without.
+    pub(crate) fn has_forces(&self) -> bool {
+        self.force.is_some() || self.noise.iter().any(|noise| noise.is_force)
     }
 
     /// For each noise the number of noises before it, members of families counted one by one; at last the number of all.
@@ -320,6 +334,11 @@ impl Model {
     /// The number of increments.
     pub(crate) fn noises(&self) -> usize {
         self.noise.len() + self.noise_forces.len()
+    }
+
+    /// As [`System::has_forces`].
+    pub(crate) fn has_forces(&self) -> bool {
+        self.force.is_some() || !self.noise_forces.is_empty()
     }
 }
 

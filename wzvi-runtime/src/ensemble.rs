@@ -40,6 +40,7 @@ mod origin;
 mod pace;
 mod passage;
 mod paths;
+mod piece;
 mod quantiles;
 mod replay;
 mod source;
@@ -60,12 +61,12 @@ pub use error::{LossError, StatisticsError};
 pub use histogram::Histogram;
 use job::Inspector;
 pub use multilevel::{Level, LevelError, LevelFailure, Multilevel, MultilevelEstimate, Nothing, Observed};
-pub use passage::Passages;
+pub use passage::{Passage, Passages};
 pub use paths::Paths;
 pub use quantiles::Quantiles;
 use source::{Settings, Source};
 use starts::ByPath;
-pub use starts::Draw;
+pub use starts::{Draw, OneSystem, SystemByPath, Systems};
 pub use statistics::{PathFailure, Statistics, StatisticsNode, TargetStatus};
 
 use crate::checkpoint::Keeping;
@@ -89,11 +90,12 @@ use crate::system::{Discretized, Hamiltonian};
 /// it.
 ///
 /// A start, an end and a number of paths are needed, and a seed or a noise if the system has any. A later setting replaces an
-/// earlier one. `N` is the type of the noise, and `R` whether steps may be halved: what makes no sense together does not compile.
+/// earlier one. `N` is the type of the noise, `R` whether steps may be halved, and `P` whether each path has a system of its own: what makes no
+/// sense together does not compile.
 #[must_use = "nothing happens before `run`"]
-pub struct Ensemble<'a, H: Discretized<E>, E, N = StepNormals, R = Whole> {
+pub struct Ensemble<'a, H: Discretized<E>, E, N = StepNormals, R = Whole, P = OneSystem> {
     setup: Setup<'a, H>,
-    types: Types<E, N, R>,
+    types: Types<E, N, R, P>,
 }
 
 /// What was said so far.
@@ -119,8 +121,8 @@ struct Setup<'a, H: Hamiltonian> {
     control: Control,
 }
 
-/// Scheme, noise, and whether steps may be halved.
-type Types<E, N, R> = PhantomData<fn() -> (E, N, R)>;
+/// Scheme, noise, whether steps may be halved, and whether each path has its own system.
+type Types<E, N, R, P> = PhantomData<fn() -> (E, N, R, P)>;
 
 /// What is computed besides moments.
 struct Extras {
@@ -167,7 +169,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
     }
 }
 
-impl<'a, H: Discretized<E>, E, R> Ensemble<'a, H, E, StepNormals, R> {
+impl<'a, H: Discretized<E>, E, R, P> Ensemble<'a, H, E, StepNormals, R, P> {
     /// Whether the increments of a seed are truncated; if this is not called, with `k = 4` where
     /// [`Plan::truncates_increments`](crate::plan::Plan::truncates_increments). Another noise truncates by itself, as in
     /// `Wiener::seed(7).truncated(4)`.
@@ -185,7 +187,7 @@ impl<'a, H: Discretized<E>, E, R> Ensemble<'a, H, E, StepNormals, R> {
     }
 }
 
-impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
+impl<'a, H: Discretized<E>, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     options!(start, end, exact, record, observe, temperatures, section, execution, instructions);
 
     /// The first state of each path, at one time for all: that of [`Draw::path`], or drawn at random by the seed of the ensemble (0 if it has
@@ -218,17 +220,23 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
     /// duffing.ensemble::<Midpoint>(0.1).systems(system).start(start).paths(441).keep_paths(1 << 20).until(50.0).run()?
     /// ```
     ///
-    /// What is observed by default is then the energy of the path's own system. Each path goes through a stepper of its own.
-    pub fn systems(mut self, system: impl Fn(&mut Draw) -> H + Send + Sync + 'a) -> Self {
+    /// What is observed by default is then the energy of the path's own system.
+    pub fn systems(
+        mut self,
+        system: impl Fn(&mut Draw) -> H + Send + Sync + 'a,
+    ) -> Ensemble<'a, H, E, N, R, SystemByPath> {
         self.setup.systems = Some(ByPath::Drawn(Box::new(system)));
-        self
+        self.marked()
     }
 
     /// The system of each path, in the order of their numbers, as with [`Ensemble::systems`]. There are as many paths as systems, unless
     /// [`Ensemble::paths`] says fewer.
-    pub fn systems_from(mut self, systems: impl IntoIterator<Item = H>) -> Self {
+    pub fn systems_from(
+        mut self,
+        systems: impl IntoIterator<Item = H>,
+    ) -> Ensemble<'a, H, E, N, R, SystemByPath> {
         self.setup.systems = Some(ByPath::Listed(systems.into_iter().collect()));
-        self
+        self.marked()
     }
 
     /// How many paths; with [`Ensemble::until_error`], how many at most.
@@ -238,7 +246,7 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
     }
 
     /// The noise `StepNormals::seed(seed)`, the fast one.
-    pub fn seed(mut self, seed: u64) -> Ensemble<'a, H, E, StepNormals, R> {
+    pub fn seed(mut self, seed: u64) -> Ensemble<'a, H, E, StepNormals, R, P> {
         self.setup.source = Some(Source::new(StepNormals::seed(seed)));
         self.marked()
     }
@@ -248,7 +256,10 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
     ///
     /// [`StepNormals`] are drawn in lanes; any other noise is asked for each path's increments one by one, and costs what it costs in a
     /// single run.
-    pub fn noise<M: PathsOfNoise + Clone + Send + Sync + 'a>(mut self, noise: M) -> Ensemble<'a, H, E, M, R> {
+    pub fn noise<M: PathsOfNoise + Clone + Send + Sync + 'a>(
+        mut self,
+        noise: M,
+    ) -> Ensemble<'a, H, E, M, R, P> {
         self.setup.source = Some(Source::new(noise));
         self.setup.settings = Settings::default();
         self.marked()
@@ -259,7 +270,7 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
     ///
     /// A step that does not resolve the fastest motion ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)) ends its path
     /// nevertheless: a path that starts again would have been counted twice.
-    pub fn retry(mut self, retry: Retry) -> Ensemble<'a, H, E, N, Halved> {
+    pub fn retry(mut self, retry: Retry) -> Ensemble<'a, H, E, N, Halved, P> {
         self.setup.retry = retry;
         self.marked()
     }
@@ -308,7 +319,8 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
         self
     }
 
-    /// Keeps all observables of every path at every recorded time, if that takes `bytes` of memory at most.
+    /// Keeps all observables of every path at every recorded time ([`Statistics::paths`]), and when it passed each event
+    /// ([`Passages::by_path`]), if that takes `bytes` of memory at most.
     pub fn keep_paths(mut self, bytes: u64) -> Self {
         self.setup.wanted.most_bytes = Some(bytes);
         self
@@ -336,15 +348,16 @@ impl<'a, H: Discretized<E>, E, N, R> Ensemble<'a, H, E, N, R> {
     }
 
     /// The same run, of other types.
-    fn marked<M, S>(self) -> Ensemble<'a, H, E, M, S> {
+    fn marked<M, S, Q>(self) -> Ensemble<'a, H, E, M, S, Q> {
         Ensemble { setup: self.setup, types: PhantomData }
     }
 }
 
-impl<H, E, N, R> Ensemble<'_, H, E, N, R>
+impl<H, E, N, R, P> Ensemble<'_, H, E, N, R, P>
 where
     H: Discretized<E> + Sync,
     N: Noise,
+    P: Systems,
 {
     /// Runs all paths.
     ///
@@ -379,9 +392,13 @@ where
                 ConfigError::Setting(format!("antithetic pairs in {WIDTH} lanes: take 2 or more")).into()
             );
         }
-        let mut account = Account::open(&job, &control, keeping, execution.progress("paths"))?;
-        let work = |number| instructions.run(Block::<H, E, WIDTH> { job: &job, number });
-        in_order(account.blocks(), threads, work, |_, block| account.take(block));
+        let mut account = Account::open(&job, &control, keeping, execution.progress("paths"), threads)?;
+        let size = account.size();
+        let work = |number| {
+            let block = Block::<H, E, P, WIDTH>::new(&job, number, size);
+            block.instructions(instructions).run(block)
+        };
+        in_order(account.pieces(), threads, work, |_, piece| account.take(piece));
         account.close()
     }
 }

@@ -27,8 +27,9 @@ mod sweep;
 mod table;
 mod wide;
 
+use crate::lanes::Lanes;
 use crate::plan::{Plan, Solver};
-use crate::scalar::Scalar;
+use crate::scalar::{Constant, Over, Scalar};
 use crate::system::Hamiltonian;
 
 pub use action::value;
@@ -57,6 +58,25 @@ pub trait Field: Hamiltonian {
     const IS_STIFF: bool = false;
     /// Lists of one entry per noise.
     type Noises: Shape;
+
+    /// The numbers that slopes read of the system, which is nothing else then; [`Apart`](crate::scalar::Apart) where it is.
+    type Parameters<K: Constant>;
+
+    /// Those of `L` systems beside each other; `None` where there are none.
+    fn parameters_beside<const L: usize>(systems: [&Self; L]) -> Option<Self::Parameters<Lanes<L>>>;
+
+    /// [`Field::slopes`] of systems with these parameters.
+    #[expect(clippy::too_many_arguments, reason = "as there")]
+    fn slopes_over<S: Over<K>, K: Constant, const BY_Q: bool, const BY_P: bool>(
+        parameters: &Self::Parameters<K>,
+        t: S,
+        h: S,
+        q: &[S],
+        p: &[S],
+        dw: &[S],
+        by_q: &mut [S],
+        by_p: &mut [S],
+    );
 
     /// The matrix `K` of the quadratic part `q · K q / 2` of the potential energy, by rows.
     fn stiffness(&self, _k: &mut [f64]) {}

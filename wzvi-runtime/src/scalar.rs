@@ -2,12 +2,14 @@
 //!
 //! One emitted step serves `f64`, dual numbers (tests, sensitivities) and lanes of trajectories.
 
+mod constant;
 mod dual;
 mod rounded;
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
+pub use constant::{Apart, Beside, Constant, Over};
 pub use dual::Dual;
 pub use rounded::Rounded;
 

@@ -4,8 +4,10 @@
 //! numbers), is in `newton` and `dense`; lanes of trajectories are decided one by one, in `lanes`.
 
 mod banded;
+mod convergence;
 mod damped;
 mod dense;
+mod factors;
 mod krylov;
 mod lanes;
 mod newton;
@@ -13,6 +15,7 @@ mod newton;
 pub use banded::{Banded, reverse_cuthill_mckee};
 pub(crate) use damped::{Problem, Room, damped};
 pub use dense::{Factor, SymmetricFactor, prepared, reciprocal_above_one};
+pub use factors::FactorsByLane;
 pub use krylov::Krylov;
 pub use lanes::LaneByLane;
 pub use newton::{Block, Effort, Equations, Extrapolation};
@@ -26,7 +29,7 @@ pub trait Solve<S: Scalar> {
     /// See [`newton`].
     ///
     /// # Errors
-    /// As there.
+    /// Those of [`newton`].
     #[inline(always)]
     fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
         start: [S; N],
@@ -38,7 +41,7 @@ pub trait Solve<S: Scalar> {
     /// See [`linear`].
     ///
     /// # Errors
-    /// As there.
+    /// Those of [`linear`].
     #[inline(always)]
     fn linear<const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
         Ok(Factor::new(matrix)?.solve(b))
@@ -47,7 +50,7 @@ pub trait Solve<S: Scalar> {
     /// See [`reciprocal`].
     ///
     /// # Errors
-    /// As there.
+    /// Those of [`reciprocal`].
     #[inline(always)]
     fn reciprocal(pivot: S) -> Result<S, StepFailure> {
         dense::reciprocal(pivot)
@@ -56,7 +59,7 @@ pub trait Solve<S: Scalar> {
     /// See [`quotient`].
     ///
     /// # Errors
-    /// As there.
+    /// Those of [`quotient`].
     #[inline(always)]
     fn quotient(rhs: S, pivot: S) -> Result<S, StepFailure> {
         dense::quotient(rhs, pivot)

@@ -8,6 +8,7 @@ use nalgebra::SVector;
 use crate::carry::{Carry, Plain};
 use crate::dense::{Slopes, hermite_order};
 use crate::error::{ConfigError, StepFailure};
+use crate::lanes::Lanes;
 use crate::memory::StepMemory;
 use crate::plan::{NoiseClass, Plan};
 use crate::scalar::{Mask, Scalar};
@@ -422,10 +423,33 @@ pub trait Discretized<E>: Hamiltonian {
         carry: &mut C,
     ) -> Result<Effort, StepFailure>;
 
-    /// [`Discretized::advance_carrying`] of vectors that may be exchanged for others with the new numbers.
+    /// What a step of `L` systems beside each other reads of them; [`Apart`](crate::scalar::Apart) where they cannot be.
+    type Beside<const L: usize>;
+
+    /// Of `L` systems, each with what is prepared of it for one step size; `None` where they do not go in lanes, which does not depend on
+    /// which they are.
+    fn beside<const L: usize>(systems: [&Self; L], prepared: [&Self::Prepared; L])
+    -> Option<Self::Beside<L>>;
+
+    /// [`Discretized::advance_carrying`] with plain sums, of `L` systems, each in its lane.
     ///
     /// # Errors
     /// As there.
+    #[expect(clippy::too_many_arguments, reason = "as above")]
+    fn advance_beside<const L: usize>(
+        beside: &Self::Beside<L>,
+        t: f64,
+        h: f64,
+        q: &mut [Lanes<L>],
+        p: &mut [Lanes<L>],
+        dw: &[Lanes<L>],
+        memory: &mut Self::Memory<Lanes<L>>,
+    ) -> Result<Effort, StepFailure>;
+
+    /// [`Discretized::advance_carrying`] of vectors that may be exchanged for others with the new numbers.
+    ///
+    /// # Errors
+    /// Those of [`Discretized::advance_carrying`].
     #[expect(clippy::too_many_arguments, reason = "as above")]
     #[inline(always)]
     fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(

@@ -41,6 +41,15 @@ struct NotSeparable;
 #[hamiltonian(drift = |[x, y], [px, py]| 0.5 * (px * px + py * py), damping = [[1.0, 0.2], [0.3, 1.0]], embedding = Midpoint)]
 struct Asymmetric;
 
+#[hamiltonian(drift = |[x, y], [px, py]| 0.5 * (px * px + py * py), damping = |[x, y]| [[1.0, a[0] * x], [b * x, 1.0]], embedding = Midpoint)]
+struct PerhapsSymmetric {
+    a: [f64; 1],
+    b: f64,
+}
+
+#[hamiltonian(drift = |[x, y], [px, py]| 0.5 * (px * px + py * py), damping = |q, p| [[1.0, 0.0], [0.0, 1.0]], embedding = Midpoint)]
+struct DampingOfMomenta;
+
 #[hamiltonian(drift = |[x, y], [px, py]| 0.5 * (px * px + py * py + px * py), friction = [1.0, 0.2], embedding = Midpoint)]
 struct Coupled;
 

@@ -272,7 +272,7 @@ pub(crate) fn friction_closure(closure: impl ToTokens, is_matrix: bool) -> Error
         closure,
         match is_matrix {
             true => {
-                "`damping` is a matrix of fields and numbers; rates that depend on the coordinates are `friction = |q| ...`"
+                "`damping` is a matrix of expressions of fields, or a closure of the coordinates, `|q| [[...]]`"
             }
             false => {
                 "`friction` is an expression of fields, a list of them by degree of freedom, or a closure of the coordinates, `|q| ...`"

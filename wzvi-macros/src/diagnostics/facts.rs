@@ -176,6 +176,16 @@ pub(crate) fn asymmetric_damping(extent: Extent) -> Error {
     )
 }
 
+/// A damping matrix of the coordinates whose symmetry is not proven.
+pub(crate) fn damping_not_seen_symmetric(extent: Extent) -> Error {
+    Error::new_spanned(
+        extent,
+        "a damping matrix that depends on the coordinates has to be seen to be symmetric: write the same expressions, of the same fields, \
+         across the diagonal, without loops of a length that the compiler does not know; write what is not symmetric as \
+         `force = |q, p| [...]`",
+    )
+}
+
 /// A product with inverse masses whose indices the compiler cannot write.
 pub(crate) fn damping_of_elements(extent: Extent) -> Error {
     Error::new_spanned(

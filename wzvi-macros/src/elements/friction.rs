@@ -54,18 +54,32 @@ fn check(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics
     let extent = friction.term.extent;
     match Kinetic::of(system) {
         None => diagnostics.report(messages::friction_without_masses(extent)),
-        Some(Kinetic { is_diagonal: false }) if !friction.is_matrix && friction.uniform.is_none() => {
+        Some(Kinetic { is_diagonal: false }) if !friction.is_matrix && !friction.is_one_rate => {
             diagnostics.report(messages::rates_of_coupled_momenta(extent));
         }
         Some(_) => {}
     }
-    if friction.is_matrix && !is_symmetric(system, &friction.term) {
-        diagnostics.report(messages::asymmetric_damping(extent));
+    if friction.is_matrix {
+        match symmetry(system, &friction.term) {
+            Symmetry::Proven => {}
+            // Entries of fields are compared when a stepper is made, but not again at every place.
+            Symmetry::OfFields if !friction.is_per_place() => {}
+            Symmetry::OfFields => diagnostics.report(messages::damping_not_seen_symmetric(extent)),
+            Symmetry::Refuted => diagnostics.report(messages::asymmetric_damping(extent)),
+        }
     }
 }
 
-/// Whether `Γ_ij` and `Γ_ji` are the same expressions where both are known to the compiler; entries of fields are compared when a stepper is made.
-fn is_symmetric(system: &mut System, matrix: &Term) -> bool {
+/// What is known of the symmetry of a matrix.
+enum Symmetry {
+    Proven,
+    /// Fields decide.
+    OfFields,
+    Refuted,
+}
+
+/// Whether `Γ_ij` and `Γ_ji` are the same expressions.
+fn symmetry(system: &mut System, matrix: &Term) -> Symmetry {
     let graph = &mut system.graph;
     let mut entries = Vec::new();
     for element in matrix.elements.iter().filter(|element| element.loops.is_empty()) {
@@ -83,16 +97,26 @@ fn is_symmetric(system: &mut System, matrix: &Term) -> bool {
             }
         }
     }
-    entries.iter().all(|(i, j, entry, reads_fields)| {
+    let mut found = match matrix.elements.iter().all(|element| element.loops.is_empty()) {
+        true => Symmetry::Proven,
+        false => Symmetry::OfFields,
+    };
+    for (i, j, entry, reads_fields) in &entries {
         let across = entries.iter().find(|(row, column, ..)| row == j && column == i);
-        match across {
+        let (is_same, others_read) = match across {
             Some((.., other, others_read)) => {
                 let difference = graph.subtract(*entry, *other);
-                graph.is_zero(difference) || *reads_fields || *others_read
+                (graph.is_zero(difference), *others_read)
             }
-            None => *reads_fields,
+            None => (false, false),
+        };
+        match (is_same, *reads_fields || others_read) {
+            (true, _) => {}
+            (false, true) => found = Symmetry::OfFields,
+            (false, false) => return Symmetry::Refuted,
         }
-    })
+    }
+    found
 }
 
 /// Adds `-G p` or `-Γ M⁻¹ p` to the force.

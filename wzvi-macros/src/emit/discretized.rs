@@ -6,6 +6,15 @@ use quote::quote;
 use super::{embedding_type, f64_type};
 use crate::discretise::embedding::Embedding;
 
+/// Steps of systems beside each other.
+pub(crate) struct Beside {
+    /// The type of what they read, of `__L` systems.
+    pub(crate) ty: TokenStream,
+    /// The bodies of `beside` and `advance_beside`.
+    pub(crate) make: TokenStream,
+    pub(crate) advance: TokenStream,
+}
+
 /// One scheme of a system as code. Bodies read the parameters of their methods by the names that these have here.
 pub(crate) struct Discretized<'a> {
     pub(crate) item: &'a syn::ItemStruct,
@@ -19,6 +28,8 @@ pub(crate) struct Discretized<'a> {
     pub(crate) plan: TokenStream,
     /// The types, the last three for numbers `__S`.
     pub(crate) prepared: TokenStream,
+    /// How systems go beside each other, if they do.
+    pub(crate) beside: Option<Beside>,
     pub(crate) memory: TokenStream,
     pub(crate) compensated: TokenStream,
     pub(crate) carry: TokenStream,
@@ -69,6 +80,10 @@ impl Discretized<'_> {
                 }
             }
         });
+        let beside = match &self.beside {
+            Some(beside) => beside.emit(),
+            None => quote!(__wzvi::apart!(Self);),
+        };
         quote! {
             const _: () = {
                 #items
@@ -106,6 +121,8 @@ impl Discretized<'_> {
 
                     #advance_vectors
 
+                    #beside
+
                     fn discrete_lagrangian(
                         &self,
                         __segment: &__wzvi::Segment<Self::Vector>,
@@ -133,6 +150,36 @@ impl Discretized<'_> {
                     }
                 }
             };
+        }
+    }
+}
+
+impl Beside {
+    fn emit(&self) -> TokenStream {
+        let Self { ty, make, advance } = self;
+        let (f64, lanes, usize) = (f64_type(), quote!(__wzvi::Lanes<__L>), quote!(__wzvi::usize));
+        quote! {
+            type Beside<const __L: #usize> = #ty;
+
+            fn beside<const __L: #usize>(
+                __systems: [&Self; __L],
+                __prepared: [&Self::Prepared; __L],
+            ) -> __wzvi::Option<Self::Beside<__L>> {
+                #make
+            }
+
+            #[inline(always)]
+            fn advance_beside<const __L: #usize>(
+                __beside: &Self::Beside<__L>,
+                __t: #f64,
+                __h: #f64,
+                __q: &mut [#lanes],
+                __p: &mut [#lanes],
+                __dw: &[#lanes],
+                __memory: &mut Self::Memory<#lanes>,
+            ) -> __wzvi::Result<__wzvi::Effort, __wzvi::StepFailure> {
+                #advance
+            }
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use proc_macro2::{Literal, TokenStream};
+use proc_macro2::{Group, Ident, Literal, TokenStream, TokenTree};
 use quote::{format_ident, quote};
 
 use super::names::Names;
@@ -11,7 +11,7 @@ use super::plan::Plan;
 use super::print::f64_type;
 use super::program::Level;
 use super::step::increment_names;
-use super::system::{Body, Inputs, Letters, body, count};
+use super::system::{Body, Inputs, Letters, body, count, evaluation_over};
 use super::{compose, embedding_type};
 use crate::describe::Texts;
 use crate::discretise::embedding::Embedding;
@@ -59,7 +59,7 @@ pub(super) fn emit(model: &mut Model, facts: &Facts, texts: &Texts) -> TokenStre
 fn field(model: &mut Model) -> TokenStream {
     let slopes = StepSlopes::new(model);
     let degrees = model.phase.q.len();
-    let mut letters = Letters::of(model, Names::beside(&["t", "h", "by_q", "by_p"]));
+    let mut letters = Letters::of(model, Names::beside(&["t", "h", "by_q", "by_p", "parameters"]));
     let dw = increment_names(&mut letters.names, slopes.dw.len());
     let (q, p) = (&letters.q, &letters.p);
     let of_state =
@@ -70,13 +70,19 @@ fn field(model: &mut Model) -> TokenStream {
     names.push((slopes.h, format_ident!("__h"), Level::State));
     let inputs = Inputs { names, definitions: HashMap::new() };
     let roots = [slopes.by_q.as_slice(), slopes.by_p.as_slice()].concat();
-    let Body { statements, values } = body(model, &letters, &inputs, &quote!(__S), &roots);
+    let numbers = (&quote!(__S), Some(quote!(__K)));
+    let system = (&mut model.graph, model.parameters.as_slice());
+    let (Body { statements, values }, reads) = evaluation_over(system, &letters, &inputs, numbers, &roots);
+    let (parameters, read): (Vec<_>, Vec<_>) = reads.into_iter().unzip();
+    let number = count(parameters.len());
+    let of_system = read.iter().map(|tokens| with_self(tokens.clone(), &format_ident!("__system")));
+    let open = (!parameters.is_empty()).then(|| quote!(let [#(#parameters),*] = *__parameters;));
     let (by_q, by_p) = values.split_at(degrees);
     let (degrees, noises) = (count(degrees), count(dw.len()));
     let stiffness = stiffness(model, &slopes);
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let bool = quote!(__wzvi::bool);
+    let (bool, f64, usize) = (quote!(__wzvi::bool), f64_type(), quote!(__wzvi::usize));
     let is_nystrom = slopes.is_nystrom;
     quote! {
         #[automatically_derived]
@@ -87,6 +93,14 @@ fn field(model: &mut Model) -> TokenStream {
             type Noises = __wzvi::gauss::Fixed<#noises>;
 
             #stiffness
+
+            type Parameters<__K: __wzvi::Constant> = [__K; #number];
+
+            fn parameters_beside<const __L: #usize>(
+                __systems: [&Self; __L],
+            ) -> __wzvi::Option<Self::Parameters<__wzvi::Lanes<__L>>> {
+                __wzvi::Some([#(__wzvi::Lanes::new(__systems.map(|__system| #of_system))),*])
+            }
 
             #[inline(always)]
             fn slopes<__S: __wzvi::Scalar, const __BY_Q: #bool, const __BY_P: #bool>(
@@ -99,6 +113,21 @@ fn field(model: &mut Model) -> TokenStream {
                 __by_q: &mut [__S],
                 __by_p: &mut [__S],
             ) {
+                Self::slopes_over::<__S, #f64, __BY_Q, __BY_P>(&[#(#read),*], __t, __h, __q, __p, __dw, __by_q, __by_p)
+            }
+
+            #[inline(always)]
+            fn slopes_over<__S: __wzvi::Over<__K>, __K: __wzvi::Constant, const __BY_Q: #bool, const __BY_P: #bool>(
+                __parameters: &Self::Parameters<__K>,
+                __t: __S,
+                __h: __S,
+                __q: &[__S],
+                __p: &[__S],
+                __dw: &[__S],
+                __by_q: &mut [__S],
+                __by_p: &mut [__S],
+            ) {
+                #open
                 let (&[#(#q),*], &[#(#p),*], &[#(#dw),*]) = (__q, __p, __dw) else {
                     return __wzvi::gauss::unfit(__by_q, __by_p);
                 };
@@ -112,6 +141,18 @@ fn field(model: &mut Model) -> TokenStream {
             }
         }
     }
+}
+
+/// With another name for `self`.
+fn with_self(tokens: TokenStream, name: &Ident) -> TokenStream {
+    let renamed = tokens.into_iter().map(|token| match token {
+        TokenTree::Ident(word) if word == "self" => TokenTree::Ident(name.clone()),
+        TokenTree::Group(group) => {
+            TokenTree::Group(Group::new(group.delimiter(), with_self(group.stream(), name)))
+        }
+        other => other,
+    });
+    renamed.collect()
 }
 
 /// The matrix of the linear part of the force, where there is one.

@@ -26,6 +26,17 @@ enum Binding {
     Atom,
 }
 
+/// By what a value is held.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Rank {
+    /// `f64`: literals, the step size, the time.
+    Number,
+    /// The type of constants, where that is another: the parameters of the system, and what is prepared.
+    Constant,
+    /// The type of the state.
+    Scalar,
+}
+
 /// Prints operations of one program for one scalar type, remembering what is already bound to a name.
 #[derive(Clone)]
 pub(crate) struct Printer<'p> {
@@ -34,6 +45,8 @@ pub(crate) struct Printer<'p> {
     scalar: TokenStream,
     /// Whether that is `f64`: then nothing needs to be lifted.
     is_f64: bool,
+    /// The type of what is made of constants, if that is another than `f64`, and which operations read a constant.
+    constants: Option<(TokenStream, Vec<bool>)>,
     bound: HashMap<Op, Ident>,
     hints: &'p HashMap<Op, String>,
     names: Names,
@@ -50,7 +63,14 @@ impl<'p> Printer<'p> {
         names: Names,
     ) -> Self {
         let is_f64 = scalar.to_string() == f64_type().to_string();
-        Self { program, scalar, is_f64, bound: HashMap::new(), hints, names, plain: HashSet::new() }
+        let (bound, plain) = (HashMap::new(), HashSet::new());
+        Self { program, scalar, is_f64, constants: None, bound, hints, names, plain }
+    }
+
+    /// The same where `constants` are of the type `constant`, and so is what is made of them before the state is known.
+    pub(crate) fn with_constants(mut self, constants: &[Op], constant: TokenStream) -> Self {
+        self.constants = Some((constant, self.program.readers_of(constants)));
+        self
     }
 
     /// Makes `op` known as `name`.
@@ -190,17 +210,44 @@ impl<'p> Printer<'p> {
 
     /// The value of `op` as an expression of the scalar type.
     pub(crate) fn scalar_value(&self, op: Op) -> TokenStream {
-        let value = self.value(op);
-        if self.is_scalar(op) || self.is_f64 {
-            value
-        } else {
-            let scalar = &self.scalar;
-            quote!(#scalar::from_f64(#value))
+        self.lifted(op, Rank::Scalar)
+    }
+
+    /// The value of `op` as an expression of the type of a rank, which is at least its own.
+    fn lifted(&self, op: Op, rank: Rank) -> TokenStream {
+        let (value, scalar) = (self.value(op), &self.scalar);
+        match (self.rank(op), rank, &self.constants) {
+            (own, wanted, _) if own == wanted || self.is_f64 => value,
+            (Rank::Number, Rank::Constant, Some((constant, _))) => {
+                quote!(<#constant as __wzvi::Scalar>::from_f64(#value))
+            }
+            (Rank::Constant, _, Some((constant, _))) => {
+                quote!(<#scalar as __wzvi::Over<#constant>>::constant(#value))
+            }
+            _ => quote!(#scalar::from_f64(#value)),
         }
     }
 
     fn is_scalar(&self, op: Op) -> bool {
-        self.program.level(op) >= Level::Increments
+        self.rank(op) == Rank::Scalar
+    }
+
+    /// The type of a value.
+    pub(crate) fn rank(&self, op: Op) -> Rank {
+        match &self.constants {
+            _ if self.program.level(op) >= Level::Increments => Rank::Scalar,
+            Some((_, reads)) if reads.get(op).is_some_and(|reads| *reads) => Rank::Constant,
+            _ => Rank::Number,
+        }
+    }
+
+    /// The type of a rank.
+    fn ty(&self, rank: Rank) -> TokenStream {
+        match (rank, &self.constants) {
+            (Rank::Scalar, _) => self.scalar.clone(),
+            (Rank::Constant, Some((constant, _))) => constant.clone(),
+            _ => f64_type(),
+        }
     }
 
     fn atom(&self, op: Op) -> TokenStream {
@@ -236,11 +283,11 @@ impl<'p> Printer<'p> {
                 (quote!(()), Binding::Atom)
             }
             Operation::Add(a, b) => {
-                let (a, b) = if self.is_scalar(*a) { (*a, *b) } else { (*b, *a) };
+                let (a, b) = self.highest_first(*a, *b);
                 let (a, b) = (self.at_least(a, Binding::Sum), self.at_least(b, Binding::Product));
                 (quote!(#a + #b), Binding::Sum)
             }
-            Operation::Subtract(a, b) if !self.is_scalar(*a) && self.is_scalar(*b) => {
+            Operation::Subtract(a, b) if self.rank(*a) < self.rank(*b) => {
                 let (a, b) = (self.at_least(*a, Binding::Product), self.atom(*b));
                 (quote!(-#b + #a), Binding::Sum)
             }
@@ -249,13 +296,14 @@ impl<'p> Printer<'p> {
                 (quote!(#a - #b), Binding::Sum)
             }
             Operation::Multiply(a, b) => {
-                let (a, b) = if self.is_scalar(*a) { (*a, *b) } else { (*b, *a) };
+                let (a, b) = self.highest_first(*a, *b);
                 let (a, b) = (self.at_least(a, Binding::Product), self.at_least(b, Binding::Prefix));
                 (quote!(#a * #b), Binding::Product)
             }
             Operation::Divide(a, b) => {
-                let mixed = self.is_scalar(*b) && !self.is_scalar(*a);
-                let a = if mixed { self.scalar_value(*a) } else { self.at_least(*a, Binding::Product) };
+                let rank = self.rank(*b);
+                let mixed = self.rank(*a) < rank;
+                let a = if mixed { self.lifted(*a, rank) } else { self.at_least(*a, Binding::Product) };
                 let b = self.at_least(*b, Binding::Prefix);
                 (quote!(#a / #b), Binding::Product)
             }
@@ -283,41 +331,49 @@ impl<'p> Printer<'p> {
             let argument = self.receiver(arguments[0]);
             return quote!(#argument.#method());
         }
-        let scalar = if self.is_scalar(op) { self.scalar.clone() } else { f64_type() };
-        let arguments =
-            arguments.iter().map(|&a| if self.is_scalar(op) { self.scalar_value(a) } else { self.value(a) });
-        match self.is_scalar(op) && !self.is_f64 {
+        let (rank, scalar) = (self.rank(op), self.ty(self.rank(op)));
+        let arguments = arguments.iter().map(|&a| self.lifted(a, rank));
+        match rank == Rank::Scalar && !self.is_f64 {
             true => quote!(#scalar::#method(#(#arguments),*)),
             false => quote!(<#scalar as __wzvi::Scalar>::#method(#(#arguments),*)),
         }
     }
 
+    /// The operand of the higher rank comes first: only that one knows how to compute with the other.
+    fn highest_first(&self, a: Op, b: Op) -> (Op, Op) {
+        if self.is_scalar(a) || self.rank(a) > self.rank(b) { (a, b) } else { (b, a) }
+    }
+
     fn select(&self, op: Op, condition: Op, then: Op, otherwise: Op) -> (TokenStream, Binding) {
-        let branch = |a: Op| if self.is_scalar(op) { self.scalar_value(a) } else { self.value(a) };
+        let branch = |a: Op| self.lifted(a, self.rank(op));
         let (then, otherwise) = (branch(then), branch(otherwise));
-        let value = self.value(condition);
-        if self.is_scalar(condition) {
+        if self.rank(condition) > Rank::Number {
+            let is_mask = self.rank(condition) == self.rank(op);
+            let value = if is_mask { self.value(condition) } else { self.truth(condition, self.rank(op)) };
             (quote!(__wzvi::Scalar::select(#value, #then, #otherwise)), Binding::Atom)
         } else {
+            let value = self.value(condition);
             (quote!(if #value { #then } else { #otherwise }), Binding::Whole)
         }
     }
 
-    /// A comparison or a combination of truths: `bool` before the state is known, a mask of the scalar type after.
+    /// A truth as the mask of a rank, which is at least its own.
+    fn truth(&self, op: Op, rank: Rank) -> TokenStream {
+        let (value, ty) = (self.atom(op), self.ty(rank));
+        match (self.rank(op), &self.constants) {
+            (own, _) if own == rank => value,
+            (Rank::Constant, Some((constant, _))) => quote!(<#ty as __wzvi::Over<#constant>>::truth(#value)),
+            _ => quote!(<<#ty as __wzvi::Scalar>::Mask as __wzvi::Mask>::from_bool(#value)),
+        }
+    }
+
+    /// A comparison or a combination of truths: a mask of the type of what it reads.
     fn condition(&self, op: Op, operation: &Operation) -> (TokenStream, Binding) {
-        let lanes = self.is_scalar(op);
-        let truth = |a: Op| {
-            let value = self.atom(a);
-            let scalar = &self.scalar;
-            if lanes && !self.is_scalar(a) {
-                quote!(<<#scalar as __wzvi::Scalar>::Mask as __wzvi::Mask>::from_bool(#value))
-            } else {
-                value
-            }
-        };
+        let rank = self.rank(op);
+        let truth = |a: Op| self.truth(a, rank);
         match *operation {
-            Operation::Compare(relation, a, b) if lanes => {
-                let (a, b) = (self.scalar_value(a), self.scalar_value(b));
+            Operation::Compare(relation, a, b) if rank > Rank::Number => {
+                let (a, b) = (self.lifted(a, rank), self.lifted(b, rank));
                 let method = match relation {
                     Relation::Less => quote!(less),
                     Relation::LessEqual => quote!(less_equal),

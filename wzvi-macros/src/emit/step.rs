@@ -3,7 +3,7 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::discretized::Discretized;
+use super::discretized::{Beside, Discretized};
 use super::embedding_type;
 use super::lagrangian;
 use super::names::Names;
@@ -31,9 +31,9 @@ const LIVE: [&str; 11] =
 
 /// A step as code that reads no system but what is prepared of it.
 pub(crate) struct Kernel {
-    /// `__Prepared`, `__Memory<__S>` and the function `__solve`.
+    /// `__Prepared<__K>`, `__Memory<__S>` and the function `__solve`.
     pub(crate) items: TokenStream,
-    /// The body of a method that makes a `__Prepared` of `self` and `__h`.
+    /// The body of a method that makes a `__Prepared` of numbers of `self` and `__h`.
     pub(crate) prepare: TokenStream,
     /// `(P - p_i) / (p_{i+1} - p_i)` of each degree of freedom, if that is a number.
     pub(crate) momentum_factors: Option<Vec<f64>>,
@@ -72,14 +72,19 @@ impl Kernel {
         let (open, prepared_type, memory_type) =
             (prepared.open(), prepared.ty(), memory::memory_type(&sizes));
         let items = quote! {
-            type __Prepared = #prepared_type;
+            type __Prepared<__K> = #prepared_type;
             type __Memory<__S> = #memory_type;
 
             #functions
 
             #[inline(always)]
-            fn __solve<__S: __wzvi::Scalar, __C: __wzvi::Carry<__S>, const __CAREFUL: __wzvi::bool>(
-                __prepared: &__Prepared,
+            fn __solve<
+                __S: __wzvi::Over<__K>,
+                __K: __wzvi::Constant,
+                __C: __wzvi::Carry<__S>,
+                const __CAREFUL: __wzvi::bool,
+            >(
+                __prepared: &__Prepared<__K>,
                 #t
                 #h
                 __q: [__S; #degrees],
@@ -102,14 +107,14 @@ impl Kernel {
         }
     }
 
-    /// A call of `__solve` with arguments of these values, generic parameters first.
+    /// A call of `__solve` with arguments of these values, generic parameters first: those of numbers, constants, carry and care.
     pub(crate) fn call(
         &self,
-        generics: &TokenStream,
+        [number, constant, carried, careful]: [&TokenStream; 4],
         [prepared, t, h, q, p, dw, memory, carry]: [TokenStream; 8],
     ) -> TokenStream {
         let [t, h, dw, memory] = chosen(self.reads, [t, h, dw, memory]);
-        quote!(__solve::<#generics>(#prepared, #t #h #q, #p, #dw #memory #carry))
+        quote!(__solve::<#number, #constant, #carried, #careful>(#prepared, #t #h #q, #p, #dw #memory #carry))
     }
 }
 
@@ -142,7 +147,12 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
     let plan = plan(facts, scheme);
     let kernel = Kernel::new(model, facts, scheme);
     let momentum = momentum(&kernel, scheme);
-    let advance = advance(&kernel, scheme);
+    let advance = advance(&kernel, scheme, [&quote!(__S), &f64_type(), &quote!(__C), &quote!(__CAREFUL)]);
+    let beside = Beside {
+        ty: quote!(__Prepared<__wzvi::Lanes<__L>>),
+        make: quote!(__wzvi::Some(__wzvi::Beside::beside(__prepared))),
+        advance: advance_beside(&kernel, scheme),
+    };
     let d = count(scheme.lagrangian.symbols.u.len());
     let carry =
         if kernel.affords_compensation { quote!(Self::Compensated<__S>) } else { quote!(__wzvi::Plain) };
@@ -154,7 +164,8 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
         items,
         constants: TokenStream::new(),
         plan,
-        prepared: quote!(__Prepared),
+        prepared: quote!(__Prepared<__wzvi::f64>),
+        beside: Some(beside),
         memory: quote!(__Memory<__S>),
         compensated: quote!(__wzvi::Compensation<__S, #d>),
         carry,
@@ -170,23 +181,32 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
     .emit()
 }
 
-/// The body of `advance_carrying`.
-fn advance(kernel: &Kernel, scheme: &Scheme) -> TokenStream {
+/// The body of `advance_carrying`, or one with other generic parameters of `__solve`.
+fn advance(kernel: &Kernel, scheme: &Scheme, generics: [&TokenStream; 4]) -> TokenStream {
     let increments = match scheme.lagrangian.symbols.dw.len() {
-        0 => quote!(__wzvi::increments::<__S, 0>(__dw)?;),
+        0 => quote!(__wzvi::increments::<_, 0>(__dw)?;),
         _ => quote!(let __dw = __wzvi::increments(__dw)?;),
     };
     let [prepared, t, h, dw, memory, carry] = ["prepared", "t", "h", "dw", "memory", "carry"].map(|name| {
         let name = format_ident!("__{name}");
         quote!(#name)
     });
-    let solve = kernel
-        .call(&quote!(__S, __C, __CAREFUL), [prepared, t, h, quote!(*__q), quote!(*__p), dw, memory, carry]);
+    let solve = kernel.call(generics, [prepared, t, h, quote!(*__q), quote!(*__p), dw, memory, carry]);
     quote! {
         let (__q, __p) = (__wzvi::array_mut(__q)?, __wzvi::array_mut(__p)?);
         #increments
         let __next = #solve?;
         __wzvi::Ok(__next.store(__q, __p, __carry))
+    }
+}
+
+/// The body of `advance_beside`.
+fn advance_beside(kernel: &Kernel, scheme: &Scheme) -> TokenStream {
+    let lanes = quote!(__wzvi::Lanes<__L>);
+    let advance = advance(kernel, scheme, [&lanes, &lanes, &quote!(__wzvi::Plain), &quote!(false)]);
+    quote! {
+        let (__prepared, __carry) = (__beside, &mut __wzvi::Plain);
+        #advance
     }
 }
 
@@ -206,7 +226,7 @@ fn momentum(kernel: &Kernel, scheme: &Scheme) -> TokenStream {
     };
     let memory = kernel.reads[3].then(|| quote!(let mut __memory = __wzvi::Default::default();));
     let solve = kernel.call(
-        &quote!(#f64, __wzvi::Plain, true),
+        [&f64, &f64, &quote!(__wzvi::Plain), &quote!(true)],
         [
             quote!(&__prepared),
             quote!(__before.t),

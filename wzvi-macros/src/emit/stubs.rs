@@ -133,6 +133,7 @@ fn discretized(wzvi: &Path) -> TokenStream {
         >(
             &self, _: &(), _: #real, _: #real, _: &mut [S], _: &mut [S], _: &[S], _: &mut (), _: &mut C,
         ) -> ::core::result::Result<#wzvi::__private::Effort, #wzvi::error::StepFailure> { ::core::unimplemented!() }
+        #wzvi::__private::apart!(Self);
         fn discrete_lagrangian(&self, _: &#segment, _: &[#real]) -> #real { ::core::unimplemented!() }
         fn discrete_lagrangian_gradient(
             &self, _: &#segment, _: &[#real],

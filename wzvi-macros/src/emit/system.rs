@@ -78,12 +78,28 @@ pub(crate) fn body(
 
 /// The same with a graph and the parameters that it reads.
 pub(crate) fn evaluation(
-    (graph, parameters): (&mut Graph, &[Parameter]),
+    model: (&mut Graph, &[Parameter]),
     letters: &Letters,
     inputs: &Inputs,
     scalar: &TokenStream,
     roots: &[Expr],
 ) -> Body {
+    let (body, reads) = evaluation_over(model, letters, inputs, (scalar, None), roots);
+    let f64 = f64_type();
+    let reads = reads.iter().map(|(name, tokens)| quote!(let #name: #f64 = #tokens;));
+    let statements = body.statements;
+    Body { statements: quote!(#(#reads)* #statements), ..body }
+}
+
+/// The same without its beginning, where parameters of the system are bound to names: these, and what they are in the system. They are numbers
+/// of a type of their own, if there is one.
+pub(crate) fn evaluation_over(
+    (graph, parameters): (&mut Graph, &[Parameter]),
+    letters: &Letters,
+    inputs: &Inputs,
+    (scalar, constant): (&TokenStream, Option<TokenStream>),
+    roots: &[Expr],
+) -> (Body, Vec<(Ident, TokenStream)>) {
     let mut lowering = Lowering::new(graph, inputs.definitions.clone());
     let mut bound: Vec<(Op, Ident)> = Vec::new();
     for (symbol, name, level) in &inputs.names {
@@ -101,20 +117,21 @@ pub(crate) fn evaluation(
     let uses = program.uses(&roots);
     let hints = HashMap::new();
     let mut printer = Printer::new(program, scalar.clone(), &hints, letters.names.clone());
+    if let Some(constant) = constant {
+        let constants: Vec<Op> = reads.iter().map(|(op, ..)| *op).collect();
+        printer = printer.with_constants(&constants, constant);
+    }
     for (op, name) in bound {
         printer.set(op, name);
     }
-    let mut statements = TokenStream::new();
-    let f64 = f64_type();
-    for (op, name, tokens) in reads {
-        if uses[op] > 0 {
-            statements.extend(quote!(let #name: #f64 = #tokens;));
-            printer.set(op, name);
-        }
+    reads.retain(|(op, ..)| uses[*op] > 0);
+    for (op, name, _) in &reads {
+        printer.set(*op, name.clone());
     }
-    statements.extend(printer.bind(&roots, &uses, &|_| false));
+    let statements = printer.bind(&roots, &uses, &|_| false);
     let values = roots.iter().map(|&root| printer.scalar_value(root)).collect();
-    Body { statements, values }
+    let reads = reads.into_iter().map(|(_, name, tokens)| (name, tokens.clone()));
+    (Body { statements, values }, reads.collect())
 }
 
 /// `impl Hamiltonian`

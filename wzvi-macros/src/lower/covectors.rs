@@ -44,8 +44,7 @@ impl Space<'_> {
         let is_matrix = declared.is_matrix;
         let (body, coordinates) = match &declared.given.value {
             Syntax::Closure(closure) => {
-                let (Some(pattern), 1, false) = (closure.inputs.first(), closure.inputs.len(), is_matrix)
-                else {
+                let (Some(pattern), 1) = (closure.inputs.first(), closure.inputs.len()) else {
                     interpreter.report(expressions::friction_closure(closure, is_matrix));
                     return None;
                 };
@@ -53,14 +52,15 @@ impl Space<'_> {
             }
             body => (body, None),
         };
-        let mut uniform = None;
+        let (mut uniform, mut is_one_rate) = (None, false);
         let term = self.lowered(interpreter, body, |interpreter| {
             if let Some(pattern) = coordinates {
                 let q = self.vector(interpreter, Origin::Coordinates);
                 interpreter.bind(pattern, q);
             }
             let value = interpreter.evaluate(body);
-            if let (Value::Real(_) | Value::Constant(_), None, false) = (&value, coordinates, is_matrix) {
+            is_one_rate = !is_matrix && matches!(value, Value::Real(_) | Value::Constant(_));
+            if is_one_rate && coordinates.is_none() {
                 uniform = interpreter.real(value.clone(), body);
             }
             match is_matrix {
@@ -68,7 +68,7 @@ impl Space<'_> {
                 false => self.rates(interpreter, value, result_of(body)),
             }
         })?;
-        Some(Friction { term, is_matrix, uniform })
+        Some(Friction { term, is_matrix, is_one_rate, uniform })
     }
 
     /// `Σ_i γ_i δq_i p_i` of one rate for all degrees of freedom, one for each point, or one for each.

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::diagonal::{BLOCK, Diagonal};
+use super::relaxation::Momenta;
 use super::{Damped, Relaxation};
 use crate::carry::Carry;
 use crate::error::{ConfigError, StepFailure};
@@ -162,7 +163,7 @@ impl<'m, T: Damped, S: Scalar> Parts<'m, T, S> {
         lost: &mut [S],
     ) -> Result<S, StepFailure> {
         let normals = &self.normals[part * self.per_part..(part + 1) * self.per_part];
-        self.relaxation.apply::<T, S, C>(self.system, q, normals, p, lost, self.room)
+        self.relaxation.apply::<T, S, C>(self.system, Momenta { q, normals, p, lost }, self.room)
     }
 }
 

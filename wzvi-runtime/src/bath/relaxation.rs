@@ -43,6 +43,17 @@ struct Frozen {
     bath: Bath,
 }
 
+/// Momenta that an O part moves, and what moves them.
+pub(super) struct Momenta<'m, S> {
+    /// Where they are.
+    pub(super) q: &'m [S],
+    /// `√h ξ`, none without temperature.
+    pub(super) normals: &'m [S],
+    pub(super) p: &'m mut [S],
+    /// What is carried for them.
+    pub(super) lost: &'m mut [S],
+}
+
 impl Relaxation {
     /// That of the fraction `share` of a step of size `h`.
     ///
@@ -124,8 +135,7 @@ impl Relaxation {
         if T::PER_STATE && T::IS_MATRIX { 3 * degrees * degrees + 2 * degrees } else { 2 * degrees }
     }
 
-    /// Moves the momenta, by `√h ξ` if there is a temperature, and gives the heat that they took: the gain of kinetic energy. Lanes do not
-    /// account for it.
+    /// Moves the momenta, and gives the heat that they took: the gain of kinetic energy. Lanes do not account for it.
     ///
     /// # Errors
     /// [`BathError::Friction`] where it is negative; `p` is then any.
@@ -133,40 +143,30 @@ impl Relaxation {
     pub(super) fn apply<T: Damped, S: Scalar, C: Carry<S>>(
         &self,
         system: &T,
-        q: &[S],
-        normals: &[S],
-        p: &mut [S],
-        lost: &mut [S],
+        mut momenta: Momenta<'_, S>,
         room: &mut [S],
     ) -> Result<S, StepFailure> {
-        match &self.0 {
-            Law::Still => Ok(S::from_f64(0.0)),
-            Law::Diagonal(law) if !C::CARRIES => Ok(law.all_blocks(normals, None, p)),
-            Law::Diagonal(Diagonal { decay, deviation, inverse_mass }) => {
-                let mut heat = S::from_f64(0.0);
-                let constants = decay.iter().zip(deviation).zip(inverse_mass);
-                for ((i, p), ((&decay, &deviation), &inverse)) in p.iter_mut().enumerate().zip(constants) {
-                    let noise = of_normal(normals, i) * deviation;
-                    heat = heat + relax::<S, C>(p, lost.get_mut(i), (S::from_f64(decay), noise), inverse);
-                }
-                Ok(heat)
-            }
+        Ok(match &self.0 {
+            Law::Still => S::from_f64(0.0),
+            Law::Diagonal(law) if !C::CARRIES => law.all_blocks(momenta.normals, None, momenta.p),
+            Law::Diagonal(Diagonal { decay, deviation, inverse_mass }) => momenta
+                .relax::<C>(inverse_mass, |i| Ok((S::from_f64(decay[i]), S::from_f64(deviation[i]))))?,
             Law::Matrix { decay, deviation, inverse_mass } => {
-                let d = p.len();
+                let d = momenta.p.len();
                 for (i, to) in room.iter_mut().enumerate().take(d) {
-                    let kept = (0..d).fold(S::from_f64(0.0), |sum, j| sum + p[j] * decay[i * d + j]);
-                    *to = (0..=i).fold(kept, |sum, j| sum + of_normal(normals, j) * deviation[i * d + j]);
+                    let kept = (0..d).fold(S::from_f64(0.0), |sum, j| sum + momenta.p[j] * decay[i * d + j]);
+                    *to = momenta.with_noise(kept, i, &deviation[i * d..]);
                 }
-                Ok(replace::<S, C>(p, lost, &room[..d], inverse_mass))
+                momenta.replace::<C>(&room[..d], inverse_mass)
             }
-            Law::Frozen(frozen) if T::IS_MATRIX => {
-                frozen.apply_matrix::<T, S, C>(system, q, normals, p, lost, room)
+            Law::Frozen(frozen) => {
+                if T::IS_MATRIX {
+                    frozen.apply_matrix::<T, S, C>(system, momenta, room)?
+                } else {
+                    frozen.apply_rates::<T, S, C>(system, momenta, room)?
+                }
             }
-            Law::Frozen(frozen) if T::HAS_DIAGONAL_MASSES => {
-                frozen.apply_diagonal::<T, S, C>(system, q, normals, p, lost, room)
-            }
-            Law::Frozen(frozen) => frozen.apply_uniform::<T, S, C>(system, q, normals, p, lost, room),
-        }
+        })
     }
 }
 
@@ -176,44 +176,63 @@ pub(super) fn of_normal<S: Scalar>(normals: &[S], i: usize) -> S {
     normals.get(i).copied().unwrap_or(S::from_f64(0.0))
 }
 
-/// `p <- E p + R ξ` of one momentum, with what is carried for it, and the heat.
-#[inline(always)]
-fn relax<S: Scalar, C: Carry<S>>(
-    p: &mut S,
-    lost: Option<&mut S>,
-    (decay, noise): (S, S),
-    inverse_mass: f64,
-) -> S {
-    let before = *p;
-    match lost {
-        Some(lost) => (*p, *lost) = C::add(before * decay, noise, *lost * decay),
-        None => *p = before * decay + noise,
+impl<S: Scalar> Momenta<'_, S> {
+    /// A number and the noise of a lower triangular matrix in its row number `i`.
+    #[inline(always)]
+    fn with_noise<T: Copy>(&self, number: S, i: usize, row: &[T]) -> S
+    where
+        S: std::ops::Mul<T, Output = S>,
+    {
+        (0..=i).fold(number, |sum, j| sum + of_normal(self.normals, j) * row[j])
     }
-    gain(before, *p, inverse_mass)
+
+    /// `p <- E p + R ξ` by degree of freedom, with what is carried; and the heat.
+    ///
+    /// # Errors
+    /// Those of the constants `E` and `R / √h`.
+    #[inline(always)]
+    fn relax<C: Carry<S>>(
+        &mut self,
+        inverse_mass: &[f64],
+        constants: impl Fn(usize) -> Result<(S, S), StepFailure>,
+    ) -> Result<S, StepFailure> {
+        let mut heat = S::from_f64(0.0);
+        for (i, inverse) in inverse_mass.iter().enumerate().take(self.p.len()) {
+            let (decay, deviation) = constants(i)?;
+            let (before, noise) = (self.p[i], of_normal(self.normals, i) * deviation);
+            if C::CARRIES {
+                (self.p[i], self.lost[i]) = C::add(before * decay, noise, self.lost[i] * decay);
+            } else {
+                self.p[i] = before * decay + noise;
+            }
+            heat = heat + gain(before, self.p[i], *inverse);
+        }
+        Ok(heat)
+    }
+
+    /// New momenta, and the heat: `(p_1 - p_0) · M⁻¹ (p_1 + p_0) / 2`.
+    #[inline(always)]
+    fn replace<C: Carry<S>>(&mut self, new: &[S], inverse_mass: &[f64]) -> S {
+        let (zero, d) = (S::from_f64(0.0), self.p.len());
+        let mut heat = zero;
+        if S::LANES == 1 {
+            for (i, row) in inverse_mass.chunks_exact(d).enumerate() {
+                let sum = (0..d).fold(zero, |sum, j| sum + (new[j] + self.p[j]) * row[j]);
+                heat = heat + (new[i] - self.p[i]) * sum * 0.5;
+            }
+        }
+        self.p.copy_from_slice(new);
+        if C::CARRIES {
+            self.lost.fill(zero);
+        }
+        heat
+    }
 }
 
 /// What the kinetic energy of one momentum gains.
 #[inline(always)]
 pub(super) fn gain<S: Scalar>(before: S, after: S, inverse_mass: f64) -> S {
     if S::LANES == 1 { (after - before) * (after + before) * (0.5 * inverse_mass) } else { S::from_f64(0.0) }
-}
-
-/// New momenta, and the heat: `(p_1 - p_0) · M⁻¹ (p_1 + p_0) / 2`.
-#[inline(always)]
-fn replace<S: Scalar, C: Carry<S>>(p: &mut [S], lost: &mut [S], new: &[S], inverse_mass: &[f64]) -> S {
-    let (zero, d) = (S::from_f64(0.0), p.len());
-    let mut heat = zero;
-    if S::LANES == 1 {
-        for (i, row) in inverse_mass.chunks_exact(d).enumerate() {
-            let sum = (0..d).fold(zero, |sum, j| sum + (new[j] + p[j]) * row[j]);
-            heat = heat + (new[i] - p[i]) * sum * 0.5;
-        }
-    }
-    p.copy_from_slice(new);
-    if C::CARRIES {
-        lost.fill(zero);
-    }
-    heat
 }
 
 /// Whether friction and masses are lists by degree of freedom.
@@ -308,83 +327,66 @@ fn negative(rate: f64) -> StepFailure {
 }
 
 impl Frozen {
+    /// Decay and noise of a mode with this rate, as [`Bath::mode`].
     #[inline(always)]
-    fn apply_diagonal<T: Damped, S: Scalar, C: Carry<S>>(
-        &self,
-        system: &T,
-        q: &[S],
-        normals: &[S],
-        p: &mut [S],
-        lost: &mut [S],
-        room: &mut [S],
-    ) -> Result<S, StepFailure> {
-        let rates = &mut room[..p.len()];
-        system.damping(q, rates);
-        let mut heat = S::from_f64(0.0);
-        for (i, p) in p.iter_mut().enumerate() {
-            let inverse = self.inverse_mass[i];
-            refuse_negative(rates[i]).map_err(negative)?;
-            let (decay, noise) = self.bath.mode(rates[i]);
-            let noise = of_normal(normals, i) * noise / inverse.sqrt();
-            let lost = if C::CARRIES { lost.get_mut(i) } else { None };
-            heat = heat + relax::<S, C>(p, lost, (decay, noise), inverse);
-        }
-        Ok(heat)
-    }
-
-    fn apply_uniform<T: Damped, S: Scalar, C: Carry<S>>(
-        &self,
-        system: &T,
-        q: &[S],
-        normals: &[S],
-        p: &mut [S],
-        lost: &mut [S],
-        room: &mut [S],
-    ) -> Result<S, StepFailure> {
-        let d = p.len();
-        let (rates, new) = room.split_at_mut(d);
-        system.damping(q, rates);
-        let Some(&rate) = rates.first() else { return Ok(S::from_f64(0.0)) };
+    fn mode<S: Scalar>(&self, rate: S) -> Result<(S, S), StepFailure> {
         refuse_negative(rate).map_err(negative)?;
-        let (decay, noise) = self.bath.mode(rate);
-        for (i, new) in new.iter_mut().enumerate() {
-            let drawn = (0..=i)
-                .fold(S::from_f64(0.0), |sum, j| sum + of_normal(normals, j) * self.mass.mass[i * d + j]);
-            *new = p[i] * decay + drawn * noise;
-        }
-        Ok(replace::<S, C>(p, lost, new, &self.inverse_mass))
+        Ok(self.bath.mode(rate))
     }
 
+    /// Rates by degree of freedom, or one for masses that are a matrix.
+    #[inline(always)]
+    fn apply_rates<T: Damped, S: Scalar, C: Carry<S>>(
+        &self,
+        system: &T,
+        mut momenta: Momenta<'_, S>,
+        room: &mut [S],
+    ) -> Result<S, StepFailure> {
+        let (rates, new) = room.split_at_mut(momenta.p.len());
+        system.damping(momenta.q, rates);
+        if T::HAS_DIAGONAL_MASSES {
+            return momenta.relax::<C>(&self.inverse_mass, |i| {
+                let (decay, noise) = self.mode(rates[i])?;
+                Ok((decay, noise / self.inverse_mass[i].sqrt()))
+            });
+        }
+        let Some(&rate) = rates.first() else { return Ok(S::from_f64(0.0)) };
+        let (decay, noise) = self.mode(rate)?;
+        let masses = self.mass.mass.chunks_exact(momenta.p.len());
+        for (i, (new, mass)) in new.iter_mut().zip(masses).enumerate() {
+            *new = momenta.p[i] * decay + momenta.with_noise(S::from_f64(0.0), i, mass) * noise;
+        }
+        Ok(momenta.replace::<C>(new, &self.inverse_mass))
+    }
+
+    #[inline(always)]
     fn apply_matrix<T: Damped, S: Scalar, C: Carry<S>>(
         &self,
         system: &T,
-        q: &[S],
-        normals: &[S],
-        p: &mut [S],
-        lost: &mut [S],
+        mut momenta: Momenta<'_, S>,
         room: &mut [S],
     ) -> Result<S, StepFailure> {
-        let (zero, d) = (S::from_f64(0.0), p.len());
+        let (zero, d) = (S::from_f64(0.0), momenta.p.len());
         let (rates, room) = room.split_at_mut(d * d);
         let (vectors, room) = room.split_at_mut(d * d);
         let (modes, room) = room.split_at_mut(d * d);
         let (along, new) = room.split_at_mut(d);
-        system.damping(q, rates);
+        system.damping(momenta.q, rates);
         let mut found = Modes { rates, vectors, modes };
         found.solve(&self.mass, d).map_err(negative)?;
         let (smallest, slowest) = found.slowest(&self.bath, d);
         for (k, along) in along.iter_mut().enumerate() {
-            let own = (0..d).fold(zero, |sum, j| sum + found.inverse(&self.mass, [k, j], d) * p[j]);
+            let own = (0..d).fold(zero, |sum, j| sum + found.inverse(&self.mass, [k, j], d) * momenta.p[j]);
             *along = found.faster(&self.bath, smallest, k, d) * own;
         }
         for (i, new) in new.iter_mut().enumerate().take(d) {
             let lost = (0..d).fold(zero, |sum, k| sum + found.modes[i * d + k] * along[k]);
-            *new = slowest * (p[i] - lost);
+            *new = slowest * (momenta.p[i] - lost);
         }
         found.deviation(&self.bath, d);
-        for (i, new) in new.iter_mut().enumerate().take(d) {
-            *new = (0..=i).fold(*new, |sum, j| sum + found.modes[i * d + j] * of_normal(normals, j));
+        for (i, (new, row)) in new.iter_mut().zip(found.modes.chunks_exact(d)).enumerate() {
+            *new = momenta.with_noise(*new, i, row);
         }
-        Ok(replace::<S, C>(p, lost, &new[..d], &self.inverse_mass))
+        Ok(momenta.replace::<C>(&new[..d], &self.inverse_mass))
     }
 }

@@ -205,6 +205,8 @@ where
         Self::advance::<f64, C, CAREFUL>(system, prepared, t, h, q, p, dw, memory, carry)
     }
 
+    crate::__apart!(F);
+
     fn follow(_: &F, _: &Segment<F::Vector>, _: &[f64], _: &[Substep]) -> Option<Followed<F::Vector>> {
         None
     }

@@ -184,6 +184,8 @@ impl<T: Damped + Discretized<E>, E> Sequence<T> for Around<E> {
         }
     }
 
+    crate::__apart!(T);
+
     fn follow(_: &T, _: &Segment<T::Vector>, _: &[f64], _: &[Substep]) -> Option<Followed<T::Vector>> {
         None
     }

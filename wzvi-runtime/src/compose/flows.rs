@@ -13,17 +13,18 @@
 //! of [`Half`], an arm of `take` and a method of [`Flows`].
 
 use super::sequence::{Followed, Half, Sequence, Substep};
-use super::stages::{Memory, Origin, Rooms, Stage, Stages, Take, add, advance, check, follow};
+use super::stages::{Fits, Memory, Origin, Rooms, Stage, Stages, Take, add, advance, check, follow};
 use super::windowed::{Givens, takes_windows};
 use crate::carry::{Carry, Plain};
 use crate::elements::{Taken, WindowPlan, Word, nothing};
 use crate::error::{ConfigError, StepFailure};
 use crate::gauss::{Field, Shape};
+use crate::lanes::Lanes;
 use crate::plan::Plan;
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::Vector;
-use crate::system::Segment;
+use crate::system::{Hamiltonian, Segment};
 
 /// A system with `F = T(p) + V(q, t)`; generated.
 pub trait Flows: Field {
@@ -60,6 +61,114 @@ pub trait Flows: Field {
     /// `q ← q + ∂F/∂p`, only where it is [`Flows::IN_PLACE`].
     fn add_velocity<S: Scalar>(&self, t: f64, h: f64, p: &[S], dw: &[S], q: &mut [S]) {
         let _ = (t, h, p, dw, q);
+    }
+}
+
+/// What the flows of a step need to know in numbers `S`: of a system, or of several beside each other.
+pub(crate) trait Slopes<S: Scalar> {
+    /// As [`Field::Shape`].
+    type Shape: Shape;
+    /// As [`Flows::FORCE_READS_TIME`].
+    const FORCE_READS_TIME: bool;
+    /// As [`Flows::IN_PLACE`].
+    const IN_PLACE: bool;
+
+    /// As [`Field::slopes`].
+    #[expect(clippy::too_many_arguments, reason = "as there")]
+    fn slopes<const BY_Q: bool, const BY_P: bool>(
+        &self,
+        t: f64,
+        h: f64,
+        q: &[S],
+        p: &[S],
+        dw: &[S],
+        by_q: &mut [S],
+        by_p: &mut [S],
+    );
+
+    /// As [`Flows::add_force`].
+    fn add_force(&self, t: f64, h: f64, q: &[S], dw: &[S], p: &mut [S]) {
+        let _ = (t, h, q, dw, p);
+    }
+
+    /// As [`Flows::add_velocity`].
+    fn add_velocity(&self, t: f64, h: f64, p: &[S], dw: &[S], q: &mut [S]) {
+        let _ = (t, h, p, dw, q);
+    }
+}
+
+impl<F: Flows, S: Scalar> Slopes<S> for F {
+    type Shape = <F as Field>::Shape;
+    const FORCE_READS_TIME: bool = <F as Flows>::FORCE_READS_TIME;
+    const IN_PLACE: bool = <F as Flows>::IN_PLACE;
+
+    #[inline(always)]
+    fn slopes<const BY_Q: bool, const BY_P: bool>(
+        &self,
+        t: f64,
+        h: f64,
+        q: &[S],
+        p: &[S],
+        dw: &[S],
+        by_q: &mut [S],
+        by_p: &mut [S],
+    ) {
+        Field::slopes::<S, BY_Q, BY_P>(self, S::from_f64(t), S::from_f64(h), q, p, dw, by_q, by_p);
+    }
+
+    #[inline(always)]
+    fn add_force(&self, t: f64, h: f64, q: &[S], dw: &[S], p: &mut [S]) {
+        Flows::add_force(self, t, h, q, dw, p);
+    }
+
+    #[inline(always)]
+    fn add_velocity(&self, t: f64, h: f64, p: &[S], dw: &[S], q: &mut [S]) {
+        Flows::add_velocity(self, t, h, p, dw, q);
+    }
+}
+
+/// The flows of `L` systems beside each other.
+#[derive(Debug)]
+pub struct FlowsBeside<F: Field, const L: usize> {
+    stages: Stages,
+    parameters: F::Parameters<Lanes<L>>,
+    degrees: usize,
+    noises: usize,
+}
+
+impl<F: Flows, const L: usize> Slopes<Lanes<L>> for FlowsBeside<F, L> {
+    type Shape = <F as Field>::Shape;
+    const FORCE_READS_TIME: bool = <F as Flows>::FORCE_READS_TIME;
+    const IN_PLACE: bool = false;
+
+    #[inline(always)]
+    fn slopes<const BY_Q: bool, const BY_P: bool>(
+        &self,
+        t: f64,
+        h: f64,
+        q: &[Lanes<L>],
+        p: &[Lanes<L>],
+        dw: &[Lanes<L>],
+        by_q: &mut [Lanes<L>],
+        by_p: &mut [Lanes<L>],
+    ) {
+        let [t, h] = [t, h].map(Lanes::from_f64);
+        F::slopes_over::<Lanes<L>, Lanes<L>, BY_Q, BY_P>(&self.parameters, t, h, q, p, dw, by_q, by_p);
+    }
+}
+
+impl<F: Field, const L: usize> Fits for FlowsBeside<F, L> {
+    #[inline(always)]
+    fn fits(&self, degrees: usize) -> bool {
+        degrees == self.degrees
+    }
+    fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+        let (expected, got) = (self.degrees, degrees);
+        if got == expected { Ok(()) } else { Err(StepFailure::Dimension { expected, got }) }
+    }
+    #[inline(always)]
+    fn noises(&self) -> usize {
+        self.noises
     }
 }
 
@@ -107,6 +216,34 @@ impl<F: Flows> Sequence<F> for KickDrift {
         }
         let mut flows = FlowsOf { system, t, h, count: prepared.0.len() };
         advance(system, &mut flows, &prepared.0, q, p, dw, memory, carry)
+    }
+
+    type Beside<const L: usize> = FlowsBeside<F, L>;
+
+    fn beside<const L: usize>(systems: [&F; L], prepared: [&Stages; L]) -> Option<FlowsBeside<F, L>> {
+        let (first, stages) = (systems.first()?, (*prepared.first()?).clone());
+        let parameters = F::parameters_beside(systems)?;
+        Some(FlowsBeside {
+            stages,
+            parameters,
+            degrees: first.degrees(),
+            noises: Hamiltonian::noises(*first),
+        })
+    }
+
+    #[inline(always)]
+    fn advance_beside<const L: usize>(
+        beside: &FlowsBeside<F, L>,
+        t: f64,
+        h: f64,
+        q: &mut [Lanes<L>],
+        p: &mut [Lanes<L>],
+        dw: &[Lanes<L>],
+        memory: &mut Self::Memory<Lanes<L>>,
+    ) -> Result<Effort, StepFailure> {
+        let Stages(stages) = &beside.stages;
+        let mut flows = FlowsOf { system: beside, t, h, count: stages.len() };
+        advance(beside, &mut flows, stages, q, p, dw, memory, &mut Plain)
     }
 
     #[inline(always)]
@@ -158,7 +295,7 @@ impl<F> Clone for FlowsOf<'_, F> {
     }
 }
 
-impl<F: Flows, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
+impl<F: Slopes<S>, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
     #[inline(always)]
     fn take<C: Carry<S>>(
         &mut self,
@@ -214,7 +351,9 @@ impl<F: Flows> FlowsOf<'_, F> {
         followed.action += value(q0, p0, t);
         Some(followed)
     }
+}
 
+impl<F> FlowsOf<'_, F> {
     #[inline(always)]
     fn drift<S: Scalar, C: Carry<S>>(
         &self,
@@ -224,19 +363,13 @@ impl<F: Flows> FlowsOf<'_, F> {
         dw: &[S],
         velocity: &mut [S],
         lost: &mut [S],
-    ) {
+    ) where
+        F: Slopes<S>,
+    {
         if F::IN_PLACE && !C::CARRIES {
             return self.system.add_velocity(self.t, h, p, dw, q);
         }
-        self.system.slopes::<S, false, true>(
-            S::from_f64(self.t),
-            S::from_f64(h),
-            q,
-            p,
-            dw,
-            &mut [],
-            velocity,
-        );
+        self.system.slopes::<false, true>(self.t, h, q, p, dw, &mut [], velocity);
         add::<S, C>(q, velocity, lost);
     }
 
@@ -251,7 +384,9 @@ impl<F: Flows> FlowsOf<'_, F> {
         force: &mut [S],
         lost: &mut [S],
         memory: &mut Memory<S, F::Shape>,
-    ) {
+    ) where
+        F: Slopes<S>,
+    {
         let Origin { t, h } = origin;
         if F::IN_PLACE && !C::CARRIES && !is_end {
             return self.system.add_force(t, h, q, &memory.dw, p);
@@ -264,8 +399,7 @@ impl<F: Flows> FlowsOf<'_, F> {
             force.fill(nothing());
             self.system.add_force(t, h, q, &memory.dw, force);
         } else {
-            let (t, h) = (S::from_f64(t), S::from_f64(h));
-            self.system.slopes::<S, true, false>(t, h, q, p, &memory.dw, force, &mut []);
+            self.system.slopes::<true, false>(t, h, q, p, &memory.dw, force, &mut []);
         }
         add::<S, C>(p, force, lost);
         if is_kept {

@@ -79,6 +79,8 @@ impl<F: Flows, W: GradientTable> Sequence<F> for GradientKicks<W> {
         advance(system, &mut Kicks::of::<W>(flows), &prepared.0, q, p, dw, memory, carry)
     }
 
+    crate::__apart!(F);
+
     /// A kick has the discrete Lagrangian `-b V(q) + c |V'(q)|²`.
     fn follow(
         system: &F,

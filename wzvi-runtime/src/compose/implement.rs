@@ -62,6 +62,31 @@ macro_rules! __composition {
                 )
             }
 
+            type Beside<const __L: $crate::core::primitive::usize> =
+                <$sequence as $crate::compose::Sequence<Self>>::Beside<__L>;
+
+            fn beside<const __L: $crate::core::primitive::usize>(
+                __systems: [&Self; __L],
+                __prepared: [&Self::Prepared; __L],
+            ) -> $crate::core::option::Option<Self::Beside<__L>> {
+                <$sequence as $crate::compose::Sequence<Self>>::beside(__systems, __prepared)
+            }
+
+            #[inline(always)]
+            fn advance_beside<const __L: $crate::core::primitive::usize>(
+                __beside: &Self::Beside<__L>,
+                __t: $crate::core::primitive::f64,
+                __h: $crate::core::primitive::f64,
+                __q: &mut [$crate::lanes::Lanes<__L>],
+                __p: &mut [$crate::lanes::Lanes<__L>],
+                __dw: &[$crate::lanes::Lanes<__L>],
+                __memory: &mut Self::Memory<$crate::lanes::Lanes<__L>>,
+            ) -> $crate::core::result::Result<$crate::solve::Effort, $crate::error::StepFailure> {
+                <$sequence as $crate::compose::Sequence<Self>>::advance_beside(
+                    __beside, __t, __h, __q, __p, __dw, __memory,
+                )
+            }
+
             #[inline(always)]
             fn advance_vectors<__C: $crate::carry::Carry<$crate::core::primitive::f64>, const __CAREFUL: $crate::core::primitive::bool>(
                 &self,

@@ -4,8 +4,10 @@ use std::marker::PhantomData;
 
 use super::kept::Memory;
 use super::sequence::{Followed, Half, Sequence, Substep, joint_plan};
-use crate::carry::Carry;
+use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepFailure};
+use crate::lanes::Lanes;
+use crate::memory::StepMemory;
 use crate::plan::Plan;
 use crate::scalar::Scalar;
 use crate::solve::Effort;
@@ -42,6 +44,79 @@ enum Scheme<A, B> {
 fn counts(substeps: &[Substep]) -> [usize; 2] {
     let first = substeps.iter().filter(|(half, _)| *half == Half::First).count();
     [first, substeps.len() - first]
+}
+
+impl<A, B> Scheme<A, B> {
+    fn first(&self) -> Option<&A> {
+        if let Self::First(first) = self { Some(first) } else { None }
+    }
+
+    fn second(&self) -> Option<&B> {
+        if let Self::Second(second) = self { Some(second) } else { None }
+    }
+}
+
+/// A part of what is prepared for each lane; `None` if one has none.
+fn lanes<P, T, const L: usize>(prepared: [&P; L], part: impl Fn(&P) -> Option<&T>) -> Option<[&T; L]> {
+    let parts: Vec<&T> = prepared.into_iter().map(part).collect::<Option<_>>()?;
+    parts.try_into().ok()
+}
+
+impl<A, B> Prepared<A, B> {
+    /// All parts of a step from `t` on, of size `h`, by what takes one of each kind. On `Err`, everything is as it was.
+    ///
+    /// # Errors
+    /// That of the first part that has one.
+    #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+    #[inline(always)]
+    fn advance<S: Scalar, C: Carry<S>, M: StepMemory, N: StepMemory>(
+        &self,
+        [t, h]: [f64; 2],
+        q: &mut [S],
+        p: &mut [S],
+        dw: &[S],
+        memory: &mut Memory<S, M, N>,
+        carry: &mut C,
+        take_first: impl Fn(&A, [f64; 2], &mut [S], &mut [S], &[S], &mut M, &mut C) -> Result<Effort, StepFailure>,
+        take_second: impl Fn(
+            &B,
+            [f64; 2],
+            &mut [S],
+            &mut [S],
+            &[S],
+            &mut N,
+            &mut C,
+        ) -> Result<Effort, StepFailure>,
+    ) -> Result<Effort, StepFailure> {
+        memory.save(self.counts, q, p, dw, carry);
+        let mut effort = Effort::fast(0);
+        let (mut first, mut second) = (0, 0);
+        for part in &self.parts {
+            let Memory { first: firsts, second: seconds, dw: scaled, .. } = &mut *memory;
+            for (scaled, dw) in scaled.iter_mut().zip(dw) {
+                *scaled = *dw * part.weight;
+            }
+            let time = [t + part.start * h, part.weight * h];
+            let taken = match &part.scheme {
+                Scheme::First(scheme) => {
+                    first += 1;
+                    take_first(scheme, time, q, p, scaled, &mut firsts[first - 1], carry)
+                }
+                Scheme::Second(scheme) => {
+                    second += 1;
+                    take_second(scheme, time, q, p, scaled, &mut seconds[second - 1], carry)
+                }
+            };
+            match taken {
+                Ok(taken) => effort = effort + taken,
+                Err(failure) => {
+                    memory.restore(q, p, carry);
+                    return Err(failure);
+                }
+            }
+        }
+        Ok(effort)
+    }
 }
 
 impl<H, A, B> Sequence<H> for Pair<A, B>
@@ -95,40 +170,75 @@ where
         if !system.fits(expected) || got != expected {
             return Err(StepFailure::Dimension { expected: system.degrees().max(expected), got });
         }
-        memory.save(prepared.counts, q, p, dw, carry);
-        let mut effort = Effort::fast(0);
-        let (mut first, mut second) = (0, 0);
-        for part in &prepared.parts {
-            let Memory { first: firsts, second: seconds, dw: scaled, .. } = &mut *memory;
-            for (scaled, dw) in scaled.iter_mut().zip(dw) {
-                *scaled = *dw * part.weight;
-            }
-            let (t, h) = (t + part.start * h, part.weight * h);
-            let taken = match &part.scheme {
-                Scheme::First(prepared) => {
-                    first += 1;
-                    let memory = &mut firsts[first - 1];
-                    Discretized::<A>::advance_carrying::<S, C, CAREFUL>(
-                        system, prepared, t, h, q, p, scaled, memory, carry,
-                    )
+        prepared.advance(
+            [t, h],
+            q,
+            p,
+            dw,
+            memory,
+            carry,
+            |prepared, [t, h], q, p, dw, memory, carry| {
+                Discretized::<A>::advance_carrying::<S, C, CAREFUL>(
+                    system, prepared, t, h, q, p, dw, memory, carry,
+                )
+            },
+            |prepared, [t, h], q, p, dw, memory, carry| {
+                Discretized::<B>::advance_carrying::<S, C, CAREFUL>(
+                    system, prepared, t, h, q, p, dw, memory, carry,
+                )
+            },
+        )
+    }
+
+    type Beside<const L: usize> =
+        Prepared<<H as Discretized<A>>::Beside<L>, <H as Discretized<B>>::Beside<L>>;
+
+    fn beside<const L: usize>(systems: [&H; L], prepared: [&Self::Prepared; L]) -> Option<Self::Beside<L>> {
+        let first = prepared.first()?;
+        let parts = first.parts.iter().enumerate().map(|(index, Part { start, weight, scheme })| {
+            let scheme = match scheme {
+                Scheme::First(_) => {
+                    let of_lanes = lanes(prepared, |prepared| prepared.parts.get(index)?.scheme.first())?;
+                    Scheme::First(<H as Discretized<A>>::beside(systems, of_lanes)?)
                 }
-                Scheme::Second(prepared) => {
-                    second += 1;
-                    let memory = &mut seconds[second - 1];
-                    Discretized::<B>::advance_carrying::<S, C, CAREFUL>(
-                        system, prepared, t, h, q, p, scaled, memory, carry,
-                    )
+                Scheme::Second(_) => {
+                    let of_lanes = lanes(prepared, |prepared| prepared.parts.get(index)?.scheme.second())?;
+                    Scheme::Second(<H as Discretized<B>>::beside(systems, of_lanes)?)
                 }
             };
-            match taken {
-                Ok(taken) => effort = effort + taken,
-                Err(failure) => {
-                    memory.restore(q, p, carry);
-                    return Err(failure);
-                }
-            }
+            Some(Part { start: *start, weight: *weight, scheme })
+        });
+        Some(Prepared { parts: parts.collect::<Option<_>>()?, counts: first.counts })
+    }
+
+    #[inline(always)]
+    fn advance_beside<const L: usize>(
+        beside: &Self::Beside<L>,
+        t: f64,
+        h: f64,
+        q: &mut [Lanes<L>],
+        p: &mut [Lanes<L>],
+        dw: &[Lanes<L>],
+        memory: &mut Self::Memory<Lanes<L>>,
+    ) -> Result<Effort, StepFailure> {
+        let [expected, got] = [q.len(), p.len()];
+        if got != expected {
+            return Err(StepFailure::Dimension { expected, got });
         }
-        Ok(effort)
+        beside.advance(
+            [t, h],
+            q,
+            p,
+            dw,
+            memory,
+            &mut Plain,
+            |beside, [t, h], q, p, dw, memory, _| {
+                <H as Discretized<A>>::advance_beside(beside, t, h, q, p, dw, memory)
+            },
+            |beside, [t, h], q, p, dw, memory, _| {
+                <H as Discretized<B>>::advance_beside(beside, t, h, q, p, dw, memory)
+            },
+        )
     }
 
     fn follow(

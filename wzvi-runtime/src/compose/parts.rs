@@ -146,6 +146,8 @@ impl<F: Parts> Sequence<F> for PartFlows {
         advance(system, &mut flows, &prepared.stages.0, q, p, dw, memory, carry)
     }
 
+    crate::__apart!(F);
+
     /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral of `p · q' - H`.
     fn follow(
         system: &F,

@@ -4,6 +4,7 @@ use std::fmt::Debug;
 
 use crate::carry::Carry;
 use crate::error::{ConfigError, StepFailure};
+use crate::lanes::Lanes;
 use crate::memory::StepMemory;
 use crate::plan::{Plan, Solver};
 use crate::scalar::Scalar;
@@ -82,6 +83,26 @@ pub trait Sequence<H: Hamiltonian> {
         dw: &[S],
         memory: &mut Self::Memory<S>,
         carry: &mut C,
+    ) -> Result<Effort, StepFailure>;
+
+    /// As `Discretized::Beside`.
+    type Beside<const L: usize>;
+
+    /// As `Discretized::beside`.
+    fn beside<const L: usize>(systems: [&H; L], prepared: [&Self::Prepared; L]) -> Option<Self::Beside<L>>;
+
+    /// As `Discretized::advance_beside`.
+    ///
+    /// # Errors
+    /// As there.
+    fn advance_beside<const L: usize>(
+        beside: &Self::Beside<L>,
+        t: f64,
+        h: f64,
+        q: &mut [Lanes<L>],
+        p: &mut [Lanes<L>],
+        dw: &[Lanes<L>],
+        memory: &mut Self::Memory<Lanes<L>>,
     ) -> Result<Effort, StepFailure>;
 
     /// [`Sequence::advance`] of vectors that may be exchanged for others with the new numbers.

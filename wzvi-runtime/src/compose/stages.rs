@@ -238,6 +238,30 @@ pub(crate) fn check<F: Hamiltonian>(system: &F) -> Result<(), ConfigError> {
     }
 }
 
+/// What says which states a step can be taken of.
+pub(crate) trait Fits {
+    /// As [`Hamiltonian::fits`].
+    fn fits(&self, degrees: usize) -> bool;
+    /// As [`Hamiltonian::check`].
+    fn check(&self, degrees: usize) -> Result<(), StepFailure>;
+    /// As [`Hamiltonian::noises`].
+    fn noises(&self) -> usize;
+}
+
+impl<F: Hamiltonian> Fits for F {
+    #[inline(always)]
+    fn fits(&self, degrees: usize) -> bool {
+        Hamiltonian::fits(self, degrees)
+    }
+    fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+        Hamiltonian::check(self, degrees)
+    }
+    #[inline(always)]
+    fn noises(&self) -> usize {
+        Hamiltonian::noises(self)
+    }
+}
+
 /// How a part of a step is taken.
 pub(crate) trait Take<S: Scalar, H: Shape> {
     /// Moves the state in `rooms` by part `index` of a step, with `memory.dw` as its increments.
@@ -259,8 +283,8 @@ pub(crate) trait Take<S: Scalar, H: Shape> {
 /// [`StepFailure::NonFinite`], that of a part, or where sizes do not fit.
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
-pub(crate) fn advance<F: Hamiltonian, S: Scalar, C: Carry<S>, H: Shape>(
-    system: &F,
+pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape>(
+    system: &impl Fits,
     taken: &mut impl Take<S, H>,
     stages: &[Stage],
     q: &mut [S],

@@ -2,20 +2,28 @@
 
 use std::ops::{ControlFlow, Range};
 
+use super::block::PATHS;
 use super::control::{Control, Targets, unless_lost};
 use super::halt::Halt;
 use super::job::Job;
 use super::keeping::BlockKeeper;
 use super::origin::Origin;
-use super::statistics::{Statistics, StatisticsNode};
+use super::piece::{self, Piece};
+use super::statistics::{Statistics, StatisticsNode, Wanted};
 use crate::checkpoint::Keeping;
 use crate::error::Error;
 use crate::progress::Progress;
 use crate::system::Discretized;
 
 /// Takes the blocks of a run in the order of their numbers.
-pub(super) struct Account {
+pub(super) struct Account<'j> {
+    wanted: &'j Wanted,
+    /// Paths in a piece of work.
+    size: u64,
     statistics: Statistics,
+    /// The block that is being put together, and how many of its pieces are there.
+    block: Option<Statistics>,
+    pieces: u64,
     keeper: BlockKeeper,
     targets: Targets,
     progress: Progress,
@@ -28,13 +36,14 @@ pub(super) struct Account {
     error: Option<Error>,
 }
 
-impl Account {
+impl<'j> Account<'j> {
     /// With the blocks of the checkpoint, if there is one.
     pub(super) fn open<H, E>(
-        job: &Job<'_, H, E>,
+        job: &'j Job<'_, H, E>,
         control: &Control,
         keeping: Keeping,
         progress: Progress,
+        threads: usize,
     ) -> Result<Self, Error>
     where
         H: Discretized<E> + Sync,
@@ -51,8 +60,13 @@ impl Account {
         if targets.look(&statistics, job.paths).0 {
             blocks.end = blocks.start;
         }
+        let size = piece::size(&job.wanted, PATHS, blocks.end - blocks.start, threads);
         Ok(Self {
+            wanted: &job.wanted,
+            size,
             statistics,
+            block: None,
+            pieces: 0,
             keeper,
             targets,
             progress,
@@ -63,15 +77,22 @@ impl Account {
         })
     }
 
-    /// The numbers of the blocks that are still to be done.
-    pub(super) fn blocks(&self) -> Range<u64> {
-        self.blocks.clone()
+    /// Paths in a piece of work: a block, or a part of one.
+    pub(super) fn size(&self) -> u64 {
+        self.size
     }
 
-    /// The next block, or why it has no result; breaks if that was the last one.
-    pub(super) fn take(&mut self, block: Result<Statistics, Halt>) -> ControlFlow<()> {
-        let block = match block {
-            Ok(block) => block,
+    /// The numbers of the pieces that are still to be done.
+    pub(super) fn pieces(&self) -> Range<u64> {
+        let last = self.limit.div_ceil(self.size);
+        let of_blocks = |block: u64| (block * (PATHS / self.size)).min(last);
+        of_blocks(self.blocks.start)..of_blocks(self.blocks.end)
+    }
+
+    /// The next piece, or why it has no result; breaks if that was the last one.
+    pub(super) fn take(&mut self, piece: Result<Piece, Halt>) -> ControlFlow<()> {
+        let block = match piece {
+            Ok(piece) => piece.add_to(self.block.take(), self.wanted),
             Err(Halt::Stopped) => {
                 self.statistics.is_partial = true;
                 return ControlFlow::Break(());
@@ -81,8 +102,19 @@ impl Account {
                 return ControlFlow::Break(());
             }
         };
-        self.statistics.merge(&block);
-        self.blocks.start += 1;
+        self.pieces += 1;
+        let paths = self.blocks.start * PATHS + self.pieces * self.size;
+        if paths < self.limit && !paths.is_multiple_of(PATHS) {
+            self.block = Some(block);
+            return ControlFlow::Continue(());
+        }
+        self.take_block(&block)
+    }
+
+    /// The next block; breaks if that was the last one.
+    pub(super) fn take_block(&mut self, block: &Statistics) -> ControlFlow<()> {
+        self.statistics.merge(block);
+        (self.blocks.start, self.pieces) = (self.blocks.start + 1, 0);
         let (is_done, expected) = self.targets.look(&self.statistics, self.limit);
         self.progress.show(self.statistics.begun(), expected);
         self.error = self.keeper.done(self.blocks.start, &mut self.statistics).err();

@@ -1,32 +1,58 @@
-//! A block of paths, the unit of work: its statistics depend on nothing but its number.
+//! A block of paths, or a part of one, the unit of work: what it finds out depends on nothing but the numbers of its paths.
 
-use super::dispatch::Kernel;
+use std::marker::PhantomData;
+use std::ops::Range;
+
+use super::dispatch::{InstructionSet, Kernel};
 use super::group::Group;
 use super::halt::Halt;
 use super::job::Job;
 use super::observation::Observation;
-use super::statistics::Statistics;
+use super::piece::Piece;
+use super::starts::Systems;
 use crate::steps::take_steps;
 use crate::system::Discretized;
 
 /// Paths in a block.
 pub(super) const PATHS: u64 = 512;
 
-/// One block, as many paths at a time as the instructions ask for (half as many if a path has more than one degree of freedom), or `WIDTH` if
-/// that is not 0.
-pub(super) struct Block<'j, 'a, H: Discretized<E>, E, const WIDTH: usize> {
-    pub(super) job: &'j Job<'a, H, E>,
-    pub(super) number: u64,
+/// Whether a path has more than one degree of freedom, and so more beside it that is to stay in registers.
+const fn is_wide<V>() -> bool {
+    size_of::<V>() > size_of::<f64>()
 }
 
-impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Block<'_, '_, H, E, WIDTH> {
-    type Output = Result<Statistics, Halt>;
+/// One block or a part of it, as many paths at a time as the instructions ask for (half as many if a path has more than one degree of freedom),
+/// or `WIDTH` if that is not 0.
+pub(super) struct Block<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> {
+    job: &'j Job<'a, H, E>,
+    paths: Range<u64>,
+    is_part: bool,
+    systems: PhantomData<P>,
+}
+
+impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Block<'j, 'a, H, E, P, WIDTH> {
+    /// Piece number `number` of those with `size` paths.
+    pub(super) fn new(job: &'j Job<'a, H, E>, number: u64, size: u64) -> Self {
+        let paths = number * size..job.paths.min((number + 1) * size);
+        Self { job, paths, is_part: size < PATHS, systems: PhantomData }
+    }
+
+    /// The instructions that take no more paths beside each other than there are, if those asked for take more: lanes without a path cost as
+    /// much as others.
+    pub(super) fn instructions(&self, asked: InstructionSet) -> InstructionSet {
+        let paths = self.paths.end.saturating_sub(self.paths.start);
+        asked.for_numbers(if is_wide::<H::Vector>() { 2 * paths } else { paths })
+    }
+}
+
+impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Block<'_, '_, H, E, P, WIDTH> {
+    type Output = Result<Piece, Halt>;
 
     #[inline(always)]
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
         if WIDTH != 0 {
             self.of_width::<WIDTH>()
-        } else if const { size_of::<H::Vector>() > size_of::<f64>() } {
+        } else if const { is_wide::<H::Vector>() } {
             self.of_width::<HALF>()
         } else {
             self.of_width::<L>()
@@ -34,13 +60,13 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Block<'_, '_, H, E, WI
     }
 }
 
-impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
+impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Block<'_, '_, H, E, P, WIDTH> {
     #[inline(always)]
-    fn of_width<const L: usize>(self) -> Result<Statistics, Halt> {
+    fn of_width<const L: usize>(self) -> Result<Piece, Halt> {
         let job = self.job;
-        let (mut group, mut observation) = (Group::<H, E, L>::new(job), Observation::new(job));
-        let mut path = self.number * PATHS;
-        let end = job.paths.min(path + PATHS);
+        let (mut group, mut observation) =
+            (Group::<H, E, P, L>::new(job), Observation::new(job, self.is_part));
+        let Range { start: mut path, end } = self.paths;
         while path < end {
             group.begin(path, end)?;
             observation.begin(&mut group)?;
@@ -48,6 +74,6 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Block<'_, '_, H, E, WIDTH> {
             observation.finish(&mut group);
             path += L as u64;
         }
-        Ok(observation.into_statistics())
+        Ok(observation.into_piece())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::histogram::Histogram;
 use super::job::{Job, Stop};
-use super::passage::Watch;
+use super::passage::{Passage, Watch};
 use super::paths::Paths;
 use super::source::Source;
 use super::starts::{self, ByPath, Drawn, STARTS, SYSTEMS};
@@ -30,7 +30,7 @@ fn wrong<T>(what: impl Into<String>) -> Result<T, ConfigError> {
     Err(ConfigError::Setting(what.into()))
 }
 
-impl<'a, H: Discretized<E> + Sync, E, N, R> Ensemble<'a, H, E, N, R> {
+impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// The run, checked.
     ///
     /// # Errors
@@ -152,7 +152,8 @@ impl Extras {
             Ok((observable, Histogram::new(lower, upper, bins)?))
         };
         let histograms = self.histograms.into_iter().map(histogram).collect::<Result<_, ConfigError>>()?;
-        let bytes = Paths::bytes(paths, times.len(), names.len());
+        let passages = u128::from(paths) * (watches.len() * size_of::<Passage>()) as u128;
+        let bytes = Paths::bytes(paths, times.len(), names.len()) + passages;
         if let Some(most) = self.most_bytes
             && bytes > u128::from(most)
         {

@@ -27,9 +27,10 @@ use serve::Hands;
 
 use super::Ensemble;
 use super::account::Account;
-use super::block::Block;
+use super::block::{Block, PATHS};
 use super::halt::Halt;
 use super::keeping::described;
+use super::starts::Systems;
 use super::statistics::Statistics;
 use crate::error::{ConfigError, Error};
 use crate::increments::Noise;
@@ -38,10 +39,11 @@ use crate::retry::Serves;
 use crate::schedule::Queue;
 use crate::system::Discretized;
 
-impl<H, E, N, R> Ensemble<'_, H, E, N, R>
+impl<H, E, N, R, P> Ensemble<'_, H, E, N, R, P>
 where
     H: Discretized<E> + Sync,
     N: Noise,
+    P: Systems,
 {
     /// Runs all paths on all ranks of `world`, each of which calls this with the same settings; [`Ensemble::run`] gives
     /// the same statistics, bit for bit. Rank 0 has them, the others get `None`: whoever prints or writes files does so
@@ -82,13 +84,13 @@ where
         let described = agree(&world, described(&job))?;
         same(&world, &described.lines(job.paths))?;
         let account = match world.rank() {
-            0 => Account::open(&job, &control, keeping, execution.progress("paths")).map(Some),
+            0 => Account::open(&job, &control, keeping, execution.progress("paths"), 1).map(Some),
             _ => Ok(None),
         };
         let account = agree(&world, account)?;
         let failed = OnceLock::new();
-        let work = |number| match instructions.run(Block::<H, E, 0> { job: &job, number }) {
-            Ok(block) => Some(block),
+        let work = |number| match instructions.run(Block::<H, E, P, 0>::new(&job, number, PATHS)) {
+            Ok(block) => Some(block.statistics),
             Err(Halt::Stopped) => None,
             Err(Halt::Failed(error)) => {
                 // One of the reasons is enough.
@@ -106,14 +108,16 @@ where
             };
         };
         let all = threads.saturating_mul(world.size().unsigned_abs() as usize);
-        let queue = Queue::new(account.blocks(), all);
+        let queue = Queue::new(account.pieces(), all);
         let hands = Hands { threads, work, stop: &stop };
         let served = serve::serve(
             &world,
             queue,
             hands,
             || Statistics::new(&job.wanted),
-            |block| account.take(block.ok_or(Halt::Stopped)),
+            |block| {
+                block.map_or_else(|| account.take(Err(Halt::Stopped)), |block| account.take_block(&block))
+            },
         );
         let statistics = served.outcome.and_then(|()| match failed.get() {
             Some(error) => Err(error.clone()),

@@ -84,6 +84,11 @@ impl Crossings {
         self.states.splice(first * width.., states);
     }
 
+    /// Degrees of freedom.
+    pub(super) fn degrees(&self) -> usize {
+        self.degrees
+    }
+
     /// How many crossings are kept.
     pub(super) fn kept(&self) -> usize {
         self.kept.len()

@@ -3,8 +3,11 @@
 mod alone;
 mod inside;
 
+use std::marker::PhantomData;
+
 use super::increments::LaneIncrements;
 use super::job::Job;
+use super::starts::Systems;
 use super::statistics::PathFailure;
 use crate::carry::Plain;
 use crate::error::{ConfigError, Error, StepError};
@@ -22,7 +25,7 @@ use crate::system::Discretized;
 const NEVER: (u64, u32) = (u64::MAX, 0);
 
 /// `L` paths that run beside each other.
-pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
+pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     job: &'j Job<'a, H, E>,
     path: u64,
     q: Vec<Lanes<L>>,
@@ -44,7 +47,11 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     state: State<H::Vector>,
     /// Increments of one lane.
     alone: Vec<f64>,
-    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]), or each path has its own system: one stepper for each.
+    /// What is prepared of the system of each path, if it has its own.
+    own: Vec<H::Prepared>,
+    /// The same beside each other, where systems go so.
+    beside: Option<H::Beside<L>>,
+    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]), or systems of paths are not: one stepper for each.
     steppers: Vec<Stepper<'j, H, E, Plain>>,
     /// Halves steps, once one has to be.
     subdivision: Option<Subdivision<'j, H, E, Plain>>,
@@ -52,9 +59,10 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, const L: usize> {
     halved: [(u64, u32); L],
     /// Whether the last step, which is shorter, has been taken: by steppers.
     is_over: bool,
+    systems: PhantomData<P>,
 }
 
-impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
+impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, E, P, L> {
     pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
         // That of the system, which may not know it.
         let (d, processes) = (job.start.q.components().len(), job.processes());
@@ -74,10 +82,13 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
             failures: Vec::new(),
             state: job.start.clone(),
             alone: vec![0.0; processes],
+            own: Vec::new(),
+            beside: None,
             steppers: Vec::new(),
             subdivision: None,
             halved: [NEVER; L],
             is_over: false,
+            systems: PhantomData,
         }
     }
 
@@ -90,7 +101,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     /// Starts paths `path ..`, as many as there are before `end`.
     ///
     /// # Errors
-    /// Those of a stepper that cannot be made.
+    /// Those of a system that cannot be prepared.
     pub(super) fn begin(&mut self, path: u64, end: u64) -> Result<(), Error> {
         self.path = path;
         self.counts = std::array::from_fn(|lane| path + (lane as u64) < end);
@@ -105,19 +116,39 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         self.apart.clear();
         self.resolution = [ResolutionMonitor::default(); L];
         self.increments.begin(path);
+        if P::ARE_OWN {
+            self.own = (0..L).map(|lane| self.prepared(lane)).collect::<Result<_, _>>()?;
+            self.put_beside();
+        }
         // A stepper that is there starts anew by itself: paths begin at another time than they end.
-        if self.is_stepped() && (self.steppers.len() < L || was_over || !self.job.systems.is_empty()) {
-            let stepper = |lane| {
-                let path = self.source_of(lane);
-                let stepper = Stepper::new(self.job.system_of(path), self.job.h).map(Stepper::plain);
-                stepper.map_err(|cause| match self.job.systems.is_empty() {
-                    true => cause,
-                    false => ConfigError::PathSystem { path, cause: Box::new(cause) },
-                })
-            };
-            self.steppers = (0..L).map(stepper).collect::<Result<_, _>>()?;
+        if self.is_stepped() && (self.steppers.len() < L || was_over || P::ARE_OWN) {
+            let stepper = |lane| Stepper::new(self.job.system_of(self.source_of(lane)), self.job.h);
+            let steppers = (0..L).map(|lane| stepper(lane).map(Stepper::plain));
+            self.steppers = steppers.collect::<Result<_, _>>()?;
         }
         Ok(())
+    }
+
+    /// What is prepared of the system of a lane.
+    fn prepared(&self, lane: usize) -> Result<H::Prepared, ConfigError> {
+        let path = self.source_of(lane);
+        let system = self.job.system_of(path);
+        let prepared = system.validate().and_then(|()| system.prepare(self.job.h));
+        prepared.map_err(|cause| ConfigError::PathSystem { path, cause: Box::new(cause) })
+    }
+
+    /// The systems of all lanes beside each other; a lane whose path has failed has that of the first that has not.
+    #[inline(never)]
+    fn put_beside(&mut self) {
+        let Some(living) = self.living() else { return };
+        let lanes: [usize; L] = std::array::from_fn(|lane| if self.failed[lane] { living } else { lane });
+        let systems = lanes.map(|lane| self.job.system_of(self.source_of(lane)));
+        self.beside = H::beside(systems, lanes.map(|lane| &self.own[lane]));
+    }
+
+    /// The first lane whose path has not failed.
+    fn living(&self) -> Option<usize> {
+        (0..L).find(|&lane| !self.failed[lane])
     }
 
     /// The path whose start and system a lane has: one without a path has those of the first.
@@ -128,7 +159,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     /// Whether each path has a stepper of its own.
     #[inline(always)]
     fn is_stepped(&self) -> bool {
-        !H::IN_LANES || !self.job.systems.is_empty()
+        !H::IN_LANES || (P::ARE_OWN && self.beside.is_none())
     }
 
     fn time(&self, step: u64) -> f64 {
@@ -165,16 +196,19 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
         }
         let (q, p, memory) = (&mut self.q, &mut self.p, &mut self.memory);
         let dw = self.increments.of(step);
-        let outcome = job.system.advance_carrying::<Lanes<L>, Plain, false>(
-            &job.prepared,
-            t,
-            job.h,
-            q,
-            p,
-            dw,
-            memory,
-            &mut Plain,
-        );
+        let outcome = match &self.beside {
+            Some(beside) if P::ARE_OWN => H::advance_beside(beside, t, job.h, q, p, dw, memory),
+            _ => job.system.advance_carrying::<Lanes<L>, Plain, false>(
+                &job.prepared,
+                t,
+                job.h,
+                q,
+                p,
+                dw,
+                memory,
+                &mut Plain,
+            ),
+        };
         if outcome.is_err() { self.one_by_one(step, t) } else { Ok(()) }
     }
 
@@ -201,7 +235,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     #[cold]
     #[inline(never)]
     fn mirror(&mut self, step: u64) -> bool {
-        let Some(living) = (0..L).find(|&lane| !self.failed[lane]) else { return false };
+        let Some(living) = self.living() else { return false };
         let dw = self.increments.of_mut(step);
         for x in self.q.iter_mut().chain(&mut self.p).chain(dw) {
             let old = x.to_array();
@@ -212,6 +246,9 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
 
     fn fail(&mut self, lane: usize, error: StepError) {
         (self.failed[lane], self.any_failed) = (true, true);
+        if P::ARE_OWN {
+            self.put_beside();
+        }
         if self.counts[lane] {
             self.failures.push(PathFailure { path: self.path + lane as u64, error });
         }
@@ -297,7 +334,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Group<'j, 'a, H, E, L> {
     }
 }
 
-impl<H: Discretized<E>, E, const L: usize> Advance for Group<'_, '_, H, E, L> {
+impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance for Group<'_, '_, H, E, P, L> {
     type Error = Error;
 
     #[inline(always)]

@@ -20,7 +20,7 @@ const COMPARED_STARTS: u64 = 512;
 /// Recorded nodes that a file lists; of more it has the checksum.
 const MOST_LISTED: usize = 32;
 
-impl<H: Discretized<E>, E, N, R> Ensemble<'_, H, E, N, R> {
+impl<H: Discretized<E>, E, N, R, P> Ensemble<'_, H, E, N, R, P> {
     /// Goes on from the checkpoint if its file is there and of this run, and writes one now and then and at the end:
     /// see [`crate::checkpoint`]. A run that is stopped at any moment and started again gives the same statistics, bit for
     /// bit. The number of paths may grow from one run to the next, all else stays the same.

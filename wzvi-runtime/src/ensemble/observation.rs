@@ -5,9 +5,10 @@ use super::halt::Halt;
 use super::job::Job;
 use super::pace::Pace;
 use super::passage::{Passage, crossing};
-use super::statistics::Statistics;
+use super::piece::Piece;
+use super::starts::Systems;
 use crate::dense::{DenseOutput, copy_state};
-use crate::error::{Error, InternalError};
+use crate::error::Error;
 use crate::section::{Sections, Watch, first_zero};
 use crate::state::{State, Vector};
 use crate::steps::Monitor;
@@ -16,7 +17,7 @@ use crate::system::Discretized;
 /// Collects the statistics of one group of paths after the other.
 pub(super) struct Observation<'j, 'a, H: Discretized<E>, E, const L: usize> {
     job: &'j Job<'a, H, E>,
-    statistics: Statistics,
+    piece: Piece,
     pace: Pace<'j>,
     /// The last node that was looked at, and which of the recorded ones comes next.
     seen: u64,
@@ -34,9 +35,6 @@ pub(super) struct Observation<'j, 'a, H: Discretized<E>, E, const L: usize> {
     /// What is needed to look inside steps, by lane; none if nobody does.
     lanes: Vec<LaneInside<H::Vector>>,
     values: Vec<f64>,
-    /// The values of the other path of an antithetic pair.
-    first_of_pair: Vec<f64>,
-    scratch: Vec<f64>,
 }
 
 /// What looks inside the steps of one lane.
@@ -64,13 +62,13 @@ impl<V: Vector> LaneInside<V> {
 }
 
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> {
-    pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
+    pub(super) fn new(job: &'j Job<'a, H, E>, is_part: bool) -> Self {
         let (events, observables) = (job.events.len(), job.observables.len());
         let looks_inside = job.looks_inside() || job.recorded.iter().any(|recorded| recorded.is_inside);
         let lane = |_| LaneInside::new(&job.sections, &job.start);
         Self {
             job,
-            statistics: Statistics::new(&job.wanted),
+            piece: Piece::new(&job.wanted, is_part),
             pace: Pace::new(job.stop),
             seen: 0,
             next: 0,
@@ -81,8 +79,6 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             first_kept: vec![0; job.sections.len()],
             lanes: (0..if looks_inside { L } else { 0 }).map(lane).collect(),
             values: vec![0.0; observables],
-            first_of_pair: vec![0.0; observables],
-            scratch: vec![0.0; observables],
         }
     }
 
@@ -90,9 +86,9 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     ///
     /// # Errors
     /// If the run was stopped on the way.
-    pub(super) fn begin(&mut self, group: &mut Group<'_, '_, H, E, L>) -> Result<(), Halt> {
+    pub(super) fn begin<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>) -> Result<(), Halt> {
         (self.seen, self.next) = (0, 0);
-        if let Some(paths) = &mut self.statistics.paths {
+        if let Some(paths) = &mut self.piece.statistics.paths {
             for lane in (0..L).filter(|&lane| group.is_path(lane)) {
                 self.kept[lane] = paths.begin();
             }
@@ -110,7 +106,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             watch.begin(&self.job.sections, before);
             counts.fill(0);
         }
-        for (first, crossings) in self.first_kept.iter_mut().zip(&self.statistics.crossings) {
+        for (first, crossings) in self.first_kept.iter_mut().zip(&self.piece.statistics.crossings) {
             *first = crossings.kept();
         }
         self.record(group, 0)
@@ -118,7 +114,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
 
     /// Looks for the events of the step that ended at this node.
     #[inline(never)]
-    fn watch(&mut self, group: &mut Group<'_, '_, H, E, L>, node: u64) -> Result<(), Error> {
+    fn watch<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Error> {
         let times = [node - 1, node].map(|node| self.job.grid.time(node));
         for lane in 0..L {
             let is_over = !group.is_path(lane) || group.has_failed(lane);
@@ -147,7 +143,12 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
 
     /// The times of the events that happened in the step of a lane before this node, on its dense output.
     #[cold]
-    fn refine(&mut self, group: &mut Group<'_, '_, H, E, L>, lane: usize, node: u64) -> Result<(), Error> {
+    fn refine<P: Systems>(
+        &mut self,
+        group: &mut Group<'_, '_, H, E, P, L>,
+        lane: usize,
+        node: u64,
+    ) -> Result<(), Error> {
         let Some(LaneInside { before, dense, room, .. }) = self.lanes.get_mut(lane) else { return Ok(()) };
         let (events, changes, passed) = (&self.job.events, &mut self.changes, &mut self.passed);
         group.look_inside(lane, node, before, dense, |dense, _, _| {
@@ -164,13 +165,13 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
 
     /// Counts the crossings of the step that ended at this node.
     #[inline(never)]
-    fn follow(&mut self, group: &mut Group<'_, '_, H, E, L>, node: u64) -> Result<(), Error> {
+    fn follow<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Error> {
         let Job { sections, wanted, .. } = self.job;
         for (lane, LaneInside { before, dense, watch, counts, .. }) in self.lanes.iter_mut().enumerate() {
             if !group.is_path(lane) || group.has_failed(lane) {
                 continue;
             }
-            let (path, crossings) = (group.path(lane), &mut self.statistics.crossings);
+            let (path, crossings) = (group.path(lane), &mut self.piece.statistics.crossings);
             group.look_inside(lane, node, before, dense, |dense, _, _| {
                 watch.follow(sections, dense, |crossing| {
                     let count = &mut counts[crossing.section];
@@ -184,20 +185,17 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
 
     /// Adds the paths that are still there to the statistics of the next recorded node, which is this one.
     #[inline(never)]
-    fn record(&mut self, group: &mut Group<'_, '_, H, E, L>, node: u64) -> Result<(), Halt> {
+    fn record<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Halt> {
         let (job, place) = (self.job, self.next);
         let (t, is_inside) =
             job.recorded.get(place).map_or((f64::NAN, false), |recorded| (recorded.t, recorded.is_inside));
-        let missing =
-            || Error::from(InternalError::new("a recorded node has statistics", format!("node {node}")));
-        let moments = self.statistics.nodes.get_mut(place).ok_or_else(missing)?;
         for lane in 0..L {
             self.pace.done(1)?;
             if !group.is_path(lane) {
                 continue;
             }
             if group.has_failed(lane) {
-                moments.lose();
+                self.piece.see(place, None, &job.wanted);
                 continue;
             }
             let path = group.path(lane);
@@ -225,16 +223,9 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             if let Some(energy) = job.own_energy {
                 self.values[energy] = job.system_of(path).energy(state);
             }
-            moments.push(&self.values, &mut self.scratch, &job.wanted);
-            if let Some(paths) = &mut self.statistics.paths {
+            self.piece.see(place, Some(&self.values), &job.wanted);
+            if let Some(paths) = &mut self.piece.statistics.paths {
                 paths.put(self.kept[lane], place, &self.values);
-            }
-            if job.wanted.has_pairs {
-                if lane.is_multiple_of(2) {
-                    self.first_of_pair.copy_from_slice(&self.values);
-                } else if !group.has_failed(lane - 1) {
-                    moments.push_pair(&mut self.first_of_pair, &self.values, &mut self.scratch);
-                }
             }
         }
         self.next += 1;
@@ -242,10 +233,9 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     }
 
     /// What became of the paths of a group, in the order of their numbers.
-    pub(super) fn finish(&mut self, group: &mut Group<'_, '_, H, E, L>) {
+    pub(super) fn finish<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>) {
         let failures = group.take_failures();
-        let watched = self.statistics.passages.iter_mut().zip(&self.passed).zip(&self.job.wanted.watches);
-        for ((passages, passed), watch) in watched {
+        for (event, passed) in self.passed.iter().enumerate() {
             let mut failures = failures.iter();
             for lane in (0..L).filter(|&lane| group.is_path(lane)) {
                 let failure = if group.has_failed(lane) { failures.next() } else { None };
@@ -254,33 +244,30 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                     Some(failure) => Passage::Lost(failure.error.t),
                     None => Passage::Censored,
                 };
-                passages.push(passage, watch);
+                self.piece.pass(event, passage, &self.job.wanted);
             }
         }
-        failures.into_iter().for_each(|failure| self.statistics.fail(failure));
-        let counted = self.statistics.crossings.iter_mut().zip(&self.first_kept).enumerate();
-        for (section, (crossings, &first)) in counted {
-            crossings.sort(first);
-            for (lane, inside) in self.lanes.iter().enumerate().filter(|(lane, _)| group.is_path(*lane)) {
-                debug_assert!(lane < L, "a lane for each path");
-                crossings.finish(inside.counts[section]);
-            }
+        failures.into_iter().for_each(|failure| self.piece.statistics.fail(failure));
+        for (section, &first) in self.first_kept.iter().enumerate() {
+            self.piece.statistics.crossings[section].sort(first);
+            let of_paths = self.lanes.iter().enumerate().filter(|(lane, _)| group.is_path(*lane));
+            of_paths.for_each(|(_, inside)| self.piece.cross(section, inside.counts[section]));
         }
     }
 
-    /// The statistics of all groups.
-    pub(super) fn into_statistics(self) -> Statistics {
-        self.statistics
+    /// What all groups found out.
+    pub(super) fn into_piece(self) -> Piece {
+        self.piece
     }
 }
 
-impl<'g, 'j, 'a, H: Discretized<E>, E, const L: usize> Monitor<Group<'g, 'a, H, E, L>>
+impl<'g, 'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Monitor<Group<'g, 'a, H, E, P, L>>
     for Observation<'j, 'a, H, E, L>
 {
     type Error = Halt;
 
     #[inline(always)]
-    fn next(&self, _group: &Group<'g, 'a, H, E, L>, node: u64) -> u64 {
+    fn next(&self, _group: &Group<'g, 'a, H, E, P, L>, node: u64) -> u64 {
         let recorded = self.job.recorded.get(self.next).map_or(u64::MAX, |recorded| {
             // Both nodes of a step that is looked into.
             if recorded.is_inside && recorded.node > node + 1 { recorded.node - 1 } else { recorded.node }
@@ -291,7 +278,7 @@ impl<'g, 'j, 'a, H: Discretized<E>, E, const L: usize> Monitor<Group<'g, 'a, H, 
     }
 
     #[inline(always)]
-    fn look(&mut self, group: &mut Group<'g, 'a, H, E, L>, node: u64) -> Result<(), Halt> {
+    fn look(&mut self, group: &mut Group<'g, 'a, H, E, P, L>, node: u64) -> Result<(), Halt> {
         self.pace.done(node - self.seen)?;
         self.seen = node;
         if !self.job.events.is_empty() {

@@ -25,17 +25,38 @@ pub struct Passages {
     lost: u64,
     /// Time that all paths together spent on the way.
     exposure: f64,
+    /// Path by path, if paths are kept.
+    kept: Option<Vec<Passage>>,
 }
 
 /// What became of one path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Passage {
+pub enum Passage {
     /// It passed at this time.
     At(f64),
     /// It reached the end.
     Censored,
     /// It failed at this time.
     Lost(f64),
+}
+
+#[cfg(feature = "serde")]
+impl Passage {
+    fn pass(&mut self, tape: &mut Tape) {
+        let (mut outcome, mut time) = match *self {
+            Self::At(time) => (0, time),
+            Self::Censored => (1, 0.0),
+            Self::Lost(time) => (2, time),
+        };
+        tape.word(&mut outcome);
+        tape.number(&mut time);
+        *self = match outcome {
+            0 => Self::At(time),
+            1 => Self::Censored,
+            2 => Self::Lost(time),
+            _ => return tape.refuse(),
+        };
+    }
 }
 
 /// What all paths have in common.
@@ -49,7 +70,7 @@ pub(super) struct Watch {
 }
 
 impl Passages {
-    pub(super) fn new(watch: &Watch) -> Self {
+    pub(super) fn new(watch: &Watch, keeps_paths: bool) -> Self {
         Self {
             name: watch.name.clone(),
             times: Welford::default(),
@@ -58,10 +79,14 @@ impl Passages {
             censored: 0,
             lost: 0,
             exposure: 0.0,
+            kept: keeps_paths.then(Vec::new),
         }
     }
 
     pub(super) fn push(&mut self, passage: Passage, watch: &Watch) {
+        if let Some(kept) = &mut self.kept {
+            kept.push(passage);
+        }
         let until = match passage {
             Passage::At(time) => {
                 self.times.push(time);
@@ -89,6 +114,9 @@ impl Passages {
         self.censored += other.censored;
         self.lost += other.lost;
         self.exposure += other.exposure;
+        if let (Some(ours), Some(theirs)) = (&mut self.kept, &other.kept) {
+            ours.extend(theirs);
+        }
     }
 
     #[cfg(feature = "serde")]
@@ -98,6 +126,10 @@ impl Passages {
         self.histogram.pass(tape);
         tape.words([&mut self.censored, &mut self.lost]);
         tape.number(&mut self.exposure);
+        let Some(kept) = &mut self.kept else { return };
+        let length = tape.length(kept.len());
+        kept.resize(length, Passage::Censored);
+        kept.iter_mut().for_each(|passage| passage.pass(tape));
     }
 
     /// The name of the event.
@@ -118,6 +150,11 @@ impl Passages {
     /// Number of paths that failed before.
     pub fn lost(&self) -> u64 {
         self.lost
+    }
+
+    /// What became of each path, by its number, if paths are kept ([`Ensemble::keep_paths`](super::Ensemble::keep_paths)).
+    pub fn by_path(&self) -> Option<&[Passage]> {
+        self.kept.as_deref()
     }
 
     /// The mean time of those that passed; too short for the others where some are censored.
@@ -198,7 +235,7 @@ mod tests {
             end: 1.0,
             histogram: Histogram::new(0.0, 1.0, 10).unwrap(),
         };
-        let mut passages = Passages::new(&watch);
+        let mut passages = Passages::new(&watch, false);
         let n = 200_000;
         for i in 0..n {
             let time = -((f64::from(i) + 0.5) / f64::from(n)).ln() / 1.5;

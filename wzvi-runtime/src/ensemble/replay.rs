@@ -2,6 +2,7 @@
 
 use super::Ensemble;
 use super::group::Group;
+use super::starts::Systems;
 use crate::between::{Between, Part};
 use crate::dense::DenseOutput;
 use crate::error::{ConfigError, Error};
@@ -14,10 +15,11 @@ use crate::steps::{Monitor, take_steps};
 use crate::system::{Discretized, Hamiltonian};
 use crate::trajectory::Recorder;
 
-impl<H, E, N, R> Ensemble<'_, H, E, N, R>
+impl<H, E, N, R, P> Ensemble<'_, H, E, N, R, P>
 where
     H: Discretized<E> + Sync,
     N: Noise,
+    P: Systems,
 {
     /// The path with this number as the ensemble has it, bit for bit: as far as it goes, and what ended it early, if anything did. Nodes
     /// are recorded as for a single path, by [`Ensemble::record_every`] and [`Ensemble::record_at`]; observables are not asked.
@@ -48,7 +50,7 @@ where
         let recorder = Recorder::new(&start, job.h, job.processes(), &recording, job.steps)?;
         // Antithetic paths come in pairs.
         let (first, lane) = (path - path % 2, (path % 2) as usize);
-        let mut group = Group::<H, E, 2>::new(&job);
+        let mut group = Group::<H, E, P, 2>::new(&job);
         group.begin(first, job.paths)?;
         let looks_inside = !job.sections.is_empty() || !recording.between.is_empty();
         let looks = looks_inside.then(|| Between::new(&job.sections, &start));
@@ -70,16 +72,16 @@ struct Lane<'s, 'a, V> {
     dense: DenseOutput<V>,
 }
 
-impl<'g, 'a, H: Discretized<E>, E, const L: usize> Monitor<Group<'g, 'a, H, E, L>>
+impl<'g, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Monitor<Group<'g, 'a, H, E, P, L>>
     for Lane<'_, '_, <H as Hamiltonian>::Vector>
 {
     type Error = Error;
 
-    fn next(&self, _group: &Group<'g, 'a, H, E, L>, node: u64) -> u64 {
+    fn next(&self, _group: &Group<'g, 'a, H, E, P, L>, node: u64) -> u64 {
         node + 1
     }
 
-    fn look(&mut self, group: &mut Group<'g, 'a, H, E, L>, node: u64) -> Result<(), Error> {
+    fn look(&mut self, group: &mut Group<'g, 'a, H, E, P, L>, node: u64) -> Result<(), Error> {
         if let Some(failure) = group.failure_of(self.path) {
             return Err(failure.error.into());
         }

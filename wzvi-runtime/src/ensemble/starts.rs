@@ -15,6 +15,28 @@ pub(super) enum ByPath<'a, T> {
     Drawn(Sampler<'a, T>),
 }
 
+/// Whether each path of an ensemble has a system of its own: steps are compiled for one of the two.
+pub trait Systems {
+    /// Whether it has.
+    const ARE_OWN: bool;
+}
+
+/// All paths are of one system.
+#[derive(Clone, Copy, Debug)]
+pub enum OneSystem {}
+
+/// Each path is of its own.
+#[derive(Clone, Copy, Debug)]
+pub enum SystemByPath {}
+
+impl Systems for OneSystem {
+    const ARE_OWN: bool = false;
+}
+
+impl Systems for SystemByPath {
+    const ARE_OWN: bool = true;
+}
+
 /// What is drawn: starts and systems are independent.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Drawn {

@@ -4,6 +4,7 @@ mod node;
 
 use std::fmt;
 
+pub(super) use node::PathTally;
 pub use node::StatisticsNode;
 
 use super::crossings::Crossings;
@@ -120,7 +121,7 @@ impl Statistics {
             names: wanted.names.clone(),
             histogrammed: wanted.histograms.iter().map(|&(observable, _)| observable).collect(),
             nodes: wanted.times.iter().map(|&time| StatisticsNode::new(time, wanted)).collect(),
-            passages: wanted.watches.iter().map(Passages::new).collect(),
+            passages: wanted.watches.iter().map(|watch| Passages::new(watch, wanted.keeps_paths)).collect(),
             crossings: (0..wanted.sections).map(|_| Crossings::new(wanted)).collect(),
             paths: wanted.keeps_paths.then(|| Paths::new(wanted.times.len(), wanted.names.len())),
             failed: 0,

@@ -4,13 +4,16 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+use super::crossings::{Crossings, PathCrossing};
 use super::histogram::Histogram;
 use super::origin::Origin;
+use super::passage::Passage;
 use super::statistics::{PathFailure, Statistics, StatisticsNode};
 use crate::persist::FileError;
 use crate::persist::file::{self, Staged};
 use crate::persist::table::Cell::{Count, Number, Text};
 use crate::persist::table::{COUNT, NUMBER, TEXT, Table, escaped};
+use crate::section::Direction;
 
 /// What the table of quantiles has.
 const FRACTIONS: [f64; 11] = [0.0, 0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999, 1.0];
@@ -82,6 +85,9 @@ impl Statistics {
     /// | `histograms` | time, observable, bin | `lower`, `upper`, `count`, `density` |
     /// | `passages` | event | `passed`, `censored`, `lost`, `mean`, `standard_error`, `rate`, `rate_error` |
     /// | `passage_times` | event, bin | `lower`, `upper`, `count`, `density` |
+    /// | `path_passages` | path, event (of paths that are kept) | `outcome` (`passed`, `censored` or `lost`), `time` |
+    /// | `crossings` | section | `count`, `rising`, `falling`, `mean`, `standard_error`, `variance` (of the number of crossings of a path) |
+    /// | `crossing_states` | crossing that is kept | `section`, `path`, `direction` (`rising` or `falling`), `time`, `q0`, ..., `p0`, ... |
     /// | `failures` | path that failed | `step`, `time`, `cause` |
     /// | `paths` | path, time | each observable |
     ///
@@ -96,6 +102,9 @@ impl Statistics {
             self.histograms(),
             self.passage_counts(),
             self.passage_times(),
+            self.path_passages(),
+            self.crossing_counts(),
+            self.crossing_states(),
             self.failure_list(),
             self.kept_paths(),
         ]
@@ -245,6 +254,58 @@ impl Statistics {
             for Bin { lower, upper, count, density } in bins(passages.histogram()) {
                 let ends = [Number(lower), Number(upper), Number(density)];
                 table.row([Text(passages.name()), Count(count)].into_iter().chain(ends));
+            }
+        }
+        table
+    }
+
+    fn path_passages(&self) -> Table {
+        let columns = [("path", COUNT), ("event", TEXT), ("outcome", TEXT), ("time", NUMBER)];
+        let mut table = Table::new("path_passages", columns, []);
+        for passages in self.passages() {
+            for (path, passage) in (0..).zip(passages.by_path().unwrap_or_default()) {
+                let (outcome, time) = match *passage {
+                    Passage::At(time) => ("passed", time),
+                    Passage::Censored => ("censored", f64::NAN),
+                    Passage::Lost(time) => ("lost", time),
+                };
+                table.row([Count(path), Text(passages.name()), Text(outcome), Number(time)]);
+            }
+        }
+        table
+    }
+
+    fn crossing_counts(&self) -> Table {
+        let columns = [("section", COUNT), ("count", COUNT), ("rising", COUNT), ("falling", COUNT)];
+        let mut table = Table::new("crossings", columns, ["mean", "standard_error", "variance"]);
+        for (section, crossings) in (0..).zip(self.crossings()) {
+            table.row([
+                Count(section),
+                Count(crossings.count()),
+                Count(crossings.count_towards(Direction::Rising)),
+                Count(crossings.count_towards(Direction::Falling)),
+                Number(crossings.mean()),
+                Number(crossings.standard_error()),
+                Number(crossings.variance()),
+            ]);
+        }
+        table
+    }
+
+    fn crossing_states(&self) -> Table {
+        let columns = [("section", COUNT), ("path", COUNT), ("direction", TEXT), ("time", NUMBER)];
+        let degrees = self.crossings().first().map_or(0, Crossings::degrees);
+        let names: Vec<String> =
+            ["q", "p"].iter().flat_map(|letter| (0..degrees).map(move |i| format!("{letter}{i}"))).collect();
+        let mut table = Table::new("crossing_states", columns, names.iter().map(String::as_str));
+        for (section, crossings) in (0..).zip(self.crossings()) {
+            for PathCrossing { path, direction, t, q, p } in crossings.iter() {
+                let direction = match direction {
+                    Direction::Rising => "rising",
+                    Direction::Falling => "falling",
+                };
+                let place = [Count(section), Count(path), Text(direction), Number(t)];
+                table.row(place.into_iter().chain(q.iter().chain(p).map(|&x| Number(x))));
             }
         }
         table

@@ -70,6 +70,9 @@ pub fn memory<F: Field, const N: usize>(system: &F) -> Memory<f64, F::Shape, F::
         memory.fit(degrees, system.noises());
         memory.scratch.reserve(degrees, system.noises());
         memory.modal.reserve(degrees);
+        if F::Shape::IS_FIXED {
+            memory.exact.lists(degrees, system.noises());
+        }
     }
     memory
 }
@@ -373,7 +376,8 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         };
         self.guess(lists, memory, from_past);
         if !newton {
-            match self.sweeps(lists, &mut memory.scratch, &mut memory.modal) {
+            let Memory { scratch, modal, exact, .. } = memory;
+            match self.sweeps(lists, scratch, modal, exact) {
                 Err(StepFailure::NonFinite) => return Err(StepFailure::NonFinite),
                 Err(failure) if memory.iteration == Iteration::FixedPoint => return Err(failure),
                 Err(_) => self.guess(lists, memory, from_past),

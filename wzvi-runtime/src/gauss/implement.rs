@@ -79,6 +79,8 @@ macro_rules! __gauss {
                 )
             }
 
+            $crate::__apart!(Self);
+
             fn discrete_lagrangian(
                 &self,
                 __segment: &$crate::system::Segment<Self::Vector>,

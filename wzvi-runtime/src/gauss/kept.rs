@@ -6,7 +6,7 @@ use super::stages::{Changes, Scratch, Stages};
 use super::stiff::Modal;
 use crate::memory::{Iteration, StepMemory};
 use crate::numbers::{Numbers, Tape};
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::{Mask, Rounded, Scalar};
 
 /// A list of numbers of all stages.
 pub(super) type OfStages<S, H, const N: usize> = <H as Shape>::Of<<S as Scalar>::Stages<N>>;
@@ -25,6 +25,33 @@ pub struct Memory<S: Scalar, H: Shape, W: Shape, const N: usize> {
     pub(super) scratch: Scratch<S>,
     pub(super) modal: Modal<S::Stages<N>>,
     pub(super) newton: Newton<S>,
+    pub(super) exact: Exact<H, W, N>,
+}
+
+/// Room for the equations in numbers that know their rounding. Few steps ask for them: vectors wait for the first that
+/// does, and stay.
+#[derive(Debug)]
+pub(super) struct Exact<H: Shape, W: Shape, const N: usize>(Option<Box<ExactLists<H, W, N>>>);
+
+/// What is given, and what is computed.
+#[derive(Debug)]
+pub(super) struct ExactLists<H: Shape, W: Shape, const N: usize> {
+    pub(super) given: Given<Rounded, H, W, N>,
+    pub(super) lists: Lists<Rounded, H, N>,
+    pub(super) scratch: Scratch<Rounded>,
+}
+
+impl<H: Shape, W: Shape, const N: usize> Exact<H, W, N> {
+    /// Room for so many degrees of freedom and noises.
+    pub(super) fn lists(&mut self, degrees: usize, noises: usize) -> &mut ExactLists<H, W, N> {
+        let room = self.0.take().filter(|room| room.lists.fits(degrees) && room.given.fits(noises));
+        self.0.insert(room.unwrap_or_else(|| {
+            let mut scratch = Scratch::default();
+            scratch.reserve(degrees, noises);
+            let (given, lists) = (Given::of_length(degrees, noises), Lists::of_length(degrees));
+            Box::new(ExactLists { given, lists, scratch })
+        }))
+    }
 }
 
 /// What is given of a step.
@@ -60,6 +87,11 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
             start: [H::list(degrees, zero), H::list(degrees, zero)],
             dw: W::list(noises, S::Stages::<N>::splat(zero)),
         }
+    }
+
+    #[inline(always)]
+    fn fits(&self, noises: usize) -> bool {
+        self.dw.as_ref().len() == noises
     }
 
     /// The lists, for the duration of a step.
@@ -103,6 +135,11 @@ impl<S: Scalar, H: Shape, const N: usize> Lists<S, H, N> {
             next: [ends(), ends()],
             lost: [ends(), ends()],
         }
+    }
+
+    #[inline(always)]
+    fn fits(&self, degrees: usize) -> bool {
+        self.spare.as_ref().len() == degrees
     }
 
     /// The lists, for the duration of a step.
@@ -157,6 +194,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Memory<S, H, W, 
             scratch: Scratch::default(),
             modal: Modal::default(),
             newton: Newton::default(),
+            exact: Exact(None),
         }
     }
 }
@@ -198,7 +236,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Memory<S, H, W, N> {
     /// Whether there is room for so many degrees of freedom and noises.
     #[inline(always)]
     pub(super) fn fits(&self, degrees: usize, noises: usize) -> bool {
-        self.lists.spare.as_ref().len() == degrees && self.given.dw.as_ref().len() == noises
+        self.lists.fits(degrees) && self.given.fits(noises)
     }
 
     /// Makes room for so many degrees of freedom and noises.

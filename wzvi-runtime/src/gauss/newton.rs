@@ -6,7 +6,7 @@
 
 use super::Field;
 use super::advance::Step;
-use super::kept::{Lists, Memory};
+use super::kept::{Exact, Lists, Memory};
 use super::stages::{Scratch, Stages};
 use super::sweep::{Solved, UNSEEN};
 use crate::error::StepFailure;
@@ -60,6 +60,7 @@ struct Equations<'a, 's, F: Field, S: Scalar, const N: usize> {
     step: &'a Step<'s, F, S, N>,
     lists: &'a mut Lists<S, F::Shape, N>,
     scratch: &'a mut Scratch<S>,
+    exact: &'a mut Exact<F::Shape, F::Noises, N>,
     jacobian: &'a mut Jacobian<S>,
 }
 
@@ -75,8 +76,8 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         lists: &mut Lists<S, F::Shape, N>,
         memory: &mut Memory<S, F::Shape, F::Noises, N>,
     ) -> Result<Solved, StepFailure> {
-        let Memory { newton: Newton { jacobian, room, start }, scratch, .. } = memory;
-        let mut equations = Equations { step: self, lists, scratch, jacobian };
+        let Memory { newton: Newton { jacobian, room, start }, scratch, exact, .. } = memory;
+        let mut equations = Equations { step: self, lists, scratch, exact, jacobian };
         let unknowns = equations.unknowns();
         if unknowns > MOST_UNKNOWNS {
             return Err(StepFailure::NotConverged { iterations: 0, correction: f64::INFINITY });
@@ -269,7 +270,7 @@ impl<F: Field, S: Scalar, const N: usize> Problem for Equations<'_, '_, F, S, N>
         let are_settled = &mut self.jacobian.are_settled;
         are_settled.clear();
         are_settled.resize(unknowns, true);
-        self.step.residuals(self.lists, self.scratch, |kind, d, residual| {
+        self.step.residuals(self.lists, self.exact, |kind, d, residual| {
             for (i, residual) in residual.iter().enumerate() {
                 are_settled[Self::place(degrees, i, kind, d)] = residual.is_below(roundings);
             }

@@ -14,6 +14,9 @@ pub trait Shape: Debug + Clone + Copy + Default + 'static {
     /// Compensated sums of the increments of a state.
     type Compensation<S: Scalar>: Carry<S>;
 
+    /// Whether lists are arrays, whose length is known before there is a state.
+    const IS_FIXED: bool;
+
     /// A list of `length` entries.
     fn list<T: Copy + Debug>(length: usize, fill: T) -> Self::Of<T>;
     /// Room for a list of the same length during a step: a new array, which stays in registers, or the vector itself.
@@ -29,6 +32,7 @@ pub struct Fixed<const D: usize>;
 impl<const D: usize> Shape for Fixed<D> {
     type Of<T: Copy + Debug> = [T; D];
     type Compensation<S: Scalar> = Compensation<S, D>;
+    const IS_FIXED: bool = true;
 
     #[inline(always)]
     fn list<T: Copy + Debug>(_: usize, fill: T) -> [T; D] {
@@ -49,6 +53,7 @@ pub struct Dynamic;
 impl Shape for Dynamic {
     type Of<T: Copy + Debug> = Vec<T>;
     type Compensation<S: Scalar> = CompensationVec<S>;
+    const IS_FIXED: bool = false;
 
     fn list<T: Copy + Debug>(length: usize, fill: T) -> Vec<T> {
         vec![fill; length]

@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use super::Field;
 use crate::lanes::Lanes;
 use crate::numbers::Numbers;
-use crate::scalar::{Rounded, Scalar};
+use crate::scalar::Scalar;
 
 /// Where the slopes of all stages are taken, and by what they are weighted.
 #[derive(Clone, Copy, Debug)]
@@ -162,29 +162,19 @@ fn in_pairs<T: Copy, const N: usize>(mut list: [T; N], join: impl Fn(T, T) -> T)
 pub struct Scratch<S> {
     one: [Vec<S>; 4],
     dw: Vec<S>,
-    /// The same for numbers that know their rounding.
-    rounded: Option<Box<Scratch<Rounded>>>,
 }
 
 impl<S> Default for Scratch<S> {
     fn default() -> Self {
-        Self { one: std::array::from_fn(|_| Vec::new()), dw: Vec::new(), rounded: None }
+        Self { one: std::array::from_fn(|_| Vec::new()), dw: Vec::new() }
     }
 }
 
 impl<S> Scratch<S> {
-    /// That of numbers that know their rounding.
-    pub(super) fn rounded(&mut self) -> &mut Scratch<Rounded> {
-        self.rounded.get_or_insert_default()
-    }
-
-    /// Makes room for so many degrees of freedom and noises, also of numbers that know their rounding, which few steps ask for.
+    /// Makes room for so many degrees of freedom and noises.
     pub(super) fn reserve(&mut self, degrees: usize, noises: usize) {
         self.one.iter_mut().for_each(|list| list.reserve(degrees));
         self.dw.reserve(noises);
-        let Scratch { one, dw, .. } = self.rounded();
-        one.iter_mut().for_each(|list| list.reserve(degrees));
-        dw.reserve(noises);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Field;
 use super::advance::{Placement, Step};
-use super::kept::{Given, Lists};
+use super::kept::{Exact, ExactLists, Lists};
 use super::stages::{Changes, Observer, Scratch, Stages};
 use super::stiff::Modal;
 use crate::error::StepFailure;
@@ -72,6 +72,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         lists: &mut Lists<S, F::Shape, N>,
         scratch: &mut Scratch<S>,
         modal: &mut Modal<S::Stages<N>>,
+        exact: &mut Exact<F::Shape, F::Noises, N>,
     ) -> Result<Solved, StepFailure> {
         // Nothing is known of the contraction before the second sweep.
         let (mut last, mut before_last) = (0.0, 0.0);
@@ -88,7 +89,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
             }
             let contracts = change < 0.5 * last;
             let is_small = is_tiny || (contracts && change * change <= UNSEEN * ROUNDING * last);
-            let is_settled = is_small || (!contracts && sweeps > 2 && self.is_rounding(lists, scratch));
+            let is_settled = is_small || (!contracts && sweeps > 2 && self.is_rounding(lists, exact));
             if is_settled {
                 // Derivatives that a number carries converge as fast as it does, but later.
                 if size_of::<S>() != size_of::<f64>() {
@@ -135,9 +136,9 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
     /// Whether the stages solve their equations to the rounding of the terms of these.
     #[cold]
     #[inline(never)]
-    fn is_rounding(&self, lists: &Lists<S, F::Shape, N>, scratch: &mut Scratch<S>) -> bool {
+    fn is_rounding(&self, lists: &Lists<S, F::Shape, N>, exact: &mut Exact<F::Shape, F::Noises, N>) -> bool {
         let mut all = true;
-        self.residuals(lists, scratch, |_, _, residual| {
+        self.residuals(lists, exact, |_, _, residual| {
             all &= residual.iter().all(|residual| residual.is_below(1.0));
         });
         all
@@ -148,34 +149,29 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
     pub(super) fn residuals(
         &self,
         lists: &Lists<S, F::Shape, N>,
-        scratch: &mut Scratch<S>,
+        exact: &mut Exact<F::Shape, F::Noises, N>,
         mut seen: impl FnMut(usize, usize, [Rounded; N]),
     ) {
-        let degrees = self.start[0].len();
-        let mut given = Given::<Rounded, F::Shape, F::Noises, N>::of_length(degrees, self.at.dw.len());
+        let ExactLists { given, lists: exact, scratch } = exact.lists(self.start[0].len(), self.at.dw.len());
         for (exact, start) in given.start.iter_mut().zip(self.start) {
             for (exact, start) in exact.as_mut().iter_mut().zip(start) {
                 *exact = Rounded::exact(start.lane(0));
             }
         }
-        let nearest = |stages: &S::Stages<N>| -> [Rounded; N] {
-            std::array::from_fn(|i| Rounded::nearest(stages.get(i).lane(0)))
-        };
-        for (exact, dw) in given.dw.as_mut().iter_mut().zip(self.at.dw) {
-            *exact = nearest(dw);
+        read_nearest::<S, N>(given.dw.as_mut(), self.at.dw);
+        for (exact, stages) in exact.at.iter_mut().zip(&lists.at) {
+            read_nearest::<S, N>(exact.as_mut(), stages.as_ref());
         }
         let step = given.step(self.system, self.prepared, self.t, self.h);
-        let mut exact = Lists::<Rounded, F::Shape, N>::of_length(degrees);
-        for (exact, stages) in exact.at.iter_mut().zip(&lists.at) {
-            exact
-                .as_mut()
-                .iter_mut()
-                .zip(stages.as_ref())
-                .for_each(|(exact, stages)| *exact = nearest(stages));
-        }
-        let scratch = scratch.rounded();
-        step.field(&mut exact, scratch);
+        step.field(exact, scratch);
         let mut observer = (|half, d, old: [Rounded; N], new| seen(half, d, old.minus(new)),);
-        step.follow(&mut exact, scratch, &mut observer);
+        step.follow(exact, scratch, &mut observer);
+    }
+}
+
+/// Numbers of all stages, each as near as it can be.
+fn read_nearest<S: Scalar, const N: usize>(exact: &mut [[Rounded; N]], stages: &[S::Stages<N>]) {
+    for (exact, stages) in exact.iter_mut().zip(stages) {
+        *exact = std::array::from_fn(|i| Rounded::nearest(stages.get(i).lane(0)));
     }
 }

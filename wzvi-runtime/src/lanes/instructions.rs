@@ -39,6 +39,14 @@ impl InstructionSet {
         }
     }
 
+    /// The first set that has so many numbers beside each other in one group, or this one.
+    pub(crate) fn for_numbers(self, numbers: u64) -> Self {
+        let widths = [(Self::Baseline, 4), (Self::Avx2, 8)];
+        let narrow =
+            widths.into_iter().find(|(set, width)| *set < self && numbers <= *width && set.is_available());
+        narrow.map_or(self, |(set, _)| set)
+    }
+
     /// Runs the kernel with these instructions, or with the baseline's where the machine does not have them.
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         #[cfg(target_arch = "x86_64")]

@@ -131,7 +131,8 @@ where
         let mut methods = self.methods.iter();
         if let Some(method) = methods.find(|method| method.increments(self.system, degrees) != noises) {
             return Err(ConfigError::Setting(format!(
-                "schemes are compared on paths that they share, but {} draws the normals of its bath for itself: compare averages of                  ensembles instead",
+                "schemes are compared on paths that they share, but {} draws the normals of its bath for itself: compare averages of \
+                 ensembles instead",
                 method.name()
             )));
         }

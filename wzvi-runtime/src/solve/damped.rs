@@ -8,8 +8,9 @@
 //! the natural monotonicity test, which no scaling of equations or unknowns changes (P. Deuflhard, *Newton Methods for
 //! Nonlinear Problems*, Springer 2011, section 3.3).
 
+use super::convergence::{Convergence, Verdict};
 use super::dense::Factor;
-use super::newton::{Effort, Equations, Progress, Verdict, astray, larger};
+use super::newton::{Effort, Equations, astray, larger};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
 
@@ -29,7 +30,7 @@ pub(crate) trait Problem {
     type Number: Scalar;
     type Vector: AsRef<[Self::Number]> + AsMut<[Self::Number]> + Clone;
     /// The part of a rounding that the correction after the last one may be.
-    const UNSEEN: f64 = super::newton::UNSEEN;
+    const UNSEEN: f64 = super::convergence::UNSEEN;
 
     /// `r(x)`
     fn residual(&mut self, x: &Self::Vector, into: &mut Self::Vector);
@@ -112,7 +113,7 @@ impl<P: Problem> Search<'_, P> {
     /// With whole corrections, or shortened ones.
     fn run(mut self, is_guess: bool, shortens: bool) -> Result<Effort, StepFailure> {
         let most = if shortens { MOST_SHORTENED } else { PATIENCE };
-        let mut progress = Progress::new(is_guess).until(P::UNSEEN);
+        let mut convergence = Convergence::new(is_guess).until(P::UNSEEN);
         let (mut doubtful, mut shortened) = (shortens, 0);
         self.problem.residual(&self.room.x, &mut self.room.correction);
         self.problem.factor()?;
@@ -120,32 +121,32 @@ impl<P: Problem> Search<'_, P> {
         loop {
             self.go(1.0);
             let size = largest(self.room.correction.as_ref(), self.room.trial.as_ref(), &|_| true);
-            let verdict = progress.judge(size, |roundings| {
+            let verdict = convergence.judge(size, |roundings| {
                 let is_settled = self.problem.are_settled(&self.room.x, roundings);
                 largest(self.room.correction.as_ref(), self.room.trial.as_ref(), &|k| !is_settled(k))
             });
             let is_lost = match verdict {
                 Verdict::Converged => {
-                    let (iterations, is_reversed) = (progress.iterations, self.problem.is_reversed());
+                    let (iterations, is_reversed) = (convergence.iterations, self.problem.is_reversed());
                     return Ok(Effort { iterations, doubtful, is_reversed });
                 }
-                Verdict::Straying => size.is_nan() || progress.iterations >= most,
-                Verdict::Contracting => progress.iterations >= MOST_HALVINGS,
+                Verdict::Straying => size.is_nan() || convergence.iterations >= most,
+                Verdict::Contracting => convergence.iterations >= MOST_HALVINGS,
             };
-            let lost = astray(progress.iterations, size);
+            let lost = astray(convergence.iterations, size);
             if is_lost {
                 return Err(lost);
             }
             // A guess that is off by more than the solution itself.
-            doubtful |= matches!(verdict, Verdict::Straying) && is_guess && progress.iterations == 1;
+            doubtful |= matches!(verdict, Verdict::Straying) && is_guess && convergence.iterations == 1;
             let descent = self.descend(shortens, lost)?;
             doubtful |= !descent.contracts;
             if descent.length < 1.0 {
                 shortened += 1;
                 if shortened >= MOST_SHORTENED {
-                    return Err(astray(progress.iterations, size));
+                    return Err(astray(convergence.iterations, size));
                 }
-                progress.forget();
+                convergence.forget();
             }
         }
     }

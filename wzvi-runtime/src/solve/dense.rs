@@ -120,6 +120,11 @@ impl<S: Scalar, const N: usize> Factor<S, N> {
 }
 
 impl<const N: usize> Factor<f64, N> {
+    /// `L` and `U` as they are kept, and the rows of the matrix in the order of the pivots.
+    pub(super) fn parts(&self) -> (&[[f64; N]; N], &[usize; N]) {
+        (&self.lu, &self.order)
+    }
+
     /// `A⁻¹ b` for a right-hand side of any number type.
     #[inline(always)]
     pub fn apply<S: Scalar>(&self, b: [S; N]) -> [S; N] {

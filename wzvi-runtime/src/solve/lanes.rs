@@ -5,10 +5,11 @@
 //! way finds, gets NaN, which the end of the step reports for all; whoever runs lanes then takes them one by one.
 #![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
+use super::convergence::{ROUNDING, UNSEEN, roundings};
 use super::dense::{
     LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT, eliminate, eliminate_symmetric, substitute, substitute_symmetric,
 };
-use super::newton::{Effort, Equations, ROUNDING, SAFE_DETERMINANT, beyond, roundings};
+use super::newton::{Effort, Equations, SAFE_DETERMINANT, beyond};
 use super::{Solve, Together};
 use crate::error::StepFailure;
 use crate::lanes::{LaneMask, Lanes};
@@ -31,7 +32,7 @@ fn exceeds<const L: usize>(a: Lanes<L>, b: Lanes<L>) -> LaneMask<L> {
     b.less(a)
 }
 
-/// The verdicts of `newton::Progress`, by lane.
+/// The verdicts of `convergence::Convergence`, by lane.
 struct LaneConvergence<const L: usize> {
     last: Lanes<L>,
     enough: Lanes<L>,
@@ -54,7 +55,7 @@ impl<const L: usize> LaneConvergence<L> {
         }
     }
 
-    /// The lanes that go astray here. `beyond_rounding` of a lane as for `newton::Progress`.
+    /// The lanes that go astray here. `beyond_rounding` of a lane as for `convergence::Convergence`.
     #[inline(always)]
     fn judge(
         &mut self,
@@ -88,7 +89,7 @@ impl<const L: usize> LaneConvergence<L> {
             self.done = self.done | !good;
         }
         self.last = relative;
-        let predicted = relative * (0.25 * ROUNDING) * relative;
+        let predicted = relative * (UNSEEN * ROUNDING) * relative;
         let floor = Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING);
         self.enough = Lanes::select(exceeds(predicted, floor), predicted, floor);
         !good

@@ -17,7 +17,7 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
     };
     let numbers = Numbers::of(model);
     let (number, is_matrix) = (count(numbers.friction), friction.is_matrix);
-    let is_per_state = friction.term.elements.iter().any(|element| element.coordinates().next().is_some());
+    let is_per_state = friction.is_per_place();
     let damping = match is_matrix {
         true => quote!(__wzvi::elements::damping(self, #number, __q, __into)),
         false => quote!(__wzvi::elements::rates(self, #number, __q, __into)),

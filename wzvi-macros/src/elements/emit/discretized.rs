@@ -56,6 +56,7 @@ pub(super) fn emit(
         },
         plan: road.plan,
         prepared: road.prepared,
+        beside: None,
         memory: road.memory,
         compensated: quote!(#elements::CompensationVec<__S>),
         carry: quote!(__wzvi::Plain),

@@ -37,6 +37,24 @@ pub(super) fn emit(model: &mut System, facts: &Facts, texts: &Texts) -> TokenStr
             const IN_LANES: #bool = #in_lanes;
             type Shape = __wzvi::gauss::Dynamic;
             type Noises = __wzvi::gauss::Dynamic;
+            type Parameters<__K: __wzvi::Constant> = __wzvi::Apart;
+
+            fn parameters_beside<const __L: __wzvi::usize>(_: [&Self; __L]) -> __wzvi::Option<__wzvi::Apart> {
+                __wzvi::None
+            }
+
+            fn slopes_over<__S: __wzvi::Over<__K>, __K: __wzvi::Constant, const __BY_Q: #bool, const __BY_P: #bool>(
+                __parameters: &__wzvi::Apart,
+                _: __S,
+                _: __S,
+                _: &[__S],
+                _: &[__S],
+                _: &[__S],
+                _: &mut [__S],
+                _: &mut [__S],
+            ) {
+                match *__parameters {}
+            }
 
             #[inline(always)]
             fn slopes<__S: __wzvi::Scalar, const __BY_Q: #bool, const __BY_P: #bool>(

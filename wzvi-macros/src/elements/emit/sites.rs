@@ -92,7 +92,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
     let (f64, usize) = (f64_type(), quote!(__wzvi::usize));
     let (result, sites) = (quote!(__wzvi::Result), quote!(__wzvi::elements::sites));
     let solve = kernel.call(
-        &quote!(__S, __C, __CAREFUL),
+        [&quote!(__S), &f64, &quote!(__C), &quote!(__CAREFUL)],
         ["prepared", "t", "h", "q", "p", "dw", "memory", "carry"].map(|name| {
             let name = format_ident!("__{name}");
             quote!(#name)
@@ -107,7 +107,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
         impl #generics #sites::Sites<#embedding, #degrees, #noises> for #name #arguments #filter {
             const IS_UNIFORM: __wzvi::bool = #is_uniform;
             const IS_EXACT_IN_LANES: __wzvi::bool = #is_exact;
-            type SitePrepared = __Prepared;
+            type SitePrepared = __Prepared<#f64>;
             type SiteMemory<__S: __wzvi::Scalar> = __Memory<__S>;
 
             fn prepare_site(
@@ -115,7 +115,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
                 __h: #f64,
                 __site: #usize,
                 __sites: #usize,
-            ) -> #result<__Prepared, __wzvi::ConfigError> {
+            ) -> #result<__Prepared<#f64>, __wzvi::ConfigError> {
                 #opened_for_prepare
                 #prepare
             }
@@ -128,7 +128,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
 
             #[inline(always)]
             fn solve_site<__S: __wzvi::Scalar, __C: __wzvi::Carry<__S>, const __CAREFUL: __wzvi::bool>(
-                __prepared: &__Prepared,
+                __prepared: &__Prepared<#f64>,
                 __t: #f64,
                 __h: #f64,
                 __q: [__S; #degrees],
@@ -154,8 +154,8 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
         unknowns: Unknowns::Both,
         is_linear: false,
         in_lanes: !system.noise.is_empty(),
-        prepared: quote!(#sites::Prepared<__Prepared>),
-        memory: quote!(#sites::Memory<__S, __Memory<__S>, __Prepared>),
+        prepared: quote!(#sites::Prepared<__Prepared<#f64>>),
+        memory: quote!(#sites::Memory<__S, __Memory<__S>, __Prepared<#f64>>),
         new_memory: quote!(#sites::Memory::new(self, #degrees)),
         prepare: quote!(#sites::prepare::<_, #embedding, #degrees, #noises>(self, __h)),
         inline: quote!(#[inline(always)]),

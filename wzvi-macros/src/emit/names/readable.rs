@@ -18,7 +18,7 @@ const ROOT: &str = "__wzvi";
 /// Types whose names do not start with a capital.
 const PRIMITIVES: [&str; 6] = ["bool", "f64", "i128", "isize", "str", "usize"];
 /// The parameters of emitted functions that are types.
-const TYPE_PARAMETERS: [&str; 6] = ["__S", "__C", "__P", "__Q", "__T", "__W"];
+const TYPE_PARAMETERS: [&str; 8] = ["__S", "__K", "__C", "__L", "__P", "__Q", "__T", "__W"];
 const DECLARING: [&str; 4] = ["const", "fn", "struct", "type"];
 const KEYWORDS: [&str; 53] = [
     "Self", "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate", "do",

@@ -3,17 +3,20 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-use crate::emit::program::{Level, Op, Program};
+use crate::emit::print::Rank;
+use crate::emit::program::{Op, Program};
 use crate::emit::system::count;
 use crate::emit::{Printer, f64_type};
 
-/// By type: numbers and truths of the state, numbers and truths that the state does not enter.
+/// By type: numbers and truths of the state, those of constants, and those that are the same for all systems.
 #[derive(Default)]
 pub(super) struct Given {
     numbers: Vec<Ident>,
     masks: Vec<Ident>,
     constants: Vec<Ident>,
     truths: Vec<Ident>,
+    times: Vec<Ident>,
+    flags: Vec<Ident>,
 }
 
 impl Given {
@@ -31,11 +34,13 @@ impl Given {
         let mut given = Self::default();
         for op in read {
             let Some(name) = printer.bound(op) else { continue };
-            let list = match (program.level(op) >= Level::Increments, program.operation(op).is_truth()) {
-                (true, false) => &mut given.numbers,
-                (true, true) => &mut given.masks,
-                (false, false) => &mut given.constants,
-                (false, true) => &mut given.truths,
+            let list = match (printer.rank(op), program.operation(op).is_truth()) {
+                (Rank::Scalar, false) => &mut given.numbers,
+                (Rank::Scalar, true) => &mut given.masks,
+                (Rank::Constant, false) => &mut given.constants,
+                (Rank::Constant, true) => &mut given.truths,
+                (Rank::Number, false) => &mut given.times,
+                (Rank::Number, true) => &mut given.flags,
             };
             list.push(name.clone());
         }
@@ -44,27 +49,36 @@ impl Given {
 
     /// One argument for each list that is not empty; `of` makes it of a list and of what kind that is.
     fn arguments(&self, of: impl Fn(&[Ident], Kind) -> TokenStream) -> TokenStream {
-        let Self { numbers, masks, constants, truths } = self;
+        let Self { numbers, masks, constants, truths, times, flags } = self;
         let lists = [
             (numbers, Kind::Number),
             (masks, Kind::Mask),
             (constants, Kind::Constant),
             (truths, Kind::Truth),
+            (times, Kind::Time),
+            (flags, Kind::Flag),
         ];
         let arguments =
             lists.iter().filter(|(names, _)| !names.is_empty()).map(|(names, kind)| of(names, *kind));
         quote!(#(#arguments,)*)
     }
 
-    /// As parameters of a function of numbers `__S`.
+    /// Whether there are constants.
+    pub(super) fn has_constants(&self) -> bool {
+        !(self.constants.is_empty() && self.truths.is_empty())
+    }
+
+    /// As parameters of a function of numbers `__S` and constants `__K`.
     pub(super) fn parameters(&self) -> TokenStream {
         let (f64, bool) = (f64_type(), quote!(__wzvi::bool));
         self.arguments(|names, kind| {
             let ty = match kind {
                 Kind::Number => quote!(__S),
                 Kind::Mask => quote!(__S::Mask),
-                Kind::Constant => f64.clone(),
-                Kind::Truth => bool.clone(),
+                Kind::Constant => quote!(__K),
+                Kind::Truth => quote!(<__K as __wzvi::Scalar>::Mask),
+                Kind::Time => f64.clone(),
+                Kind::Flag => bool.clone(),
             };
             let (list, length) = (kind.list(), count(names.len()));
             quote!(#list: [#ty; #length])
@@ -76,8 +90,8 @@ impl Given {
         let (f64, bool) = (f64_type(), quote!(__wzvi::bool));
         self.arguments(|names, kind| {
             let ty = match kind {
-                Kind::Number | Kind::Constant => &f64,
-                Kind::Mask | Kind::Truth => &bool,
+                Kind::Number | Kind::Constant | Kind::Time => &f64,
+                Kind::Mask | Kind::Truth | Kind::Flag => &bool,
             };
             let (list, length) = (kind.list(), count(names.len()));
             quote!(#list: [#ty; #length])
@@ -103,9 +117,9 @@ impl Given {
 
     pub(super) fn of_lane(&self) -> TokenStream {
         self.arguments(|names, kind| match kind {
-            Kind::Number => quote!([#(#names.lane(__lane)),*]),
-            Kind::Mask => quote!([#(__wzvi::Mask::lane(#names, __lane)),*]),
-            Kind::Constant | Kind::Truth => quote!([#(#names),*]),
+            Kind::Number | Kind::Constant => quote!([#(#names.lane(__lane)),*]),
+            Kind::Mask | Kind::Truth => quote!([#(__wzvi::Mask::lane(#names, __lane)),*]),
+            Kind::Time | Kind::Flag => quote!([#(#names),*]),
         })
     }
 
@@ -115,7 +129,7 @@ impl Given {
             let list = kind.list();
             match kind {
                 Kind::Number => quote!(#list.map(__wzvi::Rounded::exact)),
-                Kind::Mask | Kind::Constant | Kind::Truth => quote!(#list),
+                _ => quote!(#list),
             }
         })
     }
@@ -127,6 +141,8 @@ enum Kind {
     Mask,
     Constant,
     Truth,
+    Time,
+    Flag,
 }
 
 impl Kind {
@@ -137,6 +153,8 @@ impl Kind {
             Self::Mask => format_ident!("__masks"),
             Self::Constant => format_ident!("__constants"),
             Self::Truth => format_ident!("__truths"),
+            Self::Time => format_ident!("__times"),
+            Self::Flag => format_ident!("__flags"),
         }
     }
 }

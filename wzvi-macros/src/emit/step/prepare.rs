@@ -91,15 +91,14 @@ impl Prepared {
         Self { constants, truths, factors, body }
     }
 
-    /// The type `__Prepared`.
+    /// The type `__Prepared<__K>`.
     pub(super) fn ty(&self) -> TokenStream {
-        let (f64, bool) = (f64_type(), quote!(__wzvi::bool));
         let (constants, truths) = (count(self.constants.len()), count(self.truths.len()));
         let factors = self.factors.iter().map(|(size, _)| {
             let size = count(*size);
-            quote!(__wzvi::Factor<#f64, #size>)
+            quote!(<__K as __wzvi::Constant>::Factor<#size>)
         });
-        let (numbers, flags) = (quote!([#f64; #constants]), quote!([#bool; #truths]));
+        let (numbers, flags) = (quote!([__K; #constants]), quote!([<__K as __wzvi::Scalar>::Mask; #truths]));
         parts(&self.constants, numbers, &self.truths, flags, factors.collect())
     }
 

@@ -32,7 +32,9 @@ pub(super) fn solution(
     Arguments { q, p, dw }: &Arguments,
     names: Names,
 ) -> Solution {
-    let mut printer = Printer::new(&flow.program, quote!(__S), &flow.hints, names);
+    let constants: Vec<Op> = prepared.constants.iter().chain(&prepared.truths).map(|(op, _)| *op).collect();
+    let mut printer =
+        Printer::new(&flow.program, quote!(__S), &flow.hints, names).with_constants(&constants, quote!(__K));
     printer.set(flow.h, format_ident!("__h"));
     printer.set(flow.t, format_ident!("__t"));
     for (ops, names) in [(&flow.q0, q), (&flow.p0, p), (&flow.dw, dw)] {
@@ -83,7 +85,10 @@ impl SolveBody<'_> {
                     let shared = self.bind(rhs);
                     let (factor, rhs) = (factors.next(), self.values(rhs));
                     let names = self.names(unknowns);
-                    quote!(#shared let [#(#names),*] = #factor.apply::<__S>([#(#rhs),*]);)
+                    quote! {
+                        #shared
+                        let [#(#names),*] = <__S as __wzvi::Over<__K>>::solve_factored(#factor, [#(#rhs),*]);
+                    }
                 }
                 Solve::Linear { matrix, rhs, unknowns } => {
                     let entries: Vec<Op> = matrix.iter().flatten().chain(rhs).copied().collect();
@@ -182,10 +187,14 @@ impl SolveBody<'_> {
         let (parameters, parameters_of_one) = (given.parameters(), given.parameters_of_one());
         let (passed, lifted, of_lane) = (given.passed(), given.lifted(), given.of_lane());
         let (n, f64, open) = (count(names.len()), f64_type(), given.open(names));
+        let generics = match given.has_constants() {
+            true => quote!(__S: __wzvi::Over<__K>, __K: __wzvi::Constant),
+            false => quote!(__S: __wzvi::Scalar),
+        };
         self.functions.extend(quote! {
             /// The equations of a block, and their Jacobian by rows.
             #[inline(always)]
-            fn #equations<__S: __wzvi::Scalar>(
+            fn #equations<#generics>(
                 #parameters
                 __iterate: [__S; #n],
             ) -> ([__S; #n], [[__S; #n]; #n]) {

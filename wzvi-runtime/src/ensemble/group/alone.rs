@@ -1,6 +1,6 @@
 //! A lane of a group that goes alone: where the short way fails, and each remembers by itself.
 
-use super::Group;
+use super::{Group, Systems};
 use crate::carry::Plain;
 use crate::continuation::Hard;
 use crate::ensemble::job::Job;
@@ -15,7 +15,7 @@ use crate::state::State;
 use crate::step::ResolutionMonitor;
 use crate::system::Discretized;
 
-impl<H: Discretized<E>, E, const L: usize> Group<'_, '_, H, E, L> {
+impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P, L> {
     /// The step that not all lanes can take the short way.
     #[cold]
     #[inline(never)]
@@ -75,8 +75,9 @@ impl<H: Discretized<E>, E, const L: usize> Group<'_, '_, H, E, L> {
         let alone = |lanes: &[Lanes<L>]| -> Vec<_> { lanes.iter().map(|x| Lanes::new([x[lane]])).collect() };
         let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(self.increments.of(step)));
         let mut forgetful = H::Memory::default();
-        let outcome = job.system.advance_carrying::<Lanes<1>, Plain, false>(
-            &job.prepared,
+        let (system, prepared) = self.system_of(lane);
+        let outcome = system.advance_carrying::<Lanes<1>, Plain, false>(
+            &prepared,
             t,
             job.h,
             &mut q,
@@ -97,12 +98,22 @@ impl<H: Discretized<E>, E, const L: usize> Group<'_, '_, H, E, L> {
         }
     }
 
+    /// The system of a lane, and what is prepared of it.
+    fn system_of(&self, lane: usize) -> (&'j H, H::Prepared) {
+        let job = self.job;
+        match self.own.get(lane) {
+            Some(prepared) if P::ARE_OWN => (job.system_of(self.source_of(lane)), prepared.clone()),
+            _ => (job.system, job.prepared.clone()),
+        }
+    }
+
     /// The careful way, of one lane.
     fn careful(&mut self, lane: usize, step: u64, dw: &[Lanes<1>], cause: StepFailure) -> Result<(), Error> {
         let (job, t) = (self.job, self.time(step));
         let State { q, p, t } = self.state_of(lane, t);
         let dw: Vec<f64> = dw.iter().map(|dw| dw[0]).collect();
-        let (system, h, prepared) = (job.system, job.h, job.prepared.clone());
+        let (system, prepared) = self.system_of(lane);
+        let h = job.h;
         let hard = Hard { system, prepared, t, h, q, p, dw: &dw, carry: Plain };
         let solved = self.resolution[lane].careful_step(hard, step, cause);
         let (mut solved, watched) = solved.map_err(|cause| StepError { step, t, h, cause })?;
@@ -131,7 +142,7 @@ impl<H: Discretized<E>, E, const L: usize> Group<'_, '_, H, E, L> {
 
     /// Lanes go on together if what they remember is of the same shape. One that has failed remembers what the path does that it follows.
     fn join(&mut self) {
-        let Some(living) = (0..L).find(|&lane| !self.failed[lane]) else { return };
+        let Some(living) = self.living() else { return };
         if self.apart.is_empty() {
             return;
         }

@@ -1,7 +1,7 @@
 //! Between the nodes of a group: its dense output, and a last step that ends where no other does.
 
-use super::Group;
 use super::alone::subdivision_of;
+use super::{Group, Systems};
 use crate::dense::DenseOutput;
 use crate::error::{Error, StepError};
 use crate::increments::Interval;
@@ -9,7 +9,7 @@ use crate::state::State;
 use crate::step::Stepper;
 use crate::system::Discretized;
 
-impl<H: Discretized<E>, E, const L: usize> Group<'_, '_, H, E, L> {
+impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L> {
     /// The last step, where it is shorter than the others: it is that of a stepper, and is not halved.
     ///
     /// # Errors
@@ -55,14 +55,13 @@ impl<H: Discretized<E>, E, const L: usize> Group<'_, '_, H, E, L> {
         dense: &mut DenseOutput<H::Vector>,
         mut see: impl FnMut(&DenseOutput<H::Vector>, &[f64], bool),
     ) -> Result<(), Error> {
-        let (job, step) = (self.job, node - 1);
+        let (job, path, step) = (self.job, self.path(lane), node - 1);
         self.state_at(lane, node);
         self.increments_of(lane, step);
         let nodes = [before, &self.state];
         if let (halved, halvings) = self.halved[lane]
             && halved == step
         {
-            let path = self.path(lane);
             let subdivision = subdivision_of(&mut self.subdivision, job, path)?;
             let mut noise = (!self.alone.is_empty()).then(|| job.source.path(path));
             let interval = Interval { start: job.start.t, h: job.h, step };
@@ -84,7 +83,7 @@ impl<H: Discretized<E>, E, const L: usize> Group<'_, '_, H, E, L> {
             _ => {
                 // Lanes do not keep what a scheme knows between its nodes.
                 const { assert!(!(H::IN_LANES && H::HAS_POLYNOMIAL)) };
-                dense.fill_by_rates::<H, E>(job.system, nodes, job.h, &self.alone);
+                dense.fill_by_rates::<H, E>(job.system_of(path), nodes, job.h, &self.alone);
             }
         }
         see(dense, &self.alone, true);

@@ -7,6 +7,7 @@ use super::super::group::Group;
 use super::super::halt::Halt;
 use super::super::job::Job;
 use super::super::pace::Pace;
+use super::super::starts::OneSystem;
 use super::estimate::{LevelError, LevelFailure, Samples};
 use crate::error::Error;
 use crate::lanes::Lanes;
@@ -48,9 +49,9 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Pairs<'_, '_, H, E, WI
 
 /// A path of a level, and the coarse one beside it: the two of `L` Brownian paths.
 struct Coupled<'j, 'a, H: Discretized<E>, E, const L: usize> {
-    fine: Group<'j, 'a, H, E, L>,
+    fine: Group<'j, 'a, H, E, OneSystem, L>,
     /// With the normals of the first of two fine steps, by process.
-    coarse: Option<(Group<'j, 'a, H, E, L>, Vec<Lanes<L>>)>,
+    coarse: Option<(Group<'j, 'a, H, E, OneSystem, L>, Vec<Lanes<L>>)>,
 }
 
 impl<H: Discretized<E>, E, const L: usize> Advance for Coupled<'_, '_, H, E, L> {
@@ -105,7 +106,7 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
         let mut samples = Samples::default();
         let still = || vec![Lanes::from_f64(0.0); self.fine.processes()];
         let mut pair = Coupled {
-            fine: Group::<H, E, L>::new(self.fine),
+            fine: Group::<H, E, OneSystem, L>::new(self.fine),
             coarse: self.coarse.map(|job| (Group::new(job), still())),
         };
         if pair.coarse.is_some() {
@@ -148,7 +149,8 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
             if !fine.is_path(lane) {
                 continue;
             }
-            let value = |group: &mut Group<'_, '_, H, E, L>, Job { h, steps, .. }: &Job<'_, H, E>| {
+            let value = |group: &mut Group<'_, '_, H, E, OneSystem, L>,
+                         Job { h, steps, .. }: &Job<'_, H, E>| {
                 let value = (self.observable)(group.state_at(lane, *steps));
                 let (h, path) = (*h, first + lane as u64);
                 let cause = LevelFailure::NonFinite(value);

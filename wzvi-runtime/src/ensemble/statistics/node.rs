@@ -7,6 +7,24 @@ use crate::ensemble::quantiles::Quantiles;
 #[cfg(feature = "serde")]
 use crate::numbers::Tape;
 
+/// Room to add paths to sums, one after the other.
+#[derive(Clone, Debug)]
+pub(in crate::ensemble) struct PathTally {
+    scratch: Vec<f64>,
+    /// The values of the first path of an antithetic pair, if it had any.
+    first: Vec<f64>,
+    has_first: bool,
+    /// Whether the next one is the second of a pair.
+    is_second: bool,
+}
+
+impl PathTally {
+    pub(in crate::ensemble) fn new(observables: usize) -> Self {
+        let room = || vec![0.0; observables];
+        Self { scratch: room(), first: room(), has_first: false, is_second: false }
+    }
+}
+
 /// All paths at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StatisticsNode {
@@ -33,9 +51,27 @@ impl StatisticsNode {
         }
     }
 
-    /// One more path that failed before.
-    pub(in crate::ensemble) fn lose(&mut self) {
-        self.lost += 1;
+    /// The observables of the next path, if it has not failed before.
+    #[inline(always)]
+    pub(in crate::ensemble) fn tally(
+        &mut self,
+        values: Option<&[f64]>,
+        tally: &mut PathTally,
+        wanted: &Wanted,
+    ) {
+        let PathTally { scratch, first, has_first, is_second } = tally;
+        match values {
+            Some(values) => {
+                self.push(values, scratch, wanted);
+                if wanted.has_pairs && !*is_second {
+                    first.copy_from_slice(values);
+                } else if wanted.has_pairs && *has_first {
+                    self.push_pair(first, values, scratch);
+                }
+            }
+            None => self.lost += 1,
+        }
+        (*has_first, *is_second) = (values.is_some(), wanted.has_pairs && !*is_second);
     }
 
     /// The observables of one more path; `scratch` has as many elements.
@@ -50,7 +86,7 @@ impl StatisticsNode {
     }
 
     /// The observables of both paths of an antithetic pair, which have been pushed, too; `first` becomes their mean.
-    pub(in crate::ensemble) fn push_pair(&mut self, first: &mut [f64], second: &[f64], scratch: &mut [f64]) {
+    fn push_pair(&mut self, first: &mut [f64], second: &[f64], scratch: &mut [f64]) {
         let Some(pairs) = &mut self.pairs else { return };
         for (first, second) in first.iter_mut().zip(second) {
             *first = 0.5 * *first + 0.5 * second;

@@ -1,0 +1,101 @@
+//! When an iteration has converged: see [`newton`](super::newton).
+
+/// Corrections below this fraction of an unknown change nothing.
+pub(super) const ROUNDING: f64 = f64::EPSILON;
+/// The part of a rounding that the correction after the last one may be.
+pub(super) const UNSEEN: f64 = 0.25;
+/// A start that is extrapolated from three solutions, `3a - 3b + c`, has their roundings, and one of its own.
+const ROUNDING_OF_GUESS: f64 = 8.0;
+
+/// The corrections of an iteration, as far as they say when to stop.
+pub(crate) struct Convergence {
+    last: f64,
+    /// The cube of the relative correction that is good enough: `ROUNDING³` or `last² ROUNDING unseen`.
+    enough: f64,
+    unseen: f64,
+    pub(crate) iterations: u32,
+    is_guess: bool,
+    /// Whether `last` is that of unknowns beyond rounding only.
+    is_beyond_rounding: bool,
+}
+
+/// What a correction says.
+pub(crate) enum Verdict {
+    /// It was the last.
+    Converged,
+    /// It is at most half of the one before.
+    Contracting,
+    /// It is not.
+    Straying,
+}
+
+impl Convergence {
+    /// A start other than zero claims to be near the solution: its first correction has to be smaller than the
+    /// solution itself.
+    #[inline(always)]
+    pub(crate) fn new(is_guess: bool) -> Self {
+        let last = if is_guess { 2.0 } else { f64::INFINITY };
+        let enough = ROUNDING * ROUNDING * ROUNDING;
+        Self { last, enough, unseen: UNSEEN, iterations: 0, is_guess, is_beyond_rounding: is_guess }
+    }
+
+    /// The same until the correction after the last one is this part of a rounding.
+    pub(super) fn until(self, unseen: f64) -> Self {
+        Self { unseen, ..self }
+    }
+
+    /// `relative`: largest correction relative to its unknown. `beyond_rounding`: the same of the unknowns whose residual
+    /// was more than so many times its rounding; 0 if there are none.
+    #[inline(always)]
+    pub(crate) fn judge(&mut self, relative: f64, beyond_rounding: impl FnOnce(f64) -> f64) -> Verdict {
+        self.iterations += 1;
+        let square = relative * relative;
+        // `relative <= ROUNDING || relative (relative / last)² <= ROUNDING unseen` without dividing.
+        if square * relative <= self.enough {
+            return Verdict::Converged;
+        }
+        // False for NaN, too: one comparison on the way that is taken.
+        let contracts = relative < 0.5 * self.last;
+        if !contracts {
+            if relative.is_nan() {
+                return Verdict::Straying;
+            }
+            let beyond = beyond_rounding(roundings(self.is_guess && self.iterations == 1));
+            if beyond == 0.0 {
+                return Verdict::Converged;
+            }
+            // What is rounding may have been the larger part of the correction before.
+            let last = if self.is_beyond_rounding { self.last } else { self.last.max(relative) };
+            // False for NaN, too.
+            if beyond < 0.5 * last {
+                self.is_beyond_rounding = true;
+                self.expect(beyond);
+                return Verdict::Contracting;
+            }
+            return Verdict::Straying;
+        }
+        self.expect(relative);
+        Verdict::Contracting
+    }
+
+    /// Quadratic convergence from a correction of this size.
+    #[inline(always)]
+    fn expect(&mut self, relative: f64) {
+        self.last = relative;
+        // `relative` is above `ROUNDING` here, so that neither product underflows.
+        let (predicted, floor) =
+            (self.unseen * ROUNDING * relative * relative, ROUNDING * ROUNDING * ROUNDING);
+        self.enough = if predicted > floor { predicted } else { floor };
+    }
+
+    /// A correction that does not count as one of a sequence: the next is judged by itself.
+    pub(crate) fn forget(&mut self) {
+        (self.last, self.enough) = (f64::INFINITY, ROUNDING * ROUNDING * ROUNDING);
+        self.is_beyond_rounding = false;
+    }
+}
+
+/// How many roundings of its terms a residual may be to count as zero.
+pub(super) fn roundings(is_guess: bool) -> f64 {
+    if is_guess { ROUNDING_OF_GUESS } else { 1.0 }
+}
