@@ -303,11 +303,6 @@ const _: () = {
                                         let mut run = by_q.points::<2>((2 * i1) as usize, len);
                                         for place in 0..len {
                                             run.add_part(place, 1, b3[place]);
-                                        }
-                                    }
-                                    {
-                                        let mut run = by_q.points::<2>((2 * i1) as usize, len);
-                                        for place in 0..len {
                                             run.add_part(place, 0, b1[place]);
                                         }
                                     }

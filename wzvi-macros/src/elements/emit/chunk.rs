@@ -7,8 +7,15 @@
 //! Every place gets its terms in the order of the placements, wherever chunks begin: the slice that is furthest ahead is added to
 //! at once, those behind it after the chunk, which ends before it would reach a slice that is further ahead than an earlier one.
 
+mod motion;
+mod stores;
+
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
+
+use motion::{Motion, motion, runs, wrap};
+
+pub(super) use motion::stretch;
 
 use super::Wanted;
 use super::indices::{Indices, variable};
@@ -16,7 +23,7 @@ use super::kernel::{Target, written};
 use crate::diagnostics::internal::Promised;
 use crate::emit::count;
 use crate::emit::step::mentions;
-use crate::model::index::{Atom, Index};
+use crate::model::index::Index;
 use crate::model::{Element, Local, Slot};
 use crate::symbolic::Expr;
 
@@ -35,19 +42,6 @@ pub(super) struct Chunk<'a> {
     /// Components of a point.
     pub(super) components: i128,
     pub(super) wanted: Wanted,
-}
-
-/// How an index moves with the innermost loop.
-enum Motion {
-    Fixed,
-    /// By one, perhaps wrapping around.
-    Run,
-    /// By a point: to the component `part` of points from the index `base` on.
-    Points {
-        base: Index,
-        part: usize,
-    },
-    Free,
 }
 
 /// The loop as it is put together.
@@ -298,221 +292,6 @@ impl Chunk<'_> {
         name
     }
 
-    /// Where the computed values go. Slices first: what is left knows then which vectors are taken.
-    fn store(&self, code: &mut Code, inner: u32, values: &[TokenStream]) {
-        let mut left: Vec<usize> = Vec::new();
-        let order = self.furthest_first(inner);
-        // Pairs of neighbours before others, which would take their vector.
-        let pairs: Vec<(usize, usize)> =
-            order.iter().filter_map(|&j| Some((j, self.neighbour(j, inner)?))).collect();
-        let mut carried: Vec<usize> = Vec::new();
-        for &(j, next) in &pairs {
-            if let Some((_, Target::Slope { vector, .. })) = self.outputs.get(j)
-                && !code.direct.contains(vector)
-            {
-                code.direct.push(vector.clone());
-                carried.extend([j, next]);
-                self.store_run(code, inner, values, j, Some(next));
-            }
-        }
-        for j in order {
-            let Some((_, Target::Slope { vector, index })) = self.outputs.get(j) else {
-                left.push(j);
-                continue;
-            };
-            if carried.contains(&j) {
-                continue;
-            }
-            let is_taken = code.direct.contains(vector);
-            match motion(index, inner, self.components) {
-                Motion::Run if !is_taken => {
-                    code.direct.push(vector.clone());
-                    self.store_run(code, inner, values, j, None);
-                }
-                Motion::Points { base, part } => {
-                    let list = quote!(#vector);
-                    let key = (list.to_string(), &base);
-                    let is_open = code.points.iter().any(|(list, at, _)| (list, at) == (&key.0, key.1));
-                    if is_taken && !is_open {
-                        left.push(j);
-                        continue;
-                    }
-                    code.direct.push(vector.clone());
-                    self.keep_order(code, inner, j);
-                    let (points, value) = (self.points(code, inner, &list, &base, true), &values[j]);
-                    let part = count(part);
-                    code.stores.extend(quote!(#points.add_part(__place, #part, #value);));
-                }
-                _ => left.push(j),
-            }
-        }
-        for j in left {
-            self.store_other(code, inner, j, &values[j]);
-        }
-    }
-
-    /// The outputs, so that of slopes whose places differ by a constant the one furthest ahead comes first.
-    fn furthest_first(&self, inner: u32) -> Vec<usize> {
-        let place = |j: &usize| -> Option<(&Ident, Index, i128)> {
-            let (_, Target::Slope { vector, index }) = self.outputs.get(*j)? else { return None };
-            let (place, _) = unwrapped(index, inner)?;
-            let constant = place.constant;
-            Some((vector, place.shifted(-constant)?, constant))
-        };
-        let all: Vec<usize> = (0..self.outputs.len()).collect();
-        let mut order = all.clone();
-        order.sort_by_key(|j| match place(j) {
-            None => (*j, 0),
-            Some((vector, moving, constant)) => {
-                let is_alike = |other: &&usize| {
-                    place(other).is_some_and(|(known, place, _)| known == vector && place == moving)
-                };
-                (all.iter().find(is_alike).copied().unwrap_or(*j), -constant)
-            }
-        });
-        order
-    }
-
-    /// A chunk ends before it would reach, with a slice that is added after others, where one of those is: places get their
-    /// terms in the order of the placements.
-    fn keep_order(&self, code: &mut Code, inner: u32, j: usize) {
-        let place = |j: usize| match self.outputs.get(j) {
-            Some((_, Target::Slope { vector, index })) => {
-                stretch(index, inner, self.components).map(|(stride, base)| (vector, stride, base))
-            }
-            _ => None,
-        };
-        let Some((vector, stride, own)) = place(j) else { return };
-        let is_own =
-            |earlier: &usize| place(*earlier).is_some_and(|(known, _, at)| known == vector && at == own);
-        if code.added.iter().any(is_own) {
-            return;
-        }
-        for &earlier in &code.added {
-            let Some((_, _, before)) = place(earlier).filter(|(known, ..)| *known == vector) else {
-                continue;
-            };
-            let is_plain = wrap(&own, inner, stride).is_none() && wrap(&before, inner, stride).is_none();
-            let ahead = own.subtract(&before).and_then(|distance| distance.as_integer());
-            if is_plain && ahead.is_some_and(|ahead| ahead <= 0) {
-                continue;
-            }
-            let [before, own] = [&before, &own].map(|index| {
-                let (position, size) = (self.indices.position(index), Literal::i128_unsuffixed(stride));
-                if stride == 1 { position } else { quote!(#position / #size) }
-            });
-            code.limits.extend(quote!(__len = __wzvi::elements::apart(__len, #before, #own);));
-        }
-        code.added.push(j);
-    }
-
-    /// Another slope whose place is that of slope `j` in the next round of the loop.
-    fn neighbour(&self, j: usize, inner: u32) -> Option<usize> {
-        let place = |j: usize| match &self.outputs.get(j)?.1 {
-            Target::Slope { vector, index } => Some((vector, index)),
-            _ => None,
-        };
-        let (vector, own) = place(j)?;
-        (0..self.outputs.len()).filter(|&other| other != j).find(|&other| {
-            place(other).is_some_and(|(known, index)| known == vector && follows(index, own, inner))
-        })
-    }
-
-    /// Adds slope `j` to its slice, and with it what the round before left for the same place.
-    fn store_run(&self, code: &mut Code, inner: u32, values: &[TokenStream], j: usize, next: Option<usize>) {
-        let Some((_, Target::Slope { vector, index })) = self.outputs.get(j) else { return };
-        let (slice, at, value) = (format_ident!("__b{j}"), format_ident!("__at{j}"), &values[j]);
-        let carried = format_ident!("__carried{j}");
-        let base = self.indices.position(index);
-        self.limit(code, index, inner);
-        self.keep_order(code, inner, j);
-        if let Some((next, (_, Target::Slope { index: ahead, .. }))) =
-            next.and_then(|next| Some((next, self.outputs.get(next)?)))
-        {
-            self.limit(code, ahead, inner);
-            let (base_ahead, value_ahead) = (self.indices.position(ahead), &values[next]);
-            let zero = self.zero();
-            // One by one where the next place is another one after all.
-            if wrap(index, inner, 1).is_some() || wrap(ahead, inner, 1).is_some() {
-                code.limits.extend(quote! {
-                    if #base_ahead != #base + 1 {
-                        __len = 1;
-                    }
-                });
-            }
-            code.opening.extend(quote! {
-                let #at = #base_ahead + (__len - 1);
-                let mut #carried = #zero;
-            });
-            // Computed first: only then can the compiler keep what is carried in a vector register.
-            code.stores.extend(quote! {
-                let __ahead = #value_ahead;
-                #slice.add(__place, #value + #carried);
-                #carried = __ahead;
-            });
-            code.closing.extend(quote!(#vector.add(#at, #carried);));
-        } else {
-            code.stores.extend(quote!(#slice.add(__place, #value);));
-        }
-        code.opening.extend(quote!(let mut #slice = #vector.run(#base, __len);));
-        code.release.extend(quote!(__wzvi::drop(#slice);));
-    }
-
-    /// What does not go to a slice of its own: sums, buffers, single places.
-    fn store_other(&self, code: &mut Code, inner: u32, j: usize, value: &TokenStream) {
-        let Some((_, target)) = self.outputs.get(j) else { return };
-        let (buffer, zero, most) = (format_ident!("__b{j}"), self.zero(), count(CHUNK));
-        let is_fixed = match target {
-            Target::Total => true,
-            Target::Slope { index, .. } => !index.loops().contains(&inner),
-            Target::Curvature { row, column, .. } => {
-                !row.loops().contains(&inner) && !column.loops().contains(&inner)
-            }
-        };
-        let shared = match target {
-            Target::Slope { vector, index } if code.direct.contains(vector) => Some((vector, index)),
-            _ => None,
-        };
-        if is_fixed {
-            code.before.extend(quote!(let mut #buffer = #zero;));
-            code.stores.extend(quote!(#buffer = #buffer + #value;));
-            code.after.extend(self.add(target, &quote!(#buffer)));
-        } else if let Some((vector, index)) = shared {
-            code.has_buffers = true;
-            code.buffers.extend(quote!(let mut #buffer = [#zero; #most];));
-            code.opening.extend(quote!(let #buffer = &mut #buffer[..__len];));
-            code.stores.extend(quote!(#buffer[__place] = #value;));
-            if let Some((stride, base)) = stretch(index, inner, self.components) {
-                self.limit(code, index, inner);
-                self.keep_order(code, inner, j);
-                let at = self.indices.position(&base);
-                let (run, add) = match motion(index, inner, self.components) {
-                    Motion::Points { part, .. } => {
-                        let (size, part) = (Literal::i128_unsuffixed(stride), count(part));
-                        (quote!(points::<#size>), quote!(add_part(__place, #part, #buffer[__place])))
-                    }
-                    _ => (quote!(run), quote!(add(__place, #buffer[__place]))),
-                };
-                code.closing.extend(quote! {{
-                    let mut __run = #vector.#run(#at, __len);
-                    for __place in 0..__len {
-                        __run.#add;
-                    }
-                }});
-            } else {
-                let (name, add) = (variable(inner), self.add(target, &quote!(#buffer[__place])));
-                code.closing.extend(quote! {
-                    for __place in 0..__len {
-                        let #name = __low + __place as __wzvi::isize;
-                        #add
-                    }
-                });
-            }
-        } else {
-            code.stores.extend(self.add(target, value));
-        }
-    }
-
     /// A chunk ends where an index wraps around.
     fn limit(&self, code: &mut Code, index: &Index, inner: u32) {
         let both = wrap(index, inner, 1).or_else(|| wrap(index, inner, self.components));
@@ -593,16 +372,6 @@ impl Chunk<'_> {
     }
 }
 
-/// Where the first placement of the loop reads or writes, if each one after it does so `stride` places further on: in the next place,
-/// or in the next point. Components of one point have the same.
-pub(super) fn stretch(index: &Index, inner: u32, components: i128) -> Option<(i128, Index)> {
-    match motion(index, inner, components) {
-        Motion::Run => Some((1, index.clone())),
-        Motion::Points { base, .. } => Some((components, base)),
-        Motion::Fixed | Motion::Free => None,
-    }
-}
-
 fn slot_index(slot: &Slot) -> Index {
     match slot {
         Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) | Slot::Number(index) => {
@@ -610,63 +379,4 @@ fn slot_index(slot: &Slot) -> Index {
         }
         Slot::Entry(_, indices) => indices.first().cloned().promised("entries of tables have an index"),
     }
-}
-
-fn motion(index: &Index, inner: u32, components: i128) -> Motion {
-    if !index.loops().contains(&inner) {
-        return Motion::Fixed;
-    }
-    if runs(index, inner) {
-        return Motion::Run;
-    }
-    // All points from the first to the last are in the vector if the index is.
-    let moves_on = index.slope(inner) == Some(components) || wrap(index, inner, components).is_some();
-    let is_point = components > 1
-        && moves_on
-        && index.terms.iter().all(|(_, coefficient)| coefficient % components == 0);
-    let part = if is_point { index.constant.rem_euclid(components) } else { 0 };
-    match (is_point, index.shifted(-part), usize::try_from(part)) {
-        (true, Some(base), Ok(part)) => Motion::Points { base, part },
-        _ => Motion::Free,
-    }
-}
-
-/// Whether the index goes up by one with the loop, perhaps wrapping around.
-pub(super) fn runs(index: &Index, inner: u32) -> bool {
-    index.slope(inner) == Some(1) || wrap(index, inner, 1).is_some()
-}
-
-/// `k + r` and `n` of an index `... + stride ((k + r) % n)` with everything else fixed in the loop over `k`.
-fn wrap(index: &Index, inner: u32, stride: i128) -> Option<&(Index, Index)> {
-    let mut moving =
-        index.terms.iter().filter(|(atom, _)| Index::atom(atom.clone()).loops().contains(&inner));
-    match (moving.next(), moving.next()) {
-        (Some((Atom::Remainder(both), coefficient)), None) if *coefficient == stride => {
-            let is_run = both.0.slope(inner) == Some(1) && !both.1.loops().contains(&inner);
-            is_run.then_some(&**both)
-        }
-        _ => None,
-    }
-}
-
-/// The index without wrapping around, and after how many places it does.
-fn unwrapped(index: &Index, inner: u32) -> Option<(Index, Index)> {
-    match wrap(index, inner, 1) {
-        None => Some((index.clone(), Index::default())),
-        Some(both) => {
-            let rest = index.subtract(&Index::atom(Atom::Remainder(Box::new(both.clone()))))?;
-            Some((rest.add(&both.0)?, both.1.clone()))
-        }
-    }
-}
-
-/// Whether `ahead` is `own + 1` but for wrapping around, which the loop looks for itself.
-fn follows(ahead: &Index, own: &Index, inner: u32) -> bool {
-    let distance = || -> Option<[Index; 3]> {
-        let ((ahead, size), (own, other)) = (unwrapped(ahead, inner)?, unwrapped(own, inner)?);
-        let plain = ahead.subtract(&own)?;
-        Some([plain.add(&other)?, plain.subtract(&size)?, plain])
-    };
-    let one = Index::integer(1);
-    runs(ahead, inner) && runs(own, inner) && distance().is_some_and(|distances| distances.contains(&one))
 }
