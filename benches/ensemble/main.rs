@@ -9,6 +9,9 @@
 mod bath;
 mod by_hand;
 mod c;
+#[allow(dead_code, reason = "what another benchmark needs of it")]
+#[path = "../gauss/by_hand.rs"]
+mod gauss_by_hand;
 mod scenes;
 mod starts;
 

@@ -2,11 +2,12 @@
 
 use std::hint::black_box;
 
-use wzvi::ensemble::Draw;
+use wzvi::ensemble::{Draw, InstructionSet};
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 use wzvi::system::Discretized;
 
+use crate::gauss_by_hand::{self, Coefficients, Force};
 use crate::scenes::STEPS;
 
 /// Hénon and Heiles.
@@ -110,6 +111,34 @@ fn sweep_midpoint(paths: u64) -> f64 {
     by_hand(paths, |_| [0.1, 0.0, 0.05, 0.1], galaxy, midpoint_step)
 }
 
+struct Unit;
+
+impl Force<2> for Unit {
+    #[inline(always)]
+    fn of<const S: usize>([x, y]: &[[f64; S]; 2], force: &mut [[f64; S]; 2]) {
+        for i in 0..S {
+            (force[0][i], force[1][i]) = (-x[i] - 2.0 * x[i] * y[i], -y[i] - x[i] * x[i] + y[i] * y[i]);
+        }
+    }
+}
+
+/// Path by path, with the instructions that every processor of the target has.
+fn gauss(paths: u64) -> f64 {
+    let table = Coefficients::<8>::new();
+    let square = |path: u64| {
+        let [x, y, u, v] = black_box(start(path));
+        let (q, ..) = gauss_by_hand::run_with::<Unit, 2, 8>(
+            InstructionSet::Baseline,
+            &table,
+            [[x, y], [u, v]],
+            H,
+            STEPS as u32,
+        );
+        q[0] * q[0]
+    };
+    (0..paths).map(square).sum::<f64>() / paths as f64
+}
+
 /// With the force of the end kept for the next start.
 #[inline(always)]
 fn verlet_step(system: &Galaxy, state: &mut [f64; 4], kept: &mut [f64; 4]) {
@@ -149,28 +178,59 @@ fn midpoint_step(system: &Galaxy, state: &mut [f64; 4], _: &mut [f64; 4]) {
     *state = [x1, y1, 2.0 * (x1 - x) / H - u, 2.0 * (y1 - y) / H - v];
 }
 
-/// A scheme: its name, an ensemble, and a loop by hand if there is one.
-type Row = (&'static str, fn(u64) -> f64, Option<fn(u64) -> f64>);
+/// The same on so many threads.
+fn on_threads<E>(paths: u64, threads: usize)
+where
+    HenonHeiles: Discretized<E, Vector = SVector<f64, 2>>,
+{
+    let run =
+        HenonHeiles.ensemble::<E>(H).start(State::new([0.1, 0.0], [0.05, 0.1])).paths(paths).steps(STEPS);
+    black_box(run.observe("x²", |state| state.q[0] * state.q[0]).threads(threads).run().unwrap());
+}
+
+/// A single path, as a loop over a stepper.
+fn stepper<E>(steps: u64)
+where
+    HenonHeiles: Discretized<E, Vector = SVector<f64, 2>>,
+{
+    let mut stepper = HenonHeiles.stepper::<E>(H).unwrap().plain();
+    let mut state = black_box(State::new([0.1, 0.0], [0.05, 0.1]));
+    (0..steps).for_each(|_| _ = stepper.step(&mut state, &[]).unwrap());
+    black_box(state);
+}
+
+/// Prints what few paths cost.
+fn print_few(repetitions: usize) {
+    println!("\n{:26}{:>9}{:>9}{:>9}    Hénon-Heiles, Verlet", "", "1 thread", "2 threads", "stepper");
+    for paths in [1, 4, 64, 512] {
+        let [one, two, alone] = crate::times(
+            paths,
+            repetitions,
+            [&|| on_threads::<Verlet>(paths, 1), &|| on_threads::<Verlet>(paths, 2), &|| {
+                stepper::<Verlet>(paths * STEPS)
+            }],
+        );
+        println!("{:26}{one:>9.2}{two:>9.2}{alone:>9.2}", format!("{paths} paths"));
+    }
+}
+
+/// A scheme: its name, an ensemble, and a loop by hand.
+type Row = (&'static str, fn(u64) -> f64, fn(u64) -> f64);
 
 /// Prints nanoseconds per path and step.
 pub(crate) fn print(paths: u64, repetitions: usize, only: Option<&str>) {
     let rows: [Row; 5] = [
-        ("Hénon-Heiles, Verlet", ensemble::<Verlet>, Some(verlet)),
-        ("Hénon-Heiles, Midpoint", ensemble::<Midpoint>, Some(midpoint)),
-        ("Hénon-Heiles, Gauss<8>", ensemble::<Gauss<8>>, None),
-        ("four parameters, Verlet", sweep::<Verlet>, Some(sweep_verlet)),
-        ("four parameters, Midpoint", sweep::<Midpoint>, Some(sweep_midpoint)),
+        ("Hénon-Heiles, Verlet", ensemble::<Verlet>, verlet),
+        ("Hénon-Heiles, Midpoint", ensemble::<Midpoint>, midpoint),
+        ("Hénon-Heiles, Gauss<8>", ensemble::<Gauss<8>>, gauss),
+        ("four parameters, Verlet", sweep::<Verlet>, sweep_verlet),
+        ("four parameters, Midpoint", sweep::<Midpoint>, sweep_midpoint),
     ];
     println!("\n{:26}{:>9}{:>9}{:>9}    {paths} starts, no noise", "", "ensemble", "by hand", "by hand/");
     for (name, ours, hand) in rows {
         if only.is_some_and(|only| !name.contains(only)) {
             continue;
         }
-        let Some(hand) = hand else {
-            let [ours] = crate::times(paths, repetitions / 8, [&|| _ = black_box(ours(paths))]);
-            println!("{name:26}{ours:>9.2}{:>9}{:>9}", "-", "-");
-            continue;
-        };
         let (mean, other) = (ours(paths), hand(paths));
         assert!((mean - other).abs() < 1e-9, "{name}: {mean}, by hand {other}: not the same paths");
         let [ours, hand] = crate::times(
@@ -179,5 +239,8 @@ pub(crate) fn print(paths: u64, repetitions: usize, only: Option<&str>) {
             [&|| _ = black_box(ours(paths)), &|| _ = black_box(hand(paths))],
         );
         println!("{name:26}{ours:>9.2}{hand:>9.2}{:>9.2}", hand / ours);
+    }
+    if only.is_none_or(|only| "few".contains(only)) {
+        print_few(repetitions);
     }
 }

@@ -169,7 +169,18 @@ pub(crate) fn run<F: Force<D>, const D: usize, const S: usize>(
     h: f64,
     steps: u32,
 ) -> End<D> {
-    InstructionSet::best().run(Run { force: std::marker::PhantomData::<F>, start, h, steps, table })
+    run_with::<F, D, S>(InstructionSet::best(), table, start, h, steps)
+}
+
+/// The same with other instructions.
+pub(crate) fn run_with<F: Force<D>, const D: usize, const S: usize>(
+    instructions: InstructionSet,
+    table: &Coefficients<S>,
+    start: [[f64; D]; 2],
+    h: f64,
+    steps: u32,
+) -> End<D> {
+    instructions.run(Run { force: std::marker::PhantomData::<F>, start, h, steps, table })
 }
 
 impl<F: Force<D>, const D: usize, const S: usize> Kernel for Run<'_, F, D, S> {

@@ -24,6 +24,7 @@
 
 mod bath;
 mod careful;
+mod change;
 mod explicit;
 mod hamiltonian;
 mod iterate;

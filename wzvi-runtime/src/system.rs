@@ -435,7 +435,6 @@ pub trait Discretized<E>: Hamiltonian {
     ///
     /// # Errors
     /// As there.
-    #[expect(clippy::too_many_arguments, reason = "as above")]
     fn advance_beside<const L: usize>(
         beside: &Self::Beside<L>,
         t: f64,

@@ -17,11 +17,13 @@ mod explicit;
 mod layout;
 mod order;
 mod sums;
+mod sweep;
 mod word;
 
 use std::ops::Range;
 
 pub(super) use explicit::takes_windows;
+pub(super) use sweep::Sweeps;
 pub use word::{Flow, Letter, Origin, Word, take_windows};
 
 use check::Check;

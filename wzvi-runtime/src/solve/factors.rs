@@ -1,5 +1,4 @@
 //! Factored matrices beside each other, one for each lane.
-#![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
 use super::dense::{Factor, substitute};
 use crate::lanes::{LaneMask, Lanes};
