@@ -67,9 +67,14 @@ impl<const L: usize> Seen<L> {
 }
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
-    /// What the last correction of the fixed point changed, after [`Step::refresh`]; numbers of one part only.
+    /// What the last correction of the fixed point changed, after [`Step::refresh`]; nothing of numbers of several parts.
     #[inline(always)]
-    pub(super) fn change<const L: usize>(&self, lists: &Lists<'_, S>) -> Change {
+    pub(super) fn change(&self, lists: &Lists<'_, S>) -> Option<Change> {
+        (size_of::<S>() == size_of::<f64>()).then(|| self.changes::<4>(lists))
+    }
+
+    #[inline(always)]
+    fn changes<const L: usize>(&self, lists: &Lists<'_, S>) -> Change {
         let Lists { x, correction, u, by_p: before, momentum, .. } = lists;
         let mut seen = Seen::<L>::new();
         if self.scheme.unknowns == Unknowns::Both {

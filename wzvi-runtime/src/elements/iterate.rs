@@ -184,8 +184,7 @@ struct IterationState {
 struct Taken {
     /// Relative to the largest unknown.
     relative: f64,
-    /// What it changed of what the equations are evaluated at, where that tells how far they are solved: not for Newton's method,
-    /// nor for numbers of several parts.
+    /// What it changed of what the equations are evaluated at, where that is known already: of corrections of the fixed point only.
     change: Option<Change>,
     /// How much longer the correction of the fixed point would have been.
     stretch: f64,
@@ -205,7 +204,13 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
         match first {
             // A start that misleads is given up for zero, and what was tried for Newton's method from there.
-            Err(_) if known > 0 || pinned == Iteration::Automatic => self.iterate_again(scratch.lend()),
+            Err(_) if known > 0 || pinned == Iteration::Automatic => {
+                let solved = self.iterate_again(scratch.lend());
+                // Which of two lists is which was known there.
+                scratch.leave_windows();
+                self.refresh(&mut scratch.lists);
+                solved
+            }
             first => first,
         }
     }
@@ -350,6 +355,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let is_final = is_newton || pinned == Iteration::FixedPoint || relative <= NEARLY_SOLVED;
         let mut settles = false;
         if stagnates && is_final && !is_misled {
+            // What the correction changed costs less than a look at all rounding.
+            if !is_newton && taken.change.is_none() && self.change(&scratch.lists) == Some(Change::Unseen) {
+                return Ok(true);
+            }
             let beyond = self.beyond_rounding(scratch.lists.lend(), scratch.rounding);
             if beyond == 0.0 && !varies(scratch, iteration) {
                 return Ok(true);

@@ -33,7 +33,7 @@ const SIZE: usize = 256;
 pub(in crate::elements) struct Swept {
     /// The largest correction against the largest unknown; NaN if any is not finite.
     pub(in crate::elements) relative: f64,
-    /// What it changed of what the equations are evaluated at; of numbers of one part only.
+    /// What it changed of what the equations are evaluated at, where that is known for less than another iteration costs.
     pub(in crate::elements) change: Option<Change>,
 }
 
@@ -90,8 +90,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             std::mem::swap(&mut lists.u, &mut lists.by_p);
         }
         self.refresh(lists);
-        let has_one_part = size_of::<S>() == size_of::<f64>();
-        Swept { relative, change: has_one_part.then(|| self.change::<4>(lists)) }
+        let is_large = self.degrees() >= LEAST_IN_WINDOWS;
+        Swept { relative, change: if is_large { self.change(lists) } else { None } }
     }
 
     #[inline(always)]
