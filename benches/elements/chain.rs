@@ -106,7 +106,7 @@ fn polymer(n: usize, steps: usize) -> [Case; 2] {
 
 pub(crate) fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
-    for (n, steps) in [(32, 4_000), (1024, 100), (1_000_000, 1)] {
+    for (n, steps) in [(32, 4_000), (1024, 100), (65_536, 4), (1_000_000, 1)] {
         let is_counted = n < 10_000;
         // Rounding of numbers of order one in each of 10 steps, and of momenta as differences over h.
         let tolerance = 1e-12;

@@ -244,19 +244,13 @@ const _: () = {
                             let mut i1: isize = 0;
                             let end: isize = N as isize;
                             while i1 < end {
-                                let low = i1;
-                                let mut len = Ord::min((end - low) as usize, 256);
+                                let mut len = (end - i1) as usize;
                                 len = Ord::min(
                                     len,
                                     ((N as isize) - (i1 + 1) % (N as isize)) as usize,
                                 );
-                                len = wzvi::elements::apart(
-                                    len,
-                                    (2 * ((i1 + 1) % (N as isize))) as usize / 2,
-                                    (2 * i1) as usize / 2,
-                                );
                                 let next = i1 + len as isize;
-                                let (skipped, len) = by_q
+                                let (skipped, taken) = by_q
                                     .clip::<
                                         2,
                                         _,
@@ -267,45 +261,71 @@ const _: () = {
                                             (2 * i1) as usize,
                                         ],
                                     );
-                                if len > 0 {
-                                    let low = low + skipped as isize;
-                                    i1 = low;
-                                    let points0 = (2 * ((i1 + 1) % (N as isize))) as usize;
-                                    let points0 = &at
-                                        .q[points0..points0 + 2 * len]
-                                        .as_chunks::<2>()
-                                        .0[..len];
-                                    let points1 = (2 * i1) as usize;
-                                    let points1 = &at
-                                        .q[points1..points1 + 2 * len]
-                                        .as_chunks::<2>()
-                                        .0[..len];
-                                    let mut points2 = by_q
-                                        .points::<2>((2 * ((i1 + 1) % (N as isize))) as usize, len);
-                                    let b3 = &mut b3[..len];
-                                    let b1 = &mut b1[..len];
-                                    for place in 0..len {
-                                        let q_2_i_plus_1_mod_N = T::of(points0[place][0]);
-                                        let q_2i = T::of(points1[place][0]);
-                                        let q_2_i_plus_1_mod_N_plus_1 = T::of(points0[place][1]);
-                                        let q_2i_plus_1 = T::of(points1[place][1]);
-                                        let product = factor
-                                            * ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
-                                        let product2 = factor
-                                            * (q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1);
-                                        points2.add_part(place, 1, product2);
-                                        points2.add_part(place, 0, product);
-                                        b3[place] = -product2;
-                                        b1[place] = -product;
-                                    }
-                                    wzvi::drop(points2);
-                                    {
-                                        let mut run = by_q.points::<2>((2 * i1) as usize, len);
+                                let until = i1 + (skipped + taken) as isize;
+                                let mut len: usize = 256;
+                                len = wzvi::elements::apart(
+                                    len,
+                                    (2 * ((i1 + 1) % (N as isize))) as usize / 2,
+                                    (2 * i1) as usize / 2,
+                                );
+                                let most = len;
+                                i1 += (skipped / most * most) as isize;
+                                while i1 < until {
+                                    let low = i1;
+                                    let len = Ord::min((next - low) as usize, most);
+                                    let after = low + len as isize;
+                                    let (skipped, len) = by_q
+                                        .clip::<
+                                            2,
+                                            _,
+                                        >(
+                                            len,
+                                            [
+                                                (2 * ((i1 + 1) % (N as isize))) as usize,
+                                                (2 * i1) as usize,
+                                            ],
+                                        );
+                                    if len > 0 {
+                                        let low = low + skipped as isize;
+                                        i1 = low;
+                                        let points0 = (2 * ((i1 + 1) % (N as isize))) as usize;
+                                        let points0 = &at
+                                            .q[points0..points0 + 2 * len]
+                                            .as_chunks::<2>()
+                                            .0[..len];
+                                        let points1 = (2 * i1) as usize;
+                                        let points1 = &at
+                                            .q[points1..points1 + 2 * len]
+                                            .as_chunks::<2>()
+                                            .0[..len];
+                                        let mut points2 = by_q
+                                            .points::<2>((2 * ((i1 + 1) % (N as isize))) as usize, len);
+                                        let b3 = &mut b3[..len];
+                                        let b1 = &mut b1[..len];
                                         for place in 0..len {
-                                            run.add_part(place, 1, b3[place]);
-                                            run.add_part(place, 0, b1[place]);
+                                            let q_2_i_plus_1_mod_N = T::of(points0[place][0]);
+                                            let q_2i = T::of(points1[place][0]);
+                                            let q_2_i_plus_1_mod_N_plus_1 = T::of(points0[place][1]);
+                                            let q_2i_plus_1 = T::of(points1[place][1]);
+                                            let product = factor
+                                                * ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
+                                            let product2 = factor
+                                                * (q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1);
+                                            points2.add_part(place, 1, product2);
+                                            points2.add_part(place, 0, product);
+                                            b3[place] = -product2;
+                                            b1[place] = -product;
+                                        }
+                                        wzvi::drop(points2);
+                                        {
+                                            let mut run = by_q.points::<2>((2 * i1) as usize, len);
+                                            for place in 0..len {
+                                                run.add_part(place, 1, b3[place]);
+                                                run.add_part(place, 0, b1[place]);
+                                            }
                                         }
                                     }
+                                    i1 = after;
                                 }
                                 i1 = next;
                             }
@@ -545,15 +565,16 @@ const _: () = {
         binding as degrees, binding as difference, binding as dw, binding as end,
         binding as factor, binding as h, binding as half_k, binding as i0, binding as i1,
         binding as index, binding as into, binding as k, binding as k_squared,
-        binding as len, binding as low, binding as memory, binding as next,
-        binding as outer, binding as p, binding as p_2i, binding as p_2i_plus_1,
-        binding as part, binding as place, binding as points0, binding as points1,
-        binding as points2, binding as prepared, binding as product, binding as product2,
-        binding as q, binding as q_2_i_plus_1_mod_N,
+        binding as len, binding as low, binding as memory, binding as most,
+        binding as next, binding as outer, binding as p, binding as p_2i,
+        binding as p_2i_plus_1, binding as part, binding as place, binding as points0,
+        binding as points1, binding as points2, binding as prepared, binding as product,
+        binding as product2, binding as q, binding as q_2_i_plus_1_mod_N,
         binding as q_2_i_plus_1_mod_N_plus_1, binding as q_2i, binding as q_2i_plus_1,
         binding as range, binding as run, binding as segment, binding as sin,
-        binding as skipped, binding as t, binding as table, binding as term,
-        binding as total, binding as value, binding as wanted, binding as weight,
+        binding as skipped, binding as t, binding as table, binding as taken,
+        binding as term, binding as total, binding as until, binding as value,
+        binding as wanted, binding as weight,
     };
 };
 const _: () = {

@@ -51,8 +51,10 @@ struct Code {
     buffers: TokenStream,
     /// Before all chunks.
     before: TokenStream,
-    /// Ends the chunk early, by `__len`.
+    /// Ends the chunk early, by `__len`, where an index wraps around.
     limits: TokenStream,
+    /// The same where a place would get its terms in another order.
+    ordering: TokenStream,
     /// Indices that have their limit.
     limited: Vec<Index>,
     /// Slices of this chunk.
@@ -91,21 +93,26 @@ impl Chunk<'_> {
             self.open(&mut code, inner, k, local);
         }
         self.store(&mut code, inner, values);
-        let has_all = code.limits.is_empty() && !code.has_buffers;
+        let has_all = code.limits.is_empty() && code.ordering.is_empty() && !code.has_buffers;
         let most = count(CHUNK);
         let most = match code.has_buffers {
             true => quote!(__wzvi::Ord::min((__end - __low) as #usize, #most)),
             false => quote!((__end - __low) as #usize),
         };
-        let Code { buffers, before, limits, opening, reads, stores, release, closing, after, .. } = code;
+        let has_buffers = code.has_buffers;
+        let Code {
+            buffers, before, limits, ordering, opening, reads, stores, release, closing, after, ..
+        } = code;
         let release = (!closing.is_empty()).then_some(release);
-        let mutable = if limits.is_empty() { quote!() } else { quote!(mut) };
+        let mutable = |limits: &TokenStream| if limits.is_empty() { quote!() } else { quote!(mut) };
+        let is_limited = mutable(&quote!(#limits #ordering));
         let body = quote!(#reads #inside #stores);
         let place =
             mentions(&body, &name.to_string()).then(|| quote!(let #name = __low + __place as #isize;));
         let limited = quote! {
-            let #mutable __len = #most;
+            let #is_limited __len = #most;
             #limits
+            #ordering
         };
         let pass = quote! {
             #opening
@@ -142,6 +149,42 @@ impl Chunk<'_> {
                     #opens_at_low
                     #limited
                     #pass
+                }
+                #after
+            };
+            return Emitted { buffers, body };
+        }
+        if let (true, Some((stride, places))) = (has_buffers, &places) {
+            // What a stretch without wrapping around leaves out is left out at once: chunks would look one by one. Chunks
+            // begin where they do without that, because sums are parted there.
+            let (mutable_piece, mutable_chunk, most) = (mutable(&limits), mutable(&ordering), count(CHUNK));
+            let body = quote! {
+                #before
+                let mut #name: #isize = #start;
+                let __end: #isize = #end;
+                while #name < __end {
+                    let #mutable_piece __len = (__end - #name) as #usize;
+                    #limits
+                    let __next = #name + __len as #isize;
+                    let (__skipped, __taken) = #sums.clip::<#stride, _>(__len, #places);
+                    let __until = #name + (__skipped + __taken) as #isize;
+                    let #mutable_chunk __len: #usize = #most;
+                    #ordering
+                    let __most = __len;
+                    #name += (__skipped / __most * __most) as #isize;
+                    while #name < __until {
+                        let __low = #name;
+                        let __len = __wzvi::Ord::min((__next - __low) as #usize, __most);
+                        let __after = __low + __len as #isize;
+                        let (__skipped, __len) = #sums.clip::<#stride, _>(__len, #places);
+                        if __len > 0 {
+                            let __low = __low + __skipped as #isize;
+                            #name = __low;
+                            #pass
+                        }
+                        #name = __after;
+                    }
+                    #name = __next;
                 }
                 #after
             };
