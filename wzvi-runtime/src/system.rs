@@ -434,7 +434,7 @@ pub trait Discretized<E>: Hamiltonian {
     /// [`Discretized::advance_carrying`] with plain sums, of `L` systems, each in its lane.
     ///
     /// # Errors
-    /// As there.
+    /// Those of [`Discretized::advance_carrying`].
     fn advance_beside<const L: usize>(
         beside: &Self::Beside<L>,
         t: f64,

@@ -86,6 +86,8 @@ impl Hamiltonian for Kubo {
 }
 
 impl Discretized<Midpoint> for Kubo {
+    wzvi_runtime::__apart!(Self);
+
     const PLAN: Plan = Plan {
         solver: Solver::Linear,
         unknowns: 2,
@@ -183,6 +185,8 @@ fn half_step<S: Scalar>(h: f64, kick: f64, q0: S, p0: S, x: S) -> ([S; 1], [[S; 
 }
 
 impl Discretized<Midpoint> for Pendulum {
+    wzvi_runtime::__apart!(Self);
+
     const PLAN: Plan = Plan {
         solver: Solver::Newton,
         unknowns: 1,
@@ -288,6 +292,8 @@ impl Hamiltonian for Rotors {
 }
 
 impl Discretized<DeltaPlus> for Rotors {
+    wzvi_runtime::__apart!(Self);
+
     const PLAN: Plan = Plan {
         solver: Solver::Explicit,
         unknowns: 0,
