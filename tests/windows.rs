@@ -111,6 +111,113 @@ struct Block {
     nz: usize,
 }
 
+/// A ring of points in the plane with springs and a substrate.
+#[hamiltonian(
+    drift = |q: &[[f64; 2]], p: &[[f64; 2]]| {
+        let n = q.len();
+        p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum::<f64>()
+            + (0..n)
+                .map(|i| {
+                    let next = q[(i + 1) % n];
+                    let [x, y] = [next[0] - q[i][0], next[1] - q[i][1]];
+                    0.5 * k * ((x * x + y * y + 1.0).sqrt() - 1.0).powi(2) - q[i][0].cos()
+                })
+                .sum::<f64>()
+    },
+    embedding = [DeltaPlus, Verlet],
+)]
+struct Necklace {
+    k: f64,
+}
+
+/// A chain of points in space, with bonds to the next and to the second next, and an end that is held.
+#[hamiltonian(
+    drift = |q: &[[f64; 3]], p: &[[f64; 3]]| {
+        let n = q.len();
+        let bond = |x: f64, y: f64, z: f64| {
+            let square = x * x + y * y + z * z;
+            0.5 * square + 0.25 * beta * square * square
+        };
+        (0..n).map(|i| 0.5 * (p[i][0] * p[i][0] + p[i][1] * p[i][1] + 2.0 * p[i][2] * p[i][2])).sum::<f64>()
+            + (1..n).map(|i| bond(q[i][0] - q[i - 1][0], q[i][1] - q[i - 1][1], q[i][2] - q[i - 1][2])).sum::<f64>()
+            + (0..n - 2)
+                .map(|i| 0.1 * bond(q[i + 2][0] - q[i][0], q[i + 2][1] - q[i][1], 0.5 * (q[i + 2][2] - q[i][2])))
+                .sum::<f64>()
+            + bond(q[0][0], q[0][1], q[0][2])
+    },
+    embedding = [DeltaPlus, Verlet],
+)]
+struct Polymer {
+    beta: f64,
+}
+
+/// A sheet of points in space.
+#[hamiltonian(
+    drift = |q: &[[f64; 3]], p: &[[f64; 3]]| {
+        p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum::<f64>()
+            + p.iter().map(|p| 0.25 * p[2] * p[2]).sum::<f64>()
+            + (0..rows)
+                .map(|i| {
+                    (0..columns)
+                        .map(|j| {
+                            let [own, right] = [q[i * columns + j], q[i * columns + (j + 1) % columns]];
+                            let down = q[(i + 1) % rows * columns + j];
+                            let square = |a: f64| a * a;
+                            0.5 * (square(right[0] - own[0]) + square(right[1] - own[1]) + square(right[2] - own[2]))
+                                + 0.3 * (square(down[0] - own[0]) + square(down[1] - own[1]) * square(down[2] - own[2]))
+                        })
+                        .sum::<f64>()
+                })
+                .sum::<f64>()
+    },
+    embedding = [DeltaPlus, Verlet],
+)]
+struct Sheet {
+    rows: usize,
+    columns: usize,
+}
+
+/// A chain in a bath, of masses that are not the same.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let n = q.len();
+        (0..n).map(|i| p[i] * p[i] / (2.0 * self.mass[i])).sum::<f64>()
+            + (0..n).map(|i| 0.5 * k * (q[(i + 1) % n] - q[i]).powi(2) - k * q[i].cos()).sum::<f64>()
+    },
+    friction = gamma,
+    temperature = kt,
+    embedding = [Baoab, Obabo],
+)]
+struct Bathed {
+    k: f64,
+    gamma: f64,
+    kt: f64,
+    mass: Vec<f64>,
+}
+
+impl Bathed {
+    fn of(n: usize, k: f64) -> Self {
+        Self { k, gamma: 1.3, kt: 0.7, mass: (0..n).map(|i| 1.0 + 0.2 * (i % 7) as f64).collect() }
+    }
+}
+
+/// The same with a noise that kicks, in the bath.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (1..q.len()).map(|i| 0.5 * (q[i] - q[i - 1]).powi(2)).sum::<f64>()
+    },
+    noise = [|q, p, k| 0.3 * q[k]; self.sites],
+    friction = gamma,
+    temperature = kt,
+    embedding = [Baoab, Obabo],
+)]
+struct Shaken {
+    sites: usize,
+    gamma: f64,
+    kt: f64,
+}
+
 const H: f64 = 0.05;
 
 fn numbers(n: usize, seed: f64) -> Vec<f64> {
@@ -133,7 +240,7 @@ fn check_scheme<E, H: Discretized<E, Vector = DVector<f64>>>(system: &H, start: 
             let site = q.len() / 2;
             (q[site], own_q[site], state.q[site]) = (0.5, Lanes::new([0.5]), 0.5);
         }
-        let dw = numbers(system.noises(), 0.7 * f64::from(step));
+        let dw = numbers(system.increments(q.len()), 0.7 * f64::from(step));
         system.advance(&prepared, t, self::H, &mut q, &mut p, &dw, &mut memory).unwrap();
         stepper.step(&mut state, &dw).unwrap();
         let dw = alone(&dw);
@@ -183,6 +290,63 @@ fn chains_have_the_bits_of_one_pass() {
         let (mass, spring) = ((0..n).map(|i| 1.0 + 0.1 * i as f64).collect(), numbers(n, 2.0));
         check(&Kicked { mass, spring }, numbers(n, 0.2), numbers(n, 1.1), "kicked");
     }
+}
+
+fn check_points<H>(system: &H, degrees: usize, what: &str)
+where
+    H: Hamiltonian<Vector = DVector<f64>> + Discretized<DeltaPlus> + Discretized<Verlet>,
+{
+    let start = [numbers(degrees, 0.2), numbers(degrees, 1.1)];
+    check_scheme::<DeltaPlus, H>(system, &start, &format!("{what}, DeltaPlus"));
+    check_scheme::<Verlet, H>(system, &start, &format!("{what}, Verlet"));
+}
+
+#[test]
+fn points_have_the_bits_of_one_pass() {
+    for n in sizes() {
+        check_points(&Necklace { k: 0.7 }, 2 * n, "necklace");
+        check_points(&Polymer { beta: 0.25 }, 3 * n, "polymer");
+    }
+    for (rows, columns) in [(2, 3), (9, 11), (1, 300), (300, 1), (31, 33), (5, 400), (60, 13)] {
+        check_points(&Sheet { rows, columns }, 3 * rows * columns, "sheet");
+    }
+}
+
+#[test]
+fn chains_in_baths_have_the_bits_of_one_pass() {
+    for n in sizes() {
+        let (bathed, shaken) = (Bathed::of(n, 0.7), Shaken { sites: n, gamma: 0.8, kt: 0.5 });
+        let start = [numbers(n, 0.2), numbers(n, 1.1)];
+        check_scheme::<Baoab, _>(&bathed, &start, "bathed, Baoab");
+        check_scheme::<Obabo, _>(&bathed, &start, "bathed, Obabo");
+        check_scheme::<Baoab, _>(&shaken, &start, "shaken, Baoab");
+        check_scheme::<Obabo, _>(&shaken, &start, "shaken, Obabo");
+    }
+}
+
+/// Without a potential the heat is all that the energy gains.
+fn check_heat<E>()
+where
+    Bathed: Discretized<E, Vector = DVector<f64>>,
+{
+    for n in [3, 100, 600, 1500] {
+        let bathed = Bathed::of(n, 0.0);
+        let mut state = State::new(numbers(n, 0.2), numbers(n, 1.1));
+        let (before, mut stepper) = (bathed.energy(&state), bathed.stepper::<E>(H).unwrap());
+        for step in 0..3 {
+            let dw = numbers(bathed.increments(n), 0.7 * f64::from(step));
+            stepper.step(&mut state, &dw).unwrap();
+        }
+        let (gain, heat) = (bathed.energy(&state) - before, stepper.exchanged().heat);
+        // The rounding of sums of so many terms of order one.
+        assert!((gain - heat).abs() < 1e-14 * n as f64, "{n} sites: {gain} by {heat}");
+    }
+}
+
+#[test]
+fn heat_is_what_the_energy_gains() {
+    check_heat::<Baoab>();
+    check_heat::<Obabo>();
 }
 
 #[test]

@@ -18,6 +18,27 @@ struct Fput {
     beta: f64,
 }
 
+/// The same of points in space.
+#[hamiltonian(
+    drift = |q: &[[f64; 3]], p: &[[f64; 3]]| {
+        let n = q.len();
+        p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1] + p[2] * p[2])).sum::<f64>()
+            + (1..n)
+                .map(|i| {
+                    let [x, y, z] = [q[i][0] - q[i - 1][0], q[i][1] - q[i - 1][1], q[i][2] - q[i - 1][2]];
+                    let square = x * x + y * y + z * z;
+                    0.5 * square + 0.25 * beta * square * square
+                })
+                .sum::<f64>()
+    },
+    embedding = [DeltaPlus, Verlet],
+)]
+struct Polymer {
+    beta: f64,
+}
+
+static POLYMER: Polymer = Polymer { beta: BETA };
+
 const H: f64 = 0.05;
 const BETA: f64 = 0.25;
 static FPUT: Fput = Fput { beta: BETA };
@@ -43,9 +64,49 @@ impl Forces for Springs {
     }
 }
 
+/// Bonds between points in space.
+struct Bonds;
+
+impl Forces for Bonds {
+    fn forces(&self, q: &[f64], force: &mut [f64]) {
+        force.fill(0.0);
+        let (points, _) = q.as_chunks::<3>();
+        let (forces, _) = force.as_chunks_mut::<3>();
+        for (bond, points) in points.windows(2).enumerate() {
+            let d: [f64; 3] = std::array::from_fn(|k| points[1][k] - points[0][k]);
+            let factor = 1.0 + BETA * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+            for k in 0..3 {
+                forces[bond][k] += factor * d[k];
+                forces[bond + 1][k] -= factor * d[k];
+            }
+        }
+    }
+}
+
+/// Steps of all numbers of points.
+fn polymer(n: usize, steps: usize) -> [Case; 2] {
+    let plus = Case {
+        problem: "polymer",
+        scheme: "DeltaPlus",
+        n,
+        steps,
+        is_counted: n < 10_000,
+        tolerance: 1e-12,
+        generated: |n| generated::<_, DeltaPlus>(&POLYMER, H, first_mode(3 * n), vec![0.0; 3 * n]),
+        by_hand: |n| Explicit::boxed(Bonds, H, first_mode(3 * n), vec![0.0; 3 * n]),
+    };
+    let verlet = Case {
+        scheme: "Verlet",
+        generated: |n| generated::<_, Verlet>(&POLYMER, H, first_mode(3 * n), vec![0.0; 3 * n]),
+        by_hand: |n| KickDriftKick::boxed(Bonds, H, first_mode(3 * n), vec![0.0; 3 * n]),
+        ..plus
+    };
+    [plus, verlet]
+}
+
 pub(crate) fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
-    for (n, steps) in [(32, 4_000), (1024, 100), (1_000_000, 1)] {
+    for (n, steps) in [(32, 4_000), (1024, 100), (65_536, 4), (1_000_000, 1)] {
         let is_counted = n < 10_000;
         // Rounding of numbers of order one in each of 10 steps, and of momenta as differences over h.
         let tolerance = 1e-12;
@@ -80,5 +141,6 @@ pub(crate) fn cases() -> Vec<Case> {
             by_hand: |n| FixedPoint::boxed(Springs, H, first_mode(n), vec![0.0; n]),
         });
     }
+    cases.extend([(1024, 100), (100_000, 1)].into_iter().flat_map(|(n, steps)| polymer(n, steps)));
     cases
 }

@@ -8,7 +8,10 @@
 //! * `chain`: FPUT-beta, ends fixed, first mode of amplitude 1, β = 1/4, h = 0.05; also in C (`hand_ode.c`).
 //! * `bodies`: gravity between all pairs, softened, h = 0.01.
 //! * `lattice`: the field φ⁴ on a torus of N = n² sites, h = 0.05; also in C (`hand_field.c`).
-//! * `ring`: coupled pendulums around a ring, h = 0.05; also in C.
+//! * `ring`: coupled pendulums around a ring, h = 0.05; also in C; `Baoab` with increments that are there.
+//! * `polymer`: a chain of points in space, per point.
+//!
+//! Steps of a million sites stand beside a triad, `a = b + s c`, of as many.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark stops at the first error")]
 
@@ -19,7 +22,11 @@ mod lattice;
 mod measure;
 mod ring;
 
-use measure::{Case, growth};
+use measure::{Case, growth, triad};
+
+/// Of memory that an explicit step of many sites reads and writes, per site: `q` and `p`, and the new ones, which are read before they are
+/// written.
+const BYTES: f64 = 48.0;
 
 /// Everything that is measured: each case generated, then by hand.
 fn cases() -> Vec<Case> {
@@ -55,6 +62,10 @@ fn main() {
         times.push((case, row));
     }
     println!();
+    let large = times.iter().filter(|(case, _)| case.n == 1_000_000 && case.scheme != "Midpoint");
+    for (_, row) in large {
+        row.beside(BYTES, triad());
+    }
     growth(&times);
     if wanted("chain") {
         c_program::report("The chain", "hand_ode.c", &[(32, 4_000), (1024, 100), (1_000_000, 1)]);

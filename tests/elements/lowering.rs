@@ -70,6 +70,8 @@ systems! {
     Products: |q, p| q.iter().product::<f64>() + p.iter().fold(1.0, |a, x| a * (1.0 + 0.1 * x)) + q.len() as f64;
     Exponents: |q, p| (0..q.len()).map(|i| p[i].powi(i as i32 % 4) * q[i]).sum::<f64>();
     Parity: |q, p| (0..q.len()).map(|i| if i % 2 == 0 { q[i] * p[i] } else { q[i - 1] + p[i] }).sum::<f64>();
+    Steps: |q, p| q.iter().enumerate().skip(1).step_by(2).map(|(i, x)| i as f64 * x.cos()).sum::<f64>() + 0.5 * p[0] * p[0];
+    Multiples: |q, p| (1..q.len()).map(|i| (0..i).map(|j| (2 * i - j) as f64 * q[i] * p[j]).sum::<f64>()).sum::<f64>();
     Choices: |q, p| (0..q.len()).map(|i| [q[i], p[i], q[i] * p[i]][i % 3]).sum::<f64>();
     Walks: |q, p| {
         let mut total = 0.0;

@@ -290,7 +290,7 @@ const _: () = {
             value
         }
         const HAS_WINDOWS: bool = false;
-        const HAS_ONE_VELOCITY: bool = false;
+        const HAS_ONE_VELOCITY: bool = true;
         type Exact = f64;
         type Usual = f64;
         #[inline(always)]
@@ -315,20 +315,26 @@ const _: () = {
                             if low < end {
                                 let i0 = low;
                                 let len = (end - low) as usize;
-                                let points0 = (2 * i0) as usize;
-                                let points0 = &at
-                                    .p[points0..points0 + 2 * len]
-                                    .as_chunks::<2>()
-                                    .0[..len];
-                                let s2 = i0 as usize;
-                                let s2 = &self.mass[s2..s2 + len];
-                                let mut points1 = by_p.points::<2>((2 * i0) as usize, len);
-                                for place in 0..len {
-                                    let p_2i = T::of(points0[place][0]);
-                                    let p_2i_plus_1 = T::of(points0[place][1]);
-                                    let mass_i = T::from_f64(s2[place]);
-                                    points1.add_part(place, 1, p_2i_plus_1 * factor / mass_i);
-                                    points1.add_part(place, 0, p_2i * factor / mass_i);
+                                let (skipped, len) = by_p
+                                    .clip::<2, _>(len, [(2 * i0) as usize]);
+                                if len > 0 {
+                                    let low = low + skipped as isize;
+                                    let i0 = low;
+                                    let points0 = (2 * i0) as usize;
+                                    let points0 = &at
+                                        .p[points0..points0 + 2 * len]
+                                        .as_chunks::<2>()
+                                        .0[..len];
+                                    let s2 = i0 as usize;
+                                    let s2 = &self.mass[s2..s2 + len];
+                                    let mut points1 = by_p.points::<2>((2 * i0) as usize, len);
+                                    for place in 0..len {
+                                        let p_2i = T::of(points0[place][0]);
+                                        let p_2i_plus_1 = T::of(points0[place][1]);
+                                        let mass_i = T::from_f64(s2[place]);
+                                        points1.add_part(place, 1, p_2i_plus_1 * factor / mass_i);
+                                        points1.add_part(place, 0, p_2i * factor / mass_i);
+                                    }
                                 }
                             }
                         }
@@ -664,9 +670,9 @@ const _: () = {
         binding as product6, binding as q, binding as q_2i, binding as q_2i_plus_1,
         binding as q_2j, binding as q_2j_plus_1, binding as quotient, binding as range,
         binding as s2, binding as s5, binding as segment, binding as size,
-        binding as sum, binding as t, binding as table, binding as term,
-        binding as three_g, binding as total, binding as value, binding as wanted,
-        binding as weight,
+        binding as skipped, binding as sum, binding as t, binding as table,
+        binding as term, binding as three_g, binding as total, binding as value,
+        binding as wanted, binding as weight,
     };
 };
 const _: () = {

@@ -207,7 +207,7 @@ const _: () = {
                             if low < end {
                                 let i0 = low;
                                 let len = (end - low) as usize;
-                                let (skipped, len) = by_p.clip(len, [i0 as usize]);
+                                let (skipped, len) = by_p.clip::<1, _>(len, [i0 as usize]);
                                 if len > 0 {
                                     let low = low + skipped as isize;
                                     let i0 = low;
@@ -230,7 +230,7 @@ const _: () = {
                                 let i1 = low;
                                 let len = (end - low) as usize;
                                 let (skipped, len) = by_q
-                                    .clip(len, [(i1 + 1) as usize, i1 as usize]);
+                                    .clip::<1, _>(len, [(i1 + 1) as usize, i1 as usize]);
                                 if len > 0 {
                                     let low = low + skipped as isize;
                                     let i1 = low;

@@ -287,7 +287,7 @@ const _: () = {
                             if low < end {
                                 let i0 = low;
                                 let len = (end - low) as usize;
-                                let (skipped, len) = by_p.clip(len, [i0 as usize]);
+                                let (skipped, len) = by_p.clip::<1, _>(len, [i0 as usize]);
                                 if len > 0 {
                                     let low = low + skipped as isize;
                                     let i0 = low;

@@ -62,8 +62,8 @@ const _: () = {
         Option, Ord, Plain, Plan, Range, Result, Scalar, Segment, Sized, Solver, State,
         StepFailure, Variables, bool, f64, isize, str, usize,
         elements::{
-            Alone, CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point,
-            Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
+            Alone, CompensationVec, Curvature, Elements, LEAST_IN_WINDOWS, Memory,
+            MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
         },
         elements::places::{Entries, Name, Places},
         embedding::DeltaPlus,
@@ -152,27 +152,35 @@ const _: () = {
                     {
                         let half_k = 0.5 * k;
                         let mut b0 = S::from_f64(0.0);
-                        let (low, end): (isize, isize) = (0, N as isize);
-                        if low < end {
-                            let i1 = low;
-                            let len = (end - low) as usize;
-                            let points0 = (2 * i1) as usize;
+                        let mut i1: isize = 0;
+                        let end: isize = N as isize;
+                        while i1 < end {
+                            let low = i1;
+                            let mut len = (end - low) as usize;
+                            len = Ord::min(
+                                len,
+                                ((N as isize) - (i1 + 1) % (N as isize)) as usize,
+                            );
+                            let points0 = (2 * ((i1 + 1) % (N as isize))) as usize;
                             let points0 = &at
                                 .q[points0..points0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
+                            let points1 = (2 * i1) as usize;
+                            let points1 = &at
+                                .q[points1..points1 + 2 * len]
+                                .as_chunks::<2>()
+                                .0[..len];
                             for place in 0..len {
-                                let i1 = low + place as isize;
-                                let q_2_i_plus_1_mod_N = at
-                                    .q[(2 * ((i1 + 1) % (N as isize))) as usize];
-                                let q_2i = points0[place][0];
-                                let q_2_i_plus_1_mod_N_plus_1 = at
-                                    .q[(2 * ((i1 + 1) % (N as isize)) + 1) as usize];
-                                let q_2i_plus_1 = points0[place][1];
+                                let q_2_i_plus_1_mod_N = points0[place][0];
+                                let q_2i = points1[place][0];
+                                let q_2_i_plus_1_mod_N_plus_1 = points0[place][1];
+                                let q_2i_plus_1 = points1[place][1];
                                 let sin = ((q_2_i_plus_1_mod_N - q_2i) * half_k).sin();
                                 let difference = q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1;
                                 b0 = b0 + difference * difference * 0.5 + sin * sin * 2.0;
                             }
+                            i1 += len as isize;
                         }
                         total = total + b0;
                     }
@@ -182,8 +190,8 @@ const _: () = {
             }
             value
         }
-        const HAS_WINDOWS: bool = false;
-        const HAS_ONE_VELOCITY: bool = false;
+        const HAS_WINDOWS: bool = (N) * 2 >= LEAST_IN_WINDOWS;
+        const HAS_ONE_VELOCITY: bool = true;
         type Exact = Alone;
         type Usual = Usual;
         #[inline(always)]
@@ -207,74 +215,119 @@ const _: () = {
                             if low < end {
                                 let i0 = low;
                                 let len = (end - low) as usize;
-                                let points0 = (2 * i0) as usize;
-                                let points0 = &at
-                                    .p[points0..points0 + 2 * len]
-                                    .as_chunks::<2>()
-                                    .0[..len];
-                                let mut points1 = by_p.points::<2>((2 * i0) as usize, len);
-                                for place in 0..len {
-                                    let p_2i = T::of(points0[place][0]);
-                                    let p_2i_plus_1 = T::of(points0[place][1]);
-                                    points1.add_part(place, 1, p_2i_plus_1 * factor);
-                                    points1.add_part(place, 0, p_2i * factor);
+                                let (skipped, len) = by_p
+                                    .clip::<2, _>(len, [(2 * i0) as usize]);
+                                if len > 0 {
+                                    let low = low + skipped as isize;
+                                    let i0 = low;
+                                    let points0 = (2 * i0) as usize;
+                                    let points0 = &at
+                                        .p[points0..points0 + 2 * len]
+                                        .as_chunks::<2>()
+                                        .0[..len];
+                                    let mut points1 = by_p.points::<2>((2 * i0) as usize, len);
+                                    for place in 0..len {
+                                        let p_2i = T::of(points0[place][0]);
+                                        let p_2i_plus_1 = T::of(points0[place][1]);
+                                        points1.add_part(place, 1, p_2i_plus_1 * factor);
+                                        points1.add_part(place, 0, p_2i * factor);
+                                    }
                                 }
                             }
                         }
                     }
                     if wanted.by_q {
                         {
-                            let mut b2 = [T::from_f64(0.0); 256];
-                            let mut b0 = [T::from_f64(0.0); 256];
+                            let mut b3 = [T::from_f64(0.0); 256];
+                            let mut b1 = [T::from_f64(0.0); 256];
                             let factor = T::from_f64(at.h);
                             let mut i1: isize = 0;
                             let end: isize = N as isize;
                             while i1 < end {
-                                let low = i1;
-                                let len = Ord::min((end - low) as usize, 256);
-                                let points0 = (2 * i1) as usize;
-                                let points0 = &at
-                                    .q[points0..points0 + 2 * len]
-                                    .as_chunks::<2>()
-                                    .0[..len];
-                                let mut points1 = by_q.points::<2>((2 * i1) as usize, len);
-                                let b2 = &mut b2[..len];
-                                let b0 = &mut b0[..len];
-                                for place in 0..len {
-                                    let i1 = low + place as isize;
-                                    let q_2_i_plus_1_mod_N = T::of(
-                                        at.q[(2 * ((i1 + 1) % (N as isize))) as usize],
+                                let mut len = (end - i1) as usize;
+                                len = Ord::min(
+                                    len,
+                                    ((N as isize) - (i1 + 1) % (N as isize)) as usize,
+                                );
+                                let next = i1 + len as isize;
+                                let (skipped, taken) = by_q
+                                    .clip::<
+                                        2,
+                                        _,
+                                    >(
+                                        len,
+                                        [
+                                            (2 * ((i1 + 1) % (N as isize))) as usize,
+                                            (2 * i1) as usize,
+                                        ],
                                     );
-                                    let q_2i = T::of(points0[place][0]);
-                                    let q_2_i_plus_1_mod_N_plus_1 = T::of(
-                                        at.q[(2 * ((i1 + 1) % (N as isize)) + 1) as usize],
-                                    );
-                                    let q_2i_plus_1 = T::of(points0[place][1]);
-                                    let product = factor
-                                        * ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
-                                    let product2 = factor
-                                        * (q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1);
-                                    points1.add_part(place, 1, -product2);
-                                    points1.add_part(place, 0, -product);
-                                    b2[place] = product2;
-                                    b0[place] = product;
+                                let until = i1 + (skipped + taken) as isize;
+                                let mut len: usize = 256;
+                                len = wzvi::elements::apart(
+                                    len,
+                                    (2 * ((i1 + 1) % (N as isize))) as usize / 2,
+                                    (2 * i1) as usize / 2,
+                                );
+                                let most = len;
+                                i1 += (skipped / most * most) as isize;
+                                while i1 < until {
+                                    let low = i1;
+                                    let len = Ord::min((next - low) as usize, most);
+                                    let after = low + len as isize;
+                                    let (skipped, len) = by_q
+                                        .clip::<
+                                            2,
+                                            _,
+                                        >(
+                                            len,
+                                            [
+                                                (2 * ((i1 + 1) % (N as isize))) as usize,
+                                                (2 * i1) as usize,
+                                            ],
+                                        );
+                                    if len > 0 {
+                                        let low = low + skipped as isize;
+                                        i1 = low;
+                                        let points0 = (2 * ((i1 + 1) % (N as isize))) as usize;
+                                        let points0 = &at
+                                            .q[points0..points0 + 2 * len]
+                                            .as_chunks::<2>()
+                                            .0[..len];
+                                        let points1 = (2 * i1) as usize;
+                                        let points1 = &at
+                                            .q[points1..points1 + 2 * len]
+                                            .as_chunks::<2>()
+                                            .0[..len];
+                                        let mut points2 = by_q
+                                            .points::<2>((2 * ((i1 + 1) % (N as isize))) as usize, len);
+                                        let b3 = &mut b3[..len];
+                                        let b1 = &mut b1[..len];
+                                        for place in 0..len {
+                                            let q_2_i_plus_1_mod_N = T::of(points0[place][0]);
+                                            let q_2i = T::of(points1[place][0]);
+                                            let q_2_i_plus_1_mod_N_plus_1 = T::of(points0[place][1]);
+                                            let q_2i_plus_1 = T::of(points1[place][1]);
+                                            let product = factor
+                                                * ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
+                                            let product2 = factor
+                                                * (q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1);
+                                            points2.add_part(place, 1, product2);
+                                            points2.add_part(place, 0, product);
+                                            b3[place] = -product2;
+                                            b1[place] = -product;
+                                        }
+                                        wzvi::drop(points2);
+                                        {
+                                            let mut run = by_q.points::<2>((2 * i1) as usize, len);
+                                            for place in 0..len {
+                                                run.add_part(place, 1, b3[place]);
+                                                run.add_part(place, 0, b1[place]);
+                                            }
+                                        }
+                                    }
+                                    i1 = after;
                                 }
-                                wzvi::drop(points1);
-                                for place in 0..len {
-                                    let i1 = low + place as isize;
-                                    by_q.add(
-                                        (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
-                                        b2[place],
-                                    );
-                                }
-                                for place in 0..len {
-                                    let i1 = low + place as isize;
-                                    by_q.add(
-                                        (2 * ((i1 + 1) % (N as isize))) as usize,
-                                        b0[place],
-                                    );
-                                }
-                                i1 += len as isize;
+                                i1 = next;
                             }
                         }
                     }
@@ -322,20 +375,29 @@ const _: () = {
                         {
                             let k_squared = k * k;
                             let factor = S::from_f64(at.h);
-                            let (low, end): (isize, isize) = (0, N as isize);
-                            if low < end {
-                                let i1 = low;
-                                let len = (end - low) as usize;
-                                let points0 = (2 * i1) as usize;
+                            let mut i1: isize = 0;
+                            let end: isize = N as isize;
+                            while i1 < end {
+                                let low = i1;
+                                let mut len = (end - low) as usize;
+                                len = Ord::min(
+                                    len,
+                                    ((N as isize) - (i1 + 1) % (N as isize)) as usize,
+                                );
+                                let points0 = (2 * ((i1 + 1) % (N as isize))) as usize;
                                 let points0 = &at
                                     .q[points0..points0 + 2 * len]
                                     .as_chunks::<2>()
                                     .0[..len];
+                                let points1 = (2 * i1) as usize;
+                                let points1 = &at
+                                    .q[points1..points1 + 2 * len]
+                                    .as_chunks::<2>()
+                                    .0[..len];
                                 for place in 0..len {
                                     let i1 = low + place as isize;
-                                    let q_2_i_plus_1_mod_N = at
-                                        .q[(2 * ((i1 + 1) % (N as isize))) as usize];
-                                    let q_2i = points0[place][0];
+                                    let q_2_i_plus_1_mod_N = points0[place][0];
+                                    let q_2i = points1[place][0];
                                     let product = factor
                                         * ((q_2_i_plus_1_mod_N - q_2i) * k).cos() * k_squared;
                                     into.add_qq(
@@ -375,6 +437,7 @@ const _: () = {
                                         factor,
                                     );
                                 }
+                                i1 += len as isize;
                             }
                         }
                     }
@@ -497,18 +560,20 @@ const _: () = {
     impl<const N: usize> Conservative for Lattice<N> {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as at, binding as b0, binding as b2, binding as before,
-        binding as by_p, binding as by_q, binding as carry, binding as degrees,
-        binding as difference, binding as dw, binding as end, binding as factor,
-        binding as h, binding as half_k, binding as i0, binding as i1, binding as index,
-        binding as into, binding as k, binding as k_squared, binding as len,
-        binding as low, binding as memory, binding as outer, binding as p,
-        binding as p_2i, binding as p_2i_plus_1, binding as part, binding as place,
-        binding as points0, binding as points1, binding as prepared, binding as product,
+        binding as after, binding as at, binding as b0, binding as b1, binding as b3,
+        binding as before, binding as by_p, binding as by_q, binding as carry,
+        binding as degrees, binding as difference, binding as dw, binding as end,
+        binding as factor, binding as h, binding as half_k, binding as i0, binding as i1,
+        binding as index, binding as into, binding as k, binding as k_squared,
+        binding as len, binding as low, binding as memory, binding as most,
+        binding as next, binding as outer, binding as p, binding as p_2i,
+        binding as p_2i_plus_1, binding as part, binding as place, binding as points0,
+        binding as points1, binding as points2, binding as prepared, binding as product,
         binding as product2, binding as q, binding as q_2_i_plus_1_mod_N,
         binding as q_2_i_plus_1_mod_N_plus_1, binding as q_2i, binding as q_2i_plus_1,
-        binding as range, binding as segment, binding as sin, binding as t,
-        binding as table, binding as term, binding as total, binding as value,
+        binding as range, binding as run, binding as segment, binding as sin,
+        binding as skipped, binding as t, binding as table, binding as taken,
+        binding as term, binding as total, binding as until, binding as value,
         binding as wanted, binding as weight,
     };
 };

@@ -221,7 +221,7 @@ const _: () = {
                             if low < end {
                                 let i0 = low;
                                 let len = (end - low) as usize;
-                                let (skipped, len) = by_q.clip(len, [i0 as usize]);
+                                let (skipped, len) = by_q.clip::<1, _>(len, [i0 as usize]);
                                 if len > 0 {
                                     let low = low + skipped as isize;
                                     let i0 = low;
@@ -243,7 +243,7 @@ const _: () = {
                             if low < end {
                                 let i0 = low;
                                 let len = (end - low) as usize;
-                                let (skipped, len) = by_p.clip(len, [i0 as usize]);
+                                let (skipped, len) = by_p.clip::<1, _>(len, [i0 as usize]);
                                 if len > 0 {
                                     let low = low + skipped as isize;
                                     let i0 = low;
@@ -269,7 +269,7 @@ const _: () = {
                             if low < end {
                                 let i1 = low;
                                 let len = (end - low) as usize;
-                                let (skipped, len) = by_q.clip(len, [i1 as usize]);
+                                let (skipped, len) = by_q.clip::<1, _>(len, [i1 as usize]);
                                 if len > 0 {
                                     let low = low + skipped as isize;
                                     let i1 = low;

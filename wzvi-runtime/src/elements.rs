@@ -15,8 +15,8 @@
 //! An implicit step iterates `x ← φ(x)` while that contracts by [`CONTRACTS`] or better, which for steps that are not
 //! stiff is several times cheaper than Newton's method, and otherwise by Newton's method with the factors of an earlier
 //! iteration as long as they contract as well. Either way it ends when each correction is at the rounding
-//! of its unknown, or each equation at the rounding of its own terms, so that the choice changes the cost and no digit that
-//! counts. Where neither converges the stepper solves the step with care.
+//! of its unknown, or changes nothing but the rounding of what the equations are evaluated at, or each equation is at the rounding of
+//! its own terms, so that the choice changes the cost and no digit that counts. Where neither converges the stepper solves the step with care.
 //!
 //! The linear equations of Newton's method are solved in the band that a renumbering of the unknowns leaves where that is
 //! narrow or small ([`Method::Band`]: chains, rings, networks, anything of a hundred unknowns), else by GMRES from
@@ -24,6 +24,7 @@
 
 mod bath;
 mod careful;
+mod change;
 mod explicit;
 mod hamiltonian;
 mod iterate;
@@ -51,6 +52,7 @@ pub(crate) use passes::are_finite;
 pub use scheme::{MomentumUpdate, Scheme, Stage, Unknowns};
 pub(crate) use step::nothing;
 pub use sums::{Run, Sums, apart};
+pub(crate) use windows::BLOCK;
 pub use windows::{Flow, LEAST_IN_WINDOWS, Letter, Origin, Taken, WindowPlan, Word, take_windows};
 
 use std::ops::Range;

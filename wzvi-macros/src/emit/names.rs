@@ -65,10 +65,13 @@ impl Names {
     }
 }
 
-/// `q[0]` is `q0`, `q[i + 1]` is `q_i_plus_1`, `self.0` is `field0`; what is a word already is left alone.
+/// `q[0]` is `q0`, `q[i + 1]` is `q_i_plus_1`, `2 i` is `index_2i`, `self.0` is `field0`; what is a word already is left alone.
 fn as_word(wish: &str) -> String {
     let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
-    let is_word = |word: &str| word.chars().any(|c| c != '_') && word.chars().all(is_of_word);
+    let is_word = |word: &str| {
+        let starts_well = !word.starts_with(|c: char| c.is_ascii_digit());
+        starts_well && word.chars().any(|c| c != '_') && word.chars().all(is_of_word)
+    };
     if is_word(wish) {
         return wish.to_owned();
     }
@@ -88,6 +91,9 @@ fn as_word(wish: &str) -> String {
         }
         word.push_str(part);
         rest = after;
+    }
+    if word.starts_with(|c: char| c.is_ascii_digit()) {
+        word.insert_str(0, "index_");
     }
     if is_word(&word) { word } else { "x".to_owned() }
 }
@@ -109,6 +115,8 @@ mod tests {
             ("q[1][2]", "__q1_2"),
             ("q[i + 1]", "__q_i_plus_1"),
             ("q[2 i + 1]", "__q_2i_plus_1"),
+            ("2 i + 1", "__index_2i_plus_1"),
+            ("2 i - j", "__index_2i_minus_j"),
             ("mass[0][i]", "__mass0_i"),
             ("self.0", "__field0"),
             ("_", "__x"),

@@ -1,5 +1,8 @@
 //! The O parts of a step: their constants, their share of what drives it, and the heat that they bring.
 
+use std::ops::Range;
+
+use super::diagonal::{BLOCK, Diagonal};
 use super::relaxation::Momenta;
 use super::{Damped, Relaxation};
 use crate::carry::Carry;
@@ -41,13 +44,15 @@ struct Own {
 pub(super) struct Memory<S> {
     own: Option<Own>,
     room: Vec<S>,
+    /// The heat of each block, part by part, where a step goes window by window.
+    blocks: Vec<f64>,
     /// The heat of the last step.
     pub(super) heat: S,
 }
 
 impl<S: Scalar> Default for Memory<S> {
     fn default() -> Self {
-        Self { own: None, room: Vec::new(), heat: S::from_f64(0.0) }
+        Self { own: None, room: Vec::new(), blocks: Vec::new(), heat: S::from_f64(0.0) }
     }
 }
 
@@ -102,7 +107,8 @@ impl<S: Scalar> Memory<S> {
             }
         };
         let per_part = (expected - noises) / parts;
-        Ok(Parts { system, relaxation, normals: &dw[noises..], per_part, room: &mut self.room })
+        let Self { room, blocks, .. } = self;
+        Ok(Parts { system, relaxation, normals: &dw[noises..], per_part, room, blocks })
     }
 }
 
@@ -118,9 +124,20 @@ pub(super) struct Parts<'m, T, S> {
     normals: &'m [S],
     per_part: usize,
     room: &'m mut Vec<S>,
+    blocks: &'m mut Vec<f64>,
 }
 
-impl<T: Damped, S: Scalar> Parts<'_, T, S> {
+impl<'m, T: Damped, S: Scalar> Parts<'m, T, S> {
+    /// The parts place by place, of which there are `parts`, where rates and masses are lists and numbers are `f64`.
+    #[inline(always)]
+    pub(super) fn by_place(self, parts: usize, degrees: usize) -> Option<ByPlace<'m>> {
+        let Self { relaxation, normals, per_part, blocks, .. } = self;
+        let (law, normals) = (relaxation.diagonal()?, S::plain(normals)?);
+        let per_block = degrees.div_ceil(BLOCK);
+        blocks.resize(parts * per_block, 0.0);
+        Some(ByPlace { law, normals, per_part, blocks, per_block })
+    }
+
     /// Whether there is no friction, and nothing to do.
     #[inline(always)]
     pub(super) fn are_still(&self) -> bool {
@@ -147,5 +164,41 @@ impl<T: Damped, S: Scalar> Parts<'_, T, S> {
     ) -> Result<S, StepFailure> {
         let normals = &self.normals[part * self.per_part..(part + 1) * self.per_part];
         self.relaxation.apply::<T, S, C>(self.system, Momenta { q, normals, p, lost }, self.room)
+    }
+}
+
+/// The O parts of a step, which may be taken place by place, in any order.
+#[derive(Debug)]
+pub(super) struct ByPlace<'m> {
+    law: &'m Diagonal,
+    normals: &'m [f64],
+    per_part: usize,
+    blocks: &'m mut [f64],
+    per_block: usize,
+}
+
+impl ByPlace<'_> {
+    /// Some places of a part, from the first of a block on, between two drifts over a time where there are coordinates.
+    #[inline(always)]
+    pub(super) fn apply(
+        &mut self,
+        part: usize,
+        places: Range<usize>,
+        mut drift: Option<(f64, &mut [f64])>,
+        p: &mut [f64],
+    ) {
+        let normals = &self.normals[part * self.per_part..(part + 1) * self.per_part];
+        let heats = &mut self.blocks[part * self.per_block..][places.start / BLOCK..];
+        for (block, (p, heat)) in p.chunks_mut(BLOCK).zip(heats).enumerate() {
+            let (from, len) = (block * BLOCK, p.len());
+            let drift = drift.as_mut().map(|(time, q)| (*time, &mut q[from..from + len]));
+            *heat = self.law.block(places.start + from..places.start + from + len, normals, drift, p);
+        }
+    }
+
+    /// The heat of all parts.
+    pub(super) fn heat(&self) -> f64 {
+        let parts = self.blocks.chunks(self.per_block);
+        parts.fold(0.0, |sum, blocks| sum + blocks.iter().fold(0.0, |sum, heat| sum + heat))
     }
 }

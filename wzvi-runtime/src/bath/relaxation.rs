@@ -11,6 +11,7 @@
 //! momenta to the last bit.
 
 use super::Damped;
+use super::diagonal::Diagonal;
 use super::modes::{Bath, Factors, Modes, refuse_negative};
 use crate::carry::Carry;
 use crate::error::{BathError, StepFailure};
@@ -26,14 +27,7 @@ enum Law {
     /// No friction.
     Still,
     /// Rates and masses by degree of freedom: lists.
-    Diagonal {
-        /// `E`
-        decay: Vec<f64>,
-        /// `R / √h`
-        deviation: Vec<f64>,
-        /// `M⁻¹`
-        inverse_mass: Vec<f64>,
-    },
+    Diagonal(Diagonal),
     /// The same as matrices.
     Matrix { decay: Vec<f64>, deviation: Vec<f64>, inverse_mass: Vec<f64> },
     /// By the friction at each state.
@@ -126,17 +120,14 @@ impl Relaxation {
         q: &mut [S],
         p: &mut [S],
     ) -> Option<S> {
-        let Law::Diagonal { decay, deviation, inverse_mass } = &self.0 else { return None };
-        let mut heat = S::from_f64(0.0);
-        let constants = decay.iter().zip(deviation).zip(inverse_mass);
-        for ((i, (q, p)), ((&decay, &deviation), &inverse)) in q.iter_mut().zip(p).enumerate().zip(constants)
-        {
-            let (before, drift) = (*p, time * inverse);
-            *p = before * decay + of_normal(normals, i) * deviation;
-            *q = *q + before * drift + *p * drift;
-            heat = heat + gain(before, *p, inverse);
-        }
-        Some(heat)
+        let law = self.diagonal()?;
+        Some(law.all_blocks(normals, Some((time, q)), p))
+    }
+
+    /// Rates and masses, if they are lists.
+    #[inline(always)]
+    pub(super) fn diagonal(&self) -> Option<&Diagonal> {
+        if let Law::Diagonal(law) = &self.0 { Some(law) } else { None }
     }
 
     /// How much room [`Relaxation::apply`] needs.
@@ -157,7 +148,8 @@ impl Relaxation {
     ) -> Result<S, StepFailure> {
         Ok(match &self.0 {
             Law::Still => S::from_f64(0.0),
-            Law::Diagonal { decay, deviation, inverse_mass } => momenta
+            Law::Diagonal(law) if !C::CARRIES => law.all_blocks(momenta.normals, None, momenta.p),
+            Law::Diagonal(Diagonal { decay, deviation, inverse_mass }) => momenta
                 .relax::<C>(inverse_mass, |i| Ok((S::from_f64(decay[i]), S::from_f64(deviation[i]))))?,
             Law::Matrix { decay, deviation, inverse_mass } => {
                 let d = momenta.p.len();
@@ -180,7 +172,7 @@ impl Relaxation {
 
 /// `√h ξ` of a degree of freedom; zero without temperature.
 #[inline(always)]
-fn of_normal<S: Scalar>(normals: &[S], i: usize) -> S {
+pub(super) fn of_normal<S: Scalar>(normals: &[S], i: usize) -> S {
     normals.get(i).copied().unwrap_or(S::from_f64(0.0))
 }
 
@@ -239,7 +231,7 @@ impl<S: Scalar> Momenta<'_, S> {
 
 /// What the kinetic energy of one momentum gains.
 #[inline(always)]
-fn gain<S: Scalar>(before: S, after: S, inverse_mass: f64) -> S {
+pub(super) fn gain<S: Scalar>(before: S, after: S, inverse_mass: f64) -> S {
     if S::LANES == 1 { (after - before) * (after + before) * (0.5 * inverse_mass) } else { S::from_f64(0.0) }
 }
 
@@ -283,7 +275,7 @@ fn diagonal(rates: &[f64], inverse_mass: Vec<f64>, bath: &Bath) -> Result<Law, B
         let (kept, noise) = bath.mode(check_rate(rate)?);
         (decay[degree], deviation[degree]) = (kept, noise / inverse.sqrt());
     }
-    Ok(Law::Diagonal { decay, deviation, inverse_mass })
+    Ok(Law::Diagonal(Diagonal { decay, deviation, inverse_mass }))
 }
 
 /// One rate for masses that are a matrix.

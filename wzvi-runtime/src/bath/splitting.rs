@@ -9,11 +9,14 @@ use std::fmt::Debug;
 use std::marker::PhantomData;
 
 use super::part::{self, Parts};
+use super::windowed::WithBath;
 use super::{Baoab, Damped, Obabo, Relaxation, with_bath};
 use crate::carry::{Carry, Plain};
 use crate::compose::flows::{Flows, FlowsOf};
 use crate::compose::sequence::{Followed, Half, Sequence, Substep};
 use crate::compose::stages::{self, Rooms, Stage, Stages, Take};
+use crate::compose::windowed::{self, Givens, takes_windows};
+use crate::elements::Taken;
 use crate::error::{ConfigError, StepFailure};
 use crate::gauss::Shape;
 use crate::memory::StepMemory;
@@ -21,6 +24,7 @@ use crate::numbers::{Numbers, Tape};
 use crate::plan::Plan;
 use crate::scalar::Scalar;
 use crate::solve::Effort;
+use crate::state::Vector;
 use crate::system::{Exchange, Segment};
 
 /// A word of kicks, drifts and O parts.
@@ -144,6 +148,20 @@ where
         if !system.fits(degrees) {
             system.check(degrees)?;
         }
+        if takes_windows::<F>(degrees)
+            && !C::CARRIES
+            && let (Some(q), Some(p), Some(own)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
+        {
+            let givens = Givens { t, h, q, p, dw: &own[..noises.min(own.len())] };
+            if let Some(taken) =
+                in_windows::<F, S, W>(system, prepared, givens, dw, &mut memory.windows, bath)
+            {
+                let (taken, heat) = taken?;
+                taken.copy(q, p);
+                bath.heat = S::from_f64(heat);
+                return Ok(Effort::fast(0));
+            }
+        }
         let parts = bath.parts(system, &prepared.relaxation, (h, parts, degrees), (dw, noises))?;
         let Stages(list) = if parts.are_still() { &prepared.still } else { &prepared.flows };
         let mut word = Word::<F, S, W> {
@@ -158,11 +176,62 @@ where
         Ok(effort)
     }
 
+    #[inline(always)]
+    fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
+        system: &F,
+        prepared: &Self::Prepared,
+        t: f64,
+        h: f64,
+        q: &mut F::Vector,
+        p: &mut F::Vector,
+        dw: &[f64],
+        memory: &mut Self::Memory<f64>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        if takes_windows::<F>(q.components().len()) && !C::CARRIES {
+            let noises = system.noises().min(dw.len());
+            let givens = Givens { t, h, q: q.components(), p: p.components(), dw: &dw[..noises] };
+            let Memory { flows, bath } = memory;
+            if let Some(taken) =
+                in_windows::<F, f64, W>(system, prepared, givens, dw, &mut flows.windows, bath)
+            {
+                let (taken, heat) = taken?;
+                taken.exchange(q, p);
+                bath.heat = heat;
+                return Ok(Effort::fast(0));
+            }
+        }
+        let (q, p) = (q.components_mut(), p.components_mut());
+        Self::advance::<f64, C, CAREFUL>(system, prepared, t, h, q, p, dw, memory, carry)
+    }
+
     crate::__apart!(F);
 
     fn follow(_: &F, _: &Segment<F::Vector>, _: &[f64], _: &[Substep]) -> Option<Followed<F::Vector>> {
         None
     }
+}
+
+/// A step window by window, and its heat; `None` where friction and masses are no lists.
+#[inline(always)]
+fn in_windows<'m, F: Flows + Damped, S: Scalar, W: Letters>(
+    system: &F,
+    prepared: &'m Prepared,
+    givens: Givens<'_>,
+    dw: &[S],
+    windows: &'m mut windowed::Memory,
+    bath: &mut part::Memory<S>,
+) -> Option<Result<(Taken<'m>, f64), StepFailure>> {
+    let (degrees, parts) = (givens.q.len(), W::RELAXES_BEFORE.len());
+    let size = (givens.h, parts, degrees);
+    let driven = match bath.parts(system, &prepared.relaxation, size, (dw, system.noises())) {
+        Ok(driven) => driven,
+        Err(failure) => return Some(Err(failure)),
+    };
+    let relaxing = driven.by_place(parts, degrees)?;
+    let word = |flows| WithBath::new::<W>(flows, relaxing, givens.h);
+    let taken = windows.advance(system, &prepared.flows.0, givens, word);
+    Some(taken.map(|(taken, word)| (taken, word.heat())))
 }
 
 /// The parts of a step.

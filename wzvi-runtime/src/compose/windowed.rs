@@ -93,6 +93,14 @@ pub(crate) struct KicksAndDrifts<'a> {
     reads_time: bool,
 }
 
+impl KicksAndDrifts<'_> {
+    /// Whether noises act in them.
+    #[inline(always)]
+    pub(crate) fn have_noise(&self) -> bool {
+        !self.scaled.is_empty()
+    }
+}
+
 impl Word for KicksAndDrifts<'_> {
     #[inline(always)]
     fn count(&self) -> usize {

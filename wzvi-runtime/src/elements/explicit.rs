@@ -32,75 +32,78 @@ pub fn advance_explicit<H: Elements, S: Scalar, C: Carry<S>>(
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
+    let givens = Givens { system, scheme, t, h, dw };
     if size_of::<S>() == size_of::<f64>() {
-        advance_inline(system, scheme, t, h, q, p, dw, memory, carry)
+        givens.advance(q, p, memory, carry)
     } else {
-        advance_apart(system, scheme, t, h, q, p, dw, memory, carry)
+        advance_apart(givens, q, p, memory, carry)
     }
 }
 
-#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
+/// What a step depends on besides the state.
+struct Givens<'a, H, S> {
+    system: &'a H,
+    scheme: &'a Scheme,
+    t: f64,
+    h: f64,
+    dw: &'a [S],
+}
+
 #[inline(never)]
 fn advance_apart<H: Elements, S: Scalar, C: Carry<S>>(
-    system: &H,
-    scheme: &Scheme,
-    t: f64,
-    h: f64,
+    givens: Givens<'_, H, S>,
     q: &mut [S],
     p: &mut [S],
-    dw: &[S],
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
-    advance_inline(system, scheme, t, h, q, p, dw, memory, carry)
+    givens.advance(q, p, memory, carry)
 }
 
-#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
-#[inline(always)]
-fn advance_inline<H: Elements, S: Scalar, C: Carry<S>>(
-    system: &H,
-    scheme: &Scheme,
-    t: f64,
-    h: f64,
-    q: &mut [S],
-    p: &mut [S],
-    dw: &[S],
-    memory: &mut Memory<S>,
-    carry: &mut C,
-) -> Result<Effort, StepFailure> {
-    if !memory.fits(system, q.len()) {
-        memory.fit(system, scheme, q.len())?;
-    }
-    let [q, p] = super::sized_mut(system, [q, p])?;
-    let dw = super::increments(system, dw)?;
-    if H::HAS_WINDOWS
-        && takes_windows(scheme, q.len())
-        && let (Some(known_q), Some(known_p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
-    {
-        if !C::CARRIES {
-            let (q, p) = (known_q, known_p);
-            let step = Step { system, scheme, t, h, q, p, dw, increment: None };
-            step.advance_windows(&mut memory.plan)?.copy(q, p);
-            return Ok(Effort::fast(0));
+impl<H: Elements, S: Scalar> Givens<'_, H, S> {
+    #[inline(always)]
+    fn advance<C: Carry<S>>(
+        self,
+        q: &mut [S],
+        p: &mut [S],
+        memory: &mut Memory<S>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        let Self { system, scheme, t, h, dw } = self;
+        if !memory.fits(system, q.len()) {
+            memory.fit(system, scheme, q.len())?;
         }
-        memory.make_room(scheme, q.len());
-    }
-    let step = Step { system, scheme, t, h, q, p, dw, increment: None };
-    let mut lists = memory.work.lists(scheme, step.degrees());
-    step.assign(&mut lists);
-    if !C::CARRIES && !H::IS_CONFORMAL && scheme.update == MomentumUpdate::Multiple(1.0) {
-        // `P` is the new momentum.
-        let Lists { u, momentum, .. } = lists;
-        if !(add(u, step.q) && are_finite(momentum)) {
-            return Err(StepFailure::NonFinite);
+        let [q, p] = super::sized_mut(system, [q, p])?;
+        let dw = super::increments(system, dw)?;
+        if H::HAS_WINDOWS
+            && takes_windows(scheme, q.len())
+            && let (Some(known_q), Some(known_p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
+        {
+            if !C::CARRIES {
+                let (q, p) = (known_q, known_p);
+                let step = Step { system, scheme, t, h, q, p, dw, increment: None };
+                step.advance_windows(&mut memory.plan)?.copy(q, p);
+                return Ok(Effort::fast(0));
+            }
+            memory.make_room(scheme, q.len());
         }
-        q.copy_from_slice(u);
-        p.copy_from_slice(momentum);
-    } else {
-        step.finish(&mut lists);
-        lists.store(q, p, carry)?;
+        let step = Step { system, scheme, t, h, q, p, dw, increment: None };
+        let mut lists = memory.work.lists(scheme, step.degrees());
+        step.assign(&mut lists);
+        if !C::CARRIES && !H::IS_CONFORMAL && scheme.update == MomentumUpdate::Multiple(1.0) {
+            // `P` is the new momentum.
+            let Lists { u, momentum, .. } = lists;
+            if !(add(u, step.q) && are_finite(momentum)) {
+                return Err(StepFailure::NonFinite);
+            }
+            q.copy_from_slice(u);
+            p.copy_from_slice(momentum);
+        } else {
+            step.finish(&mut lists);
+            lists.store(q, p, carry)?;
+        }
+        Ok(Effort::fast(0))
     }
-    Ok(Effort::fast(0))
 }
 
 /// [`advance_explicit`] of vectors that may be exchanged for others.
@@ -122,36 +125,34 @@ pub fn advance_explicit_vectors<H: Elements, C: Carry<f64>>(
 ) -> Result<Effort, StepFailure> {
     let degrees = q.components().len();
     if H::HAS_WINDOWS && !C::CARRIES && takes_windows(scheme, degrees) {
-        return exchange_windowed(system, scheme, t, h, q, p, dw, memory);
+        return Givens { system, scheme, t, h, dw }.exchange(q, p, memory);
     }
     let (q, p) = (q.components_mut(), p.components_mut());
     advance_explicit(system, scheme, t, h, q, p, dw, memory, carry)
 }
 
-/// The same, window by window.
-#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
-#[inline(always)]
-fn exchange_windowed<H: Elements>(
-    system: &H,
-    scheme: &Scheme,
-    t: f64,
-    h: f64,
-    q: &mut H::Vector,
-    p: &mut H::Vector,
-    dw: &[f64],
-    memory: &mut Memory<f64>,
-) -> Result<Effort, StepFailure> {
-    let degrees = q.components().len();
-    if !memory.fits(system, degrees) {
-        memory.fit(system, scheme, degrees)?;
+impl<H: Elements> Givens<'_, H, f64> {
+    /// The same, window by window.
+    #[inline(always)]
+    fn exchange(
+        self,
+        q: &mut H::Vector,
+        p: &mut H::Vector,
+        memory: &mut Memory<f64>,
+    ) -> Result<Effort, StepFailure> {
+        let Self { system, scheme, t, h, dw } = self;
+        let degrees = q.components().len();
+        if !memory.fits(system, degrees) {
+            memory.fit(system, scheme, degrees)?;
+        }
+        if p.components().len() != degrees {
+            return Err(StepFailure::Dimension { expected: degrees, got: p.components().len() });
+        }
+        let dw = super::increments(system, dw)?;
+        let step = Step { system, scheme, t, h, q: q.components(), p: p.components(), dw, increment: None };
+        step.advance_windows(&mut memory.plan)?.exchange(q, p);
+        Ok(Effort::fast(0))
     }
-    if p.components().len() != degrees {
-        return Err(StepFailure::Dimension { expected: degrees, got: p.components().len() });
-    }
-    let dw = super::increments(system, dw)?;
-    let step = Step { system, scheme, t, h, q: q.components(), p: p.components(), dw, increment: None };
-    step.advance_windows(&mut memory.plan)?.exchange(q, p);
-    Ok(Effort::fast(0))
 }
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {

@@ -1,5 +1,6 @@
 //! One step: `x = φ(x)` solved to rounding.
 
+use super::change::Change;
 use super::jacobian::Linear;
 use super::memory::{Lists, Scratch};
 use super::passes::{Corrected, largest, subtract};
@@ -93,15 +94,25 @@ fn advance_fitting<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     let step = Step { system, scheme, t, h, q, p, dw, increment: None };
     let degrees = step.degrees();
     let (effort, prefers_newton) = if CAREFUL {
-        (step.careful(memory)?, true)
+        let effort = step.careful(memory)?;
+        let mut lists = memory.work.lists(scheme, degrees);
+        step.finish(&mut lists);
+        lists.store(q, p, carry)?;
+        memory.record(scheme, degrees);
+        (effort, true)
     } else {
-        let solved = step.solve(&mut memory.scratch(scheme, degrees))?;
+        let mut scratch = memory.scratch(scheme, degrees);
+        let solved = step.solve(&mut scratch)?;
+        if !C::CARRIES && step.is_in_windows(&mut scratch) {
+            scratch.store_windows(scheme, q, p);
+            memory.known = if scheme.remembers { (memory.known + 1).min(3) } else { 0 };
+        } else {
+            step.finish(&mut scratch.lists);
+            scratch.lists.store(q, p, carry)?;
+            memory.record(scheme, degrees);
+        }
         (Effort::fast(solved.iterations), solved.prefers_newton)
     };
-    let mut lists = memory.work.lists(scheme, degrees);
-    step.finish(&mut lists);
-    lists.store(q, p, carry)?;
-    memory.record(scheme, degrees);
     memory.prefers_newton = prefers_newton;
     Ok(effort)
 }
@@ -173,6 +184,8 @@ struct IterationState {
 struct Taken {
     /// Relative to the largest unknown.
     relative: f64,
+    /// What it changed of what the equations are evaluated at, where that is known already: of corrections of the fixed point only.
+    change: Option<Change>,
     /// How much longer the correction of the fixed point would have been.
     stretch: f64,
     /// Whether it comes from factors that were made for it.
@@ -184,13 +197,22 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     #[inline(always)]
     fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
         let (pinned, known) = (scratch.iteration, scratch.known);
-        let solved = match self.iterate(scratch, known, pinned) {
+        let mut first = self.iterate(scratch, known, pinned);
+        if first.is_err() && self.may_have_been_unusual(scratch) {
+            scratch.is_exact = true;
+            first = self.iterate(scratch, known, pinned);
+        }
+        match first {
             // A start that misleads is given up for zero, and what was tried for Newton's method from there.
-            Err(_) if known > 0 || pinned == Iteration::Automatic => self.iterate_again(scratch.lend())?,
-            first => first?,
-        };
-        self.refresh(&mut scratch.lists);
-        Ok(solved)
+            Err(_) if known > 0 || pinned == Iteration::Automatic => {
+                let solved = self.iterate_again(scratch.lend());
+                // Which of two lists is which was known there.
+                scratch.leave_windows();
+                self.refresh(&mut scratch.lists);
+                solved
+            }
+            first => first,
+        }
     }
 
     /// From zero, by Newton's method unless another is pinned.
@@ -204,7 +226,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         self.iterate(&mut scratch, 0, pinned)
     }
 
-    /// From the guess of so many steps before.
+    /// From the guess of so many steps before; leaves `u` and `P`.
     #[inline(always)]
     fn iterate(
         self,
@@ -212,7 +234,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         known: u8,
         pinned: Iteration,
     ) -> Result<Solved, StepFailure> {
-        scratch.guess(known);
+        self.start(scratch, known);
         let mut iteration = self.begin(scratch, known, pinned);
         while iteration.iterations < MOST_ITERATIONS {
             iteration.iterations += 1;
@@ -258,18 +280,26 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         scratch: &mut Scratch<'_, S>,
         iteration: &mut IterationState,
     ) -> Result<Taken, StepFailure> {
-        scratch.lists.previous.copy_from_slice(scratch.lists.correction);
-        self.residual(&mut scratch.lists);
+        let Lists { correction, previous, .. } = &mut scratch.lists;
+        std::mem::swap(correction, previous);
         let is_fresh = iteration.is_newton && iteration.is_stale;
-        let mut stretch = 1.0;
-        if iteration.is_newton {
+        let (mut stretch, mut change) = (1.0, None);
+        let relative = if iteration.is_newton {
+            scratch.leave_windows();
+            self.residual_as::<S::OfElements<H::Exact>>(&mut scratch.lists);
             let Some(linear) = &scratch.linear else {
                 return Err(astray(iteration.iterations, iteration.last));
             };
             iteration.is_stale = iteration.pinned == Iteration::Newton || matches!(linear, Linear::Krylov(_));
             stretch = self.correct_by_newton(scratch.lend(), is_fresh)?;
-        }
-        let relative = subtract(scratch.lists.x, scratch.lists.correction);
+            let relative = subtract(scratch.lists.x, scratch.lists.correction);
+            self.refresh(&mut scratch.lists);
+            relative
+        } else {
+            let swept = self.sweep(scratch);
+            change = swept.change;
+            swept.relative
+        };
         if relative.is_nan() {
             // A fixed point that diverges overflows in the end.
             let (iterations, correction) = (iteration.iterations, iteration.last);
@@ -278,7 +308,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             let not_converged = StepFailure::NotConverged { iterations, correction };
             return Err(if diverges { not_converged } else { StepFailure::NonFinite });
         }
-        Ok(Taken { relative, stretch, is_fresh })
+        Ok(Taken { relative, change, stretch, is_fresh })
     }
 
     /// Makes the correction of the fixed point Newton's, with new factors where the old ones are stale; how much shorter
@@ -314,8 +344,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let mut relative = taken.relative;
         let ratio = relative / last;
         let predicts = last < f64::INFINITY && ratio < 0.5;
-        let is_enough = relative <= ROUNDING || (predicts && relative * ratio <= 0.25 * ROUNDING);
-        if is_enough && self.resolves(scratch, if predicts { ratio } else { 1.0 }) {
+        if self.is_resolved(scratch, taken, predicts.then_some(ratio)) {
             return Ok(true);
         }
         // A guess claims to be near the solution.
@@ -326,6 +355,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let is_final = is_newton || pinned == Iteration::FixedPoint || relative <= NEARLY_SOLVED;
         let mut settles = false;
         if stagnates && is_final && !is_misled {
+            // What the correction changed costs less than a look at all rounding.
+            if !is_newton && taken.change.is_none() && self.change(&scratch.lists) == Some(Change::Unseen) {
+                return Ok(true);
+            }
             let beyond = self.beyond_rounding(scratch.lists.lend(), scratch.rounding);
             if beyond == 0.0 && !varies(scratch, iteration) {
                 return Ok(true);
@@ -349,12 +382,22 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         if is_slow && !settles && is_worth && pinned == Iteration::Automatic {
             // Old factors, or none, do not contract.
             if !is_newton && stagnates {
-                scratch.guess(known);
+                self.start(scratch, known);
                 iteration.last = f64::INFINITY;
             }
             (iteration.is_newton, iteration.is_stale, iteration.is_beyond) = (true, true, false);
         }
         Ok(false)
+    }
+
+    /// Whether what is left of the correction that was taken is rounding, from the contraction if that is known.
+    #[inline(always)]
+    fn is_resolved(self, scratch: &Scratch<'_, S>, taken: &Taken, ratio: Option<f64>) -> bool {
+        let is_enough = |relative: f64| {
+            relative <= ROUNDING || ratio.is_some_and(|ratio| relative * ratio <= 0.25 * ROUNDING)
+        };
+        taken.change == Some(Change::Unseen)
+            || (is_enough(taken.relative) && self.resolves(scratch, ratio.unwrap_or(1.0)))
     }
 
     /// Whether what is left of each correction, by the contraction of all and of its own unknown, is below the rounding of

@@ -2,7 +2,7 @@
 
 use super::jacobian::{Linear, pattern};
 use super::rounding::Rounding;
-use super::windows::{WindowPlan, takes_windows};
+use super::windows::{LEAST_IN_WINDOWS, Sweeps, WindowPlan, takes_windows};
 use super::{Elements, Scheme, Unknowns};
 use crate::carry::{Carry, Compensation};
 use crate::error::StepFailure;
@@ -43,6 +43,8 @@ pub struct Memory<S> {
     pub(super) rounding: Option<Box<Rounding>>,
     /// How a large system is stepped that solves nothing.
     pub(super) plan: WindowPlan,
+    /// How the fixed point of a large system goes.
+    pub(super) sweeps: Option<Box<Sweeps>>,
 }
 
 /// Scratch for the equations of one step: one list, because only of parts of one can be seen that they do not overlap.
@@ -57,6 +59,7 @@ pub(super) struct Lists<'a, S> {
     pub(super) previous: &'a mut [S],
     pub(super) u: &'a mut [S],
     pub(super) momentum: &'a mut [S],
+    /// Slopes by momenta; where `u` follows from `v`, that from before the correction.
     pub(super) by_p: &'a mut [S],
     pub(super) stages: Stages<'a, S>,
 }
@@ -65,6 +68,22 @@ pub(super) struct Lists<'a, S> {
 pub(super) struct Stages<'a, S> {
     numbers: &'a mut [S],
     degrees: usize,
+    /// Whether the two of a stage have changed places.
+    is_turned: bool,
+}
+
+/// Numbers between two lists of a large system: what is read and written at one time is at different places of pages, which
+/// processors tell apart by their last bits first.
+#[inline(always)]
+fn apart(degrees: usize) -> usize {
+    if degrees < LEAST_IN_WINDOWS { 0 } else { 40 }
+}
+
+/// The first `length` numbers, and what is behind those after them.
+#[inline(always)]
+fn split_apart<S>(numbers: &mut [S], length: usize, apart: usize) -> (&mut [S], &mut [S]) {
+    let (list, rest) = numbers.split_at_mut(length + apart);
+    (&mut list[..length], rest)
 }
 
 impl<S> Default for Work<S> {
@@ -82,7 +101,8 @@ impl<S: Scalar> Work<S> {
 
     #[inline(always)]
     fn length(scheme: &Scheme, degrees: usize) -> usize {
-        3 * scheme.unknowns.count(degrees) + (3 + 2 * scheme.stages.len()) * degrees
+        let apart = (6 + 2 * scheme.stages.len()) * apart(degrees);
+        3 * scheme.unknowns.count(degrees) + (3 + 2 * scheme.stages.len()) * degrees + apart
     }
 
     /// Whether it was made for such a system.
@@ -95,13 +115,41 @@ impl<S: Scalar> Work<S> {
     pub(super) fn lists(&mut self, scheme: &Scheme, degrees: usize) -> Lists<'_, S> {
         let unknowns = scheme.unknowns.count(degrees);
         let numbers = &mut self.0[..Self::length(scheme, degrees)];
-        let (x, numbers) = numbers.split_at_mut(unknowns);
-        let (correction, numbers) = numbers.split_at_mut(unknowns);
-        let (previous, numbers) = numbers.split_at_mut(unknowns);
-        let (u, numbers) = numbers.split_at_mut(degrees);
-        let (momentum, numbers) = numbers.split_at_mut(degrees);
-        let (by_p, numbers) = numbers.split_at_mut(degrees);
-        Lists { x, correction, previous, u, momentum, by_p, stages: Stages { numbers, degrees } }
+        let apart = apart(degrees);
+        let (x, numbers) = split_apart(numbers, unknowns, apart);
+        let (correction, numbers) = split_apart(numbers, unknowns, apart);
+        let (previous, numbers) = split_apart(numbers, unknowns, apart);
+        let (u, numbers) = split_apart(numbers, degrees, apart);
+        let (momentum, numbers) = split_apart(numbers, degrees, apart);
+        let (by_p, numbers) = split_apart(numbers, degrees, apart);
+        Lists {
+            x,
+            correction,
+            previous,
+            u,
+            momentum,
+            by_p,
+            stages: Stages { numbers, degrees, is_turned: false },
+        }
+    }
+}
+
+impl<S: Scalar> Lists<'_, S> {
+    /// The same, if numbers are `f64`.
+    #[inline(always)]
+    pub(super) fn plain(&mut self) -> Option<Lists<'_, f64>> {
+        let Self { x, correction, previous, u, momentum, by_p, stages } = self;
+        let Stages { numbers, degrees, is_turned } = stages;
+        let stages = Stages { numbers: S::plain_mut(numbers)?, degrees: *degrees, is_turned: *is_turned };
+        Some(Lists {
+            x: S::plain_mut(x)?,
+            correction: S::plain_mut(correction)?,
+            previous: S::plain_mut(previous)?,
+            u: S::plain_mut(u)?,
+            momentum: S::plain_mut(momentum)?,
+            by_p: S::plain_mut(by_p)?,
+            stages,
+        })
     }
 }
 
@@ -110,22 +158,41 @@ impl<S> Lists<'_, S> {
     #[inline(always)]
     pub(super) fn lend(&mut self) -> Lists<'_, S> {
         let Self { x, correction, previous, u, momentum, by_p, stages } = self;
-        let stages = Stages { numbers: stages.numbers, degrees: stages.degrees };
+        let stages = Stages { numbers: stages.numbers, ..*stages };
         Lists { x, correction, previous, u, momentum, by_p, stages }
     }
 }
 
 impl<S> Stages<'_, S> {
+    /// Where the coordinates of a stage are, and the slopes by them.
+    #[inline(always)]
+    fn bounds(&self, stage: usize) -> (usize, usize) {
+        let stride = self.degrees + apart(self.degrees);
+        (2 * stride * stage, stride)
+    }
+
     /// The coordinates of a stage, and the slopes by them.
     #[inline(always)]
     pub(super) fn at(&self, stage: usize) -> (&[S], &[S]) {
-        self.numbers[2 * self.degrees * stage..][..2 * self.degrees].split_at(self.degrees)
+        let (start, stride) = self.bounds(stage);
+        let (first, second) = self.numbers[start..][..2 * stride].split_at(stride);
+        let (first, second) = (&first[..self.degrees], &second[..self.degrees]);
+        if self.is_turned { (second, first) } else { (first, second) }
     }
 
     /// The same, to be written.
     #[inline(always)]
     pub(super) fn at_mut(&mut self, stage: usize) -> (&mut [S], &mut [S]) {
-        self.numbers[2 * self.degrees * stage..][..2 * self.degrees].split_at_mut(self.degrees)
+        let (start, stride) = self.bounds(stage);
+        let (first, second) = self.numbers[start..][..2 * stride].split_at_mut(stride);
+        let (first, second) = (&mut first[..self.degrees], &mut second[..self.degrees]);
+        if self.is_turned { (second, first) } else { (first, second) }
+    }
+
+    /// Exchanges the two of each stage.
+    #[inline(always)]
+    pub(super) fn turn(&mut self) {
+        self.is_turned = !self.is_turned;
     }
 }
 
@@ -133,13 +200,16 @@ impl<S> Stages<'_, S> {
 pub(super) struct Scratch<'a, S> {
     pub(super) lists: Lists<'a, S>,
     pub(super) diagonal: &'a mut [S],
-    pub(super) past: &'a [Vec<S>; 3],
+    pub(super) past: &'a mut [Vec<S>; 3],
     pub(super) known: u8,
     pub(super) iteration: Iteration,
     pub(super) prefers_newton: bool,
     pub(super) linear: &'a mut Option<Linear<S>>,
     pub(super) factored: &'a mut Option<f64>,
     pub(super) rounding: &'a mut Option<Box<Rounding>>,
+    pub(super) sweeps: &'a mut Option<Box<Sweeps>>,
+    /// Whether nothing is to be done in vector instructions.
+    pub(super) is_exact: bool,
 }
 
 impl<S: Scalar> Memory<S> {
@@ -147,7 +217,7 @@ impl<S: Scalar> Memory<S> {
     #[inline(always)]
     pub(super) fn scratch(&mut self, scheme: &Scheme, degrees: usize) -> Scratch<'_, S> {
         let Self { iteration, work, diagonal, past, known, .. } = self;
-        let Self { prefers_newton, linear, factored, rounding, .. } = self;
+        let Self { prefers_newton, linear, factored, rounding, sweeps, .. } = self;
         Scratch {
             lists: work.lists(scheme, degrees),
             diagonal,
@@ -158,6 +228,8 @@ impl<S: Scalar> Memory<S> {
             linear,
             factored,
             rounding,
+            sweeps,
+            is_exact: false,
         }
     }
 }
@@ -166,8 +238,8 @@ impl<S> Scratch<'_, S> {
     /// As [`Lists::lend`].
     #[inline(always)]
     pub(super) fn lend(&mut self) -> Scratch<'_, S> {
-        let Self { lists, diagonal, past, known, iteration, prefers_newton, linear, factored, rounding } =
-            self;
+        let Self { lists, diagonal, past, known, iteration, prefers_newton, linear, factored, .. } = self;
+        let Self { rounding, sweeps, is_exact, .. } = self;
         Scratch {
             lists: lists.lend(),
             diagonal,
@@ -178,6 +250,8 @@ impl<S> Scratch<'_, S> {
             linear,
             factored,
             rounding,
+            sweeps,
+            is_exact: *is_exact,
         }
     }
 }
@@ -197,6 +271,7 @@ impl<S> Default for Memory<S> {
             factored: None,
             rounding: None,
             plan: None,
+            sweeps: None,
         }
     }
 }
@@ -217,6 +292,7 @@ impl<S: Scalar> std::fmt::Debug for Memory<S> {
             factored: _,
             rounding: _,
             plan: _,
+            sweeps: _,
         } = self;
         formatter
             .debug_struct("Memory")
@@ -339,7 +415,7 @@ impl<S: Scalar> Memory<S> {
         let has_room_in_windows = H::HAS_WINDOWS && S::plain(&[]).is_some() && takes_windows(scheme, degrees);
         self.work = if has_room_in_windows { Work::default() } else { Work::new(scheme, degrees) };
         self.diagonal = vec![S::from_f64(0.0); scheme.unknowns.diagonals(degrees)];
-        (self.rounding, self.plan) = (None, None);
+        (self.rounding, self.plan, self.sweeps) = (None, None, None);
         let unknowns = scheme.unknowns.count(degrees);
         let is_implicit = scheme.unknowns != Unknowns::None;
         let remembered = if scheme.remembers { unknowns } else { 0 };

@@ -5,7 +5,7 @@ use crate::scalar::{Mask, Scalar};
 /// `x -= correction`, and the largest correction against the largest unknown; NaN if any part is.
 #[inline(always)]
 pub(super) fn subtract<S: Scalar>(x: &mut [S], correction: &[S]) -> f64 {
-    let (mut size, mut change) = (Largest::default(), Largest::default());
+    let (mut size, mut change) = (Largest::<LANES>::default(), Largest::<LANES>::default());
     let (chunks, rest) = x.as_chunks_mut::<LANES>();
     let (corrections, other) = correction.as_chunks::<LANES>();
     for (x, c) in chunks.iter_mut().zip(corrections) {
@@ -47,20 +47,58 @@ fn relate<S: Scalar>(x: &[S], correction: &[S], size: f64, change: f64) -> f64 {
     relative
 }
 
+/// Work on entries of lists, `N` of them beside each other.
+pub(super) trait Block {
+    /// The work on those from `first` on.
+    fn take<const N: usize>(&mut self, first: usize);
+}
+
+/// Does the work on all of `length` entries: on `L` at a time, and one by one on what is left.
+#[inline(always)]
+pub(super) fn in_blocks<const L: usize>(length: usize, block: &mut impl Block) {
+    for number in 0..length / L {
+        block.take::<L>(number * L);
+    }
+    for first in length / L * L..length {
+        block.take::<1>(first);
+    }
+}
+
+/// Entries of a list beside each other.
+#[inline(always)]
+pub(super) fn load<S: Copy, const N: usize>(list: &[S], first: usize) -> [S; N] {
+    let list = &list[first..first + N];
+    let mut entries = [list[0]; N];
+    entries.copy_from_slice(list);
+    entries
+}
+
+/// Writes entries of a list beside each other.
+#[inline(always)]
+pub(super) fn store<S: Copy, const N: usize>(list: &mut [S], first: usize, entries: [S; N]) {
+    list[first..first + N].copy_from_slice(&entries);
+}
+
 /// Numbers that are looked at side by side: few enough for the registers of x86-64.
 const LANES: usize = 4;
 
 /// The largest magnitude, in lanes, so that the search does not wait for itself.
-#[derive(Default)]
-struct Largest {
-    most: [f64; LANES],
+pub(super) struct Largest<const L: usize> {
+    most: [f64; L],
     /// Zero unless a number was not finite, which a maximum may swallow.
-    poison: [f64; LANES],
+    poison: [f64; L],
 }
 
-impl Largest {
+impl<const L: usize> Default for Largest<L> {
     #[inline(always)]
-    fn take<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
+    fn default() -> Self {
+        Self { most: [0.0; L], poison: [0.0; L] }
+    }
+}
+
+impl<const L: usize> Largest<L> {
+    #[inline(always)]
+    pub(super) fn take<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
         for ((most, poison), number) in self.most.iter_mut().zip(&mut self.poison).zip(numbers) {
             let size = number.magnitude();
             *most = if size > *most { size } else { *most };
@@ -70,7 +108,7 @@ impl Largest {
 
     /// The same of numbers that need no check.
     #[inline(always)]
-    fn take_finite<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
+    pub(super) fn take_finite<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
         for (most, number) in self.most.iter_mut().zip(numbers) {
             let size = number.magnitude();
             *most = if size > *most { size } else { *most };
@@ -79,18 +117,16 @@ impl Largest {
 
     /// NaN if any was NaN or infinite.
     #[inline(always)]
-    fn get(self) -> f64 {
-        let [a, b, c, d] = self.most;
+    pub(super) fn get(self) -> f64 {
         let larger = |a: f64, b: f64| if a > b { a } else { b };
-        let [e, f, g, h] = self.poison;
-        larger(larger(a, b), larger(c, d)) + ((e + f) + (g + h))
+        self.most.into_iter().fold(0.0, larger) + self.poison.iter().sum::<f64>()
     }
 }
 
 /// The largest magnitude; NaN if any is not finite.
 #[inline(always)]
 pub(super) fn largest<S: Scalar>(x: &[S]) -> f64 {
-    let mut largest = Largest::default();
+    let mut largest = Largest::<LANES>::default();
     let (chunks, rest) = x.as_chunks::<LANES>();
     chunks.iter().for_each(|chunk| largest.take(chunk));
     rest.iter().for_each(|&x| largest.take(&[x]));

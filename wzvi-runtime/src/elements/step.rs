@@ -9,7 +9,7 @@ use super::passes::{add, are_finite};
 use super::{Curvature, Elements, MomentumUpdate, Point, Scheme, Slopes, Stage, Unknowns, slopes};
 use crate::carry::Carry;
 use crate::error::StepFailure;
-use crate::scalar::Scalar;
+use crate::scalar::{Number, Scalar};
 
 /// The givens of one step.
 pub(super) struct Step<'a, H, S> {
@@ -59,10 +59,16 @@ impl<'a, H: Elements, S: Scalar> Step<'a, H, S> {
 }
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
-    /// `u` and `P` at the solution.
+    /// `u` and `P` at `x`.
     #[inline(always)]
     pub(super) fn refresh(&self, lists: &mut Lists<'_, S>) {
-        let Lists { x, u, momentum, by_p, .. } = lists;
+        self.refresh_as::<S::OfElements<H::Exact>>(lists);
+    }
+
+    /// [`Step::refresh`], computed in numbers `T`.
+    #[inline(always)]
+    pub(super) fn refresh_as<T: Number<S>>(&self, lists: &mut Lists<'_, S>) {
+        let Lists { x, u, momentum, stages, .. } = lists;
         if self.scheme.unknowns == Unknowns::Both {
             let unknowns = x.as_chunks().0;
             let known = momentum.iter_mut().zip(&mut **u).zip(self.p.iter().zip(unknowns));
@@ -75,7 +81,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             }
             match self.increment {
                 Some(known) => u.copy_from_slice(known),
-                None => self.velocities(momentum, by_p, u),
+                None => self.velocities_as::<T>(momentum, stages.at_mut(0).1, u),
             }
         }
     }
@@ -85,6 +91,12 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     #[inline(always)]
     pub(super) fn residual(&self, lists: &mut Lists<'_, S>) {
         self.refresh(lists);
+        self.residual_as::<S::OfElements<H::Exact>>(lists);
+    }
+
+    /// [`Step::residual`] where `u` and `P` are those at `x`, computed in numbers `T`.
+    #[inline(always)]
+    pub(super) fn residual_as<T: Number<S>>(&self, lists: &mut Lists<'_, S>) {
         let Lists { x, correction, u, momentum, by_p, stages, .. } = lists;
         let is_both = self.scheme.unknowns == Unknowns::Both;
         if is_both {
@@ -94,7 +106,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         for (s, stage) in self.scheme.stages.iter().enumerate() {
             let (q, by_q) = stages.at_mut(s);
             self.place(stage, q, by_q, u);
-            self.slopes(stage, q, momentum, wanted, by_q, by_p);
+            self.slopes_as::<T>(stage, q, momentum, wanted, by_q, by_p);
         }
         for (s, stage) in self.scheme.stages.iter().enumerate() {
             let (weight, (_, by_q)) = (stage.start, stages.at(s));
@@ -137,8 +149,14 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// are at the node `q_i` then, by the choice of unknowns. What else these add goes to `by_q`.
     #[inline(always)]
     pub(super) fn velocities(&self, momentum: &[S], by_q: &mut [S], u: &mut [S]) {
+        self.velocities_as::<S::OfElements<H::Exact>>(momentum, by_q, u);
+    }
+
+    /// [`Step::velocities`], computed in numbers `T`.
+    #[inline(always)]
+    fn velocities_as<T: Number<S>>(&self, momentum: &[S], by_q: &mut [S], u: &mut [S]) {
         for stage in self.scheme.stages {
-            self.slopes(stage, self.q, momentum, Slopes::BY_MOMENTA, by_q, u);
+            self.slopes_as::<T>(stage, self.q, momentum, Slopes::BY_MOMENTA, by_q, u);
         }
     }
 
@@ -153,10 +171,24 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         by_q: &mut [S],
         by_p: &mut [S],
     ) {
+        self.slopes_as::<S::OfElements<H::Exact>>(stage, q, p, wanted, by_q, by_p);
+    }
+
+    /// [`Step::slopes`], computed in numbers `T`.
+    #[inline(always)]
+    fn slopes_as<T: Number<S>>(
+        &self,
+        stage: &Stage,
+        q: &[S],
+        p: &[S],
+        wanted: Slopes,
+        by_q: &mut [S],
+        by_p: &mut [S],
+    ) {
         let at = self.at(stage, q, p);
         for &(part, weight) in stage.parts {
             if size_of::<S>() == size_of::<f64>() {
-                slopes(self.system, part, weight, &at, wanted, by_q, by_p);
+                self.system.slopes::<S, T, [S], [S]>(part, weight, &at, wanted, by_q, by_p);
             } else {
                 slopes_apart(self.system, part, weight, &at, wanted, by_q, by_p);
             }

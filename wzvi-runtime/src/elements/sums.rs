@@ -23,9 +23,9 @@ pub trait Sums<S> {
     /// Those `values` of an outermost loop, by its number, whose placements add to any of the sums.
     fn outer(&self, variable: usize, values: Range<isize>) -> Self::Outer;
 
-    /// Of `len` placements, of which each adds to the places after those of the one before, from the places `first` on: how many
+    /// Of `len` placements, of which each adds to points of `D` after those of the one before, from the places `first` on: how many
     /// to leave out, and how many to take then.
-    fn clip<const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize);
+    fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize);
 
     /// The sums of `len` places from `first` on.
     fn run(&mut self, first: usize, len: usize) -> Self::Run<'_>;
@@ -69,7 +69,7 @@ impl<S: Scalar> Sums<S> for [S] {
         values
     }
     #[inline(always)]
-    fn clip<const N: usize>(&self, len: usize, _first: [usize; N]) -> (usize, usize) {
+    fn clip<const D: usize, const N: usize>(&self, len: usize, _first: [usize; N]) -> (usize, usize) {
         (0, len)
     }
     #[inline(always)]

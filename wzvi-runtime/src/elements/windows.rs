@@ -17,11 +17,13 @@ mod explicit;
 mod layout;
 mod order;
 mod sums;
+mod sweep;
 mod word;
 
 use std::ops::Range;
 
 pub(super) use explicit::takes_windows;
+pub(super) use sweep::Sweeps;
 pub use word::{Flow, Letter, Origin, Word, take_windows};
 
 use check::Check;
@@ -41,6 +43,9 @@ pub const LEAST_IN_WINDOWS: usize = 96;
 
 /// Places of a window. Five stretches of it are used at one time: forces, and both halves of the state before and after.
 const SIZE: usize = 512;
+
+/// Windows begin at multiples of it.
+pub(crate) const BLOCK: usize = 64;
 
 /// Numbers in a line of the cache: sums start with one.
 const LINE: usize = 8;

@@ -7,8 +7,15 @@
 //! Every place gets its terms in the order of the placements, wherever chunks begin: the slice that is furthest ahead is added to
 //! at once, those behind it after the chunk, which ends before it would reach a slice that is further ahead than an earlier one.
 
+mod motion;
+mod stores;
+
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
+
+use motion::{Motion, motion, runs, wrap};
+
+pub(super) use motion::stretch;
 
 use super::Wanted;
 use super::indices::{Indices, variable};
@@ -16,7 +23,7 @@ use super::kernel::{Target, written};
 use crate::diagnostics::internal::Promised;
 use crate::emit::count;
 use crate::emit::step::mentions;
-use crate::model::index::{Atom, Index};
+use crate::model::index::Index;
 use crate::model::{Element, Local, Slot};
 use crate::symbolic::Expr;
 
@@ -37,19 +44,6 @@ pub(super) struct Chunk<'a> {
     pub(super) wanted: Wanted,
 }
 
-/// How an index moves with the innermost loop.
-enum Motion {
-    Fixed,
-    /// By one, perhaps wrapping around.
-    Run,
-    /// By a point: to the component `part` of points from the index `base` on.
-    Points {
-        base: Index,
-        part: usize,
-    },
-    Free,
-}
-
 /// The loop as it is put together.
 #[derive(Default)]
 struct Code {
@@ -57,8 +51,10 @@ struct Code {
     buffers: TokenStream,
     /// Before all chunks.
     before: TokenStream,
-    /// Ends the chunk early, by `__len`.
+    /// Ends the chunk early, by `__len`, where an index wraps around.
     limits: TokenStream,
+    /// The same where a place would get its terms in another order.
+    ordering: TokenStream,
     /// Indices that have their limit.
     limited: Vec<Index>,
     /// Slices of this chunk.
@@ -97,21 +93,26 @@ impl Chunk<'_> {
             self.open(&mut code, inner, k, local);
         }
         self.store(&mut code, inner, values);
-        let has_all = code.limits.is_empty() && !code.has_buffers;
+        let has_all = code.limits.is_empty() && code.ordering.is_empty() && !code.has_buffers;
         let most = count(CHUNK);
         let most = match code.has_buffers {
             true => quote!(__wzvi::Ord::min((__end - __low) as #usize, #most)),
             false => quote!((__end - __low) as #usize),
         };
-        let Code { buffers, before, limits, opening, reads, stores, release, closing, after, .. } = code;
+        let has_buffers = code.has_buffers;
+        let Code {
+            buffers, before, limits, ordering, opening, reads, stores, release, closing, after, ..
+        } = code;
         let release = (!closing.is_empty()).then_some(release);
-        let mutable = if limits.is_empty() { quote!() } else { quote!(mut) };
+        let mutable = |limits: &TokenStream| if limits.is_empty() { quote!() } else { quote!(mut) };
+        let is_limited = mutable(&quote!(#limits #ordering));
         let body = quote!(#reads #inside #stores);
         let place =
             mentions(&body, &name.to_string()).then(|| quote!(let #name = __low + __place as #isize;));
         let limited = quote! {
-            let #mutable __len = #most;
+            let #is_limited __len = #most;
             #limits
+            #ordering
         };
         let pass = quote! {
             #opening
@@ -124,14 +125,15 @@ impl Chunk<'_> {
         };
         let (places, sums) = (self.places(inner), written(self.outputs));
         if has_all {
-            let mentioned = quote!(#limited #pass #places);
+            let positions = places.as_ref().map(|(_, places)| places);
+            let mentioned = quote!(#limited #pass #positions);
             let opens_at_low = mentions(&mentioned, &name.to_string()).then(|| quote!(let #name = __low;));
             let pass = match &places {
                 None => pass,
-                Some(places) => {
+                Some((stride, places)) => {
                     let moves = opens_at_low.as_ref().map(|_| quote!(let #name = __low;));
                     quote! {
-                        let (__skipped, __len) = #sums.clip(__len, #places);
+                        let (__skipped, __len) = #sums.clip::<#stride, _>(__len, #places);
                         if __len > 0 {
                             let __low = __low + __skipped as #isize;
                             #moves
@@ -152,14 +154,50 @@ impl Chunk<'_> {
             };
             return Emitted { buffers, body };
         }
+        if let (true, Some((stride, places))) = (has_buffers, &places) {
+            // What a stretch without wrapping around leaves out is left out at once: chunks would look one by one. Chunks
+            // begin where they do without that, because sums are parted there.
+            let (mutable_piece, mutable_chunk, most) = (mutable(&limits), mutable(&ordering), count(CHUNK));
+            let body = quote! {
+                #before
+                let mut #name: #isize = #start;
+                let __end: #isize = #end;
+                while #name < __end {
+                    let #mutable_piece __len = (__end - #name) as #usize;
+                    #limits
+                    let __next = #name + __len as #isize;
+                    let (__skipped, __taken) = #sums.clip::<#stride, _>(__len, #places);
+                    let __until = #name + (__skipped + __taken) as #isize;
+                    let #mutable_chunk __len: #usize = #most;
+                    #ordering
+                    let __most = __len;
+                    #name += (__skipped / __most * __most) as #isize;
+                    while #name < __until {
+                        let __low = #name;
+                        let __len = __wzvi::Ord::min((__next - __low) as #usize, __most);
+                        let __after = __low + __len as #isize;
+                        let (__skipped, __len) = #sums.clip::<#stride, _>(__len, #places);
+                        if __len > 0 {
+                            let __low = __low + __skipped as #isize;
+                            #name = __low;
+                            #pass
+                        }
+                        #name = __after;
+                    }
+                    #name = __next;
+                }
+                #after
+            };
+            return Emitted { buffers, body };
+        }
         let pass = match places {
             None => quote! {
                 #pass
                 #name += __len as #isize;
             },
-            Some(places) => quote! {
+            Some((stride, places)) => quote! {
                 let __next = #name + __len as #isize;
-                let (__skipped, __len) = #sums.clip(__len, #places);
+                let (__skipped, __len) = #sums.clip::<#stride, _>(__len, #places);
                 if __len > 0 {
                     let __low = __low + __skipped as #isize;
                     #name = __low;
@@ -182,16 +220,25 @@ impl Chunk<'_> {
         Emitted { buffers, body }
     }
 
-    /// Where the first placement of a chunk writes, if that of each one after it is the place after.
-    fn places(&self, inner: u32) -> Option<TokenStream> {
-        if self.wanted != Wanted::Slopes || !can_be_clipped(self.outputs, inner) {
+    /// The arguments of `clip`: where the first placement of a chunk writes, if that of each one after it is the place after, or the
+    /// point after.
+    fn places(&self, inner: u32) -> Option<(Literal, TokenStream)> {
+        if self.wanted != Wanted::Slopes {
             return None;
         }
-        let places = self.outputs.iter().map(|(_, target)| match target {
-            Target::Slope { index, .. } => self.indices.position(index),
-            Target::Total | Target::Curvature { .. } => TokenStream::new(),
-        });
-        Some(quote!([#(#places),*]))
+        let (mut strides, mut bases): (Vec<i128>, Vec<Index>) = (Vec::new(), Vec::new());
+        for (_, target) in self.outputs {
+            let Target::Slope { index, .. } = target else { return None };
+            let (stride, base) = stretch(index, inner, self.components)?;
+            if !bases.contains(&base) {
+                bases.push(base);
+            }
+            strides.push(stride);
+        }
+        let stride = *strides.first()?;
+        let positions = bases.iter().map(|base| self.indices.position(base));
+        let is_same = strides.iter().all(|other| *other == stride);
+        is_same.then(|| (Literal::i128_unsuffixed(stride), quote!([#(#positions),*])))
     }
 
     /// The local variables that the arithmetic reads, with their numbers.
@@ -247,7 +294,7 @@ impl Chunk<'_> {
                 });
             }
             Motion::Points { base, part } => {
-                let (points, part) = (self.points(code, &list, &base, false), count(part));
+                let (points, part) = (self.points(code, inner, &list, &base, false), count(part));
                 let value = self.wanted.lifted(quote!(#points[__place][#part]));
                 code.reads.extend(quote!(let #own = #value;));
             }
@@ -259,11 +306,19 @@ impl Chunk<'_> {
     }
 
     /// The name of the points of `list` from `base` on.
-    fn points(&self, code: &mut Code, list: &TokenStream, base: &Index, is_written: bool) -> Ident {
+    fn points(
+        &self,
+        code: &mut Code,
+        inner: u32,
+        list: &TokenStream,
+        base: &Index,
+        is_written: bool,
+    ) -> Ident {
         let key = list.to_string();
         if let Some((.., name)) = code.points.iter().find(|(known, at, _)| *known == key && at == base) {
             return name.clone();
         }
+        self.limit(code, base, inner);
         let name = format_ident!("__points{}", code.points.len());
         let (at, components) = (self.indices.position(base), Literal::i128_unsuffixed(self.components));
         code.opening.extend(match is_written {
@@ -280,205 +335,10 @@ impl Chunk<'_> {
         name
     }
 
-    /// Where the computed values go. Slices first: what is left knows then which vectors are taken.
-    fn store(&self, code: &mut Code, inner: u32, values: &[TokenStream]) {
-        let mut left: Vec<usize> = Vec::new();
-        let order = self.furthest_first(inner);
-        // Pairs of neighbours before others, which would take their vector.
-        let pairs: Vec<(usize, usize)> =
-            order.iter().filter_map(|&j| Some((j, self.neighbour(j, inner)?))).collect();
-        let mut carried: Vec<usize> = Vec::new();
-        for &(j, next) in &pairs {
-            if let Some((_, Target::Slope { vector, .. })) = self.outputs.get(j)
-                && !code.direct.contains(vector)
-            {
-                code.direct.push(vector.clone());
-                carried.extend([j, next]);
-                self.store_run(code, inner, values, j, Some(next));
-            }
-        }
-        for j in order {
-            let Some((_, Target::Slope { vector, index })) = self.outputs.get(j) else {
-                left.push(j);
-                continue;
-            };
-            if carried.contains(&j) {
-                continue;
-            }
-            let is_taken = code.direct.contains(vector);
-            match motion(index, inner, self.components) {
-                Motion::Run if !is_taken => {
-                    code.direct.push(vector.clone());
-                    self.store_run(code, inner, values, j, None);
-                }
-                Motion::Points { base, part } => {
-                    let list = quote!(#vector);
-                    let key = (list.to_string(), &base);
-                    let is_open = code.points.iter().any(|(list, at, _)| (list, at) == (&key.0, key.1));
-                    if is_taken && !is_open {
-                        left.push(j);
-                        continue;
-                    }
-                    code.direct.push(vector.clone());
-                    let (points, value) = (self.points(code, &list, &base, true), &values[j]);
-                    let part = count(part);
-                    code.stores.extend(quote!(#points.add_part(__place, #part, #value);));
-                }
-                _ => left.push(j),
-            }
-        }
-        for j in left {
-            self.store_other(code, inner, j, &values[j]);
-        }
-    }
-
-    /// The outputs, so that of slopes whose places differ by a constant the one furthest ahead comes first.
-    fn furthest_first(&self, inner: u32) -> Vec<usize> {
-        let place = |j: &usize| -> Option<(&Ident, Index, i128)> {
-            let (_, Target::Slope { vector, index }) = self.outputs.get(*j)? else { return None };
-            let (place, _) = unwrapped(index, inner)?;
-            let constant = place.constant;
-            Some((vector, place.shifted(-constant)?, constant))
-        };
-        let all: Vec<usize> = (0..self.outputs.len()).collect();
-        let mut order = all.clone();
-        order.sort_by_key(|j| match place(j) {
-            None => (*j, 0),
-            Some((vector, moving, constant)) => {
-                let is_alike = |other: &&usize| {
-                    place(other).is_some_and(|(known, place, _)| known == vector && place == moving)
-                };
-                (all.iter().find(is_alike).copied().unwrap_or(*j), -constant)
-            }
-        });
-        order
-    }
-
-    /// A chunk ends before it would reach, with a slice that is added after others, where one of those is: places get their
-    /// terms in the order of the placements.
-    fn keep_order(&self, code: &mut Code, inner: u32, j: usize) {
-        let place = |j: usize| match self.outputs.get(j) {
-            Some((_, Target::Slope { vector, index })) => Some((vector, index)),
-            _ => None,
-        };
-        let Some((vector, index)) = place(j) else { return };
-        let own = self.indices.position(index);
-        for &earlier in &code.added {
-            let Some((_, before)) = place(earlier).filter(|(known, _)| *known == vector) else { continue };
-            let is_plain = wrap(index, inner).is_none() && wrap(before, inner).is_none();
-            let ahead = index.subtract(before).and_then(|distance| distance.as_integer());
-            if is_plain && ahead.is_some_and(|ahead| ahead <= 0) {
-                continue;
-            }
-            let before = self.indices.position(before);
-            code.limits.extend(quote!(__len = __wzvi::elements::apart(__len, #before, #own);));
-        }
-        code.added.push(j);
-    }
-
-    /// Another slope whose place is that of slope `j` in the next round of the loop.
-    fn neighbour(&self, j: usize, inner: u32) -> Option<usize> {
-        let place = |j: usize| match &self.outputs.get(j)?.1 {
-            Target::Slope { vector, index } => Some((vector, index)),
-            _ => None,
-        };
-        let (vector, own) = place(j)?;
-        (0..self.outputs.len()).filter(|&other| other != j).find(|&other| {
-            place(other).is_some_and(|(known, index)| known == vector && follows(index, own, inner))
-        })
-    }
-
-    /// Adds slope `j` to its slice, and with it what the round before left for the same place.
-    fn store_run(&self, code: &mut Code, inner: u32, values: &[TokenStream], j: usize, next: Option<usize>) {
-        let Some((_, Target::Slope { vector, index })) = self.outputs.get(j) else { return };
-        let (slice, at, value) = (format_ident!("__b{j}"), format_ident!("__at{j}"), &values[j]);
-        let carried = format_ident!("__carried{j}");
-        let base = self.indices.position(index);
-        self.limit(code, index, inner);
-        self.keep_order(code, inner, j);
-        if let Some((next, (_, Target::Slope { index: ahead, .. }))) =
-            next.and_then(|next| Some((next, self.outputs.get(next)?)))
-        {
-            self.limit(code, ahead, inner);
-            let (base_ahead, value_ahead) = (self.indices.position(ahead), &values[next]);
-            let zero = self.zero();
-            // One by one where the next place is another one after all.
-            if wrap(index, inner).is_some() || wrap(ahead, inner).is_some() {
-                code.limits.extend(quote! {
-                    if #base_ahead != #base + 1 {
-                        __len = 1;
-                    }
-                });
-            }
-            code.opening.extend(quote! {
-                let #at = #base_ahead + (__len - 1);
-                let mut #carried = #zero;
-            });
-            // Computed first: only then can the compiler keep what is carried in a vector register.
-            code.stores.extend(quote! {
-                let __ahead = #value_ahead;
-                #slice.add(__place, #value + #carried);
-                #carried = __ahead;
-            });
-            code.closing.extend(quote!(#vector.add(#at, #carried);));
-        } else {
-            code.stores.extend(quote!(#slice.add(__place, #value);));
-        }
-        code.opening.extend(quote!(let mut #slice = #vector.run(#base, __len);));
-        code.release.extend(quote!(__wzvi::drop(#slice);));
-    }
-
-    /// What does not go to a slice of its own: sums, buffers, single places.
-    fn store_other(&self, code: &mut Code, inner: u32, j: usize, value: &TokenStream) {
-        let Some((_, target)) = self.outputs.get(j) else { return };
-        let (buffer, zero, most) = (format_ident!("__b{j}"), self.zero(), count(CHUNK));
-        let is_fixed = match target {
-            Target::Total => true,
-            Target::Slope { index, .. } => !index.loops().contains(&inner),
-            Target::Curvature { row, column, .. } => {
-                !row.loops().contains(&inner) && !column.loops().contains(&inner)
-            }
-        };
-        let shared = match target {
-            Target::Slope { vector, index } if code.direct.contains(vector) => Some((vector, index)),
-            _ => None,
-        };
-        if is_fixed {
-            code.before.extend(quote!(let mut #buffer = #zero;));
-            code.stores.extend(quote!(#buffer = #buffer + #value;));
-            code.after.extend(self.add(target, &quote!(#buffer)));
-        } else if let Some((vector, index)) = shared {
-            code.has_buffers = true;
-            code.buffers.extend(quote!(let mut #buffer = [#zero; #most];));
-            code.opening.extend(quote!(let #buffer = &mut #buffer[..__len];));
-            code.stores.extend(quote!(#buffer[__place] = #value;));
-            if matches!(motion(index, inner, self.components), Motion::Run) {
-                let base = self.indices.position(index);
-                self.limit(code, index, inner);
-                self.keep_order(code, inner, j);
-                code.closing.extend(quote! {
-                    let mut __run = #vector.run(#base, __len);
-                    for __place in 0..__len {
-                        __run.add(__place, #buffer[__place]);
-                    }
-                });
-            } else {
-                let (name, add) = (variable(inner), self.add(target, &quote!(#buffer[__place])));
-                code.closing.extend(quote! {
-                    for __place in 0..__len {
-                        let #name = __low + __place as __wzvi::isize;
-                        #add
-                    }
-                });
-            }
-        } else {
-            code.stores.extend(self.add(target, value));
-        }
-    }
-
     /// A chunk ends where an index wraps around.
     fn limit(&self, code: &mut Code, index: &Index, inner: u32) {
-        let Some(both) = wrap(index, inner).filter(|_| !code.limited.contains(index)) else { return };
+        let both = wrap(index, inner, 1).or_else(|| wrap(index, inner, self.components));
+        let Some(both) = both.filter(|_| !code.limited.contains(index)) else { return };
         code.limited.push(index.clone());
         let (at, size) = (self.indices.value(&both.0), self.indices.value(&both.1));
         code.limits.extend(quote! {
@@ -555,11 +415,6 @@ impl Chunk<'_> {
     }
 }
 
-/// Whether each placement of the loop writes to the places after those that the one before writes to.
-fn can_be_clipped(outputs: &[(Expr, Target)], inner: u32) -> bool {
-    outputs.iter().all(|(_, target)| matches!(target, Target::Slope { index, .. } if runs(index, inner)))
-}
-
 fn slot_index(slot: &Slot) -> Index {
     match slot {
         Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) | Slot::Number(index) => {
@@ -567,62 +422,4 @@ fn slot_index(slot: &Slot) -> Index {
         }
         Slot::Entry(_, indices) => indices.first().cloned().promised("entries of tables have an index"),
     }
-}
-
-fn motion(index: &Index, inner: u32, components: i128) -> Motion {
-    if !index.loops().contains(&inner) {
-        return Motion::Fixed;
-    }
-    if runs(index, inner) {
-        return Motion::Run;
-    }
-    // All points from the first to the last are in the vector if the index is.
-    let is_point = components > 1
-        && index.slope(inner) == Some(components)
-        && index.terms.iter().all(|(_, coefficient)| coefficient % components == 0);
-    let part = if is_point { index.constant.rem_euclid(components) } else { 0 };
-    match (is_point, index.shifted(-part), usize::try_from(part)) {
-        (true, Some(base), Ok(part)) => Motion::Points { base, part },
-        _ => Motion::Free,
-    }
-}
-
-/// Whether the index goes up by one with the loop, perhaps wrapping around.
-pub(super) fn runs(index: &Index, inner: u32) -> bool {
-    index.slope(inner) == Some(1) || wrap(index, inner).is_some()
-}
-
-/// `k + r` and `n` of an index `... + (k + r) % n` with everything else fixed in the loop over `k`.
-fn wrap(index: &Index, inner: u32) -> Option<&(Index, Index)> {
-    let mut moving =
-        index.terms.iter().filter(|(atom, _)| Index::atom(atom.clone()).loops().contains(&inner));
-    match (moving.next(), moving.next()) {
-        (Some((Atom::Remainder(both), 1)), None) => {
-            let is_run = both.0.slope(inner) == Some(1) && !both.1.loops().contains(&inner);
-            is_run.then_some(&**both)
-        }
-        _ => None,
-    }
-}
-
-/// The index without wrapping around, and after how many places it does.
-fn unwrapped(index: &Index, inner: u32) -> Option<(Index, Index)> {
-    match wrap(index, inner) {
-        None => Some((index.clone(), Index::default())),
-        Some(both) => {
-            let rest = index.subtract(&Index::atom(Atom::Remainder(Box::new(both.clone()))))?;
-            Some((rest.add(&both.0)?, both.1.clone()))
-        }
-    }
-}
-
-/// Whether `ahead` is `own + 1` but for wrapping around, which the loop looks for itself.
-fn follows(ahead: &Index, own: &Index, inner: u32) -> bool {
-    let distance = || -> Option<[Index; 3]> {
-        let ((ahead, size), (own, other)) = (unwrapped(ahead, inner)?, unwrapped(own, inner)?);
-        let plain = ahead.subtract(&own)?;
-        Some([plain.add(&other)?, plain.subtract(&size)?, plain])
-    };
-    let one = Index::integer(1);
-    runs(ahead, inner) && runs(own, inner) && distance().is_some_and(|distances| distances.contains(&one))
 }

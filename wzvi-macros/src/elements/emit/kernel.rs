@@ -47,9 +47,10 @@ pub(super) struct Context<'a> {
 }
 
 /// What the code around an element names.
-const LIVE: [&str; 25] = [
-    "ahead", "at", "base", "by_p", "by_q", "end", "factor", "into", "len", "low", "nan", "next", "p", "part",
-    "place", "q", "run", "scale", "size", "skipped", "t", "total", "value", "wanted", "weight",
+const LIVE: [&str; 29] = [
+    "after", "ahead", "at", "base", "by_p", "by_q", "end", "factor", "into", "len", "low", "most", "nan",
+    "next", "p", "part", "place", "q", "run", "scale", "size", "skipped", "t", "taken", "total", "until",
+    "value", "wanted", "weight",
 ];
 
 /// Loop variables, slices, buffers, and what is carried from one place to another.

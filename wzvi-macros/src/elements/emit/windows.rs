@@ -3,7 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::chunk::runs;
+use super::chunk::stretch;
 use crate::elements::parts::PartElements;
 use crate::emit::count;
 use crate::input::{Length, Shape};
@@ -35,12 +35,13 @@ pub(super) fn are_there(model: &mut System, parts: &[PartElements]) -> TokenStre
     }
 }
 
-/// Whether elements that read coordinates add to places next to each other, and those that read momenta read one each, to
-/// whose place they add.
+/// Whether elements that read coordinates add to places or points next to each other, and those that read momenta read one place or
+/// point each, to which they add.
 fn have_runs(model: &System, parts: &[PartElements]) -> bool {
-    let moves_on = |element: &Element, index: &Index| match element.loops.last() {
-        None => true,
-        Some(inner) => runs(index, inner.variable),
+    // Where placements are, if they are next to each other.
+    let stretch_of = |element: &Element, index: &Index| match element.loops.last() {
+        None => Some((0, index.clone())),
+        Some(inner) => stretch(index, inner.variable, model.components),
     };
     if model.conformal.is_some() {
         return false;
@@ -49,10 +50,16 @@ fn have_runs(model: &System, parts: &[PartElements]) -> bool {
         // What stands in the place of a gradient reads anything.
         _ if element.displacements().next().is_some() => false,
         Reads::Nothing => true,
-        Reads::Coordinates => element.coordinates().all(|(_, index)| moves_on(element, index)),
+        Reads::Coordinates => {
+            let mut strides =
+                element.coordinates().map(|(_, index)| stretch_of(element, index).map(|(stride, _)| stride));
+            let first = strides.next().flatten();
+            first.is_some() && strides.all(|stride| stride == first)
+        }
         Reads::Momenta => {
-            let mut read = element.momenta().map(|(_, index)| index);
-            read.next().is_some_and(|index| moves_on(element, index)) && read.next().is_none()
+            let mut read = element.momenta().map(|(_, index)| stretch_of(element, index));
+            let first = read.next().flatten();
+            first.is_some() && read.all(|other| other == first)
         }
         Reads::Both => false,
     })
@@ -71,13 +78,17 @@ fn move_what_they_read(model: &mut System, parts: &[PartElements]) -> bool {
     })
 }
 
-/// Whether the velocity of every degree of freedom is the slope of one element, in a loop over all.
+/// Whether the velocity of every degree of freedom is the slope of one element, in a loop over all places or points.
 pub(super) fn have_one_velocity(model: &System, parts: &[PartElements]) -> bool {
     let mut read = elements(model, parts).filter(|element| matches!(element.reads(), Reads::Momenta));
-    let (Some(element), None, true) = (read.next(), read.next(), model.components == 1) else { return false };
+    let (Some(element), None) = (read.next(), read.next()) else { return false };
     let [only] = element.loops.as_slice() else { return false };
     let is_all = only.start == Index::default() && only.end == model.size;
-    is_all && element.momenta().all(|(_, index)| *index == Index::atom(Atom::Loop(only.variable)))
+    let point = |index: &Index| stretch(index, only.variable, model.components).map(|(_, base)| base);
+    let first = Index::atom(Atom::Loop(only.variable)).multiply(&Index::integer(model.components));
+    let read: Vec<&Index> = element.momenta().map(|(_, index)| index).collect();
+    let is_each = i128::try_from(read.len()) == Ok(model.components);
+    is_all && is_each && first.is_some() && read.into_iter().all(|index| point(index) == first)
 }
 
 /// The types that slopes are computed with where numbers are kept as `f64`: one by one, and in loops over neighbours. Where

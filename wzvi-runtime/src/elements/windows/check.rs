@@ -7,15 +7,23 @@ const BESIDE: usize = 16;
 #[derive(Default)]
 pub(super) struct Check([f64; BESIDE]);
 
+/// Zero for each finite number.
+#[inline(always)]
+fn add_zeros(zeros: &mut [f64; BESIDE], numbers: &[f64; BESIDE]) {
+    for i in 0..BESIDE {
+        zeros[i] += numbers[i] * 0.0;
+    }
+}
+
 impl Check {
     #[inline(always)]
     pub(super) fn look(&mut self, numbers: &[f64]) {
         let (groups, rest) = numbers.as_chunks::<BESIDE>();
+        let mut zeros = self.0;
         for group in groups {
-            for (zero, number) in self.0.iter_mut().zip(group) {
-                *zero += number * 0.0;
-            }
+            add_zeros(&mut zeros, group);
         }
+        self.0 = zeros;
         for (zero, number) in self.0.iter_mut().zip(rest) {
             *zero += number * 0.0;
         }
@@ -49,12 +57,15 @@ impl Check {
         let (into, into_rest) = into.as_chunks_mut::<BESIDE>();
         let ((base, base_rest), (terms, terms_rest)) =
             (base.as_chunks::<BESIDE>(), terms.as_chunks::<BESIDE>());
+        // A list of its own, which stays in registers.
+        let mut zeros = self.0;
         for (k, (into, terms)) in into.iter_mut().zip(terms).enumerate() {
             let base = if IN_PLACE { *into } else { base[k] };
             let new: [f64; BESIDE] = std::array::from_fn(|i| sum(base[i], terms[i]));
             *into = new;
-            self.0.iter_mut().zip(new).for_each(|(zero, new)| *zero += new * 0.0);
+            add_zeros(&mut zeros, &new);
         }
+        self.0 = zeros;
         for (k, (into, &term)) in into_rest.iter_mut().zip(terms_rest).enumerate() {
             *into = sum(if IN_PLACE { *into } else { base_rest[k] }, term);
         }

@@ -11,6 +11,7 @@ use std::ops::Range;
 use std::slice;
 
 use super::super::sums::{Run, Sums};
+use super::BLOCK;
 use crate::scalar::Number;
 
 /// The places from `start` to `end`, of a plan.
@@ -37,8 +38,13 @@ impl<'a> Strip<'a> {
 
     /// As [`Sums::clip`].
     #[inline(always)]
-    pub(super) fn clip<const N: usize>(self, len: usize, first: [usize; N]) -> (usize, usize) {
-        clip(self.start..self.end, len, first)
+    pub(super) fn clip<const D: usize, const N: usize>(
+        self,
+        len: usize,
+        first: [usize; N],
+    ) -> (usize, usize) {
+        // Windows begin with a point.
+        clip(self.start / D..self.end / D, len, first.map(|place| place / D))
     }
 
     /// Where the sums of the window are, in a list of [`Windows::room`].
@@ -81,6 +87,8 @@ fn clip<const N: usize>(places: Range<usize>, len: usize, first: [usize; N]) -> 
 struct Placements {
     /// The outermost loop around it and the value of its variable, if there is one.
     outer: Option<(usize, isize)>,
+    /// Places from one placement to the next.
+    stride: usize,
     len: usize,
     first: Vec<usize>,
 }
@@ -125,9 +133,9 @@ impl<'a> Sums<f64> for &'a Recorder {
     fn outer(&self, variable: usize, values: Range<isize>) -> Told<'a> {
         Told { variable, values, recorder: self }
     }
-    fn clip<const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
+    fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
         let first = first.to_vec();
-        self.runs.borrow_mut().push(Placements { outer: self.outer.get(), len, first });
+        self.runs.borrow_mut().push(Placements { outer: self.outer.get(), stride: D, len, first });
         (0, 0)
     }
     fn run(&mut self, _first: usize, _len: usize) -> Unkept {
@@ -196,7 +204,8 @@ impl Windows {
     /// freedom.
     pub(super) fn new(degrees: usize, size: usize, recorder: Recorder) -> Self {
         let (runs, single) = (recorder.runs.into_inner(), recorder.single.into_inner());
-        let size = size.max(REACHES * reach(&runs)).min(degrees).max(1);
+        let stride = runs.iter().map(|run| run.stride).max().unwrap_or(1);
+        let size = size.max(REACHES * reach(&runs)).next_multiple_of(BLOCK * stride).min(degrees).max(1);
         let count = degrees.div_ceil(size);
         let neighbours = (0..count).map(|number| vec![number]).collect();
         let mut windows = Self { degrees, size, margin: 0, unread: 1, rows: Vec::new(), neighbours };
@@ -230,7 +239,7 @@ impl Windows {
 
     /// The windows that a run writes into.
     fn touched(&self, run: &Placements) -> Vec<usize> {
-        let ends = |&first: &usize| first / self.size..(first + run.len).div_ceil(self.size);
+        let ends = |&first: &usize| first / self.size..(first + run.stride * run.len).div_ceil(self.size);
         let mut all: Vec<usize> = run.first.iter().filter(|_| run.len > 0).flat_map(ends).collect();
         all.sort_unstable();
         all.dedup();
@@ -239,16 +248,18 @@ impl Windows {
 
     fn add(&mut self, run: &Placements, number: usize, count: usize) {
         let (start, end) = self.bounds(number);
-        let clips = run.first.iter().map(|&first| clip(start..end, run.len, [first]));
+        let stride = run.stride;
+        let points = start / stride..end / stride;
+        let clips = run.first.iter().map(|&first| clip(points.clone(), run.len, [first / stride]));
         let (from, to) = clips
             .filter(|&(_, len)| len > 0)
             .fold((run.len, 0), |(from, to), (skip, len)| (from.min(skip), to.max(skip + len)));
         for first in &run.first {
-            let (first, last) = (first + from, first + to);
+            let (first, last) = (first + stride * from, first + stride * to);
             if first < end && start < last {
                 self.margin = self.margin.max(start.saturating_sub(first)).max(last.saturating_sub(end));
             }
-            self.unread = self.unread.max(to - from);
+            self.unread = self.unread.max(stride * (to - from));
             if from < to {
                 self.neighbours[number].extend(first / self.size..=(last - 1) / self.size);
             }

@@ -73,8 +73,8 @@ impl<'a> Sums<f64> for Window<'a> {
         self.strip.outer(variable)
     }
     #[inline(always)]
-    fn clip<const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
-        self.strip.clip(len, first)
+    fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
+        self.strip.clip::<D, N>(len, first)
     }
     #[inline(always)]
     fn run(&mut self, first: usize, len: usize) -> Gathered<'_> {
@@ -137,8 +137,8 @@ impl<'a> Sums<f64> for Moved<'a> {
         self.strip.outer(variable)
     }
     #[inline(always)]
-    fn clip<const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
-        self.strip.clip(len, first)
+    fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
+        self.strip.clip::<D, N>(len, first)
     }
     #[inline(always)]
     fn run(&mut self, first: usize, len: usize) -> MovedRun<'_, 1> {

@@ -1,0 +1,252 @@
+//! Where a chunk adds what it computes.
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::{format_ident, quote};
+
+use super::motion::{Motion, follows, motion, stretch, unwrapped, wrap};
+use super::{CHUNK, Chunk, Code};
+use crate::elements::emit::indices::variable;
+use crate::elements::emit::kernel::Target;
+use crate::emit::count;
+use crate::model::index::Index;
+
+impl Chunk<'_> {
+    /// Where the computed values go. Slices first: what is left knows then which vectors are taken.
+    pub(super) fn store(&self, code: &mut Code, inner: u32, values: &[TokenStream]) {
+        let mut left: Vec<usize> = Vec::new();
+        let order = self.furthest_first(inner);
+        // Pairs of neighbours before others, which would take their vector.
+        let pairs: Vec<(usize, usize)> =
+            order.iter().filter_map(|&j| Some((j, self.neighbour(j, inner)?))).collect();
+        let mut carried: Vec<usize> = Vec::new();
+        for &(j, next) in &pairs {
+            if let Some((_, Target::Slope { vector, .. })) = self.outputs.get(j)
+                && !code.direct.contains(vector)
+            {
+                code.direct.push(vector.clone());
+                carried.extend([j, next]);
+                self.store_run(code, inner, values, j, Some(next));
+            }
+        }
+        for j in order {
+            let Some((_, Target::Slope { vector, index })) = self.outputs.get(j) else {
+                left.push(j);
+                continue;
+            };
+            if carried.contains(&j) {
+                continue;
+            }
+            let is_taken = code.direct.contains(vector);
+            match motion(index, inner, self.components) {
+                Motion::Run if !is_taken => {
+                    code.direct.push(vector.clone());
+                    self.store_run(code, inner, values, j, None);
+                }
+                Motion::Points { base, part } => {
+                    let list = quote!(#vector);
+                    let key = (list.to_string(), &base);
+                    let is_open = code.points.iter().any(|(list, at, _)| (list, at) == (&key.0, key.1));
+                    if is_taken && !is_open {
+                        left.push(j);
+                        continue;
+                    }
+                    code.direct.push(vector.clone());
+                    self.keep_order(code, inner, j);
+                    let (points, value) = (self.points(code, inner, &list, &base, true), &values[j]);
+                    let part = count(part);
+                    code.stores.extend(quote!(#points.add_part(__place, #part, #value);));
+                }
+                _ => left.push(j),
+            }
+        }
+        for group in
+            left.chunk_by(|a, b| self.point(*a, inner).is_some_and(|a| self.point(*b, inner) == Some(a)))
+        {
+            match group {
+                [first, ..] if self.waits(code, *first, inner) => {
+                    self.store_waiting(code, inner, group, values)
+                }
+                _ => group.iter().for_each(|&j| self.store_other(code, inner, j, &values[j])),
+            }
+        }
+    }
+
+    /// The outputs, so that of slopes whose places differ by a constant the one furthest ahead comes first.
+    fn furthest_first(&self, inner: u32) -> Vec<usize> {
+        let place = |j: &usize| -> Option<(&Ident, Index, i128)> {
+            let (_, Target::Slope { vector, index }) = self.outputs.get(*j)? else { return None };
+            let (place, _) = unwrapped(index, inner)?;
+            let constant = place.constant;
+            Some((vector, place.shifted(-constant)?, constant))
+        };
+        let all: Vec<usize> = (0..self.outputs.len()).collect();
+        let mut order = all.clone();
+        order.sort_by_key(|j| match place(j) {
+            None => (*j, 0),
+            Some((vector, moving, constant)) => {
+                let is_alike = |other: &&usize| {
+                    place(other).is_some_and(|(known, place, _)| known == vector && place == moving)
+                };
+                (all.iter().find(is_alike).copied().unwrap_or(*j), -constant)
+            }
+        });
+        order
+    }
+
+    /// A chunk ends before it would reach, with a slice that is added after others, where one of those is: places get their
+    /// terms in the order of the placements.
+    fn keep_order(&self, code: &mut Code, inner: u32, j: usize) {
+        let place = |j: usize| self.point(j, inner);
+        let Some((vector, stride, own)) = place(j) else { return };
+        let is_own =
+            |earlier: &usize| place(*earlier).is_some_and(|(known, _, at)| known == vector && at == own);
+        if code.added.iter().any(is_own) {
+            return;
+        }
+        for &earlier in &code.added {
+            let Some((_, _, before)) = place(earlier).filter(|(known, ..)| *known == vector) else {
+                continue;
+            };
+            let is_plain = wrap(&own, inner, stride).is_none() && wrap(&before, inner, stride).is_none();
+            let ahead = own.subtract(&before).and_then(|distance| distance.as_integer());
+            if is_plain && ahead.is_some_and(|ahead| ahead <= 0) {
+                continue;
+            }
+            let [before, own] = [&before, &own].map(|index| {
+                let (position, size) = (self.indices.position(index), Literal::i128_unsuffixed(stride));
+                if stride == 1 { position } else { quote!(#position / #size) }
+            });
+            code.ordering.extend(quote!(__len = __wzvi::elements::apart(__len, #before, #own);));
+        }
+        code.added.push(j);
+    }
+
+    /// Another slope whose place is that of slope `j` in the next round of the loop.
+    fn neighbour(&self, j: usize, inner: u32) -> Option<usize> {
+        let place = |j: usize| match &self.outputs.get(j)?.1 {
+            Target::Slope { vector, index } => Some((vector, index)),
+            _ => None,
+        };
+        let (vector, own) = place(j)?;
+        (0..self.outputs.len()).filter(|&other| other != j).find(|&other| {
+            place(other).is_some_and(|(known, index)| known == vector && follows(index, own, inner))
+        })
+    }
+
+    /// Adds slope `j` to its slice, and with it what the round before left for the same place.
+    fn store_run(&self, code: &mut Code, inner: u32, values: &[TokenStream], j: usize, next: Option<usize>) {
+        let Some((_, Target::Slope { vector, index })) = self.outputs.get(j) else { return };
+        let (slice, at, value) = (format_ident!("__b{j}"), format_ident!("__at{j}"), &values[j]);
+        let carried = format_ident!("__carried{j}");
+        let base = self.indices.position(index);
+        self.limit(code, index, inner);
+        self.keep_order(code, inner, j);
+        if let Some((next, (_, Target::Slope { index: ahead, .. }))) =
+            next.and_then(|next| Some((next, self.outputs.get(next)?)))
+        {
+            self.limit(code, ahead, inner);
+            let (base_ahead, value_ahead) = (self.indices.position(ahead), &values[next]);
+            let zero = self.zero();
+            // One by one where the next place is another one after all.
+            if wrap(index, inner, 1).is_some() || wrap(ahead, inner, 1).is_some() {
+                code.limits.extend(quote! {
+                    if #base_ahead != #base + 1 {
+                        __len = 1;
+                    }
+                });
+            }
+            code.opening.extend(quote! {
+                let #at = #base_ahead + (__len - 1);
+                let mut #carried = #zero;
+            });
+            // Computed first: only then can the compiler keep what is carried in a vector register.
+            code.stores.extend(quote! {
+                let __ahead = #value_ahead;
+                #slice.add(__place, #value + #carried);
+                #carried = __ahead;
+            });
+            code.closing.extend(quote!(#vector.add(#at, #carried);));
+        } else {
+            code.stores.extend(quote!(#slice.add(__place, #value);));
+        }
+        code.opening.extend(quote!(let mut #slice = #vector.run(#base, __len);));
+        code.release.extend(quote!(__wzvi::drop(#slice);));
+    }
+
+    /// The vector that output `j` adds to, and the first place or point of the stretch of it.
+    fn point(&self, j: usize, inner: u32) -> Option<(&Ident, i128, Index)> {
+        let Some((_, Target::Slope { vector, index })) = self.outputs.get(j) else { return None };
+        let (stride, base) = stretch(index, inner, self.components)?;
+        Some((vector, stride, base))
+    }
+
+    /// Whether output `j` is a stretch of a vector of which another one is written to while the arithmetic runs.
+    fn waits(&self, code: &Code, j: usize, inner: u32) -> bool {
+        self.point(j, inner).is_some_and(|(vector, ..)| code.direct.contains(vector))
+    }
+
+    /// Outputs of one stretch, which wait in buffers until the arithmetic of the chunk is done.
+    fn store_waiting(&self, code: &mut Code, inner: u32, group: &[usize], values: &[TokenStream]) {
+        let Some((vector, stride, base)) = group.first().and_then(|&j| self.point(j, inner)) else { return };
+        let (zero, most, size) = (self.zero(), count(CHUNK), Literal::i128_unsuffixed(stride));
+        let run = if stride == 1 { quote!(run) } else { quote!(points::<#size>) };
+        let mut adds = TokenStream::new();
+        code.has_buffers = true;
+        for &j in group {
+            let Some((_, Target::Slope { index, .. })) = self.outputs.get(j) else { continue };
+            let (buffer, value) = (format_ident!("__b{j}"), &values[j]);
+            self.limit(code, index, inner);
+            self.keep_order(code, inner, j);
+            code.buffers.extend(quote!(let mut #buffer = [#zero; #most];));
+            code.opening.extend(quote!(let #buffer = &mut #buffer[..__len];));
+            code.stores.extend(quote!(#buffer[__place] = #value;));
+            adds.extend(match motion(index, inner, self.components) {
+                Motion::Points { part, .. } => {
+                    let part = count(part);
+                    quote!(__run.add_part(__place, #part, #buffer[__place]);)
+                }
+                _ => quote!(__run.add(__place, #buffer[__place]);),
+            });
+        }
+        let at = self.indices.position(&base);
+        code.closing.extend(quote! {{
+            let mut __run = #vector.#run(#at, __len);
+            for __place in 0..__len {
+                #adds
+            }
+        }});
+    }
+
+    /// What does not go to a slice of its own: sums, buffers, single places.
+    fn store_other(&self, code: &mut Code, inner: u32, j: usize, value: &TokenStream) {
+        let Some((_, target)) = self.outputs.get(j) else { return };
+        let (buffer, zero, most) = (format_ident!("__b{j}"), self.zero(), count(CHUNK));
+        let is_fixed = match target {
+            Target::Total => true,
+            Target::Slope { index, .. } => !index.loops().contains(&inner),
+            Target::Curvature { row, column, .. } => {
+                !row.loops().contains(&inner) && !column.loops().contains(&inner)
+            }
+        };
+        let is_shared = matches!(target, Target::Slope { vector, .. } if code.direct.contains(vector));
+        if is_fixed {
+            code.before.extend(quote!(let mut #buffer = #zero;));
+            code.stores.extend(quote!(#buffer = #buffer + #value;));
+            code.after.extend(self.add(target, &quote!(#buffer)));
+        } else if is_shared {
+            code.has_buffers = true;
+            code.buffers.extend(quote!(let mut #buffer = [#zero; #most];));
+            code.opening.extend(quote!(let #buffer = &mut #buffer[..__len];));
+            code.stores.extend(quote!(#buffer[__place] = #value;));
+            let (name, add) = (variable(inner), self.add(target, &quote!(#buffer[__place])));
+            code.closing.extend(quote! {
+                for __place in 0..__len {
+                    let #name = __low + __place as __wzvi::isize;
+                    #add
+                }
+            });
+        } else {
+            code.stores.extend(self.add(target, value));
+        }
+    }
+}
