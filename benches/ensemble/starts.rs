@@ -178,6 +178,37 @@ fn midpoint_step(system: &Galaxy, state: &mut [f64; 4], _: &mut [f64; 4]) {
     *state = [x1, y1, 2.0 * (x1 - x) / H - u, 2.0 * (y1 - y) / H - v];
 }
 
+/// Where the paths are at the end.
+fn ends<E>(paths: u64) -> Vec<f64>
+where
+    HenonHeiles: Discretized<E, Vector = SVector<f64, 2>>,
+{
+    let starts = |draw: &mut Draw| {
+        let [x, y, u, v] = start(draw.path());
+        State::new([x, y], [u, v])
+    };
+    let run = HenonHeiles.ensemble::<E>(H).starts(starts).paths(paths).steps(STEPS).keep_paths(1 << 20);
+    let run = run.observe("x", |state| state.q[0]).observe("y", |state| state.q[1]).run().unwrap();
+    let kept = run.paths().unwrap();
+    (0..kept.count()).flat_map(|path| kept.at(path, 1).unwrap().to_vec()).collect()
+}
+
+/// Prints what a unit of time costs at equal errors of the coordinates at the end, whose root mean square over the paths falls with the square of
+/// the step, from the time and the error of a step of size `H`. `Gauss<8>` is exact there to rounding.
+fn print_equal_errors(paths: u64, of_step: [f64; 2]) {
+    let exact = ends::<Gauss<8>>(paths);
+    println!("\n{:26}{:>11}{:>11}{:>11}    ns per path and unit of time", "", "error", "at 1e-3", "at 1e-6");
+    for (name, ends, ns) in [
+        ("Hénon-Heiles, Verlet", ends::<Verlet>(paths), of_step[0]),
+        ("Hénon-Heiles, Midpoint", ends::<Midpoint>(paths), of_step[1]),
+    ] {
+        let squares = ends.iter().zip(&exact).map(|(x, exact)| (x - exact) * (x - exact));
+        let error = (squares.sum::<f64>() / paths as f64).sqrt();
+        let at = |target: f64| ns / (H * (target / error).sqrt());
+        println!("{name:26}{error:>11.1e}{:>11.0}{:>11.0}", at(1e-3), at(1e-6));
+    }
+}
+
 /// The same on so many threads.
 fn on_threads<E>(paths: u64, threads: usize)
 where
@@ -227,6 +258,7 @@ pub(crate) fn print(paths: u64, repetitions: usize, only: Option<&str>) {
         ("four parameters, Midpoint", sweep::<Midpoint>, sweep_midpoint),
     ];
     println!("\n{:26}{:>9}{:>9}{:>9}    {paths} starts, no noise", "", "ensemble", "by hand", "by hand/");
+    let mut found = Vec::new();
     for (name, ours, hand) in rows {
         if only.is_some_and(|only| !name.contains(only)) {
             continue;
@@ -239,6 +271,13 @@ pub(crate) fn print(paths: u64, repetitions: usize, only: Option<&str>) {
             [&|| _ = black_box(ours(paths)), &|| _ = black_box(hand(paths))],
         );
         println!("{name:26}{ours:>9.2}{hand:>9.2}{:>9.2}", hand / ours);
+        found.push(ours);
+    }
+    if let [verlet, midpoint, gauss, ..] = found[..]
+        && only.is_none_or(|only| "Hénon-Heiles".contains(only))
+    {
+        print_equal_errors(paths, [verlet, midpoint]);
+        println!("{:26}{:>11}{:>11.0}{:>11.0}", "Hénon-Heiles, Gauss<8>", "< 1e-12", gauss / H, gauss / H);
     }
     if only.is_none_or(|only| "few".contains(only)) {
         print_few(repetitions);
