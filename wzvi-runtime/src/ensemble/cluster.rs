@@ -115,8 +115,9 @@ where
             queue,
             hands,
             || Statistics::new(&job.wanted),
-            |block| {
-                block.map_or_else(|| account.take(Err(Halt::Stopped)), |block| account.take_block(&block))
+            |block| match block {
+                Some(block) => account.take_block(&block),
+                None => account.take(Err(Halt::Stopped)),
             },
         );
         let statistics = served.outcome.and_then(|()| match failed.get() {
