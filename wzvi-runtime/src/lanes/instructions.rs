@@ -40,6 +40,7 @@ impl InstructionSet {
     }
 
     /// The first set that has so many numbers beside each other in one group, or this one.
+    #[cfg(feature = "ensemble")]
     pub(crate) fn for_numbers(self, numbers: u64) -> Self {
         let widths = [(Self::Baseline, 4), (Self::Avx2, 8)];
         let narrow =
