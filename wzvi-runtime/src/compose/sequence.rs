@@ -94,7 +94,7 @@ pub trait Sequence<H: Hamiltonian> {
     /// As `Discretized::advance_beside`.
     ///
     /// # Errors
-    /// As there.
+    /// Those of `Discretized::advance_carrying`.
     fn advance_beside<const L: usize>(
         beside: &Self::Beside<L>,
         t: f64,
@@ -108,7 +108,7 @@ pub trait Sequence<H: Hamiltonian> {
     /// [`Sequence::advance`] of vectors that may be exchanged for others with the new numbers.
     ///
     /// # Errors
-    /// As there.
+    /// Those of [`Sequence::advance`].
     #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
     #[inline(always)]
     fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(

@@ -109,7 +109,7 @@ impl<H: Elements, S: Scalar> Givens<'_, H, S> {
 /// [`advance_explicit`] of vectors that may be exchanged for others.
 ///
 /// # Errors
-/// As there.
+/// Those of [`advance_explicit`].
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
 pub fn advance_explicit_vectors<H: Elements, C: Carry<f64>>(
