@@ -44,7 +44,7 @@ mod windows;
 
 pub use bath::{damping, rates};
 pub use explicit::{advance_explicit, advance_explicit_vectors};
-pub use hamiltonian::{differentiate, evaluate, force, invariant};
+pub use hamiltonian::{differentiate, differentiate_noises, evaluate, force, invariant};
 pub use iterate::advance;
 pub use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::{CompensationVec, Memory};
