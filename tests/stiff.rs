@@ -81,19 +81,43 @@ fn field(side: usize) -> State<DVector<f64>> {
     State::new(q, vec![0.0; side * side])
 }
 
-/// A solution of stiff equations takes one product with the Jacobian, and factors serve the next steps.
+/// Springs from soft to stiff: once it is known what the linear equations take, a solution takes no more products than four, and factors
+/// serve several steps.
 #[test]
 fn products_do_not_grow_with_the_stiffness() {
     let h = 0.05;
     for k_h_squared in [1.0, 1e2, 1e4, 1e6] {
         let torus = Torus { side: 64, stiffness: k_h_squared / (h * h), depth: 1.0 };
-        assert_eq!(torus.stepper::<Midpoint>(h).unwrap().method(), Some(Method::Undecided));
-        let taken = work(&torus, h, &mut field(64), 20);
-        for (iterations, LinearWork { products, .. }) in &taken {
-            assert!(*products <= u64::from(*iterations) && *products <= 8, "{k_h_squared:e}: {taken:?}");
+        let taken = work(&torus, h, &mut field(64), 40);
+        let late = &taken[20..];
+        for (iterations, LinearWork { products, .. }) in late {
+            assert!(*products <= 4 * u64::from(*iterations), "{k_h_squared:e}: {taken:?}");
         }
+        let factorisations: u64 = late.iter().map(|(_, work)| work.factorisations).sum();
+        assert!(factorisations <= 10, "{k_h_squared:e}: {taken:?}");
+    }
+}
+
+/// The table of `docs/stability.md`.
+#[test]
+#[ignore = "takes a minute"]
+fn large_stiff_lattices_run() {
+    let (h, steps) = (0.05, 40);
+    for k_h_squared in [1.0, 1e2, 1e4, 1e6] {
+        let torus = Torus { side: 256, stiffness: k_h_squared / (h * h), depth: 1.0 };
+        let mut state = field(256);
+        let energy = torus.energy(&state);
+        let taken = work(&torus, h, &mut state, steps);
+        let error = (torus.energy(&state) - energy).abs() / energy;
+        let per_step = |total: u64| total as f64 / steps as f64;
+        let iterations = per_step(taken.iter().map(|(iterations, _)| u64::from(*iterations)).sum());
+        let products = per_step(taken[steps / 2..].iter().map(|(_, work)| 2 * work.products).sum());
         let factorisations: u64 = taken.iter().map(|(_, work)| work.factorisations).sum();
-        assert!(factorisations <= 4, "{k_h_squared:e}: {taken:?}");
+        println!(
+            "{k_h_squared:e}: {iterations:.1} iterations, {products:.1} products, {factorisations} factorisations, {error:.1e}"
+        );
+        // Rounding of the sums that energies are, of 65 536 sites and five terms each.
+        assert!(products <= 40.0 && error < 1e-6);
     }
 }
 

@@ -20,9 +20,9 @@
 //!
 //! The linear equations of Newton's method are solved in the band that a renumbering of the unknowns leaves where that is
 //! narrow or small ([`Method::Band`]: chains, rings, networks, anything of a hundred unknowns), else by GMRES from
-//! products with the Jacobian, which is not stored ([`Method::Krylov`]: lattices, random graphs, all pairs). Its preconditioner are the factors
-//! of the Jacobian of an earlier step: all of their entries in the order of a nested dissection where these are few, so that an iteration
-//! or two do at any stiffness, else those at the places of the Jacobian.
+//! products with the Jacobian, which is not stored ([`Method::Krylov`]: lattices, random graphs, all pairs). Their preconditioner are factors
+//! of the Jacobian of an earlier step: first those at its own places, and where these take too many products all of them, in the order of a
+//! nested dissection, so that one product does at any stiffness.
 
 mod bath;
 mod careful;

@@ -53,7 +53,7 @@ impl<H: Elements, S: Scalar> Problem for Sweep<'_, '_, H, S> {
     }
 
     fn factor(&mut self) -> Result<(), StepFailure> {
-        self.step.factor(self.lists, self.diagonal, self.linear)
+        self.step.factor(self.lists, self.diagonal, self.linear, true)
     }
 
     fn correct(&mut self, r: &mut Vec<S>) -> Result<(), StepFailure> {

@@ -340,9 +340,16 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
         let before = largest(lists.correction);
         let mut products = self.correct(&mut lists, diagonal, linear, FORCING);
-        if !is_stale && matches!(products, Err(StepFailure::NotConverged { .. })) {
-            // The factors of another Jacobian are no guide to this one.
+        let mut is_old = !is_stale;
+        while let Err(StepFailure::NotConverged { iterations, .. }) = products {
+            let all = kept.wants_all();
+            kept.count(Some(iterations));
+            // Neither the factors of another Jacobian are a guide to this one, nor those that lack too much.
+            if !is_old && all == kept.wants_all() {
+                break;
+            }
             self.renew(&lists, diagonal, linear, kept, pinned)?;
+            is_old = false;
             products = self.correct(&mut lists, diagonal, linear, FORCING);
         }
         kept.count(products?);

@@ -1,12 +1,13 @@
 //! The Jacobian `I - φ'` of a step, entry by entry: into a band, into products with it, or as the pattern alone.
 
-use super::linear::{Linear, Wide, factors};
+use super::kept::PATIENCE;
+use super::linear::{Linear, Wide};
 use super::memory::{Lists, Work};
 use super::step::Step;
 use super::{Curvature, Elements, Scheme, Slopes, Stage, Unknowns};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
-use crate::solve::{Banded, Operator, Sparse};
+use crate::solve::{Banded, Krylov, Operator, Sparse};
 
 /// Takes the entries of a matrix; several for one place add up.
 pub(super) trait Entries<S> {
@@ -46,6 +47,7 @@ struct Conditioned<'a, 's, H, S> {
     lists: &'a Lists<'s, S>,
     diagonal: &'a [S],
     factors: &'a mut Sparse<S>,
+    most_cycles: u32,
 }
 
 impl<H: Elements, S: Scalar> Operator<S> for Conditioned<'_, '_, H, S> {
@@ -56,6 +58,10 @@ impl<H: Elements, S: Scalar> Operator<S> for Conditioned<'_, '_, H, S> {
 
     fn precondition(&mut self, x: &mut [S]) {
         self.factors.solve(x);
+    }
+
+    fn most_cycles(&self) -> u32 {
+        self.most_cycles
     }
 }
 
@@ -72,7 +78,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// Factors of the Jacobian at the current stages.
+    /// Factors of the Jacobian at the current stages; of a wide one with `all` entries where these are few.
     ///
     /// # Errors
     /// [`StepFailure::Singular`] or [`StepFailure::NonFinite`] of a band.
@@ -81,6 +87,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         lists: &Lists<'_, S>,
         diagonal: &mut [S],
         linear: &mut Linear<S>,
+        all: bool,
     ) -> Result<(), StepFailure> {
         self.differentiate_velocities(lists, diagonal);
         match linear {
@@ -90,8 +97,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 band.factor()
             }
             Linear::Krylov(wide) => {
-                let room = || factors(self.system, self.scheme, self.degrees());
-                let factors = wide.factors.get_or_insert_with(room);
+                let factors = wide.room(self.system, self.scheme, self.degrees(), all);
                 factors.reset();
                 self.entries(lists, diagonal, factors);
                 factors.factor();
@@ -119,14 +125,15 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             }
             Linear::Krylov(wide) => {
                 let Wide { krylov, factors } = &mut **wide;
-                let factors = factors.as_mut().ok_or(StepFailure::NonFinite)?;
+                let (factors, all) = factors.as_mut().ok_or(StepFailure::NonFinite)?;
                 let correction = std::mem::take(&mut lists.correction);
+                // Those that lack entries give way to those that do not.
+                let most = Krylov::<S>::MOST_CYCLES;
+                let most_cycles = if *all { most } else { most.min(PATIENCE / Krylov::<S>::BASIS as u32) };
                 let lists_of_stages = &lists.lend();
-                let solved = krylov.solve(
-                    correction,
-                    tolerance,
-                    &mut Conditioned { step: self, lists: lists_of_stages, diagonal, factors },
-                );
+                let operator =
+                    &mut Conditioned { step: self, lists: lists_of_stages, diagonal, factors, most_cycles };
+                let solved = krylov.solve(correction, tolerance, operator);
                 lists.correction = correction;
                 solved.map(Some)
             }

@@ -16,10 +16,17 @@ use crate::memory::{Iteration, LinearWork};
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
 
+/// Products with the Jacobian that factors which lack entries may take in vain before they get all: about as many as these cost.
+pub(super) const PATIENCE: u32 = 128;
+/// Products that take about as long as a solution by factors that lack nothing.
+const A_SOLUTION: u32 = 4;
+
 /// The step, and the unknowns in it, that factors were made of.
 #[derive(Debug)]
 struct Anchor<S> {
     is_known: bool,
+    /// Whether they were asked for with all of their entries.
+    all: bool,
     t: f64,
     h: f64,
     /// Coordinates, momenta, increments of the noises, unknowns.
@@ -28,14 +35,14 @@ struct Anchor<S> {
 
 impl<S> Default for Anchor<S> {
     fn default() -> Self {
-        Self { is_known: false, t: 0.0, h: 0.0, lists: std::array::from_fn(|_| Vec::new()) }
+        Self { is_known: false, all: false, t: 0.0, h: 0.0, lists: std::array::from_fn(|_| Vec::new()) }
     }
 }
 
 impl<S: Copy> Anchor<S> {
     /// Keeps what is allocated.
-    fn copy(&mut self, t: f64, h: f64, lists: [&[S]; 4]) {
-        (self.is_known, self.t, self.h) = (true, t, h);
+    fn copy(&mut self, all: bool, t: f64, h: f64, lists: [&[S]; 4]) {
+        (self.is_known, self.all, self.t, self.h) = (true, all, t, h);
         for (own, list) in self.lists.iter_mut().zip(lists) {
             own.clear();
             own.extend_from_slice(list);
@@ -72,6 +79,8 @@ pub(super) struct Kept<S> {
     /// The same of the step that made the factors, and what the steps since took more.
     least: u64,
     excess: u64,
+    /// Products more than solutions by factors with all of their entries would have taken.
+    vain: u64,
     pub(super) work: LinearWork,
 }
 
@@ -85,6 +94,7 @@ impl<S> Default for Kept<S> {
             taken: 0,
             least: 0,
             excess: 0,
+            vain: 0,
             work: LinearWork::default(),
         }
     }
@@ -100,11 +110,12 @@ impl<S: Copy> Clone for Kept<S> {
 
     fn clone_from(&mut self, other: &Self) {
         self.made = Made::Unknown;
-        (self.least, self.excess, self.work) = (other.least, other.excess, other.work);
-        let Anchor { is_known, t, h, lists } = &other.anchor;
+        (self.least, self.excess, self.vain) = (other.least, other.excess, other.vain);
+        self.work = other.work;
+        let Anchor { is_known, all, t, h, lists } = &other.anchor;
         self.anchor.is_known = *is_known;
         if *is_known {
-            self.anchor.copy(*t, *h, lists.each_ref().map(Vec::as_slice));
+            self.anchor.copy(*all, *t, *h, lists.each_ref().map(Vec::as_slice));
         }
     }
 }
@@ -114,11 +125,13 @@ impl<S: Scalar> Numbers for Kept<S> {
         if matches!(tape, Tape::Reading { .. } | Tape::Joining { .. }) {
             self.lose();
         }
-        let Anchor { is_known, t, h, lists } = &mut self.anchor;
+        tape.word(&mut self.vain);
+        let Anchor { is_known, all, t, h, lists } = &mut self.anchor;
         tape.flag(is_known);
         if !*is_known {
             return;
         }
+        tape.flag(all);
         tape.numbers([t, h]);
         for list in lists {
             let length = tape.length(list.len());
@@ -132,7 +145,7 @@ impl<S: Scalar> Numbers for Kept<S> {
 impl<S: Scalar> Kept<S> {
     /// The next step makes factors of its own.
     pub(super) fn forget(&mut self) {
-        self.anchor.is_known = false;
+        (self.anchor.is_known, self.vain) = (false, 0);
         self.lose();
     }
 
@@ -156,6 +169,14 @@ impl<S: Scalar> Kept<S> {
     pub(super) fn count(&mut self, products: Option<u32>) {
         self.taken += products.map_or(1, u64::from);
         self.work.products += products.map_or(0, u64::from);
+        if !self.wants_all() {
+            self.vain += products.map_or(0, |products| u64::from(products.saturating_sub(A_SOLUTION)));
+        }
+    }
+
+    /// Whether factors that lack entries have taken as much more as those that do not cost.
+    pub(super) fn wants_all(&self) -> bool {
+        self.vain >= u64::from(PATIENCE - A_SOLUTION)
     }
 
     /// A step by Newton's method has succeeded, with factors that cost as much as so many corrections.
@@ -192,7 +213,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
         let [q, _, dw, x] = &kept.anchor.lists;
         let fits = [q.len(), dw.len(), x.len()] == [self.degrees(), self.dw.len(), scratch.lists.x.len()];
-        let serves = kept.anchor.is_known && kept.anchor.h == self.h && fits;
+        let Anchor { is_known, all, h, .. } = kept.anchor;
+        let serves = is_known && h == self.h && all == kept.wants_all() && fits;
         if !serves {
             return false;
         }
@@ -215,7 +237,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         step.residual(lists);
         kept.made = Made::Unknown;
         kept.work.factorisations += 1;
-        let made = step.factor(lists, diagonal, linear);
+        let made = step.factor(lists, diagonal, linear, anchor.all);
         kept.anchor = anchor;
         if made.is_ok() {
             kept.made = Made::AtAnchor;
@@ -237,11 +259,12 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     ) -> Result<(), StepFailure> {
         kept.made = Made::Unknown;
         kept.work.factorisations += 1;
-        self.factor(lists, diagonal, linear)?;
+        let all = kept.wants_all();
+        self.factor(lists, diagonal, linear, all)?;
         if self.scheme.is_linear {
             kept.made = Made::Always(self.h);
         } else if self.leaves_factors(linear, pinned) {
-            kept.next.copy(self.t, self.h, [self.q, self.p, self.dw, &*lists.x]);
+            kept.next.copy(all, self.t, self.h, [self.q, self.p, self.dw, &*lists.x]);
             kept.made = Made::Now;
         }
         Ok(())

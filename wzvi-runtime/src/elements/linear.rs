@@ -34,8 +34,22 @@ pub(super) enum Linear<S> {
 #[derive(Clone, Debug)]
 pub(super) struct Wide<S> {
     pub(super) krylov: Krylov<S>,
-    /// Allocated when they are needed for the first time.
-    pub(super) factors: Option<Sparse<S>>,
+    /// Allocated when they are needed for the first time, and whether all of their entries were asked for.
+    pub(super) factors: Option<(Sparse<S>, bool)>,
+}
+
+impl<S: Scalar> Wide<S> {
+    /// Room for factors, with all of their entries if these are asked for and are few.
+    pub(super) fn room<H: Elements>(
+        &mut self,
+        system: &H,
+        scheme: &Scheme,
+        degrees: usize,
+        all: bool,
+    ) -> &mut Sparse<S> {
+        let known = self.factors.take().filter(|&(_, known)| known == all);
+        &mut self.factors.insert(known.unwrap_or_else(|| (factors(system, scheme, degrees, all), all))).0
+    }
 }
 
 impl<S: Scalar> Linear<S> {
@@ -79,7 +93,7 @@ impl<S: Scalar> Linear<S> {
     pub(super) fn cost(&self) -> u64 {
         let factors = match self {
             Self::Band(band) => 2 * band.half_width() as u64 / 3,
-            Self::Krylov(wide) => wide.factors.as_ref().map_or(0, Sparse::cost),
+            Self::Krylov(wide) => wide.factors.as_ref().map_or(0, |(factors, _)| factors.cost()),
         };
         factors + ASSEMBLY
     }
@@ -88,13 +102,16 @@ impl<S: Scalar> Linear<S> {
     pub(super) fn is_reversed(&self) -> bool {
         match self {
             Self::Band(band) => band.is_reversed(),
-            Self::Krylov(wide) => wide.factors.as_ref().and_then(Sparse::is_reversed).unwrap_or(false),
+            Self::Krylov(wide) => {
+                wide.factors.as_ref().and_then(|(factors, _)| factors.is_reversed()).unwrap_or(false)
+            }
         }
     }
 }
 
-/// Factors with all of their entries where these are few; else with those of the matrix, or of its diagonal where it has many.
-pub(super) fn factors<H: Elements, S: Scalar>(system: &H, scheme: &Scheme, degrees: usize) -> Sparse<S> {
+/// Room for factors with entries at the places of the matrix, or with all entries where these are asked for and few, or with a diagonal
+/// where the matrix has many.
+fn factors<H: Elements, S: Scalar>(system: &H, scheme: &Scheme, degrees: usize, all: bool) -> Sparse<S> {
     let unknowns = scheme.unknowns.count(degrees);
     let mut entries = 0;
     pattern(system, scheme, degrees, |_, _| entries += 1);
@@ -104,7 +121,8 @@ pub(super) fn factors<H: Elements, S: Scalar>(system: &H, scheme: &Scheme, degre
     let pairs = pairs(system, scheme, degrees, entries);
     // An iteration takes a product, and as many sums as there are vectors, twice.
     let iteration = (2 * pairs.len() + Krylov::<S>::BASIS * unknowns) as u64;
-    Sparse::complete(unknowns, &pairs, MANY_ITERATIONS * iteration)
+    all.then(|| Sparse::complete(unknowns, &pairs, MANY_ITERATIONS * iteration))
+        .flatten()
         .or_else(|| Sparse::incomplete(unknowns, &pairs))
         .unwrap_or_else(|| Sparse::diagonal(unknowns))
 }

@@ -10,8 +10,8 @@ use crate::scalar::Scalar;
 
 /// Vectors of the basis before a restart.
 const BASIS: usize = 32;
-/// Restarts before it is given up.
-const MOST_RESTARTS: u32 = 32;
+/// Bases before it is given up.
+const MOST_CYCLES: u32 = 32;
 /// A cycle that leaves more than this fraction of the residual is the last.
 const PROGRESS: f64 = 0.95;
 /// Images below this fraction of what they are made of are rounding.
@@ -40,11 +40,18 @@ pub trait Operator<S> {
 
     /// `x` becomes about `A⁻¹ x`.
     fn precondition(&mut self, x: &mut [S]);
+
+    /// How many times the basis may begin anew.
+    fn most_cycles(&self) -> u32 {
+        MOST_CYCLES
+    }
 }
 
 impl<S: Scalar> Krylov<S> {
     /// Vectors of the basis before a restart.
     pub const BASIS: usize = BASIS;
+    /// Bases before it is given up.
+    pub const MOST_CYCLES: u32 = MOST_CYCLES;
 
     /// Room for `n` unknowns.
     pub fn new(n: usize) -> Self {
@@ -97,7 +104,7 @@ impl<S: Scalar> Krylov<S> {
         let enough = tolerance * size.magnitude();
         let (mut residual, mut products) = (size, 0);
         self.basis[..self.n].copy_from_slice(b);
-        for _ in 0..MOST_RESTARTS {
+        for _ in 0..operator.most_cycles() {
             if !residual.magnitude().is_finite() {
                 return Err(StepFailure::NonFinite);
             }
