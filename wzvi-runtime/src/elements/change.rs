@@ -180,7 +180,7 @@ mod tests {
 
     use super::super::memory::Memory;
     use super::super::places::{Entries, Places};
-    use super::super::{Alone, Curvature, Hamiltonian, MomentumUpdate, Point, Scheme, Slopes, Sums};
+    use super::super::{Alone, Curvature, Given, Hamiltonian, MomentumUpdate, Point, Scheme, Slopes, Sums};
     use super::*;
     use crate::scalar::Number;
 
@@ -214,11 +214,11 @@ mod tests {
         fn value<S: Scalar>(&self, _: usize, _: f64, _: &Point<'_, S>) -> S {
             S::from_f64(f64::NAN)
         }
-        fn slopes<S: Scalar, T: Number<S>, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
+        fn slopes<S: Scalar, T: Number<S>, V: Given<S> + ?Sized, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
             &self,
             _: usize,
             weight: f64,
-            at: &Point<'_, S>,
+            at: &Point<'_, S, V>,
             wanted: Slopes,
             by_q: &mut Q,
             by_p: &mut P,

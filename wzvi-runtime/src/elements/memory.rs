@@ -7,7 +7,7 @@ use super::windows::{LEAST_IN_WINDOWS, Sweeps, WindowPlan, takes_windows};
 use super::{Elements, Scheme, Unknowns};
 use crate::carry::{Carry, Compensation};
 use crate::error::StepFailure;
-use crate::memory::{Iteration, LinearWork, Method, StepMemory};
+use crate::memory::{Iteration, LinearWork, Method, StepMemory, Threads};
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
 
@@ -257,7 +257,7 @@ impl<S> Default for Memory<S> {
             linear: None,
             kept: Kept::default(),
             rounding: None,
-            plan: None,
+            plan: WindowPlan::default(),
             sweeps: None,
         }
     }
@@ -297,7 +297,8 @@ impl<S: Scalar> Clone for Memory<S> {
     fn clone(&self) -> Self {
         let past = if self.known == 0 { Default::default() } else { self.past.clone() };
         let (iteration, known, prefers_newton) = (self.iteration, self.known, self.prefers_newton);
-        Self { iteration, past, known, prefers_newton, kept: self.kept.clone(), ..Self::default() }
+        let (kept, plan) = (self.kept.clone(), self.plan.alike());
+        Self { iteration, past, known, prefers_newton, kept, plan, ..Self::default() }
     }
 
     /// Keeps what is allocated.
@@ -333,6 +334,10 @@ impl<S: Scalar> StepMemory for Memory<S> {
 
     fn pinned(&self) -> Iteration {
         self.iteration
+    }
+
+    fn share(&mut self, threads: Threads) {
+        self.plan.share(threads);
     }
 
     fn forget(&mut self) {
@@ -410,7 +415,7 @@ impl<S: Scalar> Memory<S> {
         let has_room_in_windows = H::HAS_WINDOWS && S::plain(&[]).is_some() && takes_windows(scheme, degrees);
         self.work = if has_room_in_windows { Work::default() } else { Work::new(scheme, degrees) };
         self.diagonal = vec![S::from_f64(0.0); scheme.unknowns.diagonals(degrees)];
-        (self.rounding, self.plan, self.sweeps) = (None, None, None);
+        (self.rounding, self.plan, self.sweeps) = (None, self.plan.alike(), None);
         let unknowns = scheme.unknowns.count(degrees);
         let is_implicit = scheme.unknowns != Unknowns::None;
         let remembered = if scheme.remembers { unknowns } else { 0 };
