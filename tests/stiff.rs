@@ -100,7 +100,7 @@ fn products_do_not_grow_with_the_stiffness() {
 
 /// The table of `docs/stability.md`.
 #[test]
-#[ignore = "takes a minute"]
+#[ignore = "takes minutes"]
 fn large_stiff_lattices_run() {
     let (h, steps) = (0.05, 40);
     for k_h_squared in [1.0, 1e2, 1e4, 1e6] {
