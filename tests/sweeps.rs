@@ -255,8 +255,8 @@ fn energy(state: &State<wzvi::nalgebra::DVector<f64>>) -> f64 {
 #[test]
 fn energies_walk_at_random() {
     let chain = Chain { beta: 0.0 };
-    let (starts, steps) = (100, 500);
-    for n in [24, 100] {
+    let steps = 200;
+    for (n, starts) in [(24, 60), (100, 40)] {
         let runs: Vec<[f64; 2]> = (0..starts)
             .map(|start| {
                 let seed = 10.0 * f64::from(start);
