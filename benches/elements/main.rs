@@ -10,6 +10,7 @@
 //! * `lattice`: the field φ⁴ on a torus of N = n² sites, h = 0.05; also in C (`hand_field.c`).
 //! * `ring`: coupled pendulums around a ring, h = 0.05; also in C; `Baoab` with increments that are there.
 //! * `polymer`: a chain of points in space, per point.
+//! * `stiff`: `Midpoint` where the fixed point does not contract: FPUT-alpha-beta at h = 3, and the field φ⁴ on 256² sites with `k h²` from 1 to 10⁶.
 //!
 //! Steps of a million sites stand beside a triad, `a = b + s c`, of as many.
 
@@ -21,6 +22,7 @@ mod chain;
 mod lattice;
 mod measure;
 mod ring;
+mod stiff;
 
 use measure::{Case, growth, triad};
 
@@ -34,6 +36,7 @@ fn cases() -> Vec<Case> {
     cases.extend(bodies::cases());
     cases.extend(lattice::cases());
     cases.extend(ring::cases());
+    cases.extend(stiff::cases());
     cases
 }
 
