@@ -16,11 +16,14 @@
 
 mod action;
 mod advance;
+mod beside;
 mod dense;
+mod equations;
 mod implement;
 mod kept;
 mod newton;
 mod shape;
+mod source;
 mod stages;
 mod stiff;
 mod sweep;
@@ -33,11 +36,12 @@ use crate::scalar::{Constant, Over, Scalar};
 use crate::system::Hamiltonian;
 
 pub use action::value;
-pub use advance::{Prepared, advance, memory, prepare};
+pub use advance::{Prepared, advance, advance_beside, memory, prepare};
 pub use dense::{dense_order, slopes_between};
 pub use kept::Memory;
 pub use shape::{Dynamic, Fixed, Shape};
-pub use stages::{At, Scratch, Stages};
+pub use source::{Systems, beside};
+pub use stages::{One, Stages};
 
 /// The discrete embedding with `S` quadrature points, from 1 to 16: symplectic, symmetric, of order `2S`, and consistent
 /// with every Stratonovich system. `Gauss<1>` is [`Midpoint`](crate::embedding::Midpoint).
