@@ -121,7 +121,6 @@ impl<const L: usize> LaneMask<L> {
     pub const fn set(&mut self, lane: usize, truth: bool) {
         self.0[lane] = spread(truth);
     }
-
 }
 
 impl<const L: usize> Mask for LaneMask<L> {

@@ -19,7 +19,9 @@ use crate::numbers::Numbers;
 use crate::solve::{Solve, Together};
 
 /// The truth of a comparison: `bool` for one number, a mask for several at once.
-pub trait Mask: Copy + Debug + Numbers + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+pub trait Mask:
+    Copy + Debug + Numbers + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
+{
     /// The same truth in every lane.
     fn from_bool(truth: bool) -> Self;
     /// True in one lane.

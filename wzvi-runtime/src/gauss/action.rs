@@ -30,7 +30,7 @@ pub fn value<F: Field, const N: usize>(
     let (mut given, mut lists) = (memory.given.take(), memory.lists.take());
     given.read(prepared, q, p, dw, &Plain);
     let step = given.step(system, prepared, segment.t, segment.h);
-    if step.solve::<true>(&mut lists, &mut memory).is_err()
+    if step.solve::<true>(&mut lists, &mut memory.left).is_err()
         || !step.finish([q, p], dw, &mut lists, &Plain)
     {
         return f64::NAN;

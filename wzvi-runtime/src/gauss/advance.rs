@@ -1,7 +1,7 @@
 //! The step of a Gauss method.
 
 use super::Field;
-use super::kept::{Memory, MemoryOf};
+use super::kept::{GivenOf, LeftOf, Lists, Memory, MemoryOf};
 use super::shape::Shape;
 use super::source::{Source, Systems};
 use super::stiff::Modes;
@@ -69,11 +69,11 @@ pub fn memory<F: Field, const N: usize>(system: &F) -> Memory<f64, F::Shape, F::
     if degrees != 0 && system.check(degrees).is_ok() {
         memory.fit(degrees, system.noises());
         if !F::IN_LANES {
-            memory.scratch.reserve(degrees, system.noises());
+            memory.left.scratch.reserve(degrees, system.noises());
         }
-        memory.modal.reserve(degrees);
+        memory.left.modal.reserve(degrees);
         if F::Shape::IS_FIXED {
-            memory.exact.lists(degrees, system.noises());
+            memory.left.exact.lists(degrees, system.noises());
         }
     }
     memory
@@ -109,7 +109,8 @@ pub fn advance<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: 
     if dw.len() != system.noises() {
         return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
     }
-    let run = Run::<F, S, C, N, CAREFUL> { source: system, prepared, t, h, q, p, dw, memory, carry };
+    let step = ToTake::<F, S, C, N, CAREFUL> { source: system, prepared, t, h, q, p, dw, carry };
+    let run = Run { step, memory };
     // Other numbers than `f64` are not side by side, or are so already; and care is not compiled for each set of instructions.
     if size_of::<S>() == size_of::<f64>() && !S::IS_BESIDE && !CAREFUL {
         prepared.instructions.run(run)
@@ -141,9 +142,9 @@ pub fn advance_beside<F: Field, const L: usize, const N: usize>(
         return Err(StepFailure::Increments { expected: *noises, got: dw.len() });
     }
     memory.fit(*degrees, *noises);
-    let run =
-        Run::<_, _, _, N, false> { source: systems, prepared, t, h, q, p, dw, memory, carry: &mut Plain };
-    run.run::<1, 1>()
+    let carry = &mut Plain;
+    let step = ToTake::<_, _, _, N, false> { source: systems, prepared, t, h, q, p, dw, carry };
+    Run { step, memory }.run::<1, 1>()
 }
 
 impl<const N: usize> Prepared<N> {
@@ -161,7 +162,7 @@ impl<const N: usize> Prepared<N> {
 }
 
 /// A step to take.
-struct Run<'a, Y: Source<S>, S: Scalar, C, const N: usize, const CAREFUL: bool> {
+struct ToTake<'a, Y: Source<S>, S: Scalar, C, const N: usize, const CAREFUL: bool> {
     source: &'a Y,
     prepared: &'a Prepared<N>,
     t: f64,
@@ -169,8 +170,13 @@ struct Run<'a, Y: Source<S>, S: Scalar, C, const N: usize, const CAREFUL: bool> 
     q: &'a mut [S],
     p: &'a mut [S],
     dw: &'a [S],
-    memory: &'a mut MemoryOf<Y::Field, S, N>,
     carry: &'a mut C,
+}
+
+/// The same with a memory.
+struct Run<'a, Y: Source<S>, S: Scalar, C, const N: usize, const CAREFUL: bool> {
+    step: ToTake<'a, Y, S, C, N, CAREFUL>,
+    memory: &'a mut MemoryOf<Y::Field, S, N>,
 }
 
 impl<Y: Source<S>, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool> Kernel
@@ -180,31 +186,55 @@ impl<Y: Source<S>, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool> 
 
     #[inline(always)]
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
-        let Self { source, prepared, t, h, q, p, dw, memory, carry } = self;
-        let mut given = memory.given.take();
+        let Memory { left, given, lists } = self.memory;
+        if S::IS_BESIDE {
+            // More than there are registers for: where they are.
+            return self.step.take(given, lists, left);
+        }
+        let (mut own_given, mut own_lists) = (given.take(), lists.take());
+        let taken = self.step.take(&mut own_given, &mut own_lists, left);
+        lists.give_back(own_lists);
+        given.give_back(own_given);
+        taken
+    }
+}
+
+impl<Y: Source<S>, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool>
+    ToTake<'_, Y, S, C, N, CAREFUL>
+{
+    #[inline(always)]
+    fn take(
+        self,
+        given: &mut GivenOf<Y::Field, S, N>,
+        lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
+        left: &mut LeftOf<Y::Field, S, N>,
+    ) -> Result<Effort, StepFailure> {
+        let Self { source, prepared, t, h, q, p, dw, carry } = self;
         given.read(prepared, q, p, dw, carry);
-        let mut lists = memory.lists.take();
         let solved = if S::IS_BESIDE && !C::CARRIES && !CAREFUL {
-            given.step(source, prepared, t, h).solve_beside([q, p], dw, &mut lists, memory)
+            given.step(source, prepared, t, h).solve_beside([q, p], dw, lists, left)
         } else if let Some(system) = source.system() {
             let step = given.step(system, prepared, t, h);
-            step.solve_together::<C, CAREFUL>([q, p], dw, &mut lists, memory, carry)
+            step.solve_together::<C, CAREFUL>([q, p], dw, lists, left, carry)
         } else {
             Err(StepFailure::NotConverged { iterations: 0, correction: f64::INFINITY })
         };
-        if let Ok(Solved { prefers_newton, .. }) = &solved {
-            memory.prefers_newton = *prefers_newton;
-            // With noise it is no guide to the next step, but it says what lies between the nodes.
-            std::mem::swap(&mut memory.past, &mut lists.slopes);
-            memory.is_known = dw.is_empty();
-            q.copy_from_slice(lists.next[0].as_ref());
-            p.copy_from_slice(lists.next[1].as_ref());
-            if C::CARRIES {
-                carry.keep(lists.lost[0].as_ref(), lists.lost[1].as_ref());
+        let Solved { effort, prefers_newton } = solved?;
+        left.prefers_newton = prefers_newton;
+        // With noise it is no guide to the next step, but it says what lies between the nodes: of one path.
+        if !S::IS_BESIDE || dw.is_empty() {
+            let [by_p, by_q] = &mut left.past;
+            if !S::IS_BESIDE || !Y::Field::IS_NYSTROM {
+                std::mem::swap(by_p, &mut lists.slopes[0]);
             }
+            std::mem::swap(by_q, &mut lists.slopes[1]);
         }
-        memory.lists.give_back(lists);
-        memory.given.give_back(given);
-        solved.map(|solved| solved.effort)
+        left.is_known = dw.is_empty();
+        q.copy_from_slice(lists.next[0].as_ref());
+        p.copy_from_slice(lists.next[1].as_ref());
+        if C::CARRIES {
+            carry.keep(lists.lost[0].as_ref(), lists.lost[1].as_ref());
+        }
+        Ok(effort)
     }
 }

@@ -7,7 +7,7 @@
 use super::Field;
 use super::advance::advance;
 use super::equations::Step;
-use super::kept::{Lists, Memory, MemoryOf};
+use super::kept::{LeftOf, Lists, Memory};
 use super::shape::Shape;
 use super::source::Source;
 use super::stages::Stages;
@@ -45,10 +45,10 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         state: [&[S]; 2],
         dw: &[S],
         lists: &mut Lists<S, F::Shape, N>,
-        memory: &mut MemoryOf<F, S, N>,
+        left: &mut LeftOf<F, S, N>,
         carry: &C,
     ) -> Result<Solved<S>, StepFailure> {
-        let solved = self.solve::<CAREFUL>(lists, memory)?;
+        let solved = self.solve::<CAREFUL>(lists, left)?;
         if !self.finish(state, dw, lists, carry).all() {
             return Err(StepFailure::NonFinite);
         }
@@ -61,32 +61,32 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
     pub(super) fn solve<const CAREFUL: bool>(
         &self,
         lists: &mut Lists<S, F::Shape, N>,
-        memory: &mut MemoryOf<F, S, N>,
+        left: &mut LeftOf<F, S, N>,
     ) -> Result<Solved<S>, StepFailure> {
         // The steps before are a guide without noise only.
-        let from_past = self.dw.is_empty() && memory.is_known && !CAREFUL;
-        self.guess(lists, &mut memory.past, &mut memory.scratch, from_past);
-        if !self.prefers_newton(memory).any() {
-            let swept = self.sweeps(S::Mask::from_bool(true), lists, memory);
+        let from_past = self.dw.is_empty() && left.is_known && !CAREFUL;
+        self.guess(lists, &mut left.past, &mut left.scratch, from_past);
+        if !self.prefers_newton(left).any() {
+            let swept = self.sweeps(S::Mask::from_bool(true), lists, left);
             if swept.are_settled.all() {
                 let prefers_newton = S::Mask::from_bool(false);
                 return Ok(Solved { effort: Effort::fast(swept.sweeps), prefers_newton });
             }
-            if swept.failure == StepFailure::NonFinite || memory.iteration == Iteration::FixedPoint {
+            if swept.failure == StepFailure::NonFinite || left.iteration == Iteration::FixedPoint {
                 return Err(swept.failure);
             }
-            self.guess(lists, &mut memory.past, &mut memory.scratch, from_past);
+            self.guess(lists, &mut left.past, &mut left.scratch, from_past);
         }
-        self.newton::<CAREFUL>(lists, memory)
+        self.newton::<CAREFUL>(lists, left)
     }
 }
 
 impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     /// Where Newton's method is tried first.
     #[inline(always)]
-    fn prefers_newton(&self, memory: &MemoryOf<Y::Field, S, N>) -> S::Mask {
-        match memory.iteration {
-            Iteration::Automatic => memory.prefers_newton,
+    fn prefers_newton(&self, left: &LeftOf<Y::Field, S, N>) -> S::Mask {
+        match left.iteration {
+            Iteration::Automatic => left.prefers_newton,
             Iteration::Newton => S::Mask::from_bool(true),
             Iteration::FixedPoint => S::Mask::from_bool(false),
         }
@@ -111,24 +111,24 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         state: [&[S]; 2],
         dw: &[S],
         lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
-        memory: &mut MemoryOf<Y::Field, S, N>,
+        left: &mut LeftOf<Y::Field, S, N>,
     ) -> Result<Solved<S>, StepFailure> {
         let none = S::Mask::from_bool(false);
         // One path is faster with its stages beside each other.
-        let together = if S::LANES > 1 { !self.prefers_newton(memory) } else { none };
+        let together = if S::LANES > 1 { !self.prefers_newton(left) } else { none };
         let mut solved = Solved { effort: Effort::fast(0), prefers_newton: none };
         let mut are_solved = none;
         if together.any() {
-            let from_past = self.dw.is_empty() && memory.is_known;
-            self.guess(lists, &mut memory.past, &mut memory.scratch, from_past);
-            let Swept { are_settled, sweeps, .. } = self.sweeps(together, lists, memory);
+            let from_past = self.dw.is_empty() && left.is_known;
+            self.guess(lists, &mut left.past, &mut left.scratch, from_past);
+            let Swept { are_settled, sweeps, .. } = self.sweeps(together, lists, left);
             are_solved = are_settled & self.finish(state, dw, lists, &Plain);
             self.change_momentum(lists);
             solved.effort = Effort::fast(sweeps);
         }
         if !are_solved.all() {
             for lane in (0..S::LANES).filter(|&lane| !are_solved.lane(lane)) {
-                let alone = self.alone(lane, state, dw, lists, memory)?;
+                let alone = self.alone(lane, state, dw, lists, left)?;
                 solved.effort = solved.effort + alone.effort;
                 solved.prefers_newton = solved.prefers_newton | alone.prefers_newton;
             }
@@ -148,23 +148,23 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         [q, p]: [&[S]; 2],
         dw: &[S],
         lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
-        memory: &mut MemoryOf<Y::Field, S, N>,
+        left: &mut LeftOf<Y::Field, S, N>,
     ) -> Result<Solved<S>, StepFailure> {
         let Some(system) = self.source.system() else {
             return Err(StepFailure::NotConverged { iterations: 0, correction: f64::INFINITY });
         };
         let (degrees, is_lane) = (q.len(), S::Mask::of_lane(lane));
-        let room = memory.alone.get_or_insert_default();
+        let room = left.alone.get_or_insert_default();
         let Alone { memory: own, q: own_q, p: own_p, dw: own_dw } = &mut **room;
         for (own, all) in [(&mut *own_q, q), (&mut *own_p, p), (&mut *own_dw, dw)] {
             own.clear();
             own.extend(all.iter().map(|number| number.lane(lane)));
         }
         own.fit(degrees, dw.len());
-        own.is_known = memory.is_known;
-        own.prefers_newton = memory.prefers_newton.lane(lane);
-        own.iteration = memory.iteration;
-        for (own, all) in own.past.iter_mut().zip(&memory.past) {
+        own.left.is_known = left.is_known;
+        own.left.prefers_newton = left.prefers_newton.lane(lane);
+        own.left.iteration = left.iteration;
+        for (own, all) in own.left.past.iter_mut().zip(&left.past) {
             for (own, all) in own.as_mut().iter_mut().zip(all.as_ref()) {
                 (0..N).for_each(|i| own.set(i, all.get(i).lane(lane)));
             }
@@ -185,14 +185,14 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
                 *all = S::select(is_lane, S::from_f64(*own), *all);
             }
         }
-        for (all, own) in lists.slopes.iter_mut().zip(&own.past) {
+        for (all, own) in lists.slopes.iter_mut().zip(&own.left.past) {
             for (all, own) in all.as_mut().iter_mut().zip(own.as_ref()) {
                 (0..N).for_each(|i| {
                     all.set(i, S::select(is_lane, S::from_f64(Stages::get(own, i)), all.get(i)));
                 });
             }
         }
-        let prefers_newton = if own.prefers_newton { is_lane } else { S::Mask::from_bool(false) };
+        let prefers_newton = if own.left.prefers_newton { is_lane } else { S::Mask::from_bool(false) };
         Ok(Solved { effort, prefers_newton })
     }
 }

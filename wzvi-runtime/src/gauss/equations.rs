@@ -126,7 +126,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         observer: &mut impl Observer<Part<S, N>>,
     ) {
         let Placement { at: [q, p], by_p, by_q } = into;
-        let mut rooms = room.take();
+        let mut rooms = room.parts.take();
         let h = S::Stages::<N>::same(S::from_f64(self.h));
         for part in 0..S::Stages::<N>::PARTS {
             let momenta = S::Stages::parts_mut(p, rooms.p.as_mut());
@@ -140,9 +140,16 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
             }
             let dw = S::Stages::parts(self.dw, part, rooms.dw.as_mut());
             let velocities = S::Stages::parts_mut(by_p, rooms.by_p.as_mut());
-            let (t, one) = (self.times(part), &mut rooms.one);
+            let (t, one) = (self.times(part), &mut room.one);
             self.source.slopes_of_part::<N, false, true>(
-                t, h, momenta, momenta, dw, &mut [], velocities, one,
+                t,
+                h,
+                momenta,
+                momenta,
+                dw,
+                &mut [],
+                velocities,
+                one,
             );
             for (d, (stages, velocity)) in q.iter_mut().zip(&*velocities).enumerate() {
                 let next = S::Stages::<N>::same(self.start[0][d]) + *velocity;
@@ -150,7 +157,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
                 stages.set_part(part, next);
             }
         }
-        room.give_back(rooms);
+        room.parts.give_back(rooms);
     }
 
     /// The stages to start from: what the slopes of the last step extrapolate to, else those of the state itself.
@@ -173,36 +180,35 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         self.place(into, [&self.prepared.table().nu, &self.prepared.table().kappa], room, &mut ());
     }
 
-    /// `b_i ∂F/∂p` and `b_i ∂F/∂q` at the stages.
+    /// `b_i ∂F/∂p` and `b_i ∂F/∂q` at the stages, except of paths whose slopes are to stay.
     #[inline(always)]
     pub(super) fn field(
         &self,
         lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
         room: &mut Room<Y::Field, S, N>,
+        stay: S::Mask,
     ) {
         let Lists { at: [q, p], slopes: [by_p, by_q], spare, .. } = lists;
         let (q, p, by_p, by_q) = (q.as_ref(), p.as_ref(), by_p.as_mut(), by_q.as_mut());
-        let mut rooms = room.take();
+        let mut rooms = room.parts.take();
         for part in 0..S::Stages::<N>::PARTS {
             let (t, h) = (self.times(part), self.weights(part));
             let q = S::Stages::parts(q, part, rooms.q.as_mut());
             let dw = S::Stages::parts(self.dw, part, rooms.dw.as_mut());
             let forces = S::Stages::parts_mut(by_q, rooms.by_q.as_mut());
             if Y::Field::IS_NYSTROM {
-                let one = &mut rooms.one;
+                let one = &mut room.one;
                 self.source.slopes_of_part::<N, true, false>(t, h, q, q, dw, forces, &mut [], one);
             } else {
                 let velocities = S::Stages::parts_mut(by_p, rooms.by_p.as_mut());
-                let one = &mut rooms.one;
+                let one = &mut room.one;
                 if Y::Field::IS_CONFORMAL {
                     let friction = self.prepared.friction();
                     let own = S::Stages::parts_mut(spare.as_mut(), rooms.p.as_mut());
                     for (own, p) in own.iter_mut().zip(p) {
                         *own = S::Stages::weighted(p.part(part), &friction.inverse, part);
                     }
-                    self.source.slopes_of_part::<N, true, true>(
-                        t, h, q, own, dw, forces, velocities, one,
-                    );
+                    self.source.slopes_of_part::<N, true, true>(t, h, q, own, dw, forces, velocities, one);
                     for force in &mut *forces {
                         *force = S::Stages::weighted(*force, &friction.scale, part);
                     }
@@ -210,11 +216,11 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
                     let p = S::Stages::parts(p, part, rooms.p.as_mut());
                     self.source.slopes_of_part::<N, true, true>(t, h, q, p, dw, forces, velocities, one);
                 }
-                S::Stages::store(by_p, part, rooms.by_p.as_ref());
+                S::Stages::store(by_p, part, rooms.by_p.as_ref(), stay);
             }
-            S::Stages::store(by_q, part, rooms.by_q.as_ref());
+            S::Stages::store(by_q, part, rooms.by_q.as_ref(), stay);
         }
-        room.give_back(rooms);
+        room.parts.give_back(rooms);
     }
 
     /// The new state from the slopes at the stages; where it is finite.

@@ -10,6 +10,12 @@ use crate::memory::{Iteration, StepMemory};
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::{Mask, Rounded, Scalar};
 
+/// What is given of a step of a system.
+pub(super) type GivenOf<F, S, const N: usize> = Given<S, <F as Field>::Shape, <F as Field>::Noises, N>;
+
+/// What the steps of a system leave.
+pub(super) type LeftOf<F, S, const N: usize> = Left<S, <F as Field>::Shape, <F as Field>::Noises, N>;
+
 /// The memory of a system's steps.
 pub(super) type MemoryOf<F, S, const N: usize> = Memory<S, <F as Field>::Shape, <F as Field>::Noises, N>;
 
@@ -22,16 +28,21 @@ pub(super) type OfStages<S, H, const N: usize> = <H as Shape>::Of<<S as Scalar>:
 /// The slopes of the last step at its `N` stages, and the lists of a step.
 #[derive(Debug)]
 pub struct Memory<S: Scalar, H: Shape, W: Shape, const N: usize> {
-    /// `b_i ∂F/∂p` and `b_i ∂F/∂q` of the last step; in Nyström form the first is `∂F/∂p`.
+    pub(super) left: Left<S, H, W, N>,
+    pub(super) given: Given<S, H, W, N>,
+    pub(super) lists: Lists<S, H, N>,
+}
+
+/// What a step leaves for the next one, and room for its solution.
+#[derive(Debug)]
+#[repr(align(64))]
+pub(super) struct Left<S: Scalar, H: Shape, W: Shape, const N: usize> {
+    /// `b_i ∂F/∂p` and `b_i ∂F/∂q` of the last step; in Nyström form the first is `∂F/∂p`, for one path.
     pub(super) past: [OfStages<S, H, N>; 2],
     pub(super) is_known: bool,
     /// Where sweeps did not contract in the last step.
     pub(super) prefers_newton: S::Mask,
     pub(super) iteration: Iteration,
-    pub(super) given: Given<S, H, W, N>,
-    pub(super) lists: Lists<S, H, N>,
-    /// The slopes of paths whose sweeps have ended before those of the paths beside them.
-    pub(super) early: [OfStages<S, H, N>; 2],
     pub(super) scratch: Scratch<S, H, W, N>,
     pub(super) modal: Modal<S::Stages<N>>,
     pub(super) newton: Newton<S>,
@@ -70,6 +81,7 @@ impl<H: Shape, W: Shape, const N: usize> Exact<H, W, N> {
 
 /// What is given of a step.
 #[derive(Debug)]
+#[repr(align(64))]
 pub(super) struct Given<S: Scalar, H: Shape, W: Shape, const N: usize> {
     /// `q` and `p` with what is carried.
     pub(super) start: [H::Of<S>; 2],
@@ -79,6 +91,7 @@ pub(super) struct Given<S: Scalar, H: Shape, W: Shape, const N: usize> {
 
 /// What a step computes.
 #[derive(Debug)]
+#[repr(align(64))]
 pub(super) struct Lists<S: Scalar, H: Shape, const N: usize> {
     /// Coordinates and momenta at the stages.
     pub(super) at: [OfStages<S, H, N>; 2],
@@ -197,15 +210,18 @@ impl<S: Scalar, H: Shape, const N: usize> Lists<S, H, N> {
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Memory<S, H, W, N> {
     fn default() -> Self {
+        Self { left: Left::default(), given: Given::of_length(0, 0), lists: Lists::of_length(0) }
+    }
+}
+
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Left<S, H, W, N> {
+    fn default() -> Self {
         let past = || H::list(0, S::Stages::<N>::splat(S::from_f64(0.0)));
         Self {
             past: [past(), past()],
             is_known: false,
             prefers_newton: S::Mask::from_bool(false),
             iteration: Iteration::Automatic,
-            given: Given::of_length(0, 0),
-            lists: Lists::of_length(0),
-            early: [past(), past()],
             scratch: Scratch::of_length(0, 0),
             modal: Modal::default(),
             newton: Newton::default(),
@@ -218,30 +234,27 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Memory<S, H, W, 
 /// What the steps before left; scratch is allocated anew where the copy is used.
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Clone for Memory<S, H, W, N> {
     fn clone(&self) -> Self {
-        Self {
-            past: self.past.clone(),
-            is_known: self.is_known,
-            prefers_newton: self.prefers_newton,
-            iteration: self.iteration,
-            ..Self::default()
-        }
+        let mut copy = Self::default();
+        copy.clone_from(self);
+        copy
     }
 
     fn clone_from(&mut self, other: &Self) {
-        self.past.clone_from(&other.past);
-        (self.is_known, self.prefers_newton) = (other.is_known, other.prefers_newton);
-        self.iteration = other.iteration;
+        let (left, other) = (&mut self.left, &other.left);
+        left.past.clone_from(&other.past);
+        (left.is_known, left.prefers_newton) = (other.is_known, other.prefers_newton);
+        left.iteration = other.iteration;
     }
 }
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Numbers for Memory<S, H, W, N> {
     fn pass(&mut self, tape: &mut Tape) {
-        tape.flag(&mut self.is_known);
-        self.prefers_newton.pass(tape);
-        if self.is_known {
-            let length = tape.length(self.past[0].as_ref().len());
+        tape.flag(&mut self.left.is_known);
+        self.left.prefers_newton.pass(tape);
+        if self.left.is_known {
+            let length = tape.length(self.left.past[0].as_ref().len());
             self.fit(length, self.given.dw.as_ref().len());
-            for past in &mut self.past {
+            for past in &mut self.left.past {
                 past.as_mut().iter_mut().for_each(|number| number.pass(tape));
             }
         }
@@ -260,35 +273,31 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Memory<S, H, W, N> {
         if !self.fits(degrees, noises) {
             self.lists = Lists::of_length(degrees);
             self.given = Given::of_length(degrees, noises);
-            self.scratch = Scratch::of_length(degrees, noises);
-            if S::IS_BESIDE {
-                let early = || H::list(degrees, S::Stages::<N>::splat(S::from_f64(0.0)));
-                self.early = [early(), early()];
-            }
+            self.left.scratch = Scratch::of_length(degrees, noises);
         }
-        if self.past[0].as_ref().len() != degrees {
+        if self.left.past[0].as_ref().len() != degrees {
             let past = || H::list(degrees, S::Stages::<N>::splat(S::from_f64(0.0)));
-            self.past = [past(), past()];
-            self.is_known = false;
+            self.left.past = [past(), past()];
+            self.left.is_known = false;
         }
     }
 }
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> StepMemory for Memory<S, H, W, N> {
     fn forget(&mut self) {
-        (self.is_known, self.prefers_newton) = (false, S::Mask::from_bool(false));
+        (self.left.is_known, self.left.prefers_newton) = (false, S::Mask::from_bool(false));
     }
 
-    fn adopt(&mut self, left: Self) {
-        self.past = left.past;
-        (self.is_known, self.prefers_newton) = (left.is_known, left.prefers_newton);
+    fn adopt(&mut self, other: Self) {
+        self.left.past = other.left.past;
+        (self.left.is_known, self.left.prefers_newton) = (other.left.is_known, other.left.prefers_newton);
     }
 
     fn pin(&mut self, iteration: Iteration) {
-        self.iteration = iteration;
+        self.left.iteration = iteration;
     }
 
     fn pinned(&self) -> Iteration {
-        self.iteration
+        self.left.iteration
     }
 }

@@ -6,7 +6,7 @@
 
 use super::Field;
 use super::equations::Step;
-use super::kept::{ExactOf, Lists, MemoryOf, Room as Scratch};
+use super::kept::{ExactOf, LeftOf, Lists, Room as Scratch};
 use super::stages::Stages;
 use super::sweep::{Solved, UNSEEN};
 use crate::error::StepFailure;
@@ -74,9 +74,9 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
     pub(super) fn newton<const CAREFUL: bool>(
         &self,
         lists: &mut Lists<S, F::Shape, N>,
-        memory: &mut MemoryOf<F, S, N>,
+        left: &mut LeftOf<F, S, N>,
     ) -> Result<Solved<S>, StepFailure> {
-        let MemoryOf::<F, S, N> { newton: Newton { jacobian, room, start }, scratch, exact, .. } = memory;
+        let LeftOf::<F, S, N> { newton: Newton { jacobian, room, start }, scratch, exact, .. } = left;
         let mut equations = Equations { step: self, lists, scratch, exact, jacobian };
         let unknowns = equations.unknowns();
         if unknowns > MOST_UNKNOWNS {
@@ -90,7 +90,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
             return Err(StepFailure::NotConverged { iterations, correction: f64::INFINITY });
         }
         equations.write(room.solution());
-        self.field(lists, scratch);
+        self.field(lists, scratch, S::Mask::from_bool(false));
         Ok(Solved { effort, prefers_newton: S::Mask::from_bool(true) })
     }
 
@@ -118,7 +118,8 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
                 p[d] = p[d] * inverse;
             }
         }
-        let (c, b) = (self.prepared.table().c[stage.unwrap_or(0)], stage.map_or(1.0, |i| self.prepared.table().b[i]));
+        let (c, b) =
+            (self.prepared.table().c[stage.unwrap_or(0)], stage.map_or(1.0, |i| self.prepared.table().b[i]));
         let [t, h] = [self.h * c + self.t, self.h * b].map(Dual::from_f64);
         Field::slopes::<Dual<1>, true, true>(self.source, t, h, q, p, dw, by_q, by_p);
         if F::IS_CONFORMAL {
@@ -207,7 +208,7 @@ impl<F: Field, S: Scalar, const N: usize> Problem for Equations<'_, '_, F, S, N>
     fn residual(&mut self, x: &Vec<S>, into: &mut Vec<S>) {
         self.jacobian.point.clone_from(x);
         self.write(x);
-        self.step.field(self.lists, self.scratch);
+        self.step.field(self.lists, self.scratch, S::Mask::from_bool(false));
         self.step.follow(self.lists, self.scratch, &mut ());
         self.read(into);
         into.iter_mut().zip(x).for_each(|(next, x)| *next = *x - *next);

@@ -57,8 +57,8 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
     fn parts<'a>(list: &'a [Self], part: usize, room: &'a mut [Self::Part]) -> &'a [Self::Part];
     /// Where to write that: [`Stages::store`] brings it to the list.
     fn parts_mut<'a>(list: &'a mut [Self], room: &'a mut [Self::Part]) -> &'a mut [Self::Part];
-    /// Replaces a part of each of a list by what [`Stages::parts_mut`] has, if that was the room.
-    fn store(list: &mut [Self], part: usize, room: &[Self::Part]);
+    /// Replaces a part of each of a list by what [`Stages::parts_mut`] has, if that was the room; but not where they are to stay.
+    fn store(list: &mut [Self], part: usize, room: &[Self::Part], stay: S::Mask);
 
     /// A part of `Σ_j matrix[j] self_j`: of column `j` of a matrix times the number of stage `j`.
     fn product(&self, matrix: &[[f64; N]; N], part: usize) -> Self::Part;
@@ -159,15 +159,22 @@ pub struct One {
     dw: Vec<f64>,
 }
 
-/// Room for a part of the stages of each degree of freedom and noise.
+/// Room of a sweep.
 #[derive(Debug)]
 pub(super) struct Scratch<S: Scalar, H: Shape, W: Shape, const N: usize> {
+    pub(super) parts: Parts<S, H, W, N>,
+    pub(super) one: One,
+}
+
+/// Room for a part of the stages of each degree of freedom and noise.
+#[derive(Debug)]
+#[repr(align(64))]
+pub(super) struct Parts<S: Scalar, H: Shape, W: Shape, const N: usize> {
     pub(super) q: H::Of<Part<S, N>>,
     pub(super) p: H::Of<Part<S, N>>,
     pub(super) by_q: H::Of<Part<S, N>>,
     pub(super) by_p: H::Of<Part<S, N>>,
     pub(super) dw: W::Of<Part<S, N>>,
-    pub(super) one: One,
 }
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Scratch<S, H, W, N> {
@@ -177,14 +184,8 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Scratch<S, H, W, N> {
         let (degrees, noises) = if is_needed { (degrees, noises) } else { (0, 0) };
         let zero = Part::<S, N>::from_f64(0.0);
         let list = || H::list(degrees, zero);
-        Self {
-            q: list(),
-            p: list(),
-            by_q: list(),
-            by_p: list(),
-            dw: W::list(noises, zero),
-            one: One::default(),
-        }
+        let parts = Parts { q: list(), p: list(), by_q: list(), by_p: list(), dw: W::list(noises, zero) };
+        Self { parts, one: One::default() }
     }
 
     /// Makes room for steps whose stages are evaluated one by one.
@@ -192,19 +193,20 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Scratch<S, H, W, N> {
         self.one.lists.iter_mut().for_each(|list| list.reserve(degrees));
         self.one.dw.reserve(noises);
     }
+}
 
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Parts<S, H, W, N> {
     /// The room, for the duration of a sweep.
     #[inline(always)]
     pub(super) fn take(&mut self) -> Self {
         let zero = Part::<S, N>::from_f64(0.0);
-        let Self { q, p, by_q, by_p, dw, one } = self;
+        let Self { q, p, by_q, by_p, dw } = self;
         Self {
             q: H::take(q, zero),
             p: H::take(p, zero),
             by_q: H::take(by_q, zero),
             by_p: H::take(by_p, zero),
             dw: W::take(dw, zero),
-            one: std::mem::take(one),
         }
     }
 
@@ -216,7 +218,6 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Scratch<S, H, W, N> {
         H::give_back(&mut self.by_q, room.by_q);
         H::give_back(&mut self.by_p, room.by_p);
         W::give_back(&mut self.dw, room.dw);
-        self.one = room.one;
     }
 }
 
@@ -268,7 +269,7 @@ impl<const N: usize> Stages<f64, N> for Lanes<N> {
         list
     }
     #[inline(always)]
-    fn store(_list: &mut [Self], _part: usize, _room: &[Self]) {}
+    fn store(_list: &mut [Self], _part: usize, _room: &[Self], _stay: bool) {}
     /// A loop over the stages with all columns in it: as many small loops each would be unrolled before they become vector code.
     #[inline(always)]
     fn product(&self, matrix: &[[f64; N]; N], _part: usize) -> Self {
@@ -369,9 +370,9 @@ impl<S: Scalar, const N: usize> Stages<S, N> for [S; N] {
         room
     }
     #[inline(always)]
-    fn store(list: &mut [Self], part: usize, room: &[S]) {
+    fn store(list: &mut [Self], part: usize, room: &[S], stay: S::Mask) {
         for (all, own) in list.iter_mut().zip(room) {
-            all[part] = *own;
+            all[part] = if S::IS_BESIDE { S::select(stay, all[part], *own) } else { *own };
         }
     }
     #[inline(always)]

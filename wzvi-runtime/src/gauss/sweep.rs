@@ -2,7 +2,7 @@
 
 use super::Field;
 use super::equations::{Placement, Step};
-use super::kept::{ExactLists, ExactOf, Lists, MemoryOf, Room};
+use super::kept::{ExactLists, ExactOf, LeftOf, Lists, Room};
 use super::source::Source;
 use super::stages::{Observer, Part, Stages};
 use super::stiff::Modal;
@@ -67,11 +67,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         observer: &mut impl Observer<Part<S, N>>,
     ) {
         let Lists { at: [q, p], slopes: [by_p, by_q], .. } = lists;
-        let into = Placement {
-            at: [q.as_mut(), p.as_mut()],
-            by_p: by_p.as_mut(),
-            by_q: Some(by_q.as_ref()),
-        };
+        let into = Placement { at: [q.as_mut(), p.as_mut()], by_p: by_p.as_mut(), by_q: Some(by_q.as_ref()) };
         self.place(into, [&self.prepared.table().mu, &self.prepared.table().eta], room, observer);
     }
 
@@ -82,26 +78,26 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         &self,
         wanted: S::Mask,
         lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
-        memory: &mut MemoryOf<Y::Field, S, N>,
+        left: &mut LeftOf<Y::Field, S, N>,
     ) -> Swept<S> {
-        let MemoryOf::<Y::Field, S, N> { scratch, modal, exact, early, .. } = memory;
+        let LeftOf::<Y::Field, S, N> { scratch, modal, exact, .. } = left;
         let none = S::Mask::from_bool(false);
         // Nothing is known of the contraction before the second sweep.
         let (mut last, mut before_last) = (S::from_f64(0.0), S::from_f64(0.0));
-        let (mut left, mut are_settled, mut are_early) = (wanted, none, none);
+        let (mut going, mut are_settled) = (wanted, none);
         let (mut sweeps, mut failure) = (0, StepFailure::NonFinite);
         loop {
             sweeps += 1;
             let mut relative = Relative { start: self.start, changes: Scalar::from_f64(0.0) };
-            self.sweep(lists, scratch, modal, &mut relative);
+            self.sweep(are_settled, lists, scratch, modal, &mut relative);
             // Stored stage beside stage, they are found in lanes.
             lists.changes = relative.changes;
             let change = S::Stages::largest(lists.changes);
             if sweeps == 1 {
-                let is_far = left & !change.less(S::from_f64(f64::INFINITY));
+                let is_far = going & !change.less(S::from_f64(f64::INFINITY));
                 if is_far.any() {
-                    left = left & !(is_far & !lists.are_finite());
-                    if !left.any() {
+                    going = going & !(is_far & !lists.are_finite());
+                    if !going.any() {
                         break;
                     }
                 }
@@ -109,59 +105,53 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
             let contracts = change.less(last * 0.5);
             let is_small = change.less_equal(S::from_f64(SMALL))
                 | (contracts & (change * change).less_equal(last * (UNSEEN * ROUNDING)));
-            let mut settle = left & is_small;
-            let is_unclear = left & !is_small & !contracts;
+            let mut settle = going & is_small;
+            let is_unclear = going & !is_small & !contracts;
             if sweeps > 2 && is_unclear.any() {
                 match self.source.system() {
                     Some(system) => settle = settle | self.are_rounding(system, is_unclear, lists, exact),
                     // It takes a system, which a path alone has.
-                    None => left = left & !is_unclear,
+                    None => going = going & !is_unclear,
                 }
             }
             if settle.any() {
                 // Derivatives that a number carries converge as fast as it does, but later.
                 if !S::IS_BESIDE && size_of::<S>() != size_of::<f64>() {
-                    (0..sweeps + 2).for_each(|_| self.sweep(lists, scratch, modal, &mut ()));
+                    (0..sweeps + 2).for_each(|_| self.sweep(none, lists, scratch, modal, &mut ()));
                 }
                 if Y::Field::IS_STIFF && self.prepared.modes().is_some() {
                     // The slopes are those before the last change, by which a stiff force differs more than the stages do.
-                    self.field(lists, scratch);
+                    self.field(lists, scratch, are_settled);
                 }
-                (are_settled, left) = (are_settled | settle, left & !settle);
-                if S::IS_BESIDE && left.any() {
-                    are_early = are_early | settle;
-                    move_lanes(early, &lists.slopes, settle);
-                }
+                (are_settled, going) = (are_settled | settle, going & !settle);
             }
             // False for NaN, which no other sweep makes finite.
             let is_fast = change.less_equal(before_last * SLOW);
             if sweeps == MOST_SWEEPS {
-                left = none;
+                going = none;
             } else if sweeps >= PATIENCE {
-                left = left & is_fast;
+                going = going & is_fast;
             }
-            if !left.any() {
+            if !going.any() {
                 failure = StepFailure::NotConverged { iterations: sweeps, correction: change.magnitude() };
                 break;
             }
             (before_last, last) = (last, change);
         }
-        if S::IS_BESIDE && are_early.any() {
-            move_lanes(&mut lists.slopes, early, are_early);
-        }
         Swept { are_settled, sweeps, failure }
     }
 
-    /// One sweep: new slopes, and the stages that follow from them.
+    /// One sweep: new slopes, except of paths whose slopes are to stay, and the stages that follow from them.
     #[inline(always)]
     fn sweep(
         &self,
+        stay: S::Mask,
         lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
         room: &mut Room<Y::Field, S, N>,
         modal: &mut Modal<S::Stages<N>>,
         observer: &mut impl Observer<Part<S, N>>,
     ) {
-        self.field(lists, room);
+        self.field(lists, room, stay);
         match self.prepared.modes() {
             Some(modes) if Y::Field::IS_STIFF => {
                 modal.remember(lists.at[0].as_ref());
@@ -217,7 +207,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
             read_nearest::<S, N>(exact.as_mut(), stages.as_ref(), lane);
         }
         let step = given.step(system, self.prepared, self.t, self.h);
-        step.field(exact, scratch);
+        step.field(exact, scratch, false);
         step.follow(exact, scratch, &mut ());
         let kinds = if Y::Field::IS_NYSTROM { 1 } else { 2 };
         for (kind, (exact, stages)) in exact.at.iter().zip(&lists.at).take(kinds).enumerate() {
@@ -230,29 +220,8 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     }
 }
 
-/// Slopes of some paths, from those in another place.
-#[cold]
-#[inline(never)]
-fn move_lanes<S: Scalar, T: Stages<S, N>, V: AsRef<[T]> + AsMut<[T]>, const N: usize>(
-    into: &mut [V; 2],
-    from: &[V; 2],
-    which: S::Mask,
-) {
-    for (into, from) in into.iter_mut().zip(from) {
-        for (into, from) in into.as_mut().iter_mut().zip(from.as_ref()) {
-            for i in 0..N {
-                into.set(i, S::select(which, from.get(i), into.get(i)));
-            }
-        }
-    }
-}
-
 /// Numbers of all stages of one path, each as near as it can be.
-fn read_nearest<S: Scalar, const N: usize>(
-    exact: &mut [[Rounded; N]],
-    stages: &[S::Stages<N>],
-    lane: usize,
-) {
+fn read_nearest<S: Scalar, const N: usize>(exact: &mut [[Rounded; N]], stages: &[S::Stages<N>], lane: usize) {
     for (exact, stages) in exact.iter_mut().zip(stages) {
         *exact = std::array::from_fn(|i| Rounded::nearest(stages.get(i).lane(lane)));
     }
