@@ -1,14 +1,16 @@
 //! Large systems are stepped window by window, in vector instructions: their bits are those of one pass over all sites, number
-//! by number.
+//! by number, on any number of threads.
 //!
 //! The reference is the same generated step on [`Lanes<1>`], which takes no windows and no vector registers. Nothing is
 //! compared but for equality.
 
 #![allow(clippy::unwrap_used, reason = "a test may stop")]
 
+use wzvi::error::{ConfigError, Error};
 use wzvi::lanes::Lanes;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
+use wzvi::simulate::Simulation;
 
 /// Springs to both walls, and between sites one to three apart.
 #[hamiltonian(
@@ -224,13 +226,26 @@ fn numbers(n: usize, seed: f64) -> Vec<f64> {
     (0..n).map(|i| (1.3 * i as f64 + seed).sin()).collect()
 }
 
-/// Steps three ways: from slices, from vectors that are exchanged, and number by number in one pass.
+/// On how many threads besides one.
+const THREADS: [usize; 3] = [2, 3, 7];
+
+/// To the last bit.
+fn are_same(a: &State<DVector<f64>>, b: &State<DVector<f64>>) -> bool {
+    let numbers = |state: &State<DVector<f64>>| {
+        state.q.iter().chain(&state.p).map(|number| number.to_bits()).collect::<Vec<_>>()
+    };
+    numbers(a) == numbers(b)
+}
+
+/// Steps as from slices, from vectors that are exchanged, and those on several threads, and number by number in one pass.
 fn check_scheme<E, H: Discretized<E, Vector = DVector<f64>>>(system: &H, start: &[Vec<f64>; 2], what: &str) {
     let alone = |list: &[f64]| -> Vec<Lanes<1>> { list.iter().map(|&x| Lanes::new([x])).collect() };
     let [mut q, mut p] = start.clone();
     let (mut own_q, mut own_p) = (alone(&q), alone(&p));
     let mut state = State::new(q.clone(), p.clone());
-    let mut stepper = system.stepper::<E>(self::H).unwrap();
+    let stepper = |threads: usize| system.stepper::<E>(self::H).unwrap().threads(threads).unwrap();
+    let mut stepper_of_one = stepper(1);
+    let mut shared = THREADS.map(|threads| (threads, stepper(threads), state.clone()));
     let prepared = system.prepare(self::H).unwrap();
     let (mut memory, mut own_memory) = (system.memory(), Default::default());
     let mut t = 0.0;
@@ -239,10 +254,16 @@ fn check_scheme<E, H: Discretized<E, Vector = DVector<f64>>>(system: &H, start: 
             // Elsewhere: what the last step left is of no use.
             let site = q.len() / 2;
             (q[site], own_q[site], state.q[site]) = (0.5, Lanes::new([0.5]), 0.5);
+            shared.iter_mut().for_each(|(.., state)| state.q[site] = 0.5);
         }
         let dw = numbers(system.increments(q.len()), 0.7 * f64::from(step));
         system.advance(&prepared, t, self::H, &mut q, &mut p, &dw, &mut memory).unwrap();
-        stepper.step(&mut state, &dw).unwrap();
+        stepper_of_one.step(&mut state, &dw).unwrap();
+        for (threads, stepper, shared) in &mut shared {
+            stepper.step(shared, &dw).unwrap();
+            assert!(are_same(shared, &state), "{what}: {} on {threads} threads after step {step}", q.len());
+            assert_eq!(stepper.exchanged(), stepper_of_one.exchanged(), "{what} on {threads} threads");
+        }
         let dw = alone(&dw);
         system.advance(&prepared, t, self::H, &mut own_q, &mut own_p, &dw, &mut own_memory).unwrap();
         t = state.t;
@@ -279,7 +300,7 @@ where
 
 /// Below and above the width of registers, the size from which windows are taken, and that of windows.
 fn sizes() -> impl Iterator<Item = usize> {
-    (3..40).chain(90..101).chain([128, 200, 511, 512, 513, 514, 1023, 1024, 1025, 1500])
+    (3..40).chain(90..101).chain([128, 200, 511, 512, 513, 514, 1023, 1024, 1025, 1500, 3584, 6001])
 }
 
 #[test]
@@ -387,24 +408,26 @@ where
     Chain: Discretized<E, Vector = DVector<f64>>,
 {
     for bad in [f64::NAN, f64::INFINITY, 1e200] {
-        for place in [0, 299, 599] {
-            let (q, p) = (numbers(600, 0.2), numbers(600, 1.1));
-            let (mut state, chain) = (State::new(q, p), Chain { beta: 0.25 });
-            let mut stepper = chain.stepper::<E>(H).unwrap();
-            stepper.step(&mut state, &[]).unwrap();
-            let good = state.clone();
-            state.q[place] = bad;
-            let before = state.clone();
-            assert!(stepper.step(&mut state, &[]).is_err());
-            let same = |a: &DVector<f64>, b: &DVector<f64>| {
-                a.iter().zip(b.iter()).all(|(a, b)| a.to_bits() == b.to_bits())
-            };
-            assert!(same(&state.q, &before.q) && same(&state.p, &before.p), "{bad} at {place}");
-            // What it leaves to the next one is no other than what it was.
-            let (mut after, mut fresh) = (good.clone(), good);
-            stepper.step(&mut after, &[]).unwrap();
-            chain.stepper::<E>(H).unwrap().step(&mut fresh, &[]).unwrap();
-            assert!(same(&after.q, &fresh.q) && same(&after.p, &fresh.p), "after {bad} at {place}");
+        for (n, place) in [(600, 0), (600, 299), (600, 599), (5000, 2499), (5000, 4999)] {
+            let mut errors = Vec::new();
+            for threads in [1].into_iter().chain(THREADS) {
+                let (q, p) = (numbers(n, 0.2), numbers(n, 1.1));
+                let (mut state, chain) = (State::new(q, p), Chain { beta: 0.25 });
+                let fresh_stepper = || chain.stepper::<E>(H).unwrap().threads(threads).unwrap();
+                let mut stepper = fresh_stepper();
+                stepper.step(&mut state, &[]).unwrap();
+                let good = state.clone();
+                state.q[place] = bad;
+                let before = state.clone();
+                errors.push(stepper.step(&mut state, &[]).unwrap_err());
+                assert!(are_same(&state, &before), "{bad} at {place} on {threads} threads");
+                // What it leaves to the next one is no other than what it was.
+                let (mut after, mut fresh) = (good.clone(), good);
+                stepper.step(&mut after, &[]).unwrap();
+                fresh_stepper().step(&mut fresh, &[]).unwrap();
+                assert!(are_same(&after, &fresh), "after {bad} at {place} on {threads} threads");
+            }
+            assert!(errors.iter().all(|error| *error == errors[0]), "{errors:?}");
         }
     }
 }
@@ -415,4 +438,28 @@ fn a_step_that_fails_changes_nothing() {
     check_failures::<DeltaMinus>();
     check_failures::<Verlet>();
     check_failures::<Composed<Verlet, Yoshida4>>();
+}
+
+#[test]
+fn as_many_threads_as_pay_have_the_bits_of_one() {
+    let n = 300_007;
+    let start = || State::new(numbers(n, 0.2), numbers(n, 1.1)).at(0.5);
+    let path =
+        |run: Simulation<'_, Chain, Verlet>| run.start(start()).steps(3).record_every(0).run().unwrap();
+    let (chain, ring) = (Chain { beta: 0.25 }, SineGordon { k: 0.7 });
+    let [all, one] = [chain.simulate::<Verlet>(H), chain.simulate::<Verlet>(H).threads(1)].map(path);
+    assert!(are_same(all.last(), one.last()));
+    let [mut all, mut one] = [start(), start()];
+    ring.stepper::<DeltaMinus>(H).unwrap().step(&mut all, &[]).unwrap();
+    ring.stepper::<DeltaMinus>(H).unwrap().threads(1).unwrap().step(&mut one, &[]).unwrap();
+    assert!(are_same(&all, &one));
+}
+
+#[test]
+fn no_threads_are_refused() {
+    let chain = Chain { beta: 0.25 };
+    let is_told = |error: &ConfigError| error.to_string().contains("at least 1");
+    assert!(chain.stepper::<Verlet>(H).unwrap().threads(0).is_err_and(|error| is_told(&error)));
+    let run = chain.simulate::<Verlet>(H).start(State::new(numbers(9, 0.2), numbers(9, 1.1))).steps(1);
+    assert!(matches!(run.threads(0).run(), Err(Error::Config(error)) if is_told(&error)));
 }

@@ -63,8 +63,8 @@ const _: () = {
         Option, Plain, Plan, Range, Result, Scalar, Segment, Sized, Solver, State,
         StepFailure, Variables, bool, f64, isize, str, usize,
         elements::{
-            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Run,
-            Scheme, Slopes, Stage, Sums, Unknowns,
+            CompensationVec, Curvature, Elements, Given, Memory, MomentumUpdate, Point,
+            Run, Scheme, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -223,7 +223,7 @@ const _: () = {
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let g: f64 = self.g;
-            let size = (at.q.len() / 2) as isize;
+            let size = (at.degrees() / 2) as isize;
             let mut value = S::from_f64(0.0);
             match part {
                 0 => {
@@ -294,18 +294,24 @@ const _: () = {
         type Exact = f64;
         type Usual = f64;
         #[inline(always)]
-        fn slopes<S: Scalar, T: Number<S>, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
+        fn slopes<
+            S: Scalar,
+            T: Number<S>,
+            V: Given<S> + ?Sized,
+            Q: Sums<S> + ?Sized,
+            P: Sums<S> + ?Sized,
+        >(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S>,
+            at: &Point<'_, S, V>,
             wanted: Slopes,
             by_q: &mut Q,
             by_p: &mut P,
         ) {
             use Run as _;
             let g: f64 = self.g;
-            let size = (at.q.len() / 2) as isize;
+            let size = (at.degrees() / 2) as isize;
             match part {
                 0 => {
                     if wanted.by_p {
@@ -397,7 +403,7 @@ const _: () = {
             into: &mut C,
         ) {
             let g: f64 = self.g;
-            let size = (at.q.len() / 2) as isize;
+            let size = (at.degrees() / 2) as isize;
             match part {
                 0 => {
                     if wanted.by_p {
@@ -655,24 +661,24 @@ const _: () = {
     impl Conservative for Bodies {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as at, binding as b0, binding as b2, binding as b7,
-        binding as before, binding as by_p, binding as by_q, binding as carry,
-        binding as degrees, binding as difference, binding as difference2,
-        binding as difference2_squared, binding as difference_squared, binding as dw,
-        binding as end, binding as factor, binding as g, binding as h, binding as i0,
-        binding as i1, binding as i2, binding as index, binding as into,
-        binding as inverse, binding as len, binding as list, binding as low,
-        binding as mass_i, binding as mass_j, binding as memory, binding as minus,
-        binding as outer, binding as p, binding as p_2i, binding as p_2i_plus_1,
-        binding as part, binding as place, binding as points0, binding as points1,
-        binding as prepared, binding as product, binding as product2,
-        binding as product3, binding as product4, binding as product5,
-        binding as product6, binding as q, binding as q_2i, binding as q_2i_plus_1,
-        binding as q_2j, binding as q_2j_plus_1, binding as quotient, binding as range,
-        binding as s2, binding as s5, binding as segment, binding as size,
-        binding as skipped, binding as sum, binding as t, binding as table,
-        binding as term, binding as three_g, binding as total, binding as value,
-        binding as wanted, binding as weight,
+        binding as V, binding as after, binding as at, binding as b0, binding as b2,
+        binding as b7, binding as before, binding as by_p, binding as by_q,
+        binding as carry, binding as degrees, binding as difference,
+        binding as difference2, binding as difference2_squared,
+        binding as difference_squared, binding as dw, binding as end, binding as factor,
+        binding as g, binding as h, binding as i0, binding as i1, binding as i2,
+        binding as index, binding as into, binding as inverse, binding as len,
+        binding as list, binding as low, binding as mass_i, binding as mass_j,
+        binding as memory, binding as minus, binding as outer, binding as p,
+        binding as p_2i, binding as p_2i_plus_1, binding as part, binding as place,
+        binding as points0, binding as points1, binding as prepared, binding as product,
+        binding as product2, binding as product3, binding as product4,
+        binding as product5, binding as product6, binding as q, binding as q_2i,
+        binding as q_2i_plus_1, binding as q_2j, binding as q_2j_plus_1,
+        binding as quotient, binding as range, binding as s2, binding as s5,
+        binding as segment, binding as size, binding as skipped, binding as sum,
+        binding as t, binding as table, binding as term, binding as three_g,
+        binding as total, binding as value, binding as wanted, binding as weight,
     };
 };
 const _: () = {

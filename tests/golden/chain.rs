@@ -61,8 +61,8 @@ const _: () = {
         bool, f64, isize, str, usize,
         compose::{Composes, Equations, General, ROOM, Structure},
         elements::{
-            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Run,
-            Scheme, Slopes, Stage, Sums, Unknowns,
+            CompensationVec, Curvature, Elements, Given, Memory, MomentumUpdate, Point,
+            Run, Scheme, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{Entries, Index, Name, Nest, Places, Slot},
         embedding::{Composed, Midpoint},
@@ -126,7 +126,7 @@ const _: () = {
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let beta: f64 = self.beta;
-            let size = at.q.len() as isize;
+            let size = at.degrees() as isize;
             let mut value = S::from_f64(0.0);
             match part {
                 0 => {
@@ -186,18 +186,24 @@ const _: () = {
         type Exact = f64;
         type Usual = f64;
         #[inline(always)]
-        fn slopes<S: Scalar, T: Number<S>, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
+        fn slopes<
+            S: Scalar,
+            T: Number<S>,
+            V: Given<S> + ?Sized,
+            Q: Sums<S> + ?Sized,
+            P: Sums<S> + ?Sized,
+        >(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S>,
+            at: &Point<'_, S, V>,
             wanted: Slopes,
             by_q: &mut Q,
             by_p: &mut P,
         ) {
             use Run as _;
             let beta: f64 = self.beta;
-            let size = at.q.len() as isize;
+            let size = at.degrees() as isize;
             match part {
                 0 => {
                     if wanted.by_p {
@@ -260,8 +266,10 @@ const _: () = {
                     if wanted.by_q {
                         {
                             let factor = T::from_f64(at.h);
-                            let q0 = T::of(at.q[0]);
-                            by_q.add(0, factor * (q0 * (q0 * q0 * beta + 1.0)));
+                            if by_q.clip::<1, _>(1, [0]).1 > 0 {
+                                let q0 = T::of(at.q[0]);
+                                by_q.add(0, factor * (q0 * (q0 * q0 * beta + 1.0)));
+                            }
                         }
                     }
                 }
@@ -277,7 +285,7 @@ const _: () = {
             into: &mut C,
         ) {
             let beta: f64 = self.beta;
-            let size = at.q.len() as isize;
+            let size = at.degrees() as isize;
             match part {
                 0 => {
                     if wanted.by_p {
@@ -445,12 +453,12 @@ const _: () = {
     impl Conservative for Chain {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as ahead, binding as at, binding as at1, binding as b0,
-        binding as b1, binding as before, binding as beta, binding as by_p,
-        binding as by_q, binding as carried1, binding as carry, binding as degrees,
-        binding as difference, binding as difference_squared, binding as dw,
-        binding as end, binding as factor, binding as h, binding as i0, binding as i1,
-        binding as index, binding as into, binding as len, binding as low,
+        binding as V, binding as after, binding as ahead, binding as at, binding as at1,
+        binding as b0, binding as b1, binding as before, binding as beta,
+        binding as by_p, binding as by_q, binding as carried1, binding as carry,
+        binding as degrees, binding as difference, binding as difference_squared,
+        binding as dw, binding as end, binding as factor, binding as h, binding as i0,
+        binding as i1, binding as index, binding as into, binding as len, binding as low,
         binding as memory, binding as outer, binding as p, binding as p_i,
         binding as part, binding as place, binding as prepared, binding as product,
         binding as q, binding as q0, binding as q0_squared, binding as q_i,

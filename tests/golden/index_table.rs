@@ -56,8 +56,8 @@ const _: () = {
         Range, Result, Scalar, Segment, Sized, Solver, State, StepFailure, bool, f64,
         i128, isize, str, usize,
         elements::{
-            CompensationVec, Curvature, Elements, Memory, MomentumUpdate, Point, Run,
-            Scheme, Slopes, Stage, Sums, Unknowns,
+            CompensationVec, Curvature, Elements, Given, Memory, MomentumUpdate, Point,
+            Run, Scheme, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -219,7 +219,7 @@ const _: () = {
         }
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
-            let size = at.q.len() as isize;
+            let size = at.degrees() as isize;
             let mut value = S::from_f64(0.0);
             match part {
                 0 => {
@@ -267,17 +267,23 @@ const _: () = {
         type Exact = f64;
         type Usual = f64;
         #[inline(always)]
-        fn slopes<S: Scalar, T: Number<S>, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
+        fn slopes<
+            S: Scalar,
+            T: Number<S>,
+            V: Given<S> + ?Sized,
+            Q: Sums<S> + ?Sized,
+            P: Sums<S> + ?Sized,
+        >(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S>,
+            at: &Point<'_, S, V>,
             wanted: Slopes,
             by_q: &mut Q,
             by_p: &mut P,
         ) {
             use Run as _;
-            let size = at.q.len() as isize;
+            let size = at.degrees() as isize;
             match part {
                 0 => {
                     if wanted.by_p {
@@ -341,7 +347,7 @@ const _: () = {
             wanted: Slopes,
             into: &mut C,
         ) {
-            let size = at.q.len() as isize;
+            let size = at.degrees() as isize;
             match part {
                 0 => {
                     if wanted.by_p {
@@ -510,7 +516,7 @@ const _: () = {
     impl Conservative for Bonds {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as at, binding as b0, binding as before,
+        binding as V, binding as after, binding as at, binding as b0, binding as before,
         binding as bonds_2_i, binding as bonds_2_i_factor, binding as by_p,
         binding as by_q, binding as carry, binding as degrees, binding as difference,
         binding as dw, binding as end, binding as entry, binding as factor, binding as h,

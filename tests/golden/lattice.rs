@@ -62,7 +62,7 @@ const _: () = {
         Option, Ord, Plain, Plan, Range, Result, Scalar, Segment, Sized, Solver, State,
         StepFailure, Variables, bool, f64, isize, str, usize,
         elements::{
-            Alone, CompensationVec, Curvature, Elements, LEAST_IN_WINDOWS, Memory,
+            Alone, CompensationVec, Curvature, Elements, Given, LEAST_IN_WINDOWS, Memory,
             MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
         },
         elements::places::{Entries, Name, Places},
@@ -195,11 +195,17 @@ const _: () = {
         type Exact = Alone;
         type Usual = Usual;
         #[inline(always)]
-        fn slopes<S: Scalar, T: Number<S>, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
+        fn slopes<
+            S: Scalar,
+            T: Number<S>,
+            V: Given<S> + ?Sized,
+            Q: Sums<S> + ?Sized,
+            P: Sums<S> + ?Sized,
+        >(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S>,
+            at: &Point<'_, S, V>,
             wanted: Slopes,
             by_q: &mut Q,
             by_p: &mut P,
@@ -560,21 +566,21 @@ const _: () = {
     impl<const N: usize> Conservative for Lattice<N> {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as at, binding as b0, binding as b1, binding as b3,
-        binding as before, binding as by_p, binding as by_q, binding as carry,
-        binding as degrees, binding as difference, binding as dw, binding as end,
-        binding as factor, binding as h, binding as half_k, binding as i0, binding as i1,
-        binding as index, binding as into, binding as k, binding as k_squared,
-        binding as len, binding as low, binding as memory, binding as most,
-        binding as next, binding as outer, binding as p, binding as p_2i,
-        binding as p_2i_plus_1, binding as part, binding as place, binding as points0,
-        binding as points1, binding as points2, binding as prepared, binding as product,
-        binding as product2, binding as q, binding as q_2_i_plus_1_mod_N,
-        binding as q_2_i_plus_1_mod_N_plus_1, binding as q_2i, binding as q_2i_plus_1,
-        binding as range, binding as run, binding as segment, binding as sin,
-        binding as skipped, binding as t, binding as table, binding as taken,
-        binding as term, binding as total, binding as until, binding as value,
-        binding as wanted, binding as weight,
+        binding as V, binding as after, binding as at, binding as b0, binding as b1,
+        binding as b3, binding as before, binding as by_p, binding as by_q,
+        binding as carry, binding as degrees, binding as difference, binding as dw,
+        binding as end, binding as factor, binding as h, binding as half_k,
+        binding as i0, binding as i1, binding as index, binding as into, binding as k,
+        binding as k_squared, binding as len, binding as low, binding as memory,
+        binding as most, binding as next, binding as outer, binding as p,
+        binding as p_2i, binding as p_2i_plus_1, binding as part, binding as place,
+        binding as points0, binding as points1, binding as points2, binding as prepared,
+        binding as product, binding as product2, binding as q,
+        binding as q_2_i_plus_1_mod_N, binding as q_2_i_plus_1_mod_N_plus_1,
+        binding as q_2i, binding as q_2i_plus_1, binding as range, binding as run,
+        binding as segment, binding as sin, binding as skipped, binding as t,
+        binding as table, binding as taken, binding as term, binding as total,
+        binding as until, binding as value, binding as wanted, binding as weight,
     };
 };
 const _: () = {

@@ -58,8 +58,8 @@ const _: () = {
         Solution, Solver, Some, State, StepFailure, bool, f64, i128, isize, str, usize,
         compose::{Composes, Equations, General, ROOM, Structure},
         elements::{
-            CompensationVec, Curvature, Elements, MomentumUpdate, Point, Run, Scheme,
-            Slopes, Stage, Sums, Unknowns,
+            CompensationVec, Curvature, Elements, Given, MomentumUpdate, Point, Run,
+            Scheme, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{Atom, Entries, Index, Loop, Name, Nest, Places, Slot},
         elements::sites::Sites, embedding::{Composed, Midpoint},
@@ -142,7 +142,7 @@ const _: () = {
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let sigma: f64 = self.sigma;
-            let size = at.q.len() as isize;
+            let size = at.degrees() as isize;
             let mut value = S::from_f64(0.0);
             match part {
                 0 => {
@@ -200,18 +200,24 @@ const _: () = {
         type Exact = f64;
         type Usual = f64;
         #[inline(always)]
-        fn slopes<S: Scalar, T: Number<S>, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
+        fn slopes<
+            S: Scalar,
+            T: Number<S>,
+            V: Given<S> + ?Sized,
+            Q: Sums<S> + ?Sized,
+            P: Sums<S> + ?Sized,
+        >(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S>,
+            at: &Point<'_, S, V>,
             wanted: Slopes,
             by_q: &mut Q,
             by_p: &mut P,
         ) {
             use Run as _;
             let sigma: f64 = self.sigma;
-            let size = at.q.len() as isize;
+            let size = at.degrees() as isize;
             match part {
                 0 => {
                     if wanted.by_q {
@@ -295,7 +301,7 @@ const _: () = {
             wanted: Slopes,
             into: &mut C,
         ) {
-            let size = at.q.len() as isize;
+            let size = at.degrees() as isize;
             match part {
                 0 => {
                     if wanted.by_q {
@@ -509,7 +515,7 @@ const _: () = {
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as at, binding as b0, binding as before,
+        binding as V, binding as after, binding as at, binding as b0, binding as before,
         binding as by_p, binding as by_q, binding as carry, binding as condition,
         binding as degrees, binding as dw, binding as dw_sigma, binding as end,
         binding as factor, binding as h, binding as half_h,

@@ -51,7 +51,7 @@ pub use memory::{CompensationVec, Memory};
 pub(crate) use passes::are_finite;
 pub use scheme::{MomentumUpdate, Scheme, Stage, Unknowns};
 pub(crate) use step::nothing;
-pub use sums::{Run, Sums, apart};
+pub use sums::{Given, Run, Sums, apart};
 pub(crate) use windows::BLOCK;
 pub use windows::{Flow, LEAST_IN_WINDOWS, Letter, Origin, Taken, WindowPlan, Word, take_windows};
 
@@ -89,11 +89,11 @@ impl Slopes {
 
 /// Where elements are evaluated, and by what they are weighted.
 #[derive(Clone, Debug)]
-pub struct Point<'a, S> {
+pub struct Point<'a, S, V: ?Sized = [S]> {
     /// Coordinates.
-    pub q: &'a [S],
+    pub q: &'a V,
     /// Momenta.
-    pub p: &'a [S],
+    pub p: &'a V,
     /// Time.
     pub t: f64,
     /// The increment of the drift.
@@ -106,7 +106,13 @@ pub struct Point<'a, S> {
     pub scale: f64,
 }
 
-impl<S: Copy> Point<'_, S> {
+impl<S: Copy, V: Given<S> + ?Sized> Point<'_, S, V> {
+    /// The degrees of freedom of the system.
+    #[inline(always)]
+    pub fn degrees(&self) -> usize {
+        self.q.degrees()
+    }
+
     /// The increment of a noise that acts.
     #[inline(always)]
     pub fn increment(&self, noise: usize) -> S {
@@ -132,8 +138,8 @@ pub trait Curvature<S> {
 ///
 /// Elements with one rule for their increments are a *part*: the drift (part 0), the noises (part 1), what a scheme adds to
 /// them (part 2), the force beside the drift (part 3), which has the slopes `-f` by coordinates and no value, and at last, for values only, the first integrals, from part [`Elements::INTEGRALS`] on. A part is weighted by
-/// `weight` and by its increments.
-pub trait Elements: Hamiltonian {
+/// `weight` and by its increments. Large steps share the system between threads.
+pub trait Elements: Hamiltonian + Sync {
     /// What the elements read and the compiler has not shown to be there.
     #[doc(hidden)]
     const PLACES: places::Places;
@@ -167,15 +173,20 @@ pub trait Elements: Hamiltonian {
     type Usual: Number<f64>;
 
     /// Adds the weighted slopes of a part to `by_q` and `by_p`.
-    fn slopes<S: Scalar, T: Number<S>, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
+    fn slopes<S, T, V, Q, P>(
         &self,
         part: usize,
         weight: f64,
-        at: &Point<'_, S>,
+        at: &Point<'_, S, V>,
         wanted: Slopes,
         by_q: &mut Q,
         by_p: &mut P,
-    );
+    ) where
+        S: Scalar,
+        T: Number<S>,
+        V: Given<S> + ?Sized,
+        Q: Sums<S> + ?Sized,
+        P: Sums<S> + ?Sized;
 
     /// Adds the weighted second derivatives of a part. All noises act.
     fn curvature<S: Scalar, C: Curvature<S>>(
@@ -199,7 +210,7 @@ fn slopes<H: Elements, S: Scalar>(
     by_q: &mut [S],
     by_p: &mut [S],
 ) {
-    system.slopes::<S, S::OfElements<H::Exact>, [S], [S]>(part, weight, at, wanted, by_q, by_p);
+    system.slopes::<S, S::OfElements<H::Exact>, [S], [S], [S]>(part, weight, at, wanted, by_q, by_p);
 }
 
 /// The slopes of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`, as far as they are wanted; `t` is the same in all lanes, or is
@@ -249,18 +260,24 @@ pub fn add_slopes<H: Elements, S: Scalar>(
     wanted: Slopes,
     into: &mut [S],
 ) {
-    add_flow::<H, S, S::OfElements<H::Exact>, [S]>(system, flow, state, wanted, into);
+    add_flow::<H, S, S::OfElements<H::Exact>, [S], [S]>(system, flow, state, wanted, into);
 }
 
 /// The same to any sums.
 #[inline(always)]
-fn add_flow<H: Elements, S: Scalar, T: Number<S>, A: Sums<S> + ?Sized>(
+fn add_flow<H, S, T, V, A>(
     system: &H,
     Flow { t, h, dw }: Flow<'_, S>,
-    state: &[S],
+    state: &V,
     wanted: Slopes,
     into: &mut A,
-) {
+) where
+    H: Elements,
+    S: Scalar,
+    T: Number<S>,
+    V: Given<S> + ?Sized,
+    A: Sums<S> + ?Sized,
+{
     // Elements of one half of the phase space read nothing of the other.
     let at = Point { q: state, p: state, t, h, dw, acting: 0..dw.len(), scale: 1.0 };
     // One call for all, which is inlined.
@@ -270,9 +287,9 @@ fn add_flow<H: Elements, S: Scalar, T: Number<S>, A: Sums<S> + ?Sized>(
             continue;
         }
         if wanted.by_q {
-            system.slopes::<S, T, A, [S]>(part, 1.0, &at, wanted, into, none);
+            system.slopes::<S, T, V, A, [S]>(part, 1.0, &at, wanted, into, none);
         } else {
-            system.slopes::<S, T, [S], A>(part, 1.0, &at, wanted, none, into);
+            system.slopes::<S, T, V, [S], A>(part, 1.0, &at, wanted, none, into);
         }
     }
 }

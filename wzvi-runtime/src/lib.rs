@@ -60,6 +60,7 @@ pub mod step;
 mod steps;
 mod sum;
 pub mod system;
+mod threads;
 pub mod trajectory;
 pub mod variables;
 

@@ -5,6 +5,8 @@ use std::marker::PhantomData;
 
 use crate::numbers::Numbers;
 
+pub use crate::threads::Threads;
+
 /// How the equations of an implicit step are iterated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Iteration {
@@ -55,6 +57,9 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
     fn pinned(&self) -> Iteration {
         Iteration::Automatic
     }
+
+    /// On how many threads a step may run, where it is that of a large system; on the caller's unless this is called.
+    fn share(&mut self, _threads: Threads) {}
 
     /// How linear equations are solved, where that depends on the size of the system.
     fn method(&self) -> Option<Method> {

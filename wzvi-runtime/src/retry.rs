@@ -10,6 +10,7 @@ use std::ops::Range;
 use crate::carry::Carry;
 use crate::error::{ConfigError, Error, StepError, StepFailure};
 use crate::increments::{Divisible, Interval, Noise};
+use crate::memory::Threads;
 use crate::state::{State, Vector};
 use crate::step::{StepInfo, Stepper};
 use crate::steps::{Account, Monitor, Single, TakeStep, Unmonitored, take_steps};
@@ -69,12 +70,23 @@ enum Way {
     Last,
 }
 
+fn stepper<'a, H: Discretized<E>, E, C: Carry<f64>>(
+    system: &'a H,
+    h: f64,
+    is_watched: bool,
+    threads: Threads,
+) -> Result<Stepper<'a, H, E, C>, ConfigError> {
+    let stepper = Stepper::new(system, h)?.carrying().sharing(threads);
+    Ok(if is_watched { stepper } else { stepper.unwatched() })
+}
+
 /// Takes the steps of a run, subdividing those that it has to and may.
 pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f64>> {
     system: &'a H,
     h: f64,
     retry: Retry,
     is_watched: bool,
+    threads: Threads,
     way: Way,
     /// Takes the steps of that way.
     pub(crate) stepper: Stepper<'a, H, E, C>,
@@ -83,14 +95,20 @@ pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = <H as Discretized<E>
 }
 
 impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
-    pub(crate) fn new(system: &'a H, h: f64, retry: Retry, is_watched: bool) -> Result<Self, ConfigError> {
-        let stepper = Self::stepper(system, h, is_watched)?;
-        Ok(Self { system, h, retry, is_watched, way: Way::Whole, stepper, part: Vec::new() })
+    pub(crate) fn new(
+        system: &'a H,
+        h: f64,
+        retry: Retry,
+        is_watched: bool,
+        threads: Threads,
+    ) -> Result<Self, ConfigError> {
+        let stepper = stepper(system, h, is_watched, threads)?;
+        Ok(Self { system, h, retry, is_watched, threads, way: Way::Whole, stepper, part: Vec::new() })
     }
 
-    fn stepper(system: &'a H, h: f64, is_watched: bool) -> Result<Stepper<'a, H, E, C>, ConfigError> {
-        let stepper = Stepper::new(system, h)?.carrying();
-        Ok(if is_watched { stepper } else { stepper.unwatched() })
+    /// Takes steps of another size.
+    fn stepper(&self, h: f64) -> Result<Stepper<'a, H, E, C>, ConfigError> {
+        stepper(self.system, h, self.is_watched, self.threads)
     }
 
     /// Subdivides every step of the run once more, if that may help against `error` and is allowed.
@@ -101,7 +119,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         let may = is_unresolved && base < self.retry.most && self.way != Way::Last;
         if may {
             self.way = Way::Halved(base + 1);
-            self.stepper = Self::stepper(self.system, part_of(self.h, base + 1), self.is_watched)?;
+            self.stepper = self.stepper(part_of(self.h, base + 1))?;
         }
         Ok(may)
     }
@@ -117,7 +135,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
     /// Goes on with a last step of another size, which is not halved.
     pub(crate) fn finish_with(&mut self, h: f64) -> Result<(), ConfigError> {
         let exchanged = self.stepper.exchanged();
-        (self.stepper, self.way) = (Self::stepper(self.system, h, self.is_watched)?, Way::Last);
+        (self.stepper, self.way) = (self.stepper(h)?, Way::Last);
         self.stepper.set_exchanged(exchanged);
         Ok(())
     }
@@ -132,7 +150,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         halvings: u32,
         see: impl FnMut(&Stepper<'a, H, E, C>, [&State<H::Vector>; 2], &[f64]),
     ) -> Result<(), Error> {
-        let mut stepper = Self::stepper(self.system, part_of(self.h, halvings), self.is_watched)?;
+        let mut stepper = self.stepper(part_of(self.h, halvings))?;
         let (mut state, mut part) =
             (before.clone(), vec![0.0; self.system.increments(before.q.components().len())]);
         let mut path = Single {
@@ -165,7 +183,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
             let outcome = if self.way == Way::Halved(level) {
                 self.parts(None, &mut end, interval, noise, dw, level)
             } else {
-                let mut finer = Self::stepper(self.system, part_of(self.h, level), self.is_watched)?;
+                let mut finer = self.stepper(part_of(self.h, level))?;
                 finer.set_exchanged(before);
                 let outcome = self.parts(Some(&mut finer), &mut end, interval, noise, dw, level);
                 self.stepper.set_exchanged(finer.exchanged());

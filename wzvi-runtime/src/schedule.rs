@@ -2,14 +2,13 @@
 
 mod queue;
 
-use std::num::NonZero;
 use std::ops::{ControlFlow, Range};
-use std::panic::resume_unwind;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
 use crate::error::ConfigError;
+use crate::threads::{Threads, together};
 
 #[cfg(feature = "mpi")]
 pub(crate) use queue::PATIENCE;
@@ -17,11 +16,7 @@ pub(crate) use queue::{Pace, Queue};
 
 /// All cores if none are asked for.
 pub(crate) fn threads(asked: Option<usize>) -> Result<usize, ConfigError> {
-    match asked {
-        Some(0) => Err(ConfigError::Setting("0 threads: take at least 1".into())),
-        Some(threads) => Ok(threads),
-        None => Ok(std::thread::available_parallelism().map_or(1, NonZero::get)),
-    }
+    Ok(Threads::asked(asked)?.number(usize::MAX))
 }
 
 /// A queue of blocks that several threads work on.
@@ -101,17 +96,7 @@ pub(crate) fn in_order<T: Send>(
             take_what_is_next(&shared, &take);
         }
     };
-    thread::scope(|scope| {
-        // A thread that the system does not give is one fewer.
-        let spawned: Vec<_> =
-            (0..others).map_while(|_| thread::Builder::new().spawn_scoped(scope, run).ok()).collect();
-        run();
-        for thread in spawned {
-            if let Err(panic) = thread.join() {
-                resume_unwind(panic);
-            }
-        }
-    });
+    together(others as usize, run);
 }
 
 /// Gives to `take` what has arrived in order. While one thread is at it, others wait: none runs ahead of `take`.

@@ -9,6 +9,7 @@ use crate::checkpoint::{Keeper, Keeping};
 use crate::dense::DenseOutput;
 use crate::error::{ConfigError, Error};
 use crate::increments::{Interval, NoNoise, Noise};
+use crate::memory::Threads;
 use crate::options::{Observables, options};
 use crate::progress::StepsShown;
 use crate::recording::Request;
@@ -91,6 +92,8 @@ struct Setup<'a, H: Hamiltonian> {
     sections: Sections<'a, H::Vector>,
     retry: Retry,
     is_watched: bool,
+    /// All cores if none are asked for.
+    threads: Option<usize>,
     is_quiet: bool,
     keeping: Keeping,
 }
@@ -107,6 +110,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
             sections: Sections::default(),
             retry: Retry::never(),
             is_watched: true,
+            threads: None,
             is_quiet: false,
             keeping: Default::default(),
         };
@@ -138,6 +142,13 @@ impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     /// ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)): for whoever looks at the energy himself.
     pub fn unwatched(mut self) -> Self {
         self.setup.is_watched = false;
+        self
+    }
+
+    /// Takes the steps of large systems on so many threads, as far as there are windows for them; without this, on all cores from a size on
+    /// where that pays. One switches it off. The result is the same, bit for bit.
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.setup.threads = Some(threads);
         self
     }
 
@@ -197,10 +208,10 @@ where
         N: Serves<R>,
     {
         let Self { setup, noise, observer, .. } = self;
-        let Setup { system, h, span, recorded, observables, sections, retry, is_watched, is_quiet, keeping } =
-            setup;
+        let Setup { system, h, span, recorded, observables, sections, retry, .. } = setup;
+        let Setup { is_watched, threads, is_quiet, keeping, .. } = setup;
         let (names, functions) = observables.checked("observables")?;
-        let mut stepper = Subdivision::<H, E>::new(system, h, retry, is_watched)?;
+        let mut stepper = Subdivision::<H, E>::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
         let (start, grid) = span.checked::<H, E>(system, h)?;
         let recording = recorded.checked(1, &grid)?;
         let processes = system.increments(start.q.components().len());

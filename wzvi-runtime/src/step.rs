@@ -11,7 +11,7 @@ use crate::carry::{Carry, Plain};
 use crate::continuation::Hard;
 use crate::dense::{DenseOutput, copy, copy_state};
 use crate::error::{ConfigError, StepError, StepFailure};
-use crate::memory::{Iteration, Method, StepMemory};
+use crate::memory::{Iteration, Method, StepMemory, Threads};
 use crate::plan::Solver;
 use crate::solve::Effort;
 use crate::state::{State, Vector};
@@ -96,11 +96,14 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             return Err(ConfigError::StepSize(h));
         }
         let d = system.degrees();
+        let prepared = system.validate().and_then(|()| system.prepare(h))?;
+        let mut memory: H::Memory<f64> = system.memory();
+        memory.share(Threads::Cores);
         Ok(Self {
             system,
             h,
-            prepared: system.validate().and_then(|()| system.prepare(h))?,
-            memory: system.memory(),
+            prepared,
+            memory,
             carry: Default::default(),
             before: 0,
             clock: Clock::started(f64::NAN),
@@ -142,6 +145,17 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     }
 }
 
+#[cfg(feature = "ensemble")]
+impl<'a, H: Discretized<E>, E> Stepper<'a, H, E, Plain> {
+    /// For one of many paths, which have the threads already, with plain sums.
+    ///
+    /// # Errors
+    /// Those of [`Stepper::new`].
+    pub(crate) fn beside_others(system: &'a H, h: f64) -> Result<Self, ConfigError> {
+        Ok(Stepper::<H, E>::new(system, h)?.plain().sharing(Threads::Caller))
+    }
+}
+
 impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// The same steps, but none is refused because it does not resolve the fastest motion
     /// ([`StepFailure::Unresolved`]): for whoever watches the energy.
@@ -166,6 +180,22 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     #[must_use]
     pub fn iteration(mut self, iteration: Iteration) -> Self {
         self.memory.pin(iteration);
+        self
+    }
+
+    /// Takes the steps of large systems on so many threads, as far as there are windows for them; without this, on all cores from a size on
+    /// where that pays ([systems of any size](crate::elements)). One switches it off. The result is the same, bit for bit. Every step then begins
+    /// threads of its own, which allocates.
+    ///
+    /// # Errors
+    /// [`ConfigError::Setting`] for zero.
+    pub fn threads(self, threads: usize) -> Result<Self, ConfigError> {
+        Threads::asked(Some(threads)).map(|threads| self.sharing(threads))
+    }
+
+    /// [`Stepper::threads`]
+    pub(crate) fn sharing(mut self, threads: Threads) -> Self {
+        self.memory.share(threads);
         self
     }
 

@@ -44,7 +44,7 @@ struct Own {
 pub(super) struct Memory<S> {
     own: Option<Own>,
     room: Vec<S>,
-    /// The heat of each block, part by part, where a step goes window by window.
+    /// The heat of each part, block by block, where a step goes window by window.
     blocks: Vec<f64>,
     /// The heat of the last step.
     pub(super) heat: S,
@@ -133,9 +133,8 @@ impl<'m, T: Damped, S: Scalar> Parts<'m, T, S> {
     pub(super) fn by_place(self, parts: usize, degrees: usize) -> Option<ByPlace<'m>> {
         let Self { relaxation, normals, per_part, blocks, .. } = self;
         let (law, normals) = (relaxation.diagonal()?, S::plain(normals)?);
-        let per_block = degrees.div_ceil(BLOCK);
-        blocks.resize(parts * per_block, 0.0);
-        Some(ByPlace { law, normals, per_part, blocks, per_block })
+        blocks.resize(parts * degrees.div_ceil(BLOCK), 0.0);
+        Some(ByPlace { law, normals, per_part, first: 0, blocks, parts })
     }
 
     /// Whether there is no friction, and nothing to do.
@@ -173,11 +172,33 @@ pub(super) struct ByPlace<'m> {
     law: &'m Diagonal,
     normals: &'m [f64],
     per_part: usize,
+    /// The place that `blocks` begin with, which are the heats of `parts` of each block.
+    first: usize,
     blocks: &'m mut [f64],
-    per_block: usize,
+    parts: usize,
 }
 
-impl ByPlace<'_> {
+impl<'m> ByPlace<'m> {
+    #[inline(always)]
+    pub(super) fn lend(&mut self) -> ByPlace<'_> {
+        ByPlace { blocks: self.blocks, ..*self }
+    }
+
+    /// The places before one that a block begins with, and those from it on.
+    pub(super) fn divide(self, place: usize) -> [Self; 2] {
+        let Self { law, normals, per_part, first, blocks, parts } = self;
+        let before = ((place - first).div_ceil(BLOCK) * parts).min(blocks.len());
+        let (blocks, behind) = blocks.split_at_mut(before);
+        [(first, blocks), (place, behind)].map(|(first, blocks)| Self {
+            law,
+            normals,
+            per_part,
+            first,
+            blocks,
+            parts,
+        })
+    }
+
     /// Some places of a part, from the first of a block on, between two drifts over a time where there are coordinates.
     #[inline(always)]
     pub(super) fn apply(
@@ -188,17 +209,18 @@ impl ByPlace<'_> {
         p: &mut [f64],
     ) {
         let normals = &self.normals[part * self.per_part..(part + 1) * self.per_part];
-        let heats = &mut self.blocks[part * self.per_block..][places.start / BLOCK..];
-        for (block, (p, heat)) in p.chunks_mut(BLOCK).zip(heats).enumerate() {
+        let heats = self.blocks[(places.start - self.first) / BLOCK * self.parts..].chunks_mut(self.parts);
+        for (block, (p, heats)) in p.chunks_mut(BLOCK).zip(heats).enumerate() {
             let (from, len) = (block * BLOCK, p.len());
             let drift = drift.as_mut().map(|(time, q)| (*time, &mut q[from..from + len]));
-            *heat = self.law.block(places.start + from..places.start + from + len, normals, drift, p);
+            heats[part] = self.law.block(places.start + from..places.start + from + len, normals, drift, p);
         }
     }
 
     /// The heat of all parts.
     pub(super) fn heat(&self) -> f64 {
-        let parts = self.blocks.chunks(self.per_block);
-        parts.fold(0.0, |sum, blocks| sum + blocks.iter().fold(0.0, |sum, heat| sum + heat))
+        let of_part =
+            |part| self.blocks.iter().skip(part).step_by(self.parts).fold(0.0, |sum, heat| sum + heat);
+        (0..self.parts).fold(0.0, |sum, part| sum + of_part(part))
     }
 }

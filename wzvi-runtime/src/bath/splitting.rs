@@ -19,7 +19,7 @@ use crate::compose::windowed::{self, Givens, takes_windows};
 use crate::elements::Taken;
 use crate::error::{ConfigError, StepFailure};
 use crate::gauss::Shape;
-use crate::memory::StepMemory;
+use crate::memory::{StepMemory, Threads};
 use crate::numbers::{Numbers, Tape};
 use crate::plan::Plan;
 use crate::scalar::Scalar;
@@ -83,7 +83,7 @@ impl<S: Scalar, H: Shape> Default for Memory<S, H> {
 /// The copy allocates its own room, as that of the flows.
 impl<S: Scalar, H: Shape> Clone for Memory<S, H> {
     fn clone(&self) -> Self {
-        Self::default()
+        Self { flows: self.flows.clone(), bath: Default::default() }
     }
 }
 
@@ -94,6 +94,10 @@ impl<S: Scalar, H: Shape> Numbers for Memory<S, H> {
 impl<S: Scalar, H: Shape> StepMemory for Memory<S, H> {
     fn forget(&mut self) {}
     fn adopt(&mut self, _: Self) {}
+
+    fn share(&mut self, threads: Threads) {
+        self.flows.share(threads);
+    }
 }
 
 impl<F, W> Sequence<F> for Splitting<W>

@@ -13,7 +13,7 @@ use crate::compose::kept;
 use crate::compose::sequence::{Followed, Sequence, Substep};
 use crate::elements::are_finite;
 use crate::error::{ConfigError, StepFailure};
-use crate::memory::{Iteration, Method, StepMemory};
+use crate::memory::{Iteration, Method, StepMemory, Threads};
 use crate::numbers::{Numbers, Tape};
 use crate::plan::Plan;
 use crate::scalar::Scalar;
@@ -81,6 +81,10 @@ impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
 
     fn pin(&mut self, iteration: Iteration) {
         self.kept.pin(iteration);
+    }
+
+    fn share(&mut self, threads: Threads) {
+        self.kept.share(threads);
     }
 
     fn pinned(&self) -> Iteration {

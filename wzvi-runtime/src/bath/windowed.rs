@@ -73,7 +73,22 @@ impl<'m> WithBath<'m> {
 }
 
 impl Word for WithBath<'_> {
+    type Share<'s>
+        = WithBath<'s>
+    where
+        Self: 's;
     const DRIFTS_TWICE: bool = true;
+
+    #[inline(always)]
+    fn share(&mut self) -> WithBath<'_> {
+        WithBath { relaxing: self.relaxing.lend(), ..*self }
+    }
+
+    #[inline(always)]
+    fn divide(self, place: usize) -> [Self; 2] {
+        let Self { flows, relaxing, parts, count } = self;
+        relaxing.divide(place).map(|relaxing| Self { flows, relaxing, parts, count })
+    }
 
     #[inline(always)]
     fn count(&self) -> usize {

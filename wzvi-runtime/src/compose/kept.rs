@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 
 use crate::carry::Carry;
-use crate::memory::{Iteration, Method, StepMemory};
+use crate::memory::{Iteration, Method, StepMemory, Threads};
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
 
@@ -55,6 +55,11 @@ impl<S: Scalar, A: StepMemory, B: StepMemory> StepMemory for Memory<S, A, B> {
     fn pin(&mut self, iteration: Iteration) {
         self.first.iter_mut().for_each(|memory| memory.pin(iteration));
         self.second.iter_mut().for_each(|memory| memory.pin(iteration));
+    }
+
+    fn share(&mut self, threads: Threads) {
+        self.first.iter_mut().for_each(|memory| memory.share(threads));
+        self.second.iter_mut().for_each(|memory| memory.share(threads));
     }
 
     fn pinned(&self) -> Iteration {

@@ -7,7 +7,7 @@ use crate::carry::{Carry, Plain};
 use crate::elements::are_finite;
 use crate::error::{ConfigError, StepFailure};
 use crate::gauss::Shape;
-use crate::memory::StepMemory;
+use crate::memory::{StepMemory, Threads};
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
@@ -146,7 +146,7 @@ impl<S: Scalar, H: Shape> Default for Memory<S, H> {
 /// The copy evaluates its first force itself, and allocates its own room.
 impl<S: Scalar, H: Shape> Clone for Memory<S, H> {
     fn clone(&self) -> Self {
-        Self::default()
+        Self { windows: self.windows.alike(), ..Self::default() }
     }
 }
 
@@ -158,6 +158,10 @@ impl<S: Scalar, H: Shape> Numbers for Memory<S, H> {
 impl<S: Scalar, H: Shape> StepMemory for Memory<S, H> {
     fn forget(&mut self) {}
     fn adopt(&mut self, _: Self) {}
+
+    fn share(&mut self, threads: Threads) {
+        self.windows.share(threads);
+    }
 }
 
 impl<S: Scalar, H: Shape> Memory<S, H> {
@@ -178,7 +182,7 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
     #[cold]
     fn fit(&mut self, length: usize, noises: usize) {
         if self.length() != length {
-            *self = Self::of_length(length);
+            *self = Self { windows: self.windows.alike(), ..Self::of_length(length) };
         }
         self.dw.resize(noises, S::from_f64(0.0));
     }

@@ -5,6 +5,7 @@ use super::sequence::Half;
 use super::stages::Stage;
 use crate::elements::{Flow, LEAST_IN_WINDOWS, Letter, Origin, Taken, WindowPlan, Word};
 use crate::error::StepFailure;
+use crate::memory::Threads;
 
 /// Whether steps of so many degrees of freedom go window by window.
 #[inline(always)]
@@ -37,6 +38,16 @@ pub(crate) struct Givens<'a> {
 }
 
 impl Memory {
+    /// What [`StepMemory::share`](crate::memory::StepMemory::share) says.
+    pub(crate) fn share(&mut self, threads: Threads) {
+        self.plan.share(threads);
+    }
+
+    /// One for as many threads.
+    pub(crate) fn alike(&self) -> Self {
+        Self { plan: self.plan.alike(), scaled: Vec::new() }
+    }
+
     /// All parts of a step; `word` makes them, with whatever is between, of the kicks and drifts. Allocates in the first step only.
     ///
     /// # Errors
@@ -51,7 +62,7 @@ impl Memory {
     ) -> Result<(Taken<'m>, W), StepFailure> {
         let Givens { t, h, q, p, dw } = givens;
         let degrees = q.len();
-        if self.plan.as_ref().is_none_or(|plan| plan.degrees() != degrees) || !system.fits(degrees) {
+        if self.plan.degrees() != Some(degrees) || !system.fits(degrees) {
             system.check(degrees)?;
         }
         if p.len() != degrees {
@@ -102,6 +113,21 @@ impl KicksAndDrifts<'_> {
 }
 
 impl Word for KicksAndDrifts<'_> {
+    type Share<'s>
+        = Self
+    where
+        Self: 's;
+
+    #[inline(always)]
+    fn share(&mut self) -> Self {
+        *self
+    }
+
+    #[inline(always)]
+    fn divide(self, _: usize) -> [Self; 2] {
+        [self; 2]
+    }
+
     #[inline(always)]
     fn count(&self) -> usize {
         self.stages.len()

@@ -40,7 +40,7 @@ impl<'a, V: Vector> Evaluated<'a, V> {
                 q0.components().iter().zip(self.increment()).map(|(q, u)| q + stage.point * u).collect();
             let (t, acting) = (t + stage.point * h, 0..self.dw.len());
             let scale = scale_at(system, stage.point * h);
-            let at = Point { q: &q, p: p.components(), t, h: *h, dw: self.dw, acting, scale };
+            let at = Point { q: &q[..], p: p.components(), t, h: *h, dw: self.dw, acting, scale };
             stage.parts.iter().for_each(|&(part, weight)| take(part, stage, weight, &at));
         }
     }

@@ -6,7 +6,7 @@ use super::windows::{LEAST_IN_WINDOWS, Sweeps, WindowPlan, takes_windows};
 use super::{Elements, Scheme, Unknowns};
 use crate::carry::{Carry, Compensation};
 use crate::error::StepFailure;
-use crate::memory::{Iteration, Method, StepMemory};
+use crate::memory::{Iteration, Method, StepMemory, Threads};
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
 use crate::solve::{Banded, Krylov, reverse_cuthill_mckee};
@@ -270,7 +270,7 @@ impl<S> Default for Memory<S> {
             linear: None,
             factored: None,
             rounding: None,
-            plan: None,
+            plan: WindowPlan::default(),
             sweeps: None,
         }
     }
@@ -310,7 +310,7 @@ impl<S: Scalar> Clone for Memory<S> {
     fn clone(&self) -> Self {
         let past = if self.known == 0 { Default::default() } else { self.past.clone() };
         let (iteration, known, prefers_newton) = (self.iteration, self.known, self.prefers_newton);
-        Self { iteration, past, known, prefers_newton, ..Self::default() }
+        Self { iteration, past, known, prefers_newton, plan: self.plan.alike(), ..Self::default() }
     }
 
     /// Keeps what is allocated.
@@ -344,6 +344,10 @@ impl<S: Scalar> StepMemory for Memory<S> {
 
     fn pinned(&self) -> Iteration {
         self.iteration
+    }
+
+    fn share(&mut self, threads: Threads) {
+        self.plan.share(threads);
     }
 
     fn forget(&mut self) {
@@ -415,7 +419,7 @@ impl<S: Scalar> Memory<S> {
         let has_room_in_windows = H::HAS_WINDOWS && S::plain(&[]).is_some() && takes_windows(scheme, degrees);
         self.work = if has_room_in_windows { Work::default() } else { Work::new(scheme, degrees) };
         self.diagonal = vec![S::from_f64(0.0); scheme.unknowns.diagonals(degrees)];
-        (self.rounding, self.plan, self.sweeps) = (None, None, None);
+        (self.rounding, self.plan, self.sweeps) = (None, self.plan.alike(), None);
         let unknowns = scheme.unknowns.count(degrees);
         let is_implicit = scheme.unknowns != Unknowns::None;
         let remembered = if scheme.remembers { unknowns } else { 0 };

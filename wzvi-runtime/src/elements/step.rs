@@ -188,7 +188,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let at = self.at(stage, q, p);
         for &(part, weight) in stage.parts {
             if size_of::<S>() == size_of::<f64>() {
-                self.system.slopes::<S, T, [S], [S]>(part, weight, &at, wanted, by_q, by_p);
+                self.system.slopes::<S, T, [S], [S], [S]>(part, weight, &at, wanted, by_q, by_p);
             } else {
                 slopes_apart(self.system, part, weight, &at, wanted, by_q, by_p);
             }
@@ -212,7 +212,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     #[inline(always)]
-    pub(super) fn at<'b>(&'b self, stage: &Stage, q: &'b [S], p: &'b [S]) -> Point<'b, S> {
+    pub(super) fn at<'b, V: ?Sized>(&'b self, stage: &Stage, q: &'b V, p: &'b V) -> Point<'b, S, V> {
         let (t, acting) = (self.t + stage.point * self.h, 0..self.dw.len());
         let scale = scale_at(self.system, stage.point * self.h);
         Point { q, p, t, h: self.h, dw: self.dw, acting, scale }

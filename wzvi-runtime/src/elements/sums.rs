@@ -3,9 +3,22 @@
 //! The loops of a system say where a run of placements adds, place by place, and what. Whether that goes to a vector, to the part of
 //! it that is in a window, or at once to the new state, is decided here.
 
-use std::ops::Range;
+use std::ops::{Index, Range};
 
 use crate::scalar::{Number, Scalar};
+
+/// Numbers by degree of freedom, which elements read: all of them, or those of a stretch.
+pub trait Given<S>: Index<usize, Output = S> + Index<Range<usize>, Output = [S]> {
+    /// The degrees of freedom of the system.
+    fn degrees(&self) -> usize;
+}
+
+impl<S> Given<S> for [S] {
+    #[inline(always)]
+    fn degrees(&self) -> usize {
+        self.len()
+    }
+}
 
 /// Sums by degree of freedom.
 pub trait Sums<S> {

@@ -16,6 +16,7 @@ mod check;
 mod explicit;
 mod layout;
 mod order;
+mod share;
 mod sums;
 mod sweep;
 mod word;
@@ -26,10 +27,10 @@ pub(super) use explicit::takes_windows;
 pub(super) use sweep::Sweeps;
 pub use word::{Flow, Letter, Origin, Word, take_windows};
 
-use check::Check;
 use layout::{Recorder, Windows};
-use order::{Turn, order};
-use sums::{Moved, Window};
+use order::{Turn, divided};
+use share::{Job, Room, Taking};
+use sums::Stretch;
 
 use super::step::nothing;
 use super::sums::Sums;
@@ -37,6 +38,7 @@ use crate::error::StepFailure;
 use crate::lanes::instructions::{InstructionSet, Kernel};
 use crate::scalar::Number;
 use crate::state::Vector;
+use crate::threads::Threads;
 
 /// Degrees of freedom from which windows are taken: those of smaller systems are one anyway.
 pub const LEAST_IN_WINDOWS: usize = 96;
@@ -53,6 +55,9 @@ const LINE: usize = 8;
 /// Degrees of freedom up to which the last force is kept for the next step. Of more, it would go through the memory of the machine
 /// with the coordinates that it belongs to, which takes longer than its evaluation.
 const MOST_KEPT: usize = 1 << 15;
+
+/// Degrees of freedom that are worth a thread of their own, which takes some ten microseconds to begin and to end.
+const LEAST_OF_THREAD: usize = 1 << 16;
 
 /// How the sum of the slopes by the coordinates of a site, or its terms, come to its momentum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,6 +88,10 @@ enum Move {
 
 /// The moves of a step.
 trait Moves {
+    /// The same for the time of a step, which threads may have.
+    type Share<'s>: Moves + Send
+    where
+        Self: 's;
     /// What slopes are computed with, as [`Elements::Exact`](super::Elements::Exact).
     type Exact: Number<f64>;
     /// As [`Elements::Usual`](super::Elements::Usual).
@@ -91,6 +100,14 @@ trait Moves {
     const HAVE_ONE_VELOCITY: bool;
     /// Whether there may be several drifts between two kicks.
     const DRIFT_TWICE: bool;
+
+    /// All places.
+    fn share(&mut self) -> Self::Share<'_>;
+
+    /// Those before a place, and those from it on.
+    fn divide(self, place: usize) -> [Self; 2]
+    where
+        Self: Sized;
 
     fn degrees(&self) -> usize;
 
@@ -106,10 +123,10 @@ trait Moves {
     fn origin(&self, number: usize) -> Option<Origin>;
 
     /// Adds slopes by the coordinates `q`.
-    fn add_forces<T: Number<f64>, A: Sums<f64>>(&self, number: usize, q: &[f64], into: &mut A);
+    fn add_forces<T: Number<f64>, A: Sums<f64>>(&self, number: usize, q: Stretch<'_>, into: &mut A);
 
     /// Adds slopes by the momenta `p`.
-    fn add_velocities<T: Number<f64>, A: Sums<f64>>(&self, number: usize, p: &[f64], into: &mut A);
+    fn add_velocities<T: Number<f64>, A: Sums<f64>>(&self, number: usize, p: Stretch<'_>, into: &mut A);
 
     /// [`Move::Momenta`] of some places. It may be done again.
     fn change_momenta(&mut self, number: usize, places: Range<usize>, p: &mut [f64]);
@@ -118,14 +135,40 @@ trait Moves {
     fn change_state(&mut self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]);
 }
 
-/// Windows of a system, what is needed for one of them, and the new state.
+/// The windows of a system from the first step on, and on how many threads they are to be taken.
+#[derive(Debug, Default)]
+pub struct WindowPlan {
+    threads: Threads,
+    plan: Option<Box<Plan>>,
+}
+
+impl WindowPlan {
+    /// One for as many threads, of a system that is not known yet.
+    pub(crate) fn alike(&self) -> Self {
+        Self { threads: self.threads, plan: None }
+    }
+
+    /// What [`StepMemory::share`](crate::memory::StepMemory::share) says.
+    pub(crate) fn share(&mut self, threads: Threads) {
+        *self = Self { threads, plan: None };
+    }
+
+    /// The degrees of freedom of the system, if it is known.
+    pub(crate) fn degrees(&self) -> Option<usize> {
+        self.plan.as_deref().map(Plan::degrees)
+    }
+}
+
+/// Windows of a system, what is needed for one of them at a time, and the new state.
 #[derive(Debug)]
-pub struct Plan {
+struct Plan {
     windows: Windows,
     /// The moves of each round.
     rounds: Vec<Range<usize>>,
-    turns: Vec<Turn>,
-    sums: Vec<f64>,
+    /// Windows that a thread each takes, as far as it can; none if there is one thread.
+    shares: Vec<Share>,
+    /// The turns that come then.
+    rest: Share,
     instructions: InstructionSet,
     /// Coordinates after the rounds with even and with odd numbers.
     coordinates: [Vec<f64>; 2],
@@ -133,8 +176,14 @@ pub struct Plan {
     kept: Kept,
 }
 
-/// The plan of a system, from the first step on.
-pub type WindowPlan = Option<Box<Plan>>;
+/// The turns of a thread, and room for the sums of a window.
+#[derive(Debug)]
+struct Share {
+    /// Where its windows end.
+    end: usize,
+    turns: Vec<Turn>,
+    sums: Vec<f64>,
+}
 
 /// The force that the last step ended with, and where it acted.
 #[derive(Debug, Default)]
@@ -145,12 +194,16 @@ struct Kept {
     force: Vec<f64>,
 }
 
-impl Kept {
-    /// Whether it is the force at `q`.
+/// Whether all bits are the same.
+struct IsSame<'a>(&'a [f64], &'a [f64]);
+
+impl Kernel for IsSame<'_> {
+    type Output = bool;
+
     #[inline(always)]
-    fn is_at(&self, q: &[f64]) -> bool {
+    fn run<const L: usize, const HALF: usize>(self) -> bool {
         let mut is_same = true;
-        for (a, b) in self.q.iter().zip(q) {
+        for (a, b) in self.0.iter().zip(self.1) {
             is_same &= a.to_bits() == b.to_bits();
         }
         is_same
@@ -178,14 +231,13 @@ impl Plan {
     /// Takes down where the elements of a system add what.
     #[cold]
     #[inline(never)]
-    fn new(moves: &impl Moves) -> Self {
+    fn new(moves: &impl Moves, threads: Threads) -> Self {
         let degrees = moves.degrees();
         let recorder = Recorder::default();
         moves.record(&recorder);
         let windows = Windows::new(degrees, SIZE, recorder);
-        let sums = vec![nothing(); windows.room() + LINE];
         let rounds = rounds(moves);
-        let turns = order(windows.neighbours(), rounds.len());
+        let (shares, rest) = Self::shares(&windows, rounds.len(), threads.number(degrees / LEAST_OF_THREAD));
         let list = |is_needed: bool| vec![0.0; if is_needed { degrees } else { 0 }];
         let is_kept = degrees <= MOST_KEPT && (0..moves.count()).any(|number| moves.origin(number).is_some());
         Self {
@@ -194,14 +246,30 @@ impl Plan {
             kept: Kept { origin: None, q: list(is_kept), force: list(is_kept) },
             windows,
             rounds,
-            turns,
-            sums,
+            shares,
+            rest,
             instructions: InstructionSet::best(),
         }
     }
 
+    /// The turns of each thread, and those that come then.
+    fn shares(windows: &Windows, rounds: usize, threads: usize) -> (Vec<Share>, Share) {
+        let all = windows.neighbours().len();
+        let parts = match threads.min(all) {
+            0 | 1 => Vec::new(),
+            parts => (0..parts).map(|part| part * all / parts..(part + 1) * all / parts).collect(),
+        };
+        let share = |windows_of: &Range<usize>, turns| {
+            let end = windows_of.end.checked_sub(1).map_or(0, |last| windows.strip(last).end);
+            Share { end, turns, sums: vec![nothing(); windows.room() + LINE] }
+        };
+        let (turns, rest) = divided(windows.neighbours(), rounds, &parts);
+        let shares = parts.iter().zip(turns).map(|(windows_of, turns)| share(windows_of, turns)).collect();
+        (shares, share(&(0..all), rest))
+    }
+
     /// The degrees of freedom of the system that it is for.
-    pub(crate) fn degrees(&self) -> usize {
+    fn degrees(&self) -> usize {
         self.momenta.len()
     }
 
@@ -216,6 +284,31 @@ impl Plan {
         let drifts = |number| !matches!(moves.kind(number), Move::Kick(_) | Move::Momenta);
         let last_drifts = self.rounds.last().is_some_and(|last| last.clone().any(drifts));
         (self.rounds.len() + usize::from(last_drifts)) % 2
+    }
+
+    /// Whether the first force is the one that is kept.
+    #[inline(always)]
+    fn reuses(&mut self, moves: &impl Moves, q: &[f64]) -> bool {
+        let Some(known) = self.kept.origin.take() else { return false };
+        let first = self.rounds[0].clone().find_map(|number| moves.origin(number));
+        first == Some(known) && self.instructions.run(IsSame(&self.kept.q, q))
+    }
+
+    /// All turns of a step, with slopes in numbers `T`; whether the new state is finite.
+    #[inline(always)]
+    fn take<M: Moves, T: Number<f64>, const EXACTLY: bool>(
+        &mut self,
+        moves: &mut M,
+        [q, p]: [&[f64]; 2],
+        reuses: bool,
+    ) -> bool {
+        let instructions = self.instructions;
+        let Self { windows, rounds, shares, rest, coordinates: [even, odd], momenta, kept, .. } = self;
+        let mut room = Room { first: 0, even, odd, momenta, kept: [&mut kept.q, &mut kept.force] };
+        let step = Taking { windows, rounds, q, p, reuses };
+        let of_threads =
+            shares.is_empty() || step.on_threads::<M, T, EXACTLY>(moves, shares, room.lend(), instructions);
+        of_threads && Job::<_, T, EXACTLY>::new(step, moves.share(), rest, room).run_by(instructions)
     }
 }
 
@@ -249,15 +342,15 @@ fn advance<'p, M: Moves>(
     moves: &mut M,
     q: &[f64],
     p: &[f64],
-    plan: &'p mut WindowPlan,
+    WindowPlan { threads, plan }: &'p mut WindowPlan,
 ) -> Result<Taken<'p>, StepFailure> {
     if plan.as_ref().is_none_or(|plan| !plan.fits(moves)) {
-        *plan = Some(Box::new(Plan::new(moves)));
+        *plan = None;
     }
-    let plan = plan.get_or_insert_with(|| Box::new(Plan::new(moves)));
-    let (instructions, known) = (plan.instructions, plan.kept.origin.take());
-    let mut step = InWindows { moves: &mut *moves, q, p, plan: &mut *plan, known };
-    if !(instructions.run(&mut step) || step.take_exactly()) {
+    let plan = plan.get_or_insert_with(|| Box::new(Plan::new(moves, *threads)));
+    let reuses = plan.reuses(moves, q);
+    let is_taken = plan.take::<M, M::Usual, false>(moves, [q, p], reuses);
+    if !(is_taken || take_exactly(plan, moves, [q, p])) {
         return Err(StepFailure::NonFinite);
     }
     if !plan.kept.q.is_empty()
@@ -269,129 +362,9 @@ fn advance<'p, M: Moves>(
     Ok(Taken { q: &mut plan.coordinates[last], p: &mut plan.momenta })
 }
 
-/// One step, window by window.
-struct InWindows<'a, M> {
-    moves: &'a mut M,
-    q: &'a [f64],
-    p: &'a [f64],
-    plan: &'a mut Plan,
-    /// Where the force acted that is kept.
-    known: Option<Origin>,
-}
-
-/// The output is whether all of the new state is finite.
-impl<M: Moves> Kernel for &mut InWindows<'_, M> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<const L: usize, const HALF: usize>(self) -> bool {
-        let reuses = self.known.is_some_and(|known| {
-            let mut first = self.plan.rounds[0].clone();
-            first.find_map(|number| self.moves.origin(number)) == Some(known)
-        });
-        let reuses = reuses && self.plan.kept.is_at(self.q);
-        self.all_turns::<M::Usual>(reuses)
-    }
-}
-
-impl<M: Moves> InWindows<'_, M> {
-    /// The same where a function has an argument that is not usual, or to no avail.
-    #[cold]
-    #[inline(never)]
-    fn take_exactly(&mut self) -> bool {
-        self.all_turns::<M::Exact>(false)
-    }
-
-    /// The new state; whether it is finite.
-    #[inline(always)]
-    fn all_turns<T: Number<f64>>(&mut self, reuses: bool) -> bool {
-        let Self { moves, q, p, plan, .. } = self;
-        let Plan { windows, rounds, turns, sums, coordinates: [even, odd], momenta, kept, .. } = &mut **plan;
-        let first = sums[windows.margin()..].as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
-        let sums = &mut sums[first..];
-        let last = rounds.len() - 1;
-        let keeps = !kept.q.is_empty() && last > 0;
-        let mut check = Check::default();
-        for &Turn { round, window } in &*turns {
-            let strip = windows.strip(window);
-            let places = strip.start..strip.end;
-            let (from, to) = match round {
-                0 => (*q, &mut **even),
-                round if round % 2 == 1 => (&**even, &mut **odd),
-                _ => (&**odd, &mut **even),
-            };
-            // Until something is stored, momenta are those of the state.
-            let mut base = (round == 0).then(|| &p[places.clone()]);
-            let mut has_drifted = false;
-            for number in rounds[round].clone() {
-                let kind = moves.kind(number);
-                if !matches!(kind, Move::Kick(_))
-                    && let Some(base) = base.take()
-                {
-                    momenta[places.clone()].copy_from_slice(base);
-                }
-                match kind {
-                    Move::Kick(_) if reuses && round == 0 => {
-                        let (p, force) = (&mut momenta[places.clone()], &kept.force[places.clone()]);
-                        check.store(p, base.take(), force, |p, force| p + force);
-                    }
-                    Move::Kick(kick) => {
-                        let p = &mut momenta[places.clone()];
-                        let mut into = match kick {
-                            Kick::Terms => Window::onto(strip, sums, base.unwrap_or(p)),
-                            _ => Window::empty(strip, sums),
-                        };
-                        moves.add_forces::<T, _>(number, from, &mut into);
-                        let (base, sums) = (base.take(), into.finish());
-                        match kick {
-                            Kick::Minus => check.store(p, base, sums, |p, sum| p - sum),
-                            Kick::MinusFromZero => check.store(p, base, sums, |p, sum| p + (0.0 - sum)),
-                            Kick::Plus => check.store(p, base, sums, |p, sum| p + sum),
-                            Kick::Terms => check.store(p, base, sums, |_, sum| sum),
-                        }
-                        if keeps && round == last {
-                            kept.force[places.clone()].copy_from_slice(sums);
-                            kept.q[places.clone()].copy_from_slice(&from[places.clone()]);
-                        }
-                    }
-                    Move::Drift { .. } if M::HAVE_ONE_VELOCITY && !(M::DRIFT_TWICE && has_drifted) => {
-                        let mut moved = Moved { strip, base: from, next: &mut *to };
-                        moves.add_velocities::<T, _>(number, momenta, &mut moved);
-                        check.look(&to[places.clone()]);
-                        has_drifted = true;
-                    }
-                    Move::Drift { by_terms } => {
-                        let base = (!has_drifted).then(|| &from[places.clone()]);
-                        let q = &mut to[places.clone()];
-                        let mut into = match by_terms {
-                            true => Window::onto(strip, sums, base.unwrap_or(q)),
-                            false => Window::empty(strip, sums),
-                        };
-                        moves.add_velocities::<T, _>(number, momenta, &mut into);
-                        let sums = into.finish();
-                        match by_terms {
-                            true => check.store(q, base, sums, |_, sum| sum),
-                            false => check.store(q, base, sums, |q, sum| q + sum),
-                        }
-                        has_drifted = true;
-                    }
-                    Move::Momenta => {
-                        moves.change_momenta(number, places.clone(), &mut momenta[places.clone()]);
-                        check.look(&momenta[places.clone()]);
-                    }
-                    Move::State => {
-                        let (q, p) = (&mut to[places.clone()], &mut momenta[places.clone()]);
-                        if !has_drifted {
-                            q.copy_from_slice(&from[places.clone()]);
-                        }
-                        moves.change_state(number, places.clone(), q, p);
-                        check.look(q);
-                        check.look(p);
-                        has_drifted = true;
-                    }
-                }
-            }
-        }
-        check.is_finite()
-    }
+/// [`Plan::take`] where a function has an argument that is not usual, or to no avail.
+#[cold]
+#[inline(never)]
+fn take_exactly<M: Moves>(plan: &mut Plan, moves: &mut M, state: [&[f64]; 2]) -> bool {
+    plan.take::<M, M::Exact, true>(moves, state, false)
 }

@@ -123,8 +123,8 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         }
         // A stepper that is there starts anew by itself: paths begin at another time than they end.
         if self.is_stepped() && (self.steppers.len() < L || was_over || P::ARE_OWN) {
-            let stepper = |lane| Stepper::new(self.job.system_of(self.source_of(lane)), self.job.h);
-            let steppers = (0..L).map(|lane| stepper(lane).map(Stepper::plain));
+            let stepper = |lane| Stepper::beside_others(self.job.system_of(self.source_of(lane)), self.job.h);
+            let steppers = (0..L).map(stepper);
             self.steppers = steppers.collect::<Result<_, _>>()?;
         }
         Ok(())

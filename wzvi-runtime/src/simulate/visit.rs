@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use super::{Observer, Simulation, prepared};
 use crate::error::{ConfigError, Error};
 use crate::increments::Noise;
+use crate::memory::Threads;
 use crate::options::Observable;
 use crate::retry::{Serves, Subdivision};
 use crate::state::{State, Vector};
@@ -96,8 +97,8 @@ where
                 ConfigError::Setting(format!("{what} in a run that keeps no path: leave it out")).into()
             );
         }
-        let (system, h) = (setup.system, setup.h);
-        let mut stepper = Subdivision::<H, E>::new(system, h, setup.retry, setup.is_watched)?;
+        let (system, h, threads) = (setup.system, setup.h, Threads::asked(setup.threads)?);
+        let mut stepper = Subdivision::<H, E>::new(system, h, setup.retry, setup.is_watched, threads)?;
         let (mut state, grid) = setup.span.checked::<H, E>(system, h)?;
         let processes = system.increments(state.q.components().len());
         let mut noise = prepared::<H, E, N>(noise, &grid, processes)?;

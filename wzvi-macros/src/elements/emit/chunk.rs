@@ -250,7 +250,7 @@ impl Chunk<'_> {
         self.element.locals.iter().enumerate().filter(|(k, _)| is_read(&self.locals[*k])).collect()
     }
 
-    /// An element without loops.
+    /// An element without loops, left out where it adds to nothing.
     fn single(&self, inside: &TokenStream, values: &[TokenStream]) -> TokenStream {
         let mut statements = TokenStream::new();
         for (k, local) in self.read_locals(inside, values) {
@@ -261,7 +261,21 @@ impl Chunk<'_> {
         for ((_, target), value) in self.outputs.iter().zip(values) {
             statements.extend(self.add(target, value));
         }
-        statements
+        let place = |target: &Target| match target {
+            Target::Slope { index, .. } => Some(self.indices.position(index)),
+            Target::Total | Target::Curvature { .. } => None,
+        };
+        match self.outputs.iter().map(|(_, target)| place(target)).collect::<Option<Vec<_>>>() {
+            Some(places) if self.wanted == Wanted::Slopes && !places.is_empty() => {
+                let sums = written(self.outputs);
+                quote! {
+                    if #sums.clip::<1, _>(1, [#(#places),*]).1 > 0 {
+                        #statements
+                    }
+                }
+            }
+            _ => statements,
+        }
     }
 
     /// The read of a local variable.

@@ -387,13 +387,14 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
             fn slopes<
                 __S: __wzvi::Scalar,
                 __T: __wzvi::Number<__S>,
+                __V: __wzvi::elements::Given<__S> + ?__wzvi::Sized,
                 __Q: __wzvi::elements::Sums<__S> + ?__wzvi::Sized,
                 __P: __wzvi::elements::Sums<__S> + ?__wzvi::Sized,
             >(
                 &self,
                 __part: #usize,
                 __weight: #f64,
-                __at: &__wzvi::elements::Point<'_, __S>,
+                __at: &__wzvi::elements::Point<'_, __S, __V>,
                 __wanted: __wzvi::elements::Slopes,
                 __by_q: &mut __Q,
                 __by_p: &mut __P,
@@ -427,7 +428,7 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
 /// What `code` reads of the struct and of `__at`.
 fn opened(model: &System, code: &TokenStream) -> TokenStream {
     let read = parameters(model, code);
-    let size = mentions(code, "__size").then(|| sizes(model, &quote!(__at.q.len())));
+    let size = mentions(code, "__size").then(|| sizes(model, &quote!(__at.degrees())));
     let t = mentions(code, "__t").then(|| quote!(let __t = __at.t;));
     let scale = mentions(code, "__scale").then(|| quote!(let __scale = __at.scale;));
     quote!(#read #size #t #scale)

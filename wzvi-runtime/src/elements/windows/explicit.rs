@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::layout::Recorder;
+use super::sums::Stretch;
 use super::{Kick, LEAST_IN_WINDOWS, Move, Moves, Origin, Taken, WindowPlan, advance};
 use crate::elements::step::Step;
 use crate::elements::{Elements, MomentumUpdate, Scheme, Slopes, Stage, Sums, Unknowns};
@@ -50,7 +51,7 @@ impl<H: Elements> Step<'_, H, f64> {
     fn slopes_of<T: Number<f64>, A: Sums<f64>>(
         &self,
         weight_of: impl Fn(&Stage) -> f64,
-        state: &[f64],
+        state: Stretch<'_>,
         wanted: Slopes,
         into: &mut A,
     ) {
@@ -60,12 +61,12 @@ impl<H: Elements> Step<'_, H, f64> {
                 continue;
             }
             // Elements of one half of the phase space read nothing of the other.
-            let at = self.at(stage, state, state);
+            let at = self.at(stage, &state, &state);
             for &(part, weight) in stage.parts {
                 if wanted.by_q {
-                    self.system.slopes::<f64, T, A, [f64]>(part, weight, &at, wanted, into, none);
+                    self.system.slopes::<f64, T, _, A, [f64]>(part, weight, &at, wanted, into, none);
                 } else {
-                    self.system.slopes::<f64, T, [f64], A>(part, weight, &at, wanted, none, into);
+                    self.system.slopes::<f64, T, _, [f64], A>(part, weight, &at, wanted, none, into);
                 }
             }
         }
@@ -73,10 +74,24 @@ impl<H: Elements> Step<'_, H, f64> {
 }
 
 impl<H: Elements> Moves for Step<'_, H, f64> {
+    type Share<'s>
+        = Self
+    where
+        Self: 's;
     type Exact = H::Exact;
     type Usual = H::Usual;
     const HAVE_ONE_VELOCITY: bool = H::HAS_ONE_VELOCITY;
     const DRIFT_TWICE: bool = false;
+
+    #[inline(always)]
+    fn share(&mut self) -> Self {
+        *self
+    }
+
+    #[inline(always)]
+    fn divide(self, _: usize) -> [Self; 2] {
+        [self; 2]
+    }
 
     fn degrees(&self) -> usize {
         self.q.len()
@@ -84,8 +99,8 @@ impl<H: Elements> Moves for Step<'_, H, f64> {
 
     fn record(&self, mut recorder: &Recorder) {
         let all = |_: &Stage| 1.0;
-        self.slopes_of::<f64, _>(all, self.q, Slopes::BY_COORDINATES, &mut recorder);
-        self.slopes_of::<f64, _>(all, self.p, Slopes::BY_MOMENTA, &mut recorder);
+        self.slopes_of::<f64, _>(all, Stretch::all(self.q), Slopes::BY_COORDINATES, &mut recorder);
+        self.slopes_of::<f64, _>(all, Stretch::all(self.p), Slopes::BY_MOMENTA, &mut recorder);
     }
 
     /// `v`, which is zero where a scheme kicks last, and then `u` are assigned.
@@ -109,13 +124,13 @@ impl<H: Elements> Moves for Step<'_, H, f64> {
     }
 
     #[inline(always)]
-    fn add_forces<T: Number<f64>, A: Sums<f64>>(&self, number: usize, q: &[f64], into: &mut A) {
+    fn add_forces<T: Number<f64>, A: Sums<f64>>(&self, number: usize, q: Stretch<'_>, into: &mut A) {
         let weight_of = |stage: &Stage| if number == 0 { stage.start } else { stage.end };
         self.slopes_of::<T, A>(weight_of, q, Slopes::BY_COORDINATES, into);
     }
 
     #[inline(always)]
-    fn add_velocities<T: Number<f64>, A: Sums<f64>>(&self, _: usize, p: &[f64], into: &mut A) {
+    fn add_velocities<T: Number<f64>, A: Sums<f64>>(&self, _: usize, p: Stretch<'_>, into: &mut A) {
         self.slopes_of::<T, A>(|_| 1.0, p, Slopes::BY_MOMENTA, into);
     }
 

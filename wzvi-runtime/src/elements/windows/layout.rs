@@ -93,13 +93,11 @@ struct Placements {
     first: Vec<usize>,
 }
 
-/// Takes down the runs of a system; nothing is computed but single placements, and nothing is kept of them.
+/// Takes down the runs of a system; nothing is computed.
 #[derive(Debug, Default)]
 pub(super) struct Recorder {
     runs: RefCell<Vec<Placements>>,
     outer: Cell<Option<(usize, isize)>>,
-    /// Places that elements outside of all loops add to.
-    single: RefCell<Vec<usize>>,
 }
 
 /// The values of an outermost loop, each of which the recorder is told before its turn.
@@ -144,9 +142,7 @@ impl<'a> Sums<f64> for &'a Recorder {
     fn points<const D: usize>(&mut self, _first: usize, _len: usize) -> Unkept {
         Unkept
     }
-    fn add<T: Number<f64>>(&mut self, place: usize, _value: T) {
-        self.single.borrow_mut().push(place);
-    }
+    fn add<T: Number<f64>>(&mut self, _place: usize, _value: T) {}
 }
 
 /// Sums that nobody reads.
@@ -203,7 +199,7 @@ impl Windows {
     /// Windows of `size` places, or of more where placements write far apart, from the runs of a system of so many degrees of
     /// freedom.
     pub(super) fn new(degrees: usize, size: usize, recorder: Recorder) -> Self {
-        let (runs, single) = (recorder.runs.into_inner(), recorder.single.into_inner());
+        let runs = recorder.runs.into_inner();
         let stride = runs.iter().map(|run| run.stride).max().unwrap_or(1);
         let size = size.max(REACHES * reach(&runs)).next_multiple_of(BLOCK * stride).min(degrees).max(1);
         let count = degrees.div_ceil(size);
@@ -214,7 +210,6 @@ impl Windows {
                 windows.add(&run, number, count);
             }
         }
-        windows.join(&single);
         for number in 0..count {
             for neighbour in windows.neighbours[number].clone() {
                 windows.neighbours[neighbour].push(number);
@@ -225,16 +220,6 @@ impl Windows {
             neighbours.dedup();
         }
         windows
-    }
-
-    /// The windows of single places are all neighbours: which of them one element reads is not told.
-    fn join(&mut self, single: &[usize]) {
-        let mut numbers: Vec<usize> = single.iter().map(|place| place / self.size).collect();
-        numbers.sort_unstable();
-        numbers.dedup();
-        for &number in &numbers {
-            self.neighbours[number].extend(&numbers);
-        }
     }
 
     /// The windows that a run writes into.

@@ -4,6 +4,8 @@
 //! takes a round as soon as its neighbours have taken the round before: a step goes over the system once, with all rounds of a
 //! stretch while that is in the cache, whatever the number of rounds.
 
+use std::ops::Range;
+
 /// A round of a window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Turn {
@@ -11,49 +13,78 @@ pub(super) struct Turn {
     pub(super) window: usize,
 }
 
-/// All rounds of all windows, so that every window comes after its `neighbours`' round before.
-pub(super) fn order(neighbours: &[Vec<usize>], rounds: usize) -> Vec<Turn> {
-    let count = neighbours.len();
-    let all: Vec<usize> = neighbours.iter().map(Vec::len).collect();
-    // By round, how many neighbours have not taken the one before.
-    let mut missing: Vec<Vec<usize>> = (1..rounds).map(|_| all.clone()).collect();
-    let mut turns = Vec::with_capacity(rounds * count);
-    for window in 0..count {
-        let mut ready = vec![Turn { round: 0, window }];
-        while let Some(turn) = ready.pop() {
-            turns.push(turn);
-            let Some(missing) = missing.get_mut(turn.round) else { continue };
-            for &neighbour in &neighbours[turn.window] {
-                missing[neighbour] -= 1;
-                if missing[neighbour] == 0 {
-                    ready.push(Turn { round: turn.round + 1, window: neighbour });
-                }
+/// The rounds that `windows` can take without others, besides those that they have `taken`, so that each comes after its neighbours'
+/// round before. A window begins when those before it have gone as far as they can.
+pub(super) fn order(
+    neighbours: &[Vec<usize>],
+    rounds: usize,
+    windows: Range<usize>,
+    taken: &mut [usize],
+) -> Vec<Turn> {
+    let mut turns = Vec::new();
+    for first in windows.clone() {
+        let mut next = vec![first];
+        while let Some(window) = next.pop() {
+            let round = taken[window];
+            let is_next = round < rounds && (round > 0 || window == first);
+            let has = |&neighbour: &usize| windows.contains(&neighbour) && taken[neighbour] >= round;
+            if is_next && (round == 0 || neighbours[window].iter().all(has)) {
+                turns.push(Turn { round, window });
+                taken[window] += 1;
+                next.extend(&neighbours[window]);
             }
         }
     }
     turns
 }
 
+/// All rounds of all windows: first what each share of them takes by itself, at the same time as the others, and then the rest, of
+/// windows at the borders of shares.
+pub(super) fn divided(
+    neighbours: &[Vec<usize>],
+    rounds: usize,
+    shares: &[Range<usize>],
+) -> (Vec<Vec<Turn>>, Vec<Turn>) {
+    let mut taken = vec![0; neighbours.len()];
+    let own = shares.iter().map(|share| order(neighbours, rounds, share.clone(), &mut taken)).collect();
+    let rest = order(neighbours, rounds, 0..neighbours.len(), &mut taken);
+    (own, rest)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn chain(windows: usize, reach: usize) -> Vec<Vec<usize>> {
+        (0..windows).map(|k| (k.saturating_sub(reach)..(k + reach + 1).min(windows)).collect()).collect()
+    }
+
+    fn ring(windows: usize) -> Vec<Vec<usize>> {
+        (0..windows).map(|k| vec![k, (k + 1) % windows, (k + windows - 1) % windows]).collect()
+    }
+
     #[test]
     fn windows_follow_their_neighbours() {
-        let chain = |n: usize| (0..n).map(|k| (k.saturating_sub(1)..(k + 2).min(n)).collect()).collect();
-        let ring = |n: usize| (0..n).map(|k| vec![k, (k + 1) % n, (k + n - 1) % n]).collect();
-        let cases: [Vec<Vec<usize>>; 4] = [chain(1), chain(7), ring(3), ring(11)];
-        for neighbours in cases {
-            for rounds in 1..5 {
-                let turns = order(&neighbours, rounds);
-                assert_eq!(turns.len(), rounds * neighbours.len());
-                for (at, turn) in turns.iter().enumerate() {
-                    let earlier = &turns[..at];
+        for neighbours in [chain(1, 1), chain(7, 1), chain(23, 3), ring(3), ring(11)] {
+            let all = neighbours.len();
+            for (rounds, parts) in (1..5).flat_map(|rounds| (1..6).map(move |parts| (rounds, parts))) {
+                let shares: Vec<_> = (0..parts).map(|k| all * k / parts..all * (k + 1) / parts).collect();
+                let (own, rest) = divided(&neighbours, rounds, &shares);
+                let follow = |earlier: &[Turn], turn: &Turn, share: Option<&Range<usize>>| {
                     assert!(!earlier.contains(turn));
-                    let Some(round) = turn.round.checked_sub(1) else { continue };
+                    assert!(share.is_none_or(|share| share.contains(&turn.window)));
+                    let Some(round) = turn.round.checked_sub(1) else { return };
                     for &window in &neighbours[turn.window] {
                         assert!(earlier.contains(&Turn { round, window }), "{turn:?} before {window}");
                     }
+                };
+                for (own, share) in own.iter().zip(&shares) {
+                    own.iter().enumerate().for_each(|(at, turn)| follow(&own[..at], turn, Some(share)));
+                }
+                let turns: Vec<Turn> = own.into_iter().flatten().chain(rest.iter().copied()).collect();
+                assert_eq!(turns.len(), rounds * all);
+                for at in turns.len() - rest.len()..turns.len() {
+                    follow(&turns[..at], &turns[at], None);
                 }
             }
         }
@@ -61,12 +92,17 @@ mod tests {
 
     #[test]
     fn a_chain_is_gone_over_once() {
-        let chain: Vec<Vec<usize>> =
-            (0..50_usize).map(|k| (k.saturating_sub(1)..(k + 2).min(50)).collect()).collect();
-        let turns = order(&chain, 4);
+        let turns = order(&chain(50, 1), 4, 0..50, &mut [0; 50]);
+        assert_eq!(turns.len(), 200);
         for (at, turn) in turns.iter().enumerate() {
             let furthest = turns[..at].iter().map(|turn| turn.window).max().unwrap_or(0);
             assert!(furthest <= turn.window + 4, "{turn:?} when {furthest} was there");
         }
+    }
+
+    #[test]
+    fn little_is_left_at_borders() {
+        let (own, rest) = divided(&chain(100, 1), 3, &[0..50, 50..100]);
+        assert_eq!((own[0].len(), own[1].len(), rest.len()), (147, 147, 6));
     }
 }

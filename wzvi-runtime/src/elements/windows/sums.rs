@@ -1,11 +1,53 @@
 //! What the slopes of a window are added to.
 
-use std::ops::Range;
+use std::ops::{Index, Range};
 
 use super::super::step::nothing;
-use super::super::sums::{Points, Run, Sums};
+use super::super::sums::{Given, Points, Run, Sums};
 use super::layout::{Strip, Values};
 use crate::scalar::Number;
+
+/// Coordinates or momenta of the places from `first` on.
+#[derive(Clone, Copy)]
+pub(super) struct Stretch<'a> {
+    pub(super) numbers: &'a [f64],
+    pub(super) first: usize,
+    /// Those of the system.
+    pub(super) degrees: usize,
+}
+
+impl<'a> Stretch<'a> {
+    /// All places.
+    #[inline(always)]
+    pub(super) fn all(numbers: &'a [f64]) -> Self {
+        Self { numbers, first: 0, degrees: numbers.len() }
+    }
+}
+
+impl Index<usize> for Stretch<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn index(&self, place: usize) -> &f64 {
+        &self.numbers[place - self.first]
+    }
+}
+
+impl Index<Range<usize>> for Stretch<'_> {
+    type Output = [f64];
+
+    #[inline(always)]
+    fn index(&self, places: Range<usize>) -> &[f64] {
+        &self.numbers[places.start - self.first..places.end - self.first]
+    }
+}
+
+impl Given<f64> for Stretch<'_> {
+    #[inline(always)]
+    fn degrees(&self) -> usize {
+        self.degrees
+    }
+}
 
 /// Sums of a window in a list of their own, of which those before `filled` have terms: what comes to the others is their first.
 pub(super) struct Window<'a> {
@@ -117,8 +159,10 @@ impl Run<f64> for Gathered<'_> {
 /// Sums of one term each and a number that is known before: `next[i] = base[i] + term`.
 pub(super) struct Moved<'a> {
     pub(super) strip: Strip<'a>,
-    pub(super) base: &'a [f64],
+    pub(super) base: Stretch<'a>,
+    /// The places from `first` on.
     pub(super) next: &'a mut [f64],
+    pub(super) first: usize,
 }
 
 impl<'a> Sums<f64> for Moved<'a> {
@@ -147,10 +191,8 @@ impl<'a> Sums<f64> for Moved<'a> {
     #[inline(always)]
     fn points<const D: usize>(&mut self, first: usize, len: usize) -> MovedRun<'_, D> {
         let places = first..first + D * len;
-        MovedRun {
-            base: &self.base[places.clone()].as_chunks().0[..len],
-            next: &mut self.next[places].as_chunks_mut().0[..len],
-        }
+        let next = &mut self.next[first - self.first..][..D * len];
+        MovedRun { base: &self.base[places].as_chunks().0[..len], next: &mut next.as_chunks_mut().0[..len] }
     }
     #[inline(always)]
     fn add<T: Number<f64>>(&mut self, place: usize, value: T) {

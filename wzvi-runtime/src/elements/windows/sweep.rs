@@ -90,8 +90,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             std::mem::swap(&mut lists.u, &mut lists.by_p);
         }
         self.refresh(lists);
-        let is_large = self.degrees() >= LEAST_IN_WINDOWS;
-        Swept { relative, change: if is_large { self.change(lists) } else { None } }
+        Swept { relative, change: None }
     }
 
     #[inline(always)]
@@ -156,9 +155,9 @@ impl<H: Elements> Step<'_, H, f64> {
             let at = self.at(stage, q, p);
             for &(part, weight) in stage.parts {
                 if wanted.by_q {
-                    self.system.slopes::<f64, T, A, [f64]>(part, weight, &at, wanted, into, none);
+                    self.system.slopes::<f64, T, [f64], A, [f64]>(part, weight, &at, wanted, into, none);
                 } else {
-                    self.system.slopes::<f64, T, [f64], A>(part, weight, &at, wanted, none, into);
+                    self.system.slopes::<f64, T, [f64], [f64], A>(part, weight, &at, wanted, none, into);
                 }
             }
         }

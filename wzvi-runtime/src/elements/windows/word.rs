@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::layout::Recorder;
+use super::sums::Stretch;
 use super::{Kick, Move, Moves, Taken, WindowPlan, advance};
 use crate::elements::{Elements, Slopes, Sums, add_flow};
 use crate::error::StepFailure;
@@ -52,8 +53,22 @@ pub enum Letter<'a> {
 
 /// The parts of a step, each of which moves the state that those before it have left.
 pub trait Word {
+    /// The same parts for the time of a step, which threads may have.
+    type Share<'s>: Word + Send
+    where
+        Self: 's;
+
     /// Whether there may be several drifts between two kicks.
     const DRIFTS_TWICE: bool = false;
+
+    /// All places.
+    fn share(&mut self) -> Self::Share<'_>;
+
+    /// Those before a place, and those from it on, each for one thread.
+    #[must_use]
+    fn divide(self, place: usize) -> [Self; 2]
+    where
+        Self: Sized;
 
     /// How many parts there are.
     fn count(&self) -> usize;
@@ -77,7 +92,7 @@ pub trait Word {
 /// A word of a system.
 struct Spoken<'a, H, W> {
     system: &'a H,
-    word: &'a mut W,
+    word: W,
     degrees: usize,
 }
 
@@ -94,17 +109,32 @@ pub fn take_windows<'p, H: Elements, W: Word>(
     plan: &'p mut WindowPlan,
 ) -> Option<Result<Taken<'p>, StepFailure>> {
     if H::HAS_WINDOWS {
-        Some(advance(&mut Spoken { system, word, degrees: q.len() }, q, p, plan))
+        Some(advance(&mut Spoken { system, word: word.share(), degrees: q.len() }, q, p, plan))
     } else {
         None
     }
 }
 
-impl<H: Elements, W: Word> Moves for Spoken<'_, H, W> {
+impl<'a, H: Elements, W: Word> Moves for Spoken<'a, H, W> {
+    type Share<'s>
+        = Spoken<'a, H, W::Share<'s>>
+    where
+        Self: 's;
     type Exact = H::Exact;
     type Usual = H::Usual;
     const HAVE_ONE_VELOCITY: bool = H::HAS_ONE_VELOCITY;
     const DRIFT_TWICE: bool = W::DRIFTS_TWICE;
+
+    #[inline(always)]
+    fn share(&mut self) -> Self::Share<'_> {
+        Spoken { system: self.system, word: self.word.share(), degrees: self.degrees }
+    }
+
+    #[inline(always)]
+    fn divide(self, place: usize) -> [Self; 2] {
+        let Self { system, word, degrees } = self;
+        word.divide(place).map(|word| Self { system, word, degrees })
+    }
 
     fn degrees(&self) -> usize {
         self.degrees
@@ -112,15 +142,16 @@ impl<H: Elements, W: Word> Moves for Spoken<'_, H, W> {
 
     fn record(&self, mut recorder: &Recorder) {
         let somewhere = vec![0.0; self.degrees];
+        let somewhere = Stretch::all(&somewhere);
         let (mut has_kicked, mut has_drifted) = (false, false);
         for number in 0..self.word.count() {
             match self.word.letter(number) {
                 Letter::Kick(_) | Letter::KickAtEnd(..) if !has_kicked => {
-                    self.add_forces::<f64, _>(number, &somewhere, &mut recorder);
+                    self.add_forces::<f64, _>(number, somewhere, &mut recorder);
                     has_kicked = true;
                 }
                 Letter::Drift(_) if !has_drifted => {
-                    self.add_velocities::<f64, _>(number, &somewhere, &mut recorder);
+                    self.add_velocities::<f64, _>(number, somewhere, &mut recorder);
                     has_drifted = true;
                 }
                 _ => {}
@@ -153,16 +184,16 @@ impl<H: Elements, W: Word> Moves for Spoken<'_, H, W> {
     }
 
     #[inline(always)]
-    fn add_forces<T: Number<f64>, A: Sums<f64>>(&self, number: usize, q: &[f64], into: &mut A) {
+    fn add_forces<T: Number<f64>, A: Sums<f64>>(&self, number: usize, q: Stretch<'_>, into: &mut A) {
         if let Letter::Kick(flow) | Letter::KickAtEnd(flow, _) = self.word.letter(number) {
-            add_flow::<H, f64, T, A>(self.system, flow, q, Slopes::BY_COORDINATES, into);
+            add_flow::<H, f64, T, _, A>(self.system, flow, &q, Slopes::BY_COORDINATES, into);
         }
     }
 
     #[inline(always)]
-    fn add_velocities<T: Number<f64>, A: Sums<f64>>(&self, number: usize, p: &[f64], into: &mut A) {
+    fn add_velocities<T: Number<f64>, A: Sums<f64>>(&self, number: usize, p: Stretch<'_>, into: &mut A) {
         if let Letter::Drift(flow) = self.word.letter(number) {
-            add_flow::<H, f64, T, A>(self.system, flow, p, Slopes::BY_MOMENTA, into);
+            add_flow::<H, f64, T, _, A>(self.system, flow, &p, Slopes::BY_MOMENTA, into);
         }
     }
 

@@ -7,7 +7,7 @@ use crate::ensemble::job::Job;
 use crate::error::{ConfigError, Error, InternalError, StepError, StepFailure};
 use crate::increments::Interval;
 use crate::lanes::Lanes;
-use crate::memory::StepMemory;
+use crate::memory::{StepMemory, Threads};
 use crate::numbers::{Numbers, Tape};
 use crate::plan::Solver;
 use crate::retry::{Subdivision, is_curable};
@@ -169,7 +169,9 @@ pub(super) fn subdivision_of<'s, 'j, H: Discretized<E>, E>(
     }
     match kept {
         Some(subdivision) => Ok(subdivision),
-        none => Ok(none.insert(Subdivision::new(job.system_of(path), job.h, job.retry, true)?)),
+        none => {
+            Ok(none.insert(Subdivision::new(job.system_of(path), job.h, job.retry, true, Threads::Caller)?))
+        }
     }
 }
 
