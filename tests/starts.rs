@@ -62,6 +62,9 @@ macro_rules! ends {
     }};
 }
 
+#[path = "starts/stages.rs"]
+mod stages;
+
 /// Every path of a cloud is the one that a stepper takes from its start, and the statistics do not depend on how the run is split.
 fn paths_are_those_of_steppers<E>()
 where
@@ -152,46 +155,6 @@ where
     let wide = run().steps(200).run_in::<32>().unwrap();
     assert!(narrow == reference && wide == reference);
     [hard, slow, reference.failed()]
-}
-
-/// Not separable, with a function that lanes compute by themselves, the time, and noise that multiplies.
-#[hamiltonian(
-    drift = |q, p, t| 0.5 * p * p / (1.0 + m * q * q) - k * q.cos() + 0.1 * t.sin() * q,
-    noise = [|q, p| s * q * p],
-    embedding = [Gauss<3>],
-)]
-pub struct Swing {
-    pub m: f64,
-    pub k: f64,
-    pub s: f64,
-}
-
-/// Paths with different starts need different numbers of sweeps, with functions and with noise.
-#[test]
-fn stages_of_paths_beside_each_other_are_those_of_steppers() {
-    const PATHS: usize = 45;
-    let (swing, h, steps) = (Swing { m: 0.2, k: 1.5, s: 0.3 }, 0.25, 40);
-    let start = |draw: &mut Draw| State::new([0.07 * draw.path() as f64 - 1.5], [0.5 * draw.normal()]);
-    let run = || swing.ensemble::<Gauss<3>>(h).starts(start).seed(8);
-    let (ends, reference) = ends!(run(), PATHS, steps);
-    let mut sweeps = [u32::MAX, 0];
-    for (path, end) in ends.iter().enumerate() {
-        let mut state = *run().paths(PATHS as u64).steps(0).replay(path as u64).unwrap().0.last();
-        let (mut stepper, mut dw) = (swing.stepper::<Gauss<3>>(h).unwrap().plain(), [0.0]);
-        let mut noise = StepNormals::seed(8).path(path as u64);
-        noise.prepare(&<Swing as Discretized<Gauss<3>>>::PLAN, h, 1, 0.0).unwrap();
-        for step in 0..steps {
-            noise.increments(&Interval { start: 0.0, h, step }, &mut dw).unwrap();
-            let taken = stepper.step(&mut state, &dw).unwrap().iterations;
-            sweeps = [sweeps[0].min(taken), sweeps[1].max(taken)];
-        }
-        assert_eq!((state.q, state.p), (end.q, end.p), "path {path}");
-    }
-    assert!(sweeps[0] + 3 < sweeps[1], "{sweeps:?} sweeps: no path waits for another");
-    for set in [InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512] {
-        let again = run().paths(PATHS as u64).steps(steps).instructions(set).threads(2).run().unwrap();
-        assert!(again == reference, "{set:?}");
-    }
 }
 
 /// A path that ends does not disturb its neighbours, with and without memory.
