@@ -445,8 +445,8 @@ pub trait Discretized<E>: Hamiltonian {
     /// What a step of `L` systems beside each other reads of them; [`Apart`](crate::scalar::Apart) where they cannot be.
     type Beside<const L: usize>;
 
-    /// Of `L` systems, each with what is prepared of it for one step size; `None` where they do not go in lanes, which does not depend on
-    /// which they are.
+    /// Of `L` systems, each with what is prepared of it for one step size; `None` where they do not go in lanes. Those that do still do where
+    /// some of them are replaced by others of them.
     fn beside<const L: usize>(systems: [&Self; L], prepared: [&Self::Prepared; L])
     -> Option<Self::Beside<L>>;
 
