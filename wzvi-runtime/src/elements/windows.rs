@@ -66,9 +66,9 @@ enum Kick {
     Minus,
     /// `p + (0 - sum)`
     MinusFromZero,
-    /// `p + sum`
+    /// `p + sum`, in a word
     Plus,
-    /// `((p + term) + term) + ...`
+    /// `((p + term) + term) + ...`, in a word
     Terms,
 }
 
@@ -76,10 +76,8 @@ enum Kick {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Move {
     Kick(Kick),
-    /// Adds velocities to coordinates: their sum, or term by term.
-    Drift {
-        by_terms: bool,
-    },
+    /// Adds velocities to coordinates: their sum, or term by term in a word.
+    Drift,
     /// Changes momenta, one by one.
     Momenta,
     /// Changes coordinates and momenta, one by one.
@@ -98,8 +96,10 @@ trait Moves {
     type Usual: Number<f64>;
     /// Whether each velocity has one term.
     const HAVE_ONE_VELOCITY: bool;
-    /// Whether there may be several drifts between two kicks.
-    const DRIFT_TWICE: bool;
+    /// Whether it is a [`Word`].
+    const IS_WORD: bool;
+    /// Whether there are [`Move::Momenta`] or [`Move::State`], and several drifts may be between two kicks.
+    const CHANGES: bool;
 
     /// All places.
     fn share(&mut self) -> Self::Share<'_>;
@@ -219,7 +219,7 @@ fn rounds(moves: &impl Moves) -> Vec<Range<usize>> {
                 rounds.push(start..number);
                 (start, has_drifted) = (number, false);
             }
-            Move::Drift { .. } | Move::State => has_drifted = true,
+            Move::Drift | Move::State => has_drifted = true,
             Move::Kick(_) | Move::Momenta => {}
         }
     }

@@ -81,7 +81,8 @@ impl<H: Elements> Moves for Step<'_, H, f64> {
     type Exact = H::Exact;
     type Usual = H::Usual;
     const HAVE_ONE_VELOCITY: bool = H::HAS_ONE_VELOCITY;
-    const DRIFT_TWICE: bool = false;
+    const IS_WORD: bool = false;
+    const CHANGES: bool = false;
 
     #[inline(always)]
     fn share(&mut self) -> Self {
@@ -113,7 +114,7 @@ impl<H: Elements> Moves for Step<'_, H, f64> {
     fn kind(&self, number: usize) -> Move {
         match number {
             0 => Move::Kick(Kick::Minus),
-            1 => Move::Drift { by_terms: false },
+            1 => Move::Drift,
             _ => Move::Kick(Kick::MinusFromZero),
         }
     }

@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::check::Check;
-use super::layout::Windows;
+use super::layout::{Strip, Windows};
 use super::order::Turn;
 use super::sums::{Moved, Stretch, Window};
 use super::{Kick, LINE, Move, Moves, Share};
@@ -128,90 +128,153 @@ impl<M: Moves, T: Number<f64>, const EXACTLY: bool> Kernel for Job<'_, M, T, EXA
         let Taking { windows, rounds, q, p, reuses } = step;
         let Room { first, even, odd, momenta, kept: [kept_q, kept_force] } = room;
         let last = rounds.len() - 1;
-        let keeps = !kept_q.is_empty() && last > 0;
+        let keeps = M::IS_WORD && !kept_q.is_empty() && last > 0;
         let mut check = Check::default();
         for &Turn { round, window } in turns {
             let strip = windows.strip(window);
-            let places = strip.start..strip.end;
-            // Where they are in the room.
-            let own = strip.start - first..strip.end - first;
             let (from, to) = match round {
                 0 => (Stretch::all(q), &mut *even),
                 round if round % 2 == 1 => (step.stretch(first, even), &mut *odd),
                 _ => (step.stretch(first, odd), &mut *even),
             };
+            let own = strip.start - first..strip.end - first;
             // Until something is stored, momenta are those of the state.
-            let mut base = (round == 0).then(|| &p[places.clone()]);
-            let mut has_drifted = false;
+            let base = (round == 0).then(|| &p[strip.start..strip.end]);
+            let (kept, sums) = ([&mut *kept_q, &mut *kept_force], &mut *sums);
+            let place = Place { step, strip, from, first, own };
+            let mut turn = InTurn { place, to, momenta, kept, sums, base, has_drifted: false };
             for number in rounds[round].clone() {
-                let kind = moves.kind(number);
-                if !matches!(kind, Move::Kick(_))
-                    && let Some(base) = base.take()
-                {
-                    momenta[own.clone()].copy_from_slice(base);
-                }
-                match kind {
-                    Move::Kick(_) if reuses && round == 0 => {
-                        let (p, force) = (&mut momenta[own.clone()], &kept_force[own.clone()]);
-                        check.store(p, base.take(), force, |p, force| p + force);
-                    }
+                match moves.kind(number) {
+                    Move::Kick(_) if M::IS_WORD && reuses && round == 0 => turn.kick_again(&mut check),
                     Move::Kick(kick) => {
-                        let p = &mut momenta[own.clone()];
-                        let mut into = match kick {
-                            Kick::Terms => Window::onto(strip, sums, base.unwrap_or(p)),
-                            _ => Window::empty(strip, sums),
-                        };
-                        moves.add_forces::<T, _>(number, from, &mut into);
-                        let (base, sums) = (base.take(), into.finish());
-                        match kick {
-                            Kick::Minus => check.store(p, base, sums, |p, sum| p - sum),
-                            Kick::MinusFromZero => check.store(p, base, sums, |p, sum| p + (0.0 - sum)),
-                            Kick::Plus => check.store(p, base, sums, |p, sum| p + sum),
-                            Kick::Terms => check.store(p, base, sums, |_, sum| sum),
-                        }
+                        turn.kick::<M, T>(&moves, number, kick, &mut check);
                         if keeps && round == last {
-                            kept_force[own.clone()].copy_from_slice(sums);
-                            kept_q[own.clone()].copy_from_slice(&from[places.clone()]);
+                            turn.keep();
                         }
                     }
-                    Move::Drift { .. } if M::HAVE_ONE_VELOCITY && !(M::DRIFT_TWICE && has_drifted) => {
-                        let mut moved = Moved { strip, base: from, next: &mut *to, first };
-                        moves.add_velocities::<T, _>(number, step.stretch(first, momenta), &mut moved);
-                        check.look(&to[own.clone()]);
-                        has_drifted = true;
-                    }
-                    Move::Drift { by_terms } => {
-                        let base = (!has_drifted).then(|| &from[places.clone()]);
-                        let q = &mut to[own.clone()];
-                        let mut into = match by_terms {
-                            true => Window::onto(strip, sums, base.unwrap_or(q)),
-                            false => Window::empty(strip, sums),
-                        };
-                        moves.add_velocities::<T, _>(number, step.stretch(first, momenta), &mut into);
-                        let sums = into.finish();
-                        match by_terms {
-                            true => check.store(q, base, sums, |_, sum| sum),
-                            false => check.store(q, base, sums, |q, sum| q + sum),
-                        }
-                        has_drifted = true;
-                    }
-                    Move::Momenta => {
-                        moves.change_momenta(number, places.clone(), &mut momenta[own.clone()]);
-                        check.look(&momenta[own.clone()]);
-                    }
-                    Move::State => {
-                        let (q, p) = (&mut to[own.clone()], &mut momenta[own.clone()]);
-                        if !has_drifted {
-                            q.copy_from_slice(&from[places.clone()]);
-                        }
-                        moves.change_state(number, places.clone(), q, p);
-                        check.look(q);
-                        check.look(p);
-                        has_drifted = true;
-                    }
+                    Move::Drift => turn.drift::<M, T>(&moves, number, &mut check),
+                    change if M::CHANGES => turn.change(&mut moves, number, change, &mut check),
+                    _ => {}
                 }
             }
         }
         check.is_finite()
+    }
+}
+
+/// Where a window is, and what it reads.
+struct Place<'a> {
+    step: Taking<'a>,
+    strip: Strip<'a>,
+    /// The coordinates after the round before.
+    from: Stretch<'a>,
+    /// The place that the lists of the [`Room`] begin with.
+    first: usize,
+    /// Where the window is there.
+    own: Range<usize>,
+}
+
+/// A round of a window.
+struct InTurn<'a> {
+    place: Place<'a>,
+    /// The coordinates after the round.
+    to: &'a mut [f64],
+    momenta: &'a mut [f64],
+    kept: [&'a mut [f64]; 2],
+    sums: &'a mut [f64],
+    /// The momenta of the state, until there are others.
+    base: Option<&'a [f64]>,
+    has_drifted: bool,
+}
+
+impl InTurn<'_> {
+    /// A kick with the force that is kept.
+    #[inline(always)]
+    fn kick_again(&mut self, check: &mut Check) {
+        let own = self.place.own.clone();
+        let (p, force) = (&mut self.momenta[own.clone()], &self.kept[1][own]);
+        check.store(p, self.base.take(), force, |p, force| p + force);
+    }
+
+    #[inline(always)]
+    fn kick<M: Moves, T: Number<f64>>(&mut self, moves: &M, number: usize, kick: Kick, check: &mut Check) {
+        let Place { strip, from, own, .. } = &self.place;
+        let p = &mut self.momenta[own.clone()];
+        let mut into = match kick {
+            Kick::Terms if M::IS_WORD => Window::onto(*strip, self.sums, self.base.unwrap_or(p)),
+            _ => Window::empty(*strip, self.sums),
+        };
+        moves.add_forces::<T, _>(number, *from, &mut into);
+        let (base, sums) = (self.base.take(), into.finish());
+        match kick {
+            Kick::Minus if !M::IS_WORD => check.store(p, base, sums, |p, sum| p - sum),
+            Kick::Plus if M::IS_WORD => check.store(p, base, sums, |p, sum| p + sum),
+            Kick::Terms if M::IS_WORD => check.store(p, base, sums, |_, sum| sum),
+            _ => check.store(p, base, sums, |p, sum| p + (0.0 - sum)),
+        }
+    }
+
+    /// The sums of the last kick are the force where it acted.
+    #[inline(always)]
+    fn keep(&mut self) {
+        let Place { strip, from, own, .. } = &self.place;
+        let [q, force] = &mut self.kept;
+        force[own.clone()].copy_from_slice(&self.sums[strip.own()]);
+        q[own.clone()].copy_from_slice(&from[strip.start..strip.end]);
+    }
+
+    /// Stores momenta of the state, which something else than a kick reads.
+    #[inline(always)]
+    fn settle(&mut self) {
+        if let Some(base) = self.base.take() {
+            self.momenta[self.place.own.clone()].copy_from_slice(base);
+        }
+    }
+
+    #[inline(always)]
+    fn drift<M: Moves, T: Number<f64>>(&mut self, moves: &M, number: usize, check: &mut Check) {
+        self.settle();
+        let Place { step, strip, from, first, own } = &self.place;
+        let momenta = step.stretch(*first, self.momenta);
+        if M::HAVE_ONE_VELOCITY && !(M::CHANGES && self.has_drifted) {
+            let mut moved = Moved { strip: *strip, base: *from, next: self.to, first: *first };
+            moves.add_velocities::<T, _>(number, momenta, &mut moved);
+            check.look(&self.to[own.clone()]);
+        } else {
+            let base = (!self.has_drifted).then(|| &from[strip.start..strip.end]);
+            let q = &mut self.to[own.clone()];
+            let mut into = match M::IS_WORD {
+                true => Window::onto(*strip, self.sums, base.unwrap_or(q)),
+                false => Window::empty(*strip, self.sums),
+            };
+            moves.add_velocities::<T, _>(number, momenta, &mut into);
+            let sums = into.finish();
+            match M::IS_WORD {
+                true => check.store(q, base, sums, |_, sum| sum),
+                false => check.store(q, base, sums, |q, sum| q + sum),
+            }
+        }
+        self.has_drifted = true;
+    }
+
+    /// What changes places one by one.
+    #[inline(always)]
+    fn change<M: Moves>(&mut self, moves: &mut M, number: usize, change: Move, check: &mut Check) {
+        self.settle();
+        let Place { strip, from, own, .. } = &self.place;
+        let places = strip.start..strip.end;
+        let p = &mut self.momenta[own.clone()];
+        if change == Move::State {
+            let q = &mut self.to[own.clone()];
+            if !self.has_drifted {
+                q.copy_from_slice(&from[places.clone()]);
+            }
+            moves.change_state(number, places, q, p);
+            check.look(q);
+            self.has_drifted = true;
+        } else {
+            moves.change_momenta(number, places, p);
+        }
+        check.look(p);
     }
 }

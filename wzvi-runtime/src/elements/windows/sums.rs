@@ -38,7 +38,8 @@ impl Index<Range<usize>> for Stretch<'_> {
 
     #[inline(always)]
     fn index(&self, places: Range<usize>) -> &[f64] {
-        &self.numbers[places.start - self.first..places.end - self.first]
+        // The length is that of a slice which is opened, and is known without `first`.
+        &self.numbers[places.start - self.first..][..places.end - places.start]
     }
 }
 

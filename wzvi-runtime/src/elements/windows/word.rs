@@ -58,8 +58,8 @@ pub trait Word {
     where
         Self: 's;
 
-    /// Whether there may be several drifts between two kicks.
-    const DRIFTS_TWICE: bool = false;
+    /// Whether there are other parts than kicks and drifts, and several drifts may be between two kicks.
+    const CHANGES: bool = false;
 
     /// All places.
     fn share(&mut self) -> Self::Share<'_>;
@@ -123,7 +123,8 @@ impl<'a, H: Elements, W: Word> Moves for Spoken<'a, H, W> {
     type Exact = H::Exact;
     type Usual = H::Usual;
     const HAVE_ONE_VELOCITY: bool = H::HAS_ONE_VELOCITY;
-    const DRIFT_TWICE: bool = W::DRIFTS_TWICE;
+    const IS_WORD: bool = true;
+    const CHANGES: bool = W::CHANGES;
 
     #[inline(always)]
     fn share(&mut self) -> Self::Share<'_> {
@@ -169,7 +170,7 @@ impl<'a, H: Elements, W: Word> Moves for Spoken<'a, H, W> {
         match self.word.letter(number) {
             Letter::Kick(_) => Move::Kick(Kick::Terms),
             Letter::KickAtEnd(..) => Move::Kick(Kick::Plus),
-            Letter::Drift(_) => Move::Drift { by_terms: true },
+            Letter::Drift(_) => Move::Drift,
             Letter::Momenta => Move::Momenta,
             Letter::State => Move::State,
         }
