@@ -11,7 +11,7 @@
 //! * `ring`: coupled pendulums around a ring, h = 0.05; also in C; `Baoab` with increments that are there.
 //! * `polymer`: a chain of points in space, per point.
 //!
-//! Steps of a million sites stand beside a triad, `a = b + s c`, of as many.
+//! All of that on one thread. `memory`: steps of a million sites on one core and on all stand beside a triad, `a = b + s c`, of as many.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark stops at the first error")]
 
@@ -20,13 +20,10 @@ mod c_program;
 mod chain;
 mod lattice;
 mod measure;
+mod memory;
 mod ring;
 
-use measure::{Case, growth, triad};
-
-/// Of memory that an explicit step of many sites reads and writes, per site: `q` and `p`, and the new ones, which are read before they are
-/// written.
-const BYTES: f64 = 48.0;
+use measure::{Case, growth};
 
 /// Everything that is measured: each case generated, then by hand.
 fn cases() -> Vec<Case> {
@@ -62,11 +59,10 @@ fn main() {
         times.push((case, row));
     }
     println!();
-    let large = times.iter().filter(|(case, _)| case.n == 1_000_000 && case.scheme != "Midpoint");
-    for (_, row) in large {
-        row.beside(BYTES, triad());
-    }
     growth(&times);
+    if wanted("chain") || wanted("memory") {
+        memory::report();
+    }
     if wanted("chain") {
         c_program::report("The chain", "hand_ode.c", &[(32, 4_000), (1024, 100), (1_000_000, 1)]);
     }
