@@ -77,6 +77,19 @@ struct Torus {
     stiffness: f64,
 }
 
+/// Springs that are not linear, between neighbours.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let v = |d: f64| 0.5 * d * d + 0.25 * d.powi(4);
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (1..q.len()).map(|i| self.spring[i] * v(q[i] - q[i - 1])).sum::<f64>()
+    },
+    embedding = Midpoint,
+)]
+struct Bonds {
+    spring: Vec<f64>,
+}
+
 const H: f64 = 0.05;
 
 fn numbers(n: usize, seed: f64) -> Vec<f64> {
@@ -168,6 +181,34 @@ fn sites_of_other_scales_are_solved_alike() {
             let (own, other) = list.split_at(half);
             for (a, b) in own.iter().zip(other) {
                 assert_eq!((a * scale).to_bits(), b.to_bits(), "2^{exponent}");
+            }
+        }
+    }
+}
+
+/// Pairs of sites that nothing else joins, of one energy and phase each: the same numbers at every pair, and the same whether there are
+/// so few of them that they go one after the other, or so many that they go in windows.
+#[test]
+fn small_and_large_systems_are_judged_alike() {
+    let solve = |n: usize, scale: f64| {
+        let spring: Vec<f64> = (0..n).map(|i| if i % 2 == 1 { 1.0 } else { 0.0 }).collect();
+        let bonds = Bonds { spring };
+        let [q, p] = [[0.4, -0.9], [1.1, 0.3]].map(|list| list.map(|x| scale * x));
+        let mut state = State::new(q.repeat(n / 2), p.repeat(n / 2));
+        let mut stepper = bonds.stepper::<Midpoint>(H).unwrap();
+        let taken: Vec<u32> = (0..200).map(|_| stepper.step(&mut state, &[]).unwrap().iterations).collect();
+        (state, taken)
+    };
+    for scale in [1.0, 1e-3] {
+        let (least, expected) = solve(2, scale);
+        let bits = |x: &f64| x.to_bits();
+        for n in (90..=100).step_by(2) {
+            let (state, taken) = solve(n, scale);
+            assert_eq!(taken, expected, "{n} sites of {scale}");
+            for (own, first) in [(&state.q, &least.q), (&state.p, &least.p)] {
+                let alike =
+                    own.as_slice().chunks(2).all(|pair| pair.iter().map(bits).eq(first.iter().map(bits)));
+                assert!(alike, "{n} sites of {scale}");
             }
         }
     }

@@ -470,7 +470,7 @@ pub trait Discretized<E>: Hamiltonian {
     /// short way fails.
     ///
     /// # Errors
-    /// As there; `q`, `p` and `memory` are then as they were.
+    /// Those of [`Discretized::advance_carrying`]; `q`, `p` and `memory` are then as they were.
     #[expect(clippy::too_many_arguments, reason = "as above")]
     #[inline(always)]
     fn advance<S: Scalar>(

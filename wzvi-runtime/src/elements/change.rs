@@ -14,6 +14,8 @@
 //! first order, without a pass that follows the rounding of every term. Each number is compared with its own rounding, so that no
 //! unit and no other site counts.
 
+use std::ops::Range;
+
 use super::memory::Lists;
 use super::passes::{Block, in_blocks, load};
 use super::step::Step;
@@ -66,36 +68,57 @@ impl<const L: usize> Seen<L> {
     }
 }
 
+/// Unknowns that are looked at before it is asked whether one of them was changed.
+const AT_ONCE: usize = 32;
+
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
-    /// What the last correction of the fixed point changed, after [`Step::refresh`]; nothing of numbers of several parts.
+    /// Whether the last correction of the fixed point changed no more than [`UNSEEN`] of a rounding, after [`Step::refresh`]; not known of
+    /// numbers of several parts.
     #[inline(always)]
-    pub(super) fn change(&self, lists: &Lists<'_, S>) -> Option<Change> {
-        (size_of::<S>() == size_of::<f64>()).then(|| self.changes::<4>(lists))
+    pub(super) fn changes_nothing(&self, lists: &Lists<'_, S>) -> bool {
+        let mut spans = (0..self.degrees()).step_by(AT_ONCE);
+        size_of::<S>() == size_of::<f64>()
+            && spans.all(|first| {
+                let places = first..self.degrees().min(first + AT_ONCE);
+                self.change::<4>(lists, places) == Change::Unseen
+            })
     }
 
+    /// What the last correction changed at some places.
     #[inline(always)]
-    fn changes<const L: usize>(&self, lists: &Lists<'_, S>) -> Change {
-        let Lists { x, correction, u, by_p: before, momentum, .. } = lists;
+    fn change<const L: usize>(&self, lists: &Lists<'_, S>, places: Range<usize>) -> Change {
         let mut seen = Seen::<L>::new();
         if self.scheme.unknowns == Unknowns::Both {
-            let unknowns = x.as_chunks::<2>().0.iter().zip(correction.as_chunks::<2>().0);
-            let state = self.q.iter().zip(&**momentum);
-            for ((&[u, v], &[change_u, change_v]), (&q, momentum)) in unknowns.zip(state) {
-                for &Stage { point, .. } in self.scheme.stages.iter().filter(|stage| stage.point != 0.0) {
-                    seen.take([(change_u * point).magnitude()], [moved(q, u, point)]);
-                }
-                seen.take([change_v.magnitude()], [momentum.magnitude() + v.magnitude()]);
-            }
+            self.change_of_both(lists, places, &mut seen);
             return seen.finish();
         }
+        let Lists { x, correction, u, by_p: before, momentum, .. } = lists;
         for &Stage { point, .. } in self.scheme.stages.iter().filter(|stage| stage.point != 0.0) {
-            in_blocks::<L>(self.degrees(), &mut Moved { q: self.q, u, before, point, seen: &mut seen });
+            let (q, u, before) = (&self.q[places.clone()], &u[places.clone()], &before[places.clone()]);
+            in_blocks::<L>(places.len(), &mut Moved { q, u, before, point, seen: &mut seen });
         }
         if self.scheme.stages.iter().any(|stage| stage.point == 0.0) {
             // Elements at the node may read momenta.
-            in_blocks::<L>(self.degrees(), &mut Kicked { x, correction, momentum, seen: &mut seen });
+            let (x, correction) = (&x[places.clone()], &correction[places.clone()]);
+            let momentum = &momentum[places.clone()];
+            in_blocks::<L>(places.len(), &mut Kicked { x, correction, momentum, seen: &mut seen });
         }
         seen.finish()
+    }
+
+    /// The same where both halves are unknown.
+    #[inline(always)]
+    fn change_of_both<const L: usize>(&self, lists: &Lists<'_, S>, places: Range<usize>, seen: &mut Seen<L>) {
+        let Lists { x, correction, momentum, .. } = lists;
+        let (x, correction) =
+            (&x.as_chunks::<2>().0[places.clone()], &correction.as_chunks::<2>().0[places.clone()]);
+        let state = self.q[places.clone()].iter().zip(&momentum[places]);
+        for ((&[u, v], &[change_u, change_v]), (&q, momentum)) in x.iter().zip(correction).zip(state) {
+            for &Stage { point, .. } in self.scheme.stages.iter().filter(|stage| stage.point != 0.0) {
+                seen.take([(change_u * point).magnitude()], [moved(q, u, point)]);
+            }
+            seen.take([change_v.magnitude()], [momentum.magnitude() + v.magnitude()]);
+        }
     }
 }
 

@@ -344,7 +344,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let mut relative = taken.relative;
         let ratio = relative / last;
         let predicts = last < f64::INFINITY && ratio < 0.5;
-        if self.is_resolved(scratch, taken, predicts.then_some(ratio)) {
+        if self.is_resolved(scratch, taken, is_newton, predicts.then_some(ratio)) {
             return Ok(true);
         }
         // A guess claims to be near the solution.
@@ -355,10 +355,6 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let is_final = is_newton || pinned == Iteration::FixedPoint || relative <= NEARLY_SOLVED;
         let mut settles = false;
         if stagnates && is_final && !is_misled {
-            // What the correction changed costs less than a look at all rounding.
-            if !is_newton && taken.change.is_none() && self.change(&scratch.lists) == Some(Change::Unseen) {
-                return Ok(true);
-            }
             let beyond = self.beyond_rounding(scratch.lists.lend(), scratch.rounding);
             if beyond == 0.0 && !varies(scratch, iteration) {
                 return Ok(true);
@@ -390,14 +386,22 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         Ok(false)
     }
 
-    /// Whether what is left of the correction that was taken is rounding, from the contraction if that is known.
+    /// Whether what is left of the correction that was taken is rounding: from the contraction if that is known, or, of the fixed
+    /// point, from what it changed. The same at all sizes, whichever of the two costs less where.
     #[inline(always)]
-    fn is_resolved(self, scratch: &Scratch<'_, S>, taken: &Taken, ratio: Option<f64>) -> bool {
+    fn is_resolved(
+        self,
+        scratch: &Scratch<'_, S>,
+        taken: &Taken,
+        is_newton: bool,
+        ratio: Option<f64>,
+    ) -> bool {
         let is_enough = |relative: f64| {
             relative <= ROUNDING || ratio.is_some_and(|ratio| relative * ratio <= 0.25 * ROUNDING)
         };
         taken.change == Some(Change::Unseen)
             || (is_enough(taken.relative) && self.resolves(scratch, ratio.unwrap_or(1.0)))
+            || (!is_newton && taken.change.is_none() && self.changes_nothing(&scratch.lists))
     }
 
     /// Whether what is left of each correction, by the contraction of all and of its own unknown, is below the rounding of

@@ -90,8 +90,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             std::mem::swap(&mut lists.u, &mut lists.by_p);
         }
         self.refresh(lists);
-        let is_large = self.degrees() >= LEAST_IN_WINDOWS;
-        Swept { relative, change: if is_large { self.change(lists) } else { None } }
+        Swept { relative, change: None }
     }
 
     #[inline(always)]
