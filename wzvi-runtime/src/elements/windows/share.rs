@@ -135,8 +135,8 @@ impl<M: Moves, T: Number<f64>, const WHOLE: bool> Kernel for Job<'_, M, T, WHOLE
             let own = strip.start - first..strip.end - first;
             let (from, to): (&[f64], &mut &mut [f64]) = match round {
                 0 => (q, &mut *even),
-                round if round % 2 == 1 => (&*even, &mut *odd),
-                _ => (&*odd, &mut *even),
+                round if round % 2 == 1 => (*even, &mut *odd),
+                _ => (*odd, &mut *even),
             };
             let from = Stretch { numbers: from, first: if WHOLE || round == 0 { 0 } else { first }, degrees };
             // Until something is stored, momenta are those of the state.
@@ -177,7 +177,7 @@ impl<M: Moves, T: Number<f64>, const WHOLE: bool> Kernel for Job<'_, M, T, WHOLE
                         }
                     }
                     Move::Drift if M::HAVE_ONE_VELOCITY && !(M::CHANGES && has_drifted) => {
-                        let mut moved = Moved { strip, base: from, next: &mut *to, first };
+                        let mut moved = Moved { strip, base: from, next: to, first };
                         match WHOLE {
                             true => moves.add_velocities::<T, _, _>(number, &**momenta, &mut moved),
                             false => {
