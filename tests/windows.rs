@@ -245,7 +245,10 @@ fn check_scheme<E, H: Discretized<E, Vector = DVector<f64>>>(system: &H, start: 
     let mut state = State::new(q.clone(), p.clone());
     let stepper = |threads: usize| system.stepper::<E>(self::H).unwrap().threads(threads).unwrap();
     let mut stepper_of_one = stepper(1);
-    let mut shared = THREADS.map(|threads| (threads, stepper(threads), state.clone()));
+    // Systems of one window are never divided.
+    let threads = if q.len() > 512 { &THREADS[..] } else { &[] };
+    let mut shared: Vec<_> =
+        threads.iter().map(|&threads| (threads, stepper(threads), state.clone())).collect();
     let prepared = system.prepare(self::H).unwrap();
     let (mut memory, mut own_memory) = (system.memory(), Default::default());
     let mut t = 0.0;
@@ -300,7 +303,7 @@ where
 
 /// Below and above the width of registers, the size from which windows are taken, and that of windows.
 fn sizes() -> impl Iterator<Item = usize> {
-    (3..40).chain(90..101).chain([128, 200, 511, 512, 513, 514, 1023, 1024, 1025, 1500, 3584, 6001])
+    (3..40).chain(90..101).chain([128, 200, 511, 512, 513, 514, 1023, 1024, 1025, 1500, 3584])
 }
 
 #[test]
@@ -442,7 +445,7 @@ fn a_step_that_fails_changes_nothing() {
 
 #[test]
 fn as_many_threads_as_pay_have_the_bits_of_one() {
-    let n = 300_007;
+    let n = 600_011;
     let start = || State::new(numbers(n, 0.2), numbers(n, 1.1)).at(0.5);
     let path =
         |run: Simulation<'_, Chain, Verlet>| run.start(start()).steps(3).record_every(0).run().unwrap();

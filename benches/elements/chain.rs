@@ -2,7 +2,7 @@
 
 use wzvi::prelude::*;
 
-use crate::measure::{Case, Explicit, FixedPoint, Forces, KickDriftKick, generated};
+use crate::measure::{Case, Explicit, FixedPoint, Forces, KickDriftKick, Runner, generated, generated_on};
 
 #[hamiltonian(
     drift = |q: &[f64], p: &[f64]| {
@@ -102,6 +102,16 @@ fn polymer(n: usize, steps: usize) -> [Case; 2] {
         ..plus
     };
     [plus, verlet]
+}
+
+/// Explicit steps on so many threads.
+pub(crate) fn on_threads(threads: usize, n: usize) -> [(&'static str, Box<dyn Runner>); 2] {
+    let start = || (first_mode(n), vec![0.0; n]);
+    let ((q, p), (own_q, own_p)) = (start(), start());
+    [
+        ("DeltaPlus", generated_on::<_, DeltaPlus>(threads, &FPUT, H, q, p)),
+        ("Verlet", generated_on::<_, Verlet>(threads, &FPUT, H, own_q, own_p)),
+    ]
 }
 
 pub(crate) fn cases() -> Vec<Case> {

@@ -12,7 +12,7 @@
 //! * `polymer`: a chain of points in space, per point.
 //! * `stiff`: `Midpoint` where the fixed point does not contract: FPUT-alpha-beta at h = 3, and the field φ⁴ on 256² sites with `k h²` from 1 to 10⁶.
 //!
-//! Steps of a million sites stand beside a triad, `a = b + s c`, of as many.
+//! All of that on one thread. `memory`: steps of a million sites on one core and on all stand beside a triad, `a = b + s c`, of as many.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark stops at the first error")]
 
@@ -21,14 +21,11 @@ mod c_program;
 mod chain;
 mod lattice;
 mod measure;
+mod memory;
 mod ring;
 mod stiff;
 
-use measure::{Case, growth, triad};
-
-/// Of memory that an explicit step of many sites reads and writes, per site: `q` and `p`, and the new ones, which are read before they are
-/// written.
-const BYTES: f64 = 48.0;
+use measure::{Case, growth};
 
 /// Everything that is measured: each case generated, then by hand.
 fn cases() -> Vec<Case> {
@@ -65,11 +62,10 @@ fn main() {
         times.push((case, row));
     }
     println!();
-    let large = times.iter().filter(|(case, _)| case.n == 1_000_000 && case.scheme != "Midpoint");
-    for (_, row) in large {
-        row.beside(BYTES, triad());
-    }
     growth(&times);
+    if wanted("chain") || wanted("memory") {
+        memory::report();
+    }
     if wanted("chain") {
         c_program::report("The chain", "hand_ode.c", &[(32, 4_000), (1024, 100), (1_000_000, 1)]);
     }

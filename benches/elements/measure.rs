@@ -33,7 +33,7 @@ pub(crate) struct Case {
 }
 
 /// Short runs, the two taking turns; the best counts, as everything else on the machine only adds.
-const REPETITIONS: usize = 25;
+pub(crate) const REPETITIONS: usize = 25;
 
 impl Case {
     pub(crate) fn name(&self) -> String {
@@ -98,34 +98,6 @@ pub(crate) struct Row {
     counts: [Option<f64>; 2],
 }
 
-impl Row {
-    /// Beside a [`triad`], where a step of so many bytes per site goes through the memory of the machine.
-    pub(crate) fn beside(&self, bytes: f64, triad: f64) {
-        let rate = bytes / self.nanoseconds[0];
-        let Case { problem, scheme, n, .. } = self.case;
-        println!(
-            "{problem} {scheme} of {n}: {rate:.1} GB/s at {bytes} bytes per site, {:.2} of the triad",
-            rate / triad
-        );
-    }
-}
-
-/// Gigabytes per second of `a = b + s c` with lists of a million numbers: 32 bytes each, of which 8 are those of `a`, read before they are written.
-pub(crate) fn triad() -> f64 {
-    let [b, c] = [1.0, 2.0].map(|value| vec![value; 1_000_000]);
-    let mut a = vec![0.0; b.len()];
-    let mut best = f64::INFINITY;
-    for _ in 0..REPETITIONS {
-        let start = Instant::now();
-        for (a, (b, c)) in a.iter_mut().zip(b.iter().zip(&c)) {
-            *a = b + 3.0 * c;
-        }
-        best = best.min(start.elapsed().as_nanos() as f64);
-        std::hint::black_box(&mut a);
-    }
-    32.0 * a.len() as f64 / best
-}
-
 impl fmt::Display for Row {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let time = |i: usize| match self.iterations[i] {
@@ -187,7 +159,7 @@ struct Generated<H: Discretized<E> + 'static, E: 'static> {
     iterations: u64,
 }
 
-/// The generated step of a system from a start.
+/// The generated step of a system from a start, on one thread as those by hand.
 pub(crate) fn generated<H, E: 'static>(
     system: &'static H,
     h: f64,
@@ -200,7 +172,22 @@ where
     generated_with(system, h, q, p, Vec::new())
 }
 
-/// The same, with the same increments in each step.
+/// The same on so many threads.
+pub(crate) fn generated_on<H, E: 'static>(
+    threads: usize,
+    system: &'static H,
+    h: f64,
+    q: Vec<f64>,
+    p: Vec<f64>,
+) -> Box<dyn Runner>
+where
+    H: Discretized<E, Vector = DVector<f64>>,
+{
+    let stepper = system.stepper::<E>(h).unwrap().threads(threads).unwrap();
+    Box::new(Generated { stepper, state: State::new(q, p), dw: Vec::new(), iterations: 0 })
+}
+
+/// The same on one thread, with the same increments in each step.
 pub(crate) fn generated_with<H, E: 'static>(
     system: &'static H,
     h: f64,
@@ -211,7 +198,7 @@ pub(crate) fn generated_with<H, E: 'static>(
 where
     H: Discretized<E, Vector = DVector<f64>>,
 {
-    let stepper = system.stepper::<E>(h).unwrap();
+    let stepper = system.stepper::<E>(h).unwrap().threads(1).unwrap();
     Box::new(Generated { stepper, state: State::new(q, p), dw, iterations: 0 })
 }
 

@@ -77,7 +77,7 @@ impl Word for WithBath<'_> {
         = WithBath<'s>
     where
         Self: 's;
-    const DRIFTS_TWICE: bool = true;
+    const CHANGES: bool = true;
 
     #[inline(always)]
     fn share(&mut self) -> WithBath<'_> {

@@ -30,10 +30,9 @@ pub use word::{Flow, Letter, Origin, Word, take_windows};
 use layout::{Recorder, Windows};
 use order::{Turn, divided};
 use share::{Job, Room, Taking};
-use sums::Stretch;
 
 use super::step::nothing;
-use super::sums::Sums;
+use super::sums::{Given, Sums};
 use crate::error::StepFailure;
 use crate::lanes::instructions::{InstructionSet, Kernel};
 use crate::scalar::Number;
@@ -56,8 +55,9 @@ const LINE: usize = 8;
 /// with the coordinates that it belongs to, which takes longer than its evaluation.
 const MOST_KEPT: usize = 1 << 15;
 
-/// Degrees of freedom that are worth a thread of their own, which takes some ten microseconds to begin and to end.
-const LEAST_OF_THREAD: usize = 1 << 16;
+/// Degrees of freedom that are worth a thread of their own: a step of so many takes some 300 µs, and to begin a thread and to wait for it up
+/// to 100 µs on a machine that does something else besides.
+const LEAST_OF_THREAD: usize = 1 << 18;
 
 /// How the sum of the slopes by the coordinates of a site, or its terms, come to its momentum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,9 +66,9 @@ enum Kick {
     Minus,
     /// `p + (0 - sum)`
     MinusFromZero,
-    /// `p + sum`
+    /// `p + sum`, in a word
     Plus,
-    /// `((p + term) + term) + ...`
+    /// `((p + term) + term) + ...`, in a word
     Terms,
 }
 
@@ -76,10 +76,8 @@ enum Kick {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Move {
     Kick(Kick),
-    /// Adds velocities to coordinates: their sum, or term by term.
-    Drift {
-        by_terms: bool,
-    },
+    /// Adds velocities to coordinates: their sum, or term by term in a word.
+    Drift,
     /// Changes momenta, one by one.
     Momenta,
     /// Changes coordinates and momenta, one by one.
@@ -98,8 +96,10 @@ trait Moves {
     type Usual: Number<f64>;
     /// Whether each velocity has one term.
     const HAVE_ONE_VELOCITY: bool;
-    /// Whether there may be several drifts between two kicks.
-    const DRIFT_TWICE: bool;
+    /// Whether it is a [`Word`].
+    const IS_WORD: bool;
+    /// Whether there are [`Move::Momenta`] or [`Move::State`], and several drifts may be between two kicks.
+    const CHANGES: bool;
 
     /// All places.
     fn share(&mut self) -> Self::Share<'_>;
@@ -123,10 +123,18 @@ trait Moves {
     fn origin(&self, number: usize) -> Option<Origin>;
 
     /// Adds slopes by the coordinates `q`.
-    fn add_forces<T: Number<f64>, A: Sums<f64>>(&self, number: usize, q: Stretch<'_>, into: &mut A);
+    fn add_forces<T, V, A>(&self, number: usize, q: &V, into: &mut A)
+    where
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        A: Sums<f64>;
 
     /// Adds slopes by the momenta `p`.
-    fn add_velocities<T: Number<f64>, A: Sums<f64>>(&self, number: usize, p: Stretch<'_>, into: &mut A);
+    fn add_velocities<T, V, A>(&self, number: usize, p: &V, into: &mut A)
+    where
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        A: Sums<f64>;
 
     /// [`Move::Momenta`] of some places. It may be done again.
     fn change_momenta(&mut self, number: usize, places: Range<usize>, p: &mut [f64]);
@@ -219,7 +227,7 @@ fn rounds(moves: &impl Moves) -> Vec<Range<usize>> {
                 rounds.push(start..number);
                 (start, has_drifted) = (number, false);
             }
-            Move::Drift { .. } | Move::State => has_drifted = true,
+            Move::Drift | Move::State => has_drifted = true,
             Move::Kick(_) | Move::Momenta => {}
         }
     }
@@ -294,21 +302,37 @@ impl Plan {
         first == Some(known) && self.instructions.run(IsSame(&self.kept.q, q))
     }
 
-    /// All turns of a step, with slopes in numbers `T`; whether the new state is finite.
+    /// What all turns of a step from `q` and `p` need: of all threads, of each, of those that come then, and where they write.
     #[inline(always)]
-    fn take<M: Moves, T: Number<f64>, const EXACTLY: bool>(
-        &mut self,
-        moves: &mut M,
-        [q, p]: [&[f64]; 2],
+    fn parts<'a>(
+        &'a mut self,
+        [q, p]: [&'a [f64]; 2],
         reuses: bool,
-    ) -> bool {
-        let instructions = self.instructions;
+    ) -> (Taking<'a>, &'a mut [Share], &'a mut Share, Room<'a>) {
         let Self { windows, rounds, shares, rest, coordinates: [even, odd], momenta, kept, .. } = self;
-        let mut room = Room { first: 0, even, odd, momenta, kept: [&mut kept.q, &mut kept.force] };
-        let step = Taking { windows, rounds, q, p, reuses };
+        let room = Room { first: 0, even, odd, momenta, kept: [&mut kept.q, &mut kept.force] };
+        (Taking { windows, rounds, q, p, reuses }, shares, rest, room)
+    }
+
+    /// All turns of a step; whether the new state is finite.
+    #[inline(always)]
+    fn take<M: Moves>(&mut self, moves: &mut M, state: [&[f64]; 2], reuses: bool) -> bool {
+        let instructions = self.instructions;
+        let (step, shares, rest, mut room) = self.parts(state, reuses);
         let of_threads =
-            shares.is_empty() || step.on_threads::<M, T, EXACTLY>(moves, shares, room.lend(), instructions);
-        of_threads && Job::<_, T, EXACTLY>::new(step, moves.share(), rest, room).run_by(instructions)
+            shares.is_empty() || step.on_threads::<M, M::Usual>(moves, shares, room.lend(), instructions);
+        of_threads && Job::<_, M::Usual, true>::new(step, moves.share(), rest, room).run_in(instructions)
+    }
+
+    /// The same on one thread where a function has an argument that is not usual, or to no avail.
+    #[cold]
+    #[inline(never)]
+    fn take_exactly<M: Moves>(&mut self, moves: &mut M, state: [&[f64]; 2]) -> bool {
+        let (step, shares, rest, mut room) = self.parts(state, false);
+        shares
+            .iter_mut()
+            .chain([rest])
+            .all(|share| Job::<_, M::Exact, true>::new(step, moves.share(), share, room.lend()).run::<1, 1>())
     }
 }
 
@@ -349,8 +373,7 @@ fn advance<'p, M: Moves>(
     }
     let plan = plan.get_or_insert_with(|| Box::new(Plan::new(moves, *threads)));
     let reuses = plan.reuses(moves, q);
-    let is_taken = plan.take::<M, M::Usual, false>(moves, [q, p], reuses);
-    if !(is_taken || take_exactly(plan, moves, [q, p])) {
+    if !(plan.take(moves, [q, p], reuses) || plan.take_exactly(moves, [q, p])) {
         return Err(StepFailure::NonFinite);
     }
     if !plan.kept.q.is_empty()
@@ -360,11 +383,4 @@ fn advance<'p, M: Moves>(
     }
     let last = plan.last(moves);
     Ok(Taken { q: &mut plan.coordinates[last], p: &mut plan.momenta })
-}
-
-/// [`Plan::take`] where a function has an argument that is not usual, or to no avail.
-#[cold]
-#[inline(never)]
-fn take_exactly<M: Moves>(plan: &mut Plan, moves: &mut M, state: [&[f64]; 2]) -> bool {
-    plan.take::<M, M::Exact, true>(moves, state, false)
 }

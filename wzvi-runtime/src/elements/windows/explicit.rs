@@ -3,10 +3,9 @@
 use std::ops::Range;
 
 use super::layout::Recorder;
-use super::sums::Stretch;
 use super::{Kick, LEAST_IN_WINDOWS, Move, Moves, Origin, Taken, WindowPlan, advance};
 use crate::elements::step::Step;
-use crate::elements::{Elements, MomentumUpdate, Scheme, Slopes, Stage, Sums, Unknowns};
+use crate::elements::{Elements, Given, MomentumUpdate, Scheme, Slopes, Stage, Sums, Unknowns};
 use crate::error::StepFailure;
 use crate::scalar::Number;
 
@@ -48,10 +47,10 @@ impl<H: Elements> Step<'_, H, f64> {
 
     /// Adds the slopes of the stages with a weight.
     #[inline(always)]
-    fn slopes_of<T: Number<f64>, A: Sums<f64>>(
+    fn slopes_of<T: Number<f64>, V: Given<f64> + ?Sized, A: Sums<f64>>(
         &self,
         weight_of: impl Fn(&Stage) -> f64,
-        state: Stretch<'_>,
+        state: &V,
         wanted: Slopes,
         into: &mut A,
     ) {
@@ -61,7 +60,7 @@ impl<H: Elements> Step<'_, H, f64> {
                 continue;
             }
             // Elements of one half of the phase space read nothing of the other.
-            let at = self.at(stage, &state, &state);
+            let at = self.at(stage, state, state);
             for &(part, weight) in stage.parts {
                 if wanted.by_q {
                     self.system.slopes::<f64, T, _, A, [f64]>(part, weight, &at, wanted, into, none);
@@ -81,7 +80,8 @@ impl<H: Elements> Moves for Step<'_, H, f64> {
     type Exact = H::Exact;
     type Usual = H::Usual;
     const HAVE_ONE_VELOCITY: bool = H::HAS_ONE_VELOCITY;
-    const DRIFT_TWICE: bool = false;
+    const IS_WORD: bool = false;
+    const CHANGES: bool = false;
 
     #[inline(always)]
     fn share(&mut self) -> Self {
@@ -99,8 +99,8 @@ impl<H: Elements> Moves for Step<'_, H, f64> {
 
     fn record(&self, mut recorder: &Recorder) {
         let all = |_: &Stage| 1.0;
-        self.slopes_of::<f64, _>(all, Stretch::all(self.q), Slopes::BY_COORDINATES, &mut recorder);
-        self.slopes_of::<f64, _>(all, Stretch::all(self.p), Slopes::BY_MOMENTA, &mut recorder);
+        self.slopes_of::<f64, _, _>(all, self.q, Slopes::BY_COORDINATES, &mut recorder);
+        self.slopes_of::<f64, _, _>(all, self.p, Slopes::BY_MOMENTA, &mut recorder);
     }
 
     /// `v`, which is zero where a scheme kicks last, and then `u` are assigned.
@@ -113,7 +113,7 @@ impl<H: Elements> Moves for Step<'_, H, f64> {
     fn kind(&self, number: usize) -> Move {
         match number {
             0 => Move::Kick(Kick::Minus),
-            1 => Move::Drift { by_terms: false },
+            1 => Move::Drift,
             _ => Move::Kick(Kick::MinusFromZero),
         }
     }
@@ -124,14 +124,24 @@ impl<H: Elements> Moves for Step<'_, H, f64> {
     }
 
     #[inline(always)]
-    fn add_forces<T: Number<f64>, A: Sums<f64>>(&self, number: usize, q: Stretch<'_>, into: &mut A) {
+    fn add_forces<T, V, A>(&self, number: usize, q: &V, into: &mut A)
+    where
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        A: Sums<f64>,
+    {
         let weight_of = |stage: &Stage| if number == 0 { stage.start } else { stage.end };
-        self.slopes_of::<T, A>(weight_of, q, Slopes::BY_COORDINATES, into);
+        self.slopes_of::<T, V, A>(weight_of, q, Slopes::BY_COORDINATES, into);
     }
 
     #[inline(always)]
-    fn add_velocities<T: Number<f64>, A: Sums<f64>>(&self, _: usize, p: Stretch<'_>, into: &mut A) {
-        self.slopes_of::<T, A>(|_| 1.0, p, Slopes::BY_MOMENTA, into);
+    fn add_velocities<T, V, A>(&self, _: usize, p: &V, into: &mut A)
+    where
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        A: Sums<f64>,
+    {
+        self.slopes_of::<T, V, A>(|_| 1.0, p, Slopes::BY_MOMENTA, into);
     }
 
     #[inline(always)]

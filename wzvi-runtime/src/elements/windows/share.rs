@@ -4,6 +4,7 @@
 //! can be without what others write. The rest, a few windows at the borders, is taken when all are done. Every number is that of one thread:
 //! which turns a window waits for changes no term and no order of a sum.
 
+use std::hint::black_box;
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -62,14 +63,8 @@ pub(super) struct Taking<'a> {
 }
 
 impl Taking<'_> {
-    /// New numbers from the place `first` on.
-    #[inline(always)]
-    fn stretch<'n>(&self, first: usize, numbers: &'n [f64]) -> Stretch<'n> {
-        Stretch { numbers, first, degrees: self.q.len() }
-    }
-
     /// The turns of all shares, each on a thread; whether all numbers are finite.
-    pub(super) fn on_threads<M: Moves, T: Number<f64>, const EXACTLY: bool>(
+    pub(super) fn on_threads<M: Moves, T: Number<f64>>(
         self,
         moves: &mut M,
         shares: &mut [Share],
@@ -83,10 +78,10 @@ impl Taking<'_> {
             let [moves, moves_behind] = moves.divide(share.end);
             let [room, room_behind] = room.divide(share.end);
             behind = (moves_behind, room_behind);
-            jobs.push(Job::<_, T, EXACTLY>::new(self, moves, share, room));
+            jobs.push(Job::<_, T, false>::new(self, moves, share, room));
         }
         each(jobs, |job| {
-            if !job.run_by(instructions) {
+            if !job.run_in(instructions) {
                 is_finite.store(false, Ordering::Relaxed);
             }
         });
@@ -94,8 +89,8 @@ impl Taking<'_> {
     }
 }
 
-/// Turns of windows, with slopes in numbers `T`, which are for vector instructions unless `EXACTLY` is asked for.
-pub(super) struct Job<'a, M, T, const EXACTLY: bool> {
+/// Turns of windows, with slopes in numbers `T`. Where the room is `WHOLE` is known when it is compiled: to find places in a part of it takes time.
+pub(super) struct Job<'a, M, T, const WHOLE: bool> {
     step: Taking<'a>,
     moves: M,
     turns: &'a [Turn],
@@ -104,42 +99,46 @@ pub(super) struct Job<'a, M, T, const EXACTLY: bool> {
     numbers: PhantomData<fn() -> T>,
 }
 
-impl<'a, M: Moves, T: Number<f64>, const EXACTLY: bool> Job<'a, M, T, EXACTLY> {
+impl<'a, M: Moves, T: Number<f64>, const WHOLE: bool> Job<'a, M, T, WHOLE> {
     pub(super) fn new(step: Taking<'a>, moves: M, share: &'a mut Share, room: Room<'a>) -> Self {
         let Share { turns, sums, .. } = share;
         let first = sums[step.windows.margin()..].as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
         Self { step, moves, turns, sums: &mut sums[first..], room, numbers: PhantomData }
     }
 
-    /// Compiled once, and called from wherever jobs are done. Whether all new numbers are finite.
+    /// Whether all new numbers are finite. Compiled once, and called from wherever jobs are done.
     #[inline(never)]
-    pub(super) fn run_by(self, instructions: InstructionSet) -> bool {
-        if EXACTLY { self.run::<1, 1>() } else { instructions.run(self) }
+    pub(super) fn run_in(self, instructions: InstructionSet) -> bool {
+        instructions.run(self)
     }
 }
 
 /// The output is whether all new numbers are finite.
-impl<M: Moves, T: Number<f64>, const EXACTLY: bool> Kernel for Job<'_, M, T, EXACTLY> {
+impl<M: Moves, T: Number<f64>, const WHOLE: bool> Kernel for Job<'_, M, T, WHOLE> {
     type Output = bool;
 
     #[inline(always)]
     fn run<const L: usize, const HALF: usize>(self) -> bool {
-        let Self { step, mut moves, turns, sums, room, .. } = self;
+        let mut room = self.room;
+        let Self { step, mut moves, turns, sums, .. } = self;
         let Taking { windows, rounds, q, p, reuses } = step;
-        let Room { first, even, odd, momenta, kept: [kept_q, kept_force] } = room;
+        // Where lists are is read again for each move: what follows from it would else be computed for moves that are not to come.
+        let Room { first, even, odd, momenta, kept: [kept_q, kept_force] } = black_box(&mut room);
+        let (first, degrees) = (if WHOLE { 0 } else { *first }, q.len());
         let last = rounds.len() - 1;
-        let keeps = !kept_q.is_empty() && last > 0;
+        let keeps = M::IS_WORD && !kept_q.is_empty() && last > 0;
         let mut check = Check::default();
         for &Turn { round, window } in turns {
             let strip = windows.strip(window);
             let places = strip.start..strip.end;
             // Where they are in the room.
             let own = strip.start - first..strip.end - first;
-            let (from, to) = match round {
-                0 => (Stretch::all(q), &mut *even),
-                round if round % 2 == 1 => (step.stretch(first, even), &mut *odd),
-                _ => (step.stretch(first, odd), &mut *even),
+            let (from, to): (&[f64], &mut &mut [f64]) = match round {
+                0 => (q, &mut *even),
+                round if round % 2 == 1 => (*even, &mut *odd),
+                _ => (*odd, &mut *even),
             };
+            let from = Stretch { numbers: from, first: if WHOLE || round == 0 { 0 } else { first }, degrees };
             // Until something is stored, momenta are those of the state.
             let mut base = (round == 0).then(|| &p[places.clone()]);
             let mut has_drifted = false;
@@ -151,55 +150,70 @@ impl<M: Moves, T: Number<f64>, const EXACTLY: bool> Kernel for Job<'_, M, T, EXA
                     momenta[own.clone()].copy_from_slice(base);
                 }
                 match kind {
-                    Move::Kick(_) if reuses && round == 0 => {
+                    Move::Kick(_) if M::IS_WORD && reuses && round == 0 => {
                         let (p, force) = (&mut momenta[own.clone()], &kept_force[own.clone()]);
                         check.store(p, base.take(), force, |p, force| p + force);
                     }
                     Move::Kick(kick) => {
                         let p = &mut momenta[own.clone()];
                         let mut into = match kick {
-                            Kick::Terms => Window::onto(strip, sums, base.unwrap_or(p)),
+                            Kick::Terms if M::IS_WORD => Window::onto(strip, sums, base.unwrap_or(p)),
                             _ => Window::empty(strip, sums),
                         };
-                        moves.add_forces::<T, _>(number, from, &mut into);
+                        match WHOLE {
+                            true => moves.add_forces::<T, _, _>(number, from.numbers, &mut into),
+                            false => moves.add_forces::<T, _, _>(number, &from, &mut into),
+                        }
                         let (base, sums) = (base.take(), into.finish());
                         match kick {
-                            Kick::Minus => check.store(p, base, sums, |p, sum| p - sum),
-                            Kick::MinusFromZero => check.store(p, base, sums, |p, sum| p + (0.0 - sum)),
-                            Kick::Plus => check.store(p, base, sums, |p, sum| p + sum),
-                            Kick::Terms => check.store(p, base, sums, |_, sum| sum),
+                            Kick::Minus if !M::IS_WORD => check.store(p, base, sums, |p, sum| p - sum),
+                            Kick::Plus if M::IS_WORD => check.store(p, base, sums, |p, sum| p + sum),
+                            Kick::Terms if M::IS_WORD => check.store(p, base, sums, |_, sum| sum),
+                            _ => check.store(p, base, sums, |p, sum| p + (0.0 - sum)),
                         }
                         if keeps && round == last {
                             kept_force[own.clone()].copy_from_slice(sums);
                             kept_q[own.clone()].copy_from_slice(&from[places.clone()]);
                         }
                     }
-                    Move::Drift { .. } if M::HAVE_ONE_VELOCITY && !(M::DRIFT_TWICE && has_drifted) => {
-                        let mut moved = Moved { strip, base: from, next: &mut *to, first };
-                        moves.add_velocities::<T, _>(number, step.stretch(first, momenta), &mut moved);
+                    Move::Drift if M::HAVE_ONE_VELOCITY && !(M::CHANGES && has_drifted) => {
+                        let mut moved = Moved { strip, base: from, next: to, first };
+                        match WHOLE {
+                            true => moves.add_velocities::<T, _, _>(number, &**momenta, &mut moved),
+                            false => {
+                                let momenta = &Stretch { numbers: momenta, first, degrees };
+                                moves.add_velocities::<T, _, _>(number, momenta, &mut moved);
+                            }
+                        }
                         check.look(&to[own.clone()]);
                         has_drifted = true;
                     }
-                    Move::Drift { by_terms } => {
+                    Move::Drift => {
                         let base = (!has_drifted).then(|| &from[places.clone()]);
                         let q = &mut to[own.clone()];
-                        let mut into = match by_terms {
+                        let mut into = match M::IS_WORD {
                             true => Window::onto(strip, sums, base.unwrap_or(q)),
                             false => Window::empty(strip, sums),
                         };
-                        moves.add_velocities::<T, _>(number, step.stretch(first, momenta), &mut into);
+                        match WHOLE {
+                            true => moves.add_velocities::<T, _, _>(number, &**momenta, &mut into),
+                            false => {
+                                let momenta = &Stretch { numbers: momenta, first, degrees };
+                                moves.add_velocities::<T, _, _>(number, momenta, &mut into);
+                            }
+                        }
                         let sums = into.finish();
-                        match by_terms {
+                        match M::IS_WORD {
                             true => check.store(q, base, sums, |_, sum| sum),
                             false => check.store(q, base, sums, |q, sum| q + sum),
                         }
                         has_drifted = true;
                     }
-                    Move::Momenta => {
+                    Move::Momenta if M::CHANGES => {
                         moves.change_momenta(number, places.clone(), &mut momenta[own.clone()]);
                         check.look(&momenta[own.clone()]);
                     }
-                    Move::State => {
+                    Move::State if M::CHANGES => {
                         let (q, p) = (&mut to[own.clone()], &mut momenta[own.clone()]);
                         if !has_drifted {
                             q.copy_from_slice(&from[places.clone()]);
@@ -209,6 +223,7 @@ impl<M: Moves, T: Number<f64>, const EXACTLY: bool> Kernel for Job<'_, M, T, EXA
                         check.look(p);
                         has_drifted = true;
                     }
+                    Move::Momenta | Move::State => {}
                 }
             }
         }

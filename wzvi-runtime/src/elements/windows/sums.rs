@@ -16,14 +16,6 @@ pub(super) struct Stretch<'a> {
     pub(super) degrees: usize,
 }
 
-impl<'a> Stretch<'a> {
-    /// All places.
-    #[inline(always)]
-    pub(super) fn all(numbers: &'a [f64]) -> Self {
-        Self { numbers, first: 0, degrees: numbers.len() }
-    }
-}
-
 impl Index<usize> for Stretch<'_> {
     type Output = f64;
 
@@ -191,7 +183,7 @@ impl<'a> Sums<f64> for Moved<'a> {
     #[inline(always)]
     fn points<const D: usize>(&mut self, first: usize, len: usize) -> MovedRun<'_, D> {
         let places = first..first + D * len;
-        let next = &mut self.next[first - self.first..][..D * len];
+        let next = &mut self.next[places.start - self.first..places.end - self.first];
         MovedRun { base: &self.base[places].as_chunks().0[..len], next: &mut next.as_chunks_mut().0[..len] }
     }
     #[inline(always)]

@@ -3,9 +3,8 @@
 use std::ops::Range;
 
 use super::layout::Recorder;
-use super::sums::Stretch;
 use super::{Kick, Move, Moves, Taken, WindowPlan, advance};
-use crate::elements::{Elements, Slopes, Sums, add_flow};
+use crate::elements::{Elements, Given, Slopes, Sums, add_flow};
 use crate::error::StepFailure;
 use crate::scalar::Number;
 
@@ -58,8 +57,8 @@ pub trait Word {
     where
         Self: 's;
 
-    /// Whether there may be several drifts between two kicks.
-    const DRIFTS_TWICE: bool = false;
+    /// Whether there are other parts than kicks and drifts, and several drifts may be between two kicks.
+    const CHANGES: bool = false;
 
     /// All places.
     fn share(&mut self) -> Self::Share<'_>;
@@ -123,7 +122,8 @@ impl<'a, H: Elements, W: Word> Moves for Spoken<'a, H, W> {
     type Exact = H::Exact;
     type Usual = H::Usual;
     const HAVE_ONE_VELOCITY: bool = H::HAS_ONE_VELOCITY;
-    const DRIFT_TWICE: bool = W::DRIFTS_TWICE;
+    const IS_WORD: bool = true;
+    const CHANGES: bool = W::CHANGES;
 
     #[inline(always)]
     fn share(&mut self) -> Self::Share<'_> {
@@ -142,16 +142,15 @@ impl<'a, H: Elements, W: Word> Moves for Spoken<'a, H, W> {
 
     fn record(&self, mut recorder: &Recorder) {
         let somewhere = vec![0.0; self.degrees];
-        let somewhere = Stretch::all(&somewhere);
         let (mut has_kicked, mut has_drifted) = (false, false);
         for number in 0..self.word.count() {
             match self.word.letter(number) {
                 Letter::Kick(_) | Letter::KickAtEnd(..) if !has_kicked => {
-                    self.add_forces::<f64, _>(number, somewhere, &mut recorder);
+                    self.add_forces::<f64, _, _>(number, &somewhere[..], &mut recorder);
                     has_kicked = true;
                 }
                 Letter::Drift(_) if !has_drifted => {
-                    self.add_velocities::<f64, _>(number, somewhere, &mut recorder);
+                    self.add_velocities::<f64, _, _>(number, &somewhere[..], &mut recorder);
                     has_drifted = true;
                 }
                 _ => {}
@@ -169,7 +168,7 @@ impl<'a, H: Elements, W: Word> Moves for Spoken<'a, H, W> {
         match self.word.letter(number) {
             Letter::Kick(_) => Move::Kick(Kick::Terms),
             Letter::KickAtEnd(..) => Move::Kick(Kick::Plus),
-            Letter::Drift(_) => Move::Drift { by_terms: true },
+            Letter::Drift(_) => Move::Drift,
             Letter::Momenta => Move::Momenta,
             Letter::State => Move::State,
         }
@@ -184,16 +183,26 @@ impl<'a, H: Elements, W: Word> Moves for Spoken<'a, H, W> {
     }
 
     #[inline(always)]
-    fn add_forces<T: Number<f64>, A: Sums<f64>>(&self, number: usize, q: Stretch<'_>, into: &mut A) {
+    fn add_forces<T, V, A>(&self, number: usize, q: &V, into: &mut A)
+    where
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        A: Sums<f64>,
+    {
         if let Letter::Kick(flow) | Letter::KickAtEnd(flow, _) = self.word.letter(number) {
-            add_flow::<H, f64, T, _, A>(self.system, flow, &q, Slopes::BY_COORDINATES, into);
+            add_flow::<H, f64, T, _, A>(self.system, flow, q, Slopes::BY_COORDINATES, into);
         }
     }
 
     #[inline(always)]
-    fn add_velocities<T: Number<f64>, A: Sums<f64>>(&self, number: usize, p: Stretch<'_>, into: &mut A) {
+    fn add_velocities<T, V, A>(&self, number: usize, p: &V, into: &mut A)
+    where
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        A: Sums<f64>,
+    {
         if let Letter::Drift(flow) = self.word.letter(number) {
-            add_flow::<H, f64, T, _, A>(self.system, flow, &p, Slopes::BY_MOMENTA, into);
+            add_flow::<H, f64, T, _, A>(self.system, flow, p, Slopes::BY_MOMENTA, into);
         }
     }
 
