@@ -58,6 +58,8 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     subdivision: Option<Subdivision<'j, H, E, Plain>>,
     /// The last step of each lane that was halved, and how often.
     halved: [(u64, u32); L],
+    /// Whether anything is looked for between nodes.
+    looks_between: bool,
     /// Whether the last step, which is shorter, has been taken: by steppers.
     is_over: bool,
     systems: PhantomData<P>,
@@ -88,6 +90,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             steppers: Vec::new(),
             subdivision: None,
             halved: [NEVER; L],
+            looks_between: job.looks_between(),
             is_over: false,
             systems: PhantomData,
         }
@@ -161,9 +164,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     #[inline(always)]
     fn is_stepped(&self) -> bool {
         // Lanes do not keep what a scheme knows between its nodes.
-        !H::IN_LANES
-            || (P::ARE_OWN && self.beside.is_none())
-            || (H::HAS_POLYNOMIAL && self.job.looks_inside())
+        !H::IN_LANES || (P::ARE_OWN && self.beside.is_none()) || (H::HAS_POLYNOMIAL && self.looks_between)
     }
 
     fn time(&self, step: u64) -> f64 {

@@ -56,6 +56,11 @@ impl<H: Discretized<E>, E> Job<'_, H, E> {
         !self.sections.is_empty() || (!self.events.is_empty() && self.processes() == 0)
     }
 
+    /// Whether anything is looked for between nodes, in some steps or in each.
+    pub(super) fn looks_between(&self) -> bool {
+        self.looks_inside() || self.recorded.iter().any(|recorded| recorded.is_inside)
+    }
+
     /// How many numbers drive a step.
     pub(super) fn processes(&self) -> usize {
         self.system.increments(self.start.q.components().len())

@@ -64,7 +64,7 @@ impl<V: Vector> LaneInside<V> {
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> {
     pub(super) fn new(job: &'j Job<'a, H, E>, is_part: bool) -> Self {
         let (events, observables) = (job.events.len(), job.observables.len());
-        let looks_inside = job.looks_inside() || job.recorded.iter().any(|recorded| recorded.is_inside);
+        let looks_inside = job.looks_between();
         let lane = |_| LaneInside::new(&job.sections, &job.start);
         Self {
             job,
