@@ -229,8 +229,8 @@ pub mod __private {
     pub use wzvi_runtime::solve::*;
     pub use wzvi_runtime::state::{State, Vector};
     pub use wzvi_runtime::system::{
-        Discretized, Hamiltonian, LagrangianGradient, Segment, Solution, array_mut, covector, gradient,
-        increments,
+        Discretized, Gradient, Hamiltonian, LagrangianGradient, Segment, Solution, array_mut, covector,
+        gradient, increments,
     };
     pub use wzvi_runtime::variables::{Labels, Variables};
     pub use wzvi_runtime::{__apart as apart, __composition as composition, __gauss as gauss, gauss};

@@ -148,6 +148,7 @@ fn variances_fall_with_twice_the_strong_order() {
 /// `E H(t) = H(0) + (σ² + γ²) t / 2`. The scheme turns and shifts; its energy grows by the mean square of the shift, which is what
 /// the system has but for order `h²`.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation: cargo test --release --test multilevel")]
 fn additive_noise_heats_as_it_must() {
     let system = Additive { sigma: 0.5, gamma: 1.0 };
     let target = 4e-3;
@@ -341,6 +342,7 @@ fn observables_know_the_time() {
 /// An event with probability 0.001: none of the first 1024 paths of the coarsest level sees it for every third seed. Whoever believes the
 /// variance of the others says zero, and is sure of it.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation: cargo test --release --test multilevel")]
 fn rare_events_are_not_certain_to_be_absent() {
     // P(p(1) > 3.0902) for a Brownian motion.
     let (exact, target, runs) = (1e-3, 2.5e-4, 20);

@@ -9,6 +9,7 @@ use std::sync::Mutex;
 use wzvi::ensemble::{Draw, InstructionSet};
 use wzvi::error::{ConfigError, Error, StepFailure};
 use wzvi::increments::{Interval, Noise as _};
+use wzvi::memory::Iteration;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 use wzvi::system::Discretized;
@@ -21,7 +22,7 @@ use wzvi::system::Discretized;
 pub struct HenonHeiles;
 
 /// Stiff enough that some steps in the middle of a path are hard.
-#[hamiltonian(drift = |q, p| 0.5 * p * p + k * (q * q - 1.0).powi(2), embedding = [Midpoint])]
+#[hamiltonian(drift = |q, p| 0.5 * p * p + k * (q * q - 1.0).powi(2), embedding = [Midpoint, Gauss<2>])]
 pub struct Well {
     pub k: f64,
 }
@@ -60,6 +61,9 @@ macro_rules! ends {
         (ends, statistics)
     }};
 }
+
+#[path = "starts/stages.rs"]
+mod stages;
 
 /// Every path of a cloud is the one that a stepper takes from its start, and the statistics do not depend on how the run is split.
 fn paths_are_those_of_steppers<E>()
@@ -103,21 +107,40 @@ fn paths_of_a_cloud_are_those_of_steppers() {
 /// where the stepper does.
 #[test]
 fn hard_steps_keep_their_lane_to_themselves() {
+    let [hard, _, failed] = paths_of_a_stiff_well::<Midpoint>(Well { k: 2.0 }, 0.6);
+    assert!(hard > 100, "{hard} hard steps: too few to test anything");
+    assert!((1..40).contains(&failed), "{failed} failures");
+    // Sweeps of some paths contract, those of others do not.
+    let [_, slow, _] = paths_of_a_stiff_well::<Gauss<2>>(Well { k: 1.0 }, 0.5);
+    assert!((10..30).contains(&slow), "{slow} of 40 paths take Newton's method");
+    let [hard, _, failed] = paths_of_a_stiff_well::<Gauss<2>>(Well { k: 2.5 }, 0.6);
+    assert!(hard > 100, "{hard} hard steps: too few to test anything");
+    assert!((1..40).contains(&failed), "{failed} failures");
+}
+
+/// All paths are those of steppers. How many steps after the first were hard, how many paths have one that sweeps do not solve, and how many
+/// fail.
+fn paths_of_a_stiff_well<E>(well: Well, h: f64) -> [u64; 3]
+where
+    Well: Discretized<E, Vector = SVector<f64, 1>>,
+{
     const PATHS: u64 = 40;
-    let well = Well { k: 2.0 };
     let start = |draw: &mut Draw| State::new([0.05 * draw.path() as f64 - 1.0], [0.3 * draw.normal()]);
-    let run = || well.ensemble::<Midpoint>(0.6).starts(start).seed(3).paths(PATHS).allow_losses(1.0);
+    let run = || well.ensemble::<E>(h).starts(start).seed(3).paths(PATHS).allow_losses(1.0);
     let ends = Mutex::new(vec![None; PATHS as usize]);
     let see = |path: u64, state: &State<_>| ends.lock().unwrap()[path as usize] = Some(*state);
     let reference = run().steps(200).inspect(see).run().unwrap();
     let ends = ends.into_inner().unwrap();
-    let mut hard = 0;
+    let (mut hard, mut slow) = (0, 0);
     for path in 0..PATHS {
-        let mut stepper = well.stepper::<Midpoint>(0.6).unwrap().plain();
+        let mut stepper = well.stepper::<E>(h).unwrap().plain();
         let mut state = *run().steps(0).replay(path).unwrap().0.last();
+        let mut swept = well.stepper::<E>(h).unwrap().plain().iteration(Iteration::FixedPoint);
+        let mut same = state;
+        slow += u64::from((0..200).any(|_| swept.step(&mut same, &[]).is_err()));
         let error = (0..200).find_map(|step| match stepper.step(&mut state, &[]) {
             Ok(info) => {
-                hard += u32::from(info.is_hard && step > 0);
+                hard += u64::from(info.is_hard && step > 0);
                 None
             }
             Err(error) => Some(error),
@@ -128,11 +151,10 @@ fn hard_steps_keep_their_lane_to_themselves() {
             assert_eq!(ends[path as usize], Some(state), "path {path}");
         }
     }
-    assert!(hard > 100, "{hard} hard steps: too few to test anything");
-    assert!((1..PATHS).contains(&reference.failed()), "{} failures", reference.failed());
     let narrow = run().steps(200).run_in::<1>().unwrap();
     let wide = run().steps(200).run_in::<32>().unwrap();
     assert!(narrow == reference && wide == reference);
+    [hard, slow, reference.failed()]
 }
 
 /// A path that ends does not disturb its neighbours, with and without memory.
@@ -299,7 +321,7 @@ fn systems_and_starts_draw_different_numbers() {
 #[hamiltonian(
     drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) + 0.5 * (a * x * x + b * y * y) + c * x * x * y
         - d * y * y * y / 3.0 + if a < b { 0.1 * x * y } else { -0.2 * x * y },
-    embedding = [Midpoint, Verlet],
+    embedding = [Midpoint, Verlet, Gauss<4>],
 )]
 #[derive(Clone)]
 pub struct Galaxy {
@@ -328,7 +350,7 @@ pub struct Coupled {
 #[hamiltonian(
     drift = |q, p, t| 0.5 * p * p / (1.0 + m * q * q) + 0.25 * k * q * q * q * q + f * t * q,
     noise = [|q, p| s * q * p],
-    embedding = [Midpoint],
+    embedding = [Midpoint, Gauss<2>],
 )]
 #[derive(Clone)]
 pub struct Bent {
@@ -400,6 +422,7 @@ fn sweeps_go_in_lanes() {
     let start = State::new([0.1, -0.2], [0.05, 0.3]);
     sweep_is_that_of_steppers!(Midpoint, Galaxy, galaxy, start);
     sweep_is_that_of_steppers!(Verlet, Galaxy, galaxy, start);
+    sweep_is_that_of_steppers!(Gauss<4>, Galaxy, galaxy, start);
     sweep_is_that_of_steppers!(Composed<Midpoint, Yoshida4>, Galaxy, galaxy, start);
 }
 
@@ -408,21 +431,32 @@ fn sweeps_with_noise_go_in_lanes() {
     let start = State::new([0.1, -0.2], [0.05, 0.3]);
     sweep_is_that_of_steppers!(Midpoint, Coupled, coupled, start);
     sweep_is_that_of_steppers!(Midpoint, Bent, bent, State::new([0.4], [0.3]));
+    sweep_is_that_of_steppers!(Gauss<2>, Bent, bent, State::new([0.4], [0.3]));
 }
 
 /// Steps that the short way does not take, and paths that fail, each of its own system: as in
 /// `hard_steps_keep_their_lane_to_themselves`.
 #[test]
 fn hard_steps_of_a_sweep_are_those_of_steppers() {
+    let hard = hard_sweep::<Midpoint>(0.6);
+    assert!(hard > 50, "{hard} hard steps: too few to test anything");
+    hard_sweep::<Gauss<2>>(0.9);
+}
+
+fn hard_sweep<E>(h: f64) -> u32
+where
+    Well: Discretized<E, Vector = SVector<f64, 1>>,
+    <Well as Discretized<E>>::Prepared: Send + Sync,
+{
     const PATHS: u64 = 40;
-    let (h, start) = (0.6, State::new([-0.7], [0.2]));
+    let start = State::new([-0.7], [0.2]);
     let list: Vec<Well> = (0..PATHS).map(|path| Well { k: 0.1 * path as f64 }).collect();
-    let run = || list[0].ensemble::<Midpoint>(h).systems(|draw| Well { k: 0.1 * draw.path() as f64 });
+    let run = || list[0].ensemble::<E>(h).systems(|draw| Well { k: 0.1 * draw.path() as f64 });
     let run = || run().start(start).paths(PATHS).allow_losses(1.0).keep_paths(1 << 20).steps(200);
     let reference = run().run().unwrap();
     let mut hard = 0;
     for (path, well) in list.iter().enumerate() {
-        let (mut stepper, mut state) = (well.stepper::<Midpoint>(h).unwrap().plain(), start);
+        let (mut stepper, mut state) = (well.stepper::<E>(h).unwrap().plain(), start);
         let error = (0..200).find_map(|step| match stepper.step(&mut state, &[]) {
             Ok(info) => {
                 hard += u32::from(info.is_hard && step > 0);
@@ -439,10 +473,10 @@ fn hard_steps_of_a_sweep_are_those_of_steppers() {
         assert_eq!(other, error.map(Error::from));
         assert_eq!((replayed.last().q, replayed.last().p), (state.q, state.p), "path {path}");
     }
-    assert!(hard > 50, "{hard} hard steps: too few to test anything");
     assert!((1..PATHS).contains(&reference.failed()), "{} failures", reference.failed());
     let same = |other: wzvi::ensemble::Statistics| {
         other.paths().unwrap().count() == PATHS as usize && other.failures() == reference.failures()
     };
     assert!(same(run().run_in::<1>().unwrap()) && same(run().run_in::<32>().unwrap()));
+    hard
 }

@@ -237,3 +237,52 @@ fn energies_do_not_drift() {
         assert!(worst < bound, "h = {h}: {worst:.1e} > {bound:.1e}");
     }
 }
+
+/// The energy of [`Chain`] without its quartic part, summed with twice the digits: what is rounded is that of the steps.
+fn energy(state: &State<wzvi::nalgebra::DVector<f64>>) -> f64 {
+    let (q, p, n) = (&state.q, &state.p, state.q.len());
+    let springs = (1..n).map(|i| (1.0, q[i] - q[i - 1])).chain((2..n).map(|i| (0.1, q[i] - q[i - 2])));
+    let walls = [(1.0, q[0]), (1.0, q[n - 1])];
+    let squares = p.iter().map(|&p| (1.0, p)).chain(springs).chain(walls);
+    let (sum, lost) = squares.fold((0.0_f64, 0.0_f64), |(sum, lost), (weight, x)| {
+        let (term, next) = (0.5 * weight * x * x, sum + 0.5 * weight * x * x);
+        (next, lost + if sum > term { (sum - next) + term } else { (term - next) + sum })
+    });
+    sum + lost
+}
+
+/// Brouwer's law: of many starts, rounding takes the energy up as often as down, and as far as the square root of the number of steps.
+#[test]
+fn energies_walk_at_random() {
+    let chain = Chain { beta: 0.0 };
+    let steps = 200;
+    for (n, starts) in [(24, 60), (100, 40)] {
+        let runs: Vec<[f64; 2]> = (0..starts)
+            .map(|start| {
+                let seed = 10.0 * f64::from(start);
+                let mut state = State::new(numbers(n, seed), numbers(n, seed + 1.1));
+                let first = energy(&state);
+                let mut stepper = chain.stepper::<Midpoint>(0.1).unwrap();
+                let mut walk = |steps: u32| {
+                    for _ in 0..steps {
+                        stepper.step(&mut state, &[]).unwrap();
+                    }
+                    (energy(&state) - first) / (f64::EPSILON * first)
+                };
+                [walk(steps), walk(3 * steps)]
+            })
+            .collect();
+        let count = f64::from(starts);
+        let [early, late] = [0, 1].map(|k| {
+            let mean = runs.iter().map(|run| run[k]).sum::<f64>() / count;
+            let variance = runs.iter().map(|run| (run[k] - mean).powi(2)).sum::<f64>() / (count - 1.0);
+            // Three standard errors of the mean.
+            let error = (variance / count).sqrt();
+            assert!(mean.abs() < 3.0 * error, "{n} sites: {mean} ± {error}");
+            variance
+        });
+        // Four times as many steps: four times the variance, each of them known to a part of √(2 / count).
+        let spread = 3.0 * 4.0 * (4.0 / count).sqrt();
+        assert!((late / early - 4.0).abs() < spread, "{n} sites: {} ± {spread}", late / early);
+    }
+}

@@ -10,6 +10,7 @@
 //! * `lattice`: the field φ⁴ on a torus of N = n² sites, h = 0.05; also in C (`hand_field.c`).
 //! * `ring`: coupled pendulums around a ring, h = 0.05; also in C; `Baoab` with increments that are there.
 //! * `polymer`: a chain of points in space, per point.
+//! * `stiff`: `Midpoint` where the fixed point does not contract: FPUT-alpha-beta at h = 3, and the field φ⁴ on 256² sites with `k h²` from 1 to 10⁶.
 //!
 //! All of that on one thread. `memory`: steps of a million sites on one core and on all stand beside a triad, `a = b + s c`, of as many.
 
@@ -22,6 +23,7 @@ mod lattice;
 mod measure;
 mod memory;
 mod ring;
+mod stiff;
 
 use measure::{Case, growth};
 
@@ -31,6 +33,7 @@ fn cases() -> Vec<Case> {
     cases.extend(bodies::cases());
     cases.extend(lattice::cases());
     cases.extend(ring::cases());
+    cases.extend(stiff::cases());
     cases
 }
 

@@ -4,7 +4,7 @@ use wzvi::checkpoint::Checkpoint;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 
-use crate::systems::{Chain, Driven, Oscillator, Rough, Wall};
+use crate::systems::{Chain, Driven, Kicked, Oscillator, Rough, Wall};
 
 const OSCILLATOR: Oscillator = Oscillator { m: 0.8, k: 1.3, b: 0.4, gamma: 0.6, kt: 0.7 };
 
@@ -153,6 +153,23 @@ fn steps_allocate_nothing() {
     let chain = Chain { gamma: 0.5, kt: 1.0 };
     check_room::<_, Baoab>(&chain, State::new(vec![0.1, 0.4, -0.2], vec![0.3, 0.0, -0.5]));
     check_room::<_, Thermostat<Midpoint>>(&chain, State::new(vec![0.1, 0.4, -0.2], vec![0.3, 0.0, -0.5]));
+    let kicked = Kicked { sites: 3, gamma: 0.5, kt: 1.0 };
+    check_room::<_, Baoab>(&kicked, State::new(vec![0.1, 0.4, -0.2], vec![0.3, 0.0, -0.5]));
+}
+
+/// `q ← q` and `p ← p - 0.3 ΔW_k`: the work of all kicks in the middle of the step is that along the way.
+#[test]
+fn kicks_work_at_every_site() {
+    let kicked = Kicked { sites: 200, gamma: 0.0, kt: 0.0 };
+    let list = |scale: f64| (0..200).map(|i| scale * f64::from(i).sin()).collect::<Vec<_>>();
+    let mut state = State::new(vec![0.4; 200], list(1.0));
+    let (before, dw) = (kicked.energy(&state), [list(0.1), vec![0.0; 200]].concat());
+    let mut stepper = kicked.stepper::<Baoab>(1e-9).expect("steps");
+    stepper.step(&mut state, &dw).expect("a step");
+    let (gain, work) = (kicked.energy(&state) - before, stepper.exchanged().work);
+    assert!(work.abs() > 1.0, "{work}");
+    // The rounding of sums of 200 terms of order one; drifts of 1e-9 between springs of no length.
+    assert!((gain - work).abs() < 1e-13 * 200.0, "{gain} by {work}");
 }
 
 fn check_room<H: Discretized<E>, E>(system: &H, mut state: State<H::Vector>) {

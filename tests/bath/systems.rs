@@ -167,3 +167,18 @@ pub(crate) struct Wall {
     pub(crate) gamma: f64,
     pub(crate) kt: f64,
 }
+
+/// A chain in a bath of which every site is kicked.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>() + q.windows(2).map(|w| 0.5 * (w[1] - w[0]).powi(2)).sum::<f64>()
+    },
+    noise = [|q, p, k| 0.3 * q[k]; self.sites],
+    friction = gamma, temperature = kt, embedding = [Baoab],
+)]
+#[derive(Clone, Debug)]
+pub(crate) struct Kicked {
+    pub(crate) sites: usize,
+    pub(crate) gamma: f64,
+    pub(crate) kt: f64,
+}

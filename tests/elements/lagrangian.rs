@@ -191,3 +191,23 @@ fn sweeps_are_derived_from_the_discrete_lagrangian() {
         Midpoint: (0.5, 0.5, false),
     );
 }
+
+/// The slopes of all noises at once are those of each, weighted.
+#[test]
+fn noises_are_differentiated_at_once() {
+    let family = Family { a: 0.4, sigma: SIGMA };
+    let dw = [0.1, -0.07, 0.02, 0.05, -0.11];
+    let state = State::new([0.3, -0.8, 0.5, 1.1, -0.2], [0.7, 0.1, -0.4, 0.2, 0.9]);
+    let mut all = family.energy_gradient(&state);
+    family.differentiate_noises(&dw, &state, &mut all);
+    let (mut q, mut p) = (0.0 * state.q.clone(), 0.0 * state.p.clone());
+    for (k, dw) in dw.into_iter().enumerate() {
+        let of_one = family.noise_gradient(k, &state);
+        q += dw * of_one.q;
+        p += dw * of_one.p;
+    }
+    // Sums of five terms below one, in two orders.
+    assert!((&all.q - q).amax() < 5.0 * f64::EPSILON && (&all.p - p).amax() < 5.0 * f64::EPSILON);
+    family.differentiate_noises(&dw[1..], &state, &mut all);
+    assert!(all.q.iter().chain(all.p.iter()).all(|slope| slope.is_nan()), "an increment is missing");
+}

@@ -53,10 +53,10 @@ pub struct Bath {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, Constant, DVector, Discretized, Effort, Err,
-        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, None, Number, Ok, Option,
-        Ord, Over, PhantomData, Plain, Plan, Range, Result, Scalar, Segment, Sized,
-        Solution, Solver, Some, State, StepFailure, bool, f64, i128, isize, str, usize,
-        compose::{Composes, Equations, General, ROOM, Structure},
+        Gradient, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, None, Number,
+        Ok, Option, Ord, Over, PhantomData, Plain, Plan, Range, Result, Scalar, Segment,
+        Sized, Solution, Solver, Some, State, StepFailure, bool, f64, i128, isize, str,
+        usize, compose::{Composes, Equations, General, ROOM, Structure},
         elements::{
             CompensationVec, Curvature, Elements, Given, MomentumUpdate, Point, Run,
             Scheme, Slopes, Stage, Sums, Unknowns,
@@ -92,6 +92,14 @@ const _: () = {
             by_p: &mut [S],
         ) {
             wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
+        }
+        fn differentiate_noises(
+            &self,
+            dw: &[f64],
+            state: &State<Self::Vector>,
+            into: &mut Gradient<Self::Vector>,
+        ) {
+            wzvi::elements::differentiate_noises(self, dw, state, into);
         }
     }
     #[automatically_derived]
@@ -526,9 +534,9 @@ const _: () = {
         binding as place, binding as prepared, binding as q, binding as q_i,
         binding as q_k, binding as range, binding as s0, binding as s1,
         binding as segment, binding as sigma, binding as site, binding as sites,
-        binding as size, binding as skipped, binding as sum, binding as t,
-        binding as table, binding as term, binding as total, binding as value,
-        binding as wanted, binding as weight,
+        binding as size, binding as skipped, binding as state, binding as sum,
+        binding as t, binding as table, binding as term, binding as total,
+        binding as value, binding as wanted, binding as weight,
     };
 };
 const _: () = {

@@ -14,13 +14,15 @@
 //!
 //! An implicit step iterates `x ← φ(x)` while that contracts by [`CONTRACTS`] or better, which for steps that are not
 //! stiff is several times cheaper than Newton's method, and otherwise by Newton's method with the factors of an earlier
-//! iteration as long as they contract as well. Either way it ends when each correction is at the rounding
+//! iteration, or step, as long as they contract as well. Either way it ends when each correction is at the rounding
 //! of its unknown, or changes nothing but the rounding of what the equations are evaluated at, or each equation is at the rounding of
 //! its own terms, so that the choice changes the cost and no digit that counts. Where neither converges the stepper solves the step with care.
 //!
 //! The linear equations of Newton's method are solved in the band that a renumbering of the unknowns leaves where that is
 //! narrow or small ([`Method::Band`]: chains, rings, networks, anything of a hundred unknowns), else by GMRES from
-//! products with the Jacobian, which is never stored ([`Method::Krylov`]: lattices, random graphs, all pairs).
+//! products with the Jacobian, which is not stored ([`Method::Krylov`]: lattices, random graphs, all pairs). Their preconditioner are factors
+//! of the Jacobian of an earlier step: first those at its own places, and where these take too many products all of them, in the order of a
+//! nested dissection, so that one product does at any stiffness.
 
 mod bath;
 mod careful;
@@ -29,7 +31,9 @@ mod explicit;
 mod hamiltonian;
 mod iterate;
 mod jacobian;
+mod kept;
 mod lagrangian;
+mod linear;
 mod memory;
 mod passes;
 #[doc(hidden)]
@@ -44,7 +48,7 @@ mod windows;
 
 pub use bath::{damping, rates};
 pub use explicit::{advance_explicit, advance_explicit_vectors};
-pub use hamiltonian::{differentiate, evaluate, force, invariant};
+pub use hamiltonian::{differentiate, differentiate_noises, evaluate, force, invariant};
 pub use iterate::advance;
 pub use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::{CompensationVec, Memory};

@@ -7,8 +7,9 @@
 //! ```
 //!
 //! has the stages `V_i = ∂F/∂p (i)`, `P_i = p - Σ_j a_ij ∂F/∂q (j)` (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical
-//! Integration*, theorem VI.6.4). They are found by sweeps `Y ← φ(Y)` over all of them at once, side by side in a vector register, and
-//! by Newton's method where sweeps do not contract. Where `F = h T(p) + V(q, t)` with a quadratic `T` the momenta are
+//! Integration*, theorem VI.6.4). They are found by sweeps `Y ← φ(Y)` over all of them at once, and by Newton's method
+//! where sweeps do not contract. One path has its stages side by side in a vector register; paths of an ensemble lie side by side themselves,
+//! and take stage after stage with the same arithmetic. Where `F = h T(p) + V(q, t)` with a quadratic `T` the momenta are
 //! eliminated (Nyström form), which doubles the number of digits that a sweep gains.
 //!
 //! Coefficients, their symmetries, and the prediction of the stages from those of the step before: M. Antoñana, J. Makazaga, A. Murua,
@@ -16,11 +17,14 @@
 
 mod action;
 mod advance;
+mod beside;
 mod dense;
+mod equations;
 mod implement;
 mod kept;
 mod newton;
 mod shape;
+mod source;
 mod stages;
 mod stiff;
 mod sweep;
@@ -33,11 +37,12 @@ use crate::scalar::{Constant, Over, Scalar};
 use crate::system::Hamiltonian;
 
 pub use action::value;
-pub use advance::{Prepared, advance, memory, prepare};
+pub use advance::{Prepared, advance, advance_beside, memory, prepare};
 pub use dense::{dense_order, slopes_between};
 pub use kept::Memory;
 pub use shape::{Dynamic, Fixed, Shape};
-pub use stages::{At, Scratch, Stages};
+pub use source::{Systems, beside};
+pub use stages::{One, Stages};
 
 /// The discrete embedding with `S` quadrature points, from 1 to 16: symplectic, symmetric, of order `2S`, and consistent
 /// with every Stratonovich system. `Gauss<1>` is [`Midpoint`](crate::embedding::Midpoint).

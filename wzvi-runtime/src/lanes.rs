@@ -121,22 +121,24 @@ impl<const L: usize> LaneMask<L> {
     pub const fn set(&mut self, lane: usize, truth: bool) {
         self.0[lane] = spread(truth);
     }
-
-    /// Whether any lane is true.
-    #[inline(always)]
-    pub fn any(self) -> bool {
-        let mut any = false;
-        for &bits in &self.0 {
-            any |= bits != 0;
-        }
-        any
-    }
 }
 
 impl<const L: usize> Mask for LaneMask<L> {
     #[inline(always)]
     fn from_bool(truth: bool) -> Self {
         Self([spread(truth); L])
+    }
+    #[inline(always)]
+    fn of_lane(lane: usize) -> Self {
+        Self(each(|i| spread(i == lane)))
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        let mut any = false;
+        for &bits in &self.0 {
+            any |= bits != 0;
+        }
+        any
     }
     #[inline(always)]
     fn all(self) -> bool {
@@ -230,12 +232,21 @@ impl<const L: usize> Numbers for Lanes<L> {
     }
 }
 
+impl<const L: usize> Numbers for LaneMask<L> {
+    fn pass(&mut self, tape: &mut Tape) {
+        let mut truths = self.0.map(|bits| bits != 0);
+        tape.flags(&mut truths);
+        self.0 = truths.map(spread);
+    }
+}
+
 impl<const L: usize> Scalar for Lanes<L> {
     type Stages<const N: usize> = [Self; N];
     type Mask = LaneMask<L>;
     type Solver = LaneByLane;
     type OfElements<T: Number<f64>> = Self;
     const LANES: usize = L;
+    const IS_BESIDE: bool = true;
 
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
@@ -252,6 +263,10 @@ impl<const L: usize> Scalar for Lanes<L> {
             largest = larger(largest, self.0[i].relative_to(other.0[i]));
         }
         largest
+    }
+    #[inline(always)]
+    fn nearly_over(self, size: Self) -> Self {
+        self.zip(size, f64::nearly_over)
     }
     #[inline(always)]
     fn lane(self, lane: usize) -> f64 {

@@ -31,8 +31,17 @@ pub enum Method {
         /// Diagonals on each side.
         half_width: usize,
     },
-    /// The band would be too wide: GMRES on products with the Jacobian.
+    /// The band would be too wide: GMRES on products with the Jacobian, with factors of an earlier one as preconditioner.
     Krylov,
+}
+
+/// What the linear equations of Newton's method took, of all steps so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LinearWork {
+    /// Matrices that were factored.
+    pub factorisations: u64,
+    /// Products with the Jacobian where linear equations are solved by these.
+    pub products: u64,
 }
 
 /// What one step leaves for the starting value of the next.
@@ -64,6 +73,11 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
     /// How linear equations are solved, where that depends on the size of the system.
     fn method(&self) -> Option<Method> {
         None
+    }
+
+    /// What linear equations took, where that is counted: in steps of systems in loops.
+    fn linear_work(&self) -> LinearWork {
+        LinearWork::default()
     }
 }
 

@@ -25,6 +25,12 @@ impl Numbers for f64 {
     }
 }
 
+impl Numbers for bool {
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.flag(self);
+    }
+}
+
 impl<T: Numbers, const N: usize> Numbers for [T; N] {
     fn pass(&mut self, tape: &mut Tape) {
         self.iter_mut().for_each(|part| part.pass(tape));
@@ -165,16 +171,39 @@ impl Tape {
 
     /// Takes down or replaces a number of each lane.
     pub fn lanes(&mut self, numbers: &mut [f64]) {
+        self.words_of_lanes(numbers, |number| number.to_bits(), |word| Some(f64::from_bits(word)));
+    }
+
+    /// Takes down or replaces a truth of each lane: 0 or 1.
+    pub fn flags(&mut self, flags: &mut [bool]) {
+        let read = |word| (word < 2).then_some(word == 1);
+        self.words_of_lanes(flags, |flag| u64::from(*flag), read);
+    }
+
+    /// Takes down or replaces something of each lane that is a word.
+    fn words_of_lanes<T>(
+        &mut self,
+        list: &mut [T],
+        write: impl Fn(&T) -> u64,
+        read: impl Fn(u64) -> Option<T>,
+    ) {
+        let count = list.len();
         match self {
-            Self::Writing(_) | Self::Reading { .. } => self.numbers(numbers),
-            Self::Splitting { lane, words } => {
-                words.extend(numbers.get(*lane).map(|number| number.to_bits()))
+            Self::Writing(words) => words.extend(list.iter().map(write)),
+            Self::Splitting { lane, words } => words.extend(list.get(*lane).map(write)),
+            Self::Reading { words, short } => {
+                for entry in list {
+                    match words.next().and_then(&read) {
+                        Some(read) => *entry = read,
+                        None => *short = true,
+                    }
+                }
             }
             Self::Joining { lanes, short } => {
-                *short |= lanes.len() != numbers.len();
-                for (words, number) in lanes.iter_mut().zip(numbers) {
-                    match words.next() {
-                        Some(read) => *number = f64::from_bits(read),
+                *short |= lanes.len() != count;
+                for (words, entry) in lanes.iter_mut().zip(list) {
+                    match words.next().and_then(&read) {
+                        Some(read) => *entry = read,
                         None => *short = true,
                     }
                 }

@@ -19,11 +19,20 @@ use crate::numbers::Numbers;
 use crate::solve::{Solve, Together};
 
 /// The truth of a comparison: `bool` for one number, a mask for several at once.
-pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+pub trait Mask:
+    Copy + Debug + Numbers + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
+{
     /// The same truth in every lane.
     fn from_bool(truth: bool) -> Self;
+    /// True in one lane.
+    fn of_lane(lane: usize) -> Self;
     /// Whether every lane is true.
     fn all(self) -> bool;
+    /// Whether any lane is true.
+    #[inline(always)]
+    fn any(self) -> bool {
+        !(!self).all()
+    }
     /// The truth of one lane.
     fn lane(self, lane: usize) -> bool;
 }
@@ -32,6 +41,10 @@ impl Mask for bool {
     #[inline(always)]
     fn from_bool(truth: bool) -> Self {
         truth
+    }
+    #[inline(always)]
+    fn of_lane(_lane: usize) -> Self {
+        true
     }
     #[inline(always)]
     fn all(self) -> bool {
@@ -78,6 +91,8 @@ pub trait Scalar:
     fn magnitude(self) -> f64;
     /// Numbers that it holds side by side.
     const LANES: usize = 1;
+    /// Whether each of them is a matter of its own: paths beside each other.
+    const IS_BESIDE: bool = false;
 
     /// The number of one lane, without derivatives.
     fn lane(self, lane: usize) -> f64;
@@ -85,6 +100,11 @@ pub trait Scalar:
     /// that vanishes; NaN if any part is. `f64::MIN_POSITIVE` is added to what is divided by: a number that is nearest to
     /// another differs from it by `ε (|x| + MIN_POSITIVE)` at most, subnormal or not.
     fn relative_to(self, other: Self) -> f64;
+    /// `|self| / size` of a size that is not negative, within an eighth, by lane and without derivatives; infinite for NaN.
+    #[inline(always)]
+    fn nearly_over(self, size: Self) -> Self {
+        Self::from_f64(self.magnitude().nearly_over(size.magnitude()))
+    }
     /// Where every part of the number is zero.
     #[inline(always)]
     fn vanishes(self) -> Self::Mask {
@@ -237,6 +257,13 @@ impl Scalar for f64 {
     #[inline(always)]
     fn relative_to(self, other: Self) -> f64 {
         self.abs() / (other.abs() + f64::MIN_POSITIVE)
+    }
+    /// By the bits of the size, which are nearly its logarithm.
+    #[inline(always)]
+    fn nearly_over(self, size: Self) -> Self {
+        const TWICE_ONE: u64 = 0x7fde_6238_22fc_16e6;
+        let relative = (self * Self::from_bits(TWICE_ONE.wrapping_sub(size.to_bits()))).abs();
+        if relative < Self::INFINITY { relative } else { Self::INFINITY }
     }
     #[inline(always)]
     fn is_identical(self, other: Self) -> bool {

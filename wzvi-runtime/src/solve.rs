@@ -8,18 +8,22 @@ mod convergence;
 mod damped;
 mod dense;
 mod factors;
+mod graph;
 mod krylov;
 mod lanes;
 mod newton;
+mod sparse;
 
-pub use banded::{Banded, reverse_cuthill_mckee};
+pub use banded::Banded;
 pub(crate) use damped::{Problem, Room, damped};
 pub use dense::{Factor, SymmetricFactor, prepared, reciprocal_above_one};
 pub use factors::FactorsByLane;
-pub use krylov::Krylov;
+pub use graph::reverse_cuthill_mckee;
+pub use krylov::{Krylov, Operator};
 pub use lanes::LaneByLane;
 pub use newton::{Block, Effort, Equations, Extrapolation};
 pub(crate) use newton::{astray, larger};
+pub use sparse::Sparse;
 
 use crate::error::StepFailure;
 use crate::scalar::Scalar;

@@ -144,6 +144,25 @@ pub trait Hamiltonian {
     fn noise_gradient(&self, k: usize, state: &State<Self::Vector>) -> Gradient<Self::Vector> {
         term_gradient(self, k.saturating_add(1), state)
     }
+
+    /// The gradient of `Σ_k ΔW_k H_k`, with `-ΔW_k f_k` for noise forces, of a state of the system. Loops go over their noises once, where
+    /// [`Hamiltonian::noise_gradient`] of each would take as long as there are noises times degrees of freedom.
+    fn differentiate_noises(
+        &self,
+        dw: &[f64],
+        state: &State<Self::Vector>,
+        into: &mut Gradient<Self::Vector>,
+    ) {
+        let Gradient { q, p } = into;
+        [&mut *q, &mut *p].into_iter().for_each(|list| list.components_mut().fill(0.0));
+        for (k, dw) in dw.iter().enumerate() {
+            let of_one = self.noise_gradient(k, state);
+            for (sum, slope) in [(&mut *q, of_one.q), (&mut *p, of_one.p)] {
+                let pairs = sum.components_mut().iter_mut().zip(slope.components());
+                pairs.for_each(|(sum, slope)| *sum += dw * slope);
+            }
+        }
+    }
 }
 
 fn term_gradient<H: Hamiltonian + ?Sized>(
@@ -426,8 +445,8 @@ pub trait Discretized<E>: Hamiltonian {
     /// What a step of `L` systems beside each other reads of them; [`Apart`](crate::scalar::Apart) where they cannot be.
     type Beside<const L: usize>;
 
-    /// Of `L` systems, each with what is prepared of it for one step size; `None` where they do not go in lanes, which does not depend on
-    /// which they are.
+    /// Of `L` systems, each with what is prepared of it for one step size; `None` where they do not go in lanes. Those that do still do where
+    /// some of them are replaced by others of them.
     fn beside<const L: usize>(systems: [&Self; L], prepared: [&Self::Prepared; L])
     -> Option<Self::Beside<L>>;
 

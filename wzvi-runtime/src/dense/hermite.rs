@@ -12,7 +12,7 @@
 use super::copy_state;
 use super::slopes::{Slopes, Weights, legendre, weights};
 use crate::state::{State, Vector};
-use crate::system::Hamiltonian;
+use crate::system::{Gradient, Hamiltonian};
 
 /// The Lobatto points of a step, and what makes coefficients of the rates there.
 #[derive(Clone, Debug)]
@@ -68,7 +68,7 @@ pub(super) struct Hermite<V> {
     /// Rates at the points.
     rates: Vec<Vec<f64>>,
     /// One gradient.
-    gradient: [Vec<f64>; 2],
+    gradient: Gradient<V>,
     /// Where a rate is evaluated.
     inside: State<V>,
 }
@@ -78,7 +78,7 @@ impl<V: Vector> Hermite<V> {
         Self {
             levels: Vec::new(),
             rates: Vec::new(),
-            gradient: [Vec::new(), Vec::new()],
+            gradient: Gradient { q: state.q.clone(), p: state.p.clone() },
             inside: state.clone(),
         }
     }
@@ -93,7 +93,6 @@ impl<V: Vector> Hermite<V> {
         let most = self.levels.last().map_or(0, |points| points.x.len());
         self.rates.resize_with(most, Vec::new);
         self.rates.iter_mut().for_each(|rates| rates.resize(2 * degrees, 0.0));
-        self.gradient.iter_mut().for_each(|list| list.resize(degrees, 0.0));
     }
 
     /// The slopes of a step. If it `follows` the last one, the rate at its start is the one at that one's end.
@@ -159,19 +158,26 @@ fn rate<H: Hamiltonian>(
     at: &State<H::Vector>,
     h: f64,
     dw: &[f64],
-    [by_q, by_p]: &mut [Vec<f64>; 2],
+    gradient: &mut Gradient<H::Vector>,
     into: &mut [f64],
 ) {
     into.fill(0.0);
-    let (of_q, of_p) = into.split_at_mut(by_q.len());
-    for (term, factor) in std::iter::once(&h).chain(dw).enumerate() {
-        system.differentiate(term, at.q.components(), at.p.components(), at.t, by_q, by_p);
-        of_q.iter_mut().zip(&*by_p).for_each(|(rate, slope)| *rate += factor * slope);
-        of_p.iter_mut().zip(&*by_q).for_each(|(rate, slope)| *rate -= factor * slope);
+    let (q, p) = (at.q.components(), at.p.components());
+    let (of_q, of_p) = into.split_at_mut(q.len());
+    let mut add = |factor: f64, Gradient { q: by_q, p: by_p }: &Gradient<H::Vector>| {
+        of_q.iter_mut().zip(by_p.components()).for_each(|(rate, slope)| *rate += factor * slope);
+        of_p.iter_mut().zip(by_q.components()).for_each(|(rate, slope)| *rate -= factor * slope);
+    };
+    let [by_q, by_p] = [&mut gradient.q, &mut gradient.p].map(Vector::components_mut);
+    system.differentiate(0, q, p, at.t, by_q, by_p);
+    add(h, gradient);
+    if !dw.is_empty() {
+        system.differentiate_noises(dw, at, gradient);
+        add(1.0, gradient);
     }
-    let (q, p, force) = (at.q.components(), at.p.components(), by_q);
+    let force = gradient.q.components_mut();
     system.force(q, p, at.t, force);
-    of_p.iter_mut().zip(force).for_each(|(rate, force)| *rate += h * *force);
+    of_p.iter_mut().zip(&*force).for_each(|(rate, force)| *rate += h * force);
     if H::IS_CONFORMAL {
         let gamma = system.friction_rate();
         of_p.iter_mut().zip(p).for_each(|(rate, p)| *rate -= h * gamma * p);

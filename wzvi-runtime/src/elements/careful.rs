@@ -1,6 +1,6 @@
 //! The equations of a sweep for the steps where the short way fails: what [`damped`] asks of them.
 
-use super::jacobian::Linear;
+use super::linear::Linear;
 use super::memory::{Lists, Scratch};
 use super::rounding::Rounding;
 use super::step::Step;
@@ -16,7 +16,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// Solves for the unknowns with care, if there are any; leaves `u` and `P`.
     #[inline(never)]
     pub(super) fn careful(self, memory: &mut Memory<S>) -> Result<Effort, StepFailure> {
-        memory.factored = None;
+        memory.kept.lose();
         let mut scratch = memory.scratch(self.scheme, self.degrees());
         let known = scratch.known;
         scratch.guess(known);
@@ -53,7 +53,7 @@ impl<H: Elements, S: Scalar> Problem for Sweep<'_, '_, H, S> {
     }
 
     fn factor(&mut self) -> Result<(), StepFailure> {
-        self.step.linearise(self.lists, self.diagonal, self.linear)
+        self.step.factor(self.lists, self.diagonal, self.linear, true)
     }
 
     fn correct(&mut self, r: &mut Vec<S>) -> Result<(), StepFailure> {
@@ -70,9 +70,6 @@ impl<H: Elements, S: Scalar> Problem for Sweep<'_, '_, H, S> {
 
     /// Not known where the matrix is not.
     fn is_reversed(&self) -> bool {
-        match &*self.linear {
-            Linear::Band(band) => band.is_reversed(),
-            Linear::Krylov(_) => false,
-        }
+        self.linear.is_reversed()
     }
 }

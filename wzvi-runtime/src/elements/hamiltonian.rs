@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::{Elements, Point, Slopes, check, slopes};
 use crate::scalar::Scalar;
 use crate::state::{State, Vector};
+use crate::system::Gradient;
 
 /// The part that is the drift, `h H_0`.
 pub(super) const DRIFT: usize = 0;
@@ -54,6 +55,26 @@ pub fn differentiate<H: Elements, S: Scalar>(
         let (dw, (part, acting)) = ([S::from_f64(1.0)], part_of(term));
         let at = Point { q, p, t, h: 1.0, dw: &dw, acting, scale: 1.0 };
         slopes(system, part, 1.0, &at, Slopes::ALL, by_q, by_p);
+    }
+}
+
+/// [`Hamiltonian::differentiate_noises`](crate::system::Hamiltonian::differentiate_noises)
+pub fn differentiate_noises<H: Elements>(
+    system: &H,
+    dw: &[f64],
+    state: &State<H::Vector>,
+    into: &mut Gradient<H::Vector>,
+) {
+    let (q, p) = (state.q.components(), state.p.components());
+    let [by_q, by_p] = [&mut into.q, &mut into.p].map(Vector::components_mut);
+    let is_known =
+        dw.len() == system.noises() && fits(system, q, p) && by_q.len() == q.len() && by_p.len() == q.len();
+    let start = if is_known { 0.0 } else { f64::NAN };
+    by_q.fill(start);
+    by_p.fill(start);
+    if is_known {
+        let at = Point { q, p, t: state.t, h: 1.0, dw, acting: 0..dw.len(), scale: 1.0 };
+        slopes(system, NOISE, 1.0, &at, Slopes::ALL, by_q, by_p);
     }
 }
 

@@ -1,7 +1,7 @@
 //! One step: `x = φ(x)` solved to rounding.
 
 use super::change::Change;
-use super::jacobian::Linear;
+use super::linear::Linear;
 use super::memory::{Lists, Scratch};
 use super::passes::{Corrected, largest, subtract};
 use super::rounding::variation;
@@ -113,6 +113,9 @@ fn advance_fitting<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         }
         (Effort::fast(solved.iterations), solved.prefers_newton)
     };
+    if prefers_newton && let Some(linear) = &memory.linear {
+        memory.kept.succeed(linear.cost());
+    }
     memory.prefers_newton = prefers_newton;
     Ok(effort)
 }
@@ -188,8 +191,10 @@ struct Taken {
     change: Option<Change>,
     /// How much longer the correction of the fixed point would have been.
     stretch: f64,
-    /// Whether it comes from factors that were made for it.
+    /// Whether it is that of the Jacobian where it was made.
     is_fresh: bool,
+    /// Whether it comes from factors that were there.
+    is_kept: bool,
 }
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
@@ -197,6 +202,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     #[inline(always)]
     fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
         let (pinned, known) = (scratch.iteration, scratch.known);
+        scratch.kept.begin();
         let mut first = self.iterate(scratch, known, pinned);
         if first.is_err() && self.may_have_been_unusual(scratch) {
             scratch.is_exact = true;
@@ -234,8 +240,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         known: u8,
         pinned: Iteration,
     ) -> Result<Solved, StepFailure> {
-        self.start(scratch, known);
         let mut iteration = self.begin(scratch, known, pinned);
+        self.start(scratch, known);
         while iteration.iterations < MOST_ITERATIONS {
             iteration.iterations += 1;
             let taken = self.take(scratch, &mut iteration)?;
@@ -248,19 +254,19 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     #[inline(always)]
-    fn begin(self, scratch: &Scratch<'_, S>, known: u8, pinned: Iteration) -> IterationState {
-        // A band that never changes is factored once.
-        let has_factors = self.scheme.is_linear && *scratch.factored == Some(self.h);
+    fn begin(self, scratch: &mut Scratch<'_, S>, known: u8, pinned: Iteration) -> IterationState {
+        let is_newton = match pinned {
+            Iteration::Newton => true,
+            Iteration::Automatic => scratch.prefers_newton || self.has_constant_band(scratch),
+            Iteration::FixedPoint => false,
+        };
+        let has_factors = is_newton && self.starts_with_factors(scratch, pinned);
         IterationState {
             iterations: 0,
             known,
             pinned,
-            is_newton: match pinned {
-                Iteration::Newton => true,
-                Iteration::Automatic => scratch.prefers_newton || self.has_constant_band(scratch),
-                Iteration::FixedPoint => false,
-            },
-            is_stale: !has_factors || pinned == Iteration::Newton,
+            is_newton,
+            is_stale: !has_factors,
             prefers_newton: true,
             last: f64::INFINITY,
             is_beyond: false,
@@ -282,16 +288,20 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     ) -> Result<Taken, StepFailure> {
         let Lists { correction, previous, .. } = &mut scratch.lists;
         std::mem::swap(correction, previous);
-        let is_fresh = iteration.is_newton && iteration.is_stale;
+        let (mut is_fresh, mut is_kept) = (false, false);
         let (mut stretch, mut change) = (1.0, None);
         let relative = if iteration.is_newton {
             scratch.leave_windows();
             self.residual_as::<S::OfElements<H::Exact>>(&mut scratch.lists);
-            let Some(linear) = &scratch.linear else {
-                return Err(astray(iteration.iterations, iteration.last));
+            let is_krylov = match &scratch.linear {
+                Some(linear) => matches!(linear, Linear::Krylov(_)),
+                None => return Err(astray(iteration.iterations, iteration.last)),
             };
-            iteration.is_stale = iteration.pinned == Iteration::Newton || matches!(linear, Linear::Krylov(_));
-            stretch = self.correct_by_newton(scratch.lend(), is_fresh)?;
+            // Products are those with the Jacobian where it is, whatever factors they go with.
+            is_fresh = iteration.is_stale || is_krylov;
+            is_kept = !iteration.is_stale;
+            stretch = self.correct_by_newton(scratch.lend(), iteration.is_stale, iteration.pinned)?;
+            iteration.is_stale = iteration.pinned == Iteration::Newton && !is_krylov;
             let relative = subtract(scratch.lists.x, scratch.lists.correction);
             self.refresh(&mut scratch.lists);
             relative
@@ -308,24 +318,41 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             let not_converged = StepFailure::NotConverged { iterations, correction };
             return Err(if diverges { not_converged } else { StepFailure::NonFinite });
         }
-        Ok(Taken { relative, change, stretch, is_fresh })
+        Ok(Taken { relative, change, stretch, is_fresh, is_kept })
     }
 
     /// Makes the correction of the fixed point Newton's, with new factors where the old ones are stale; how much shorter
     /// it is.
     #[inline(never)]
-    fn correct_by_newton(self, scratch: Scratch<'_, S>, is_stale: bool) -> Result<f64, StepFailure> {
-        let is_constant = self.has_constant_band(&scratch);
-        let Scratch { mut lists, diagonal, linear: Some(linear), factored, .. } = scratch else {
+    fn correct_by_newton(
+        self,
+        scratch: Scratch<'_, S>,
+        is_stale: bool,
+        pinned: Iteration,
+    ) -> Result<f64, StepFailure> {
+        let Scratch { mut lists, diagonal, linear: Some(linear), kept, .. } = scratch else {
             return Err(StepFailure::NonFinite);
         };
         if is_stale {
-            *factored = None;
-            self.linearise(&lists, diagonal, linear)?;
-            *factored = is_constant.then_some(self.h);
+            self.renew(&lists, diagonal, linear, kept, pinned)?;
+        } else if matches!(linear, Linear::Krylov(_)) {
+            self.differentiate_velocities(&lists, diagonal);
         }
         let before = largest(lists.correction);
-        self.correct(&mut lists, diagonal, linear, FORCING)?;
+        let mut products = self.correct(&mut lists, diagonal, linear, FORCING);
+        let mut is_old = !is_stale;
+        while let Err(StepFailure::NotConverged { iterations, .. }) = products {
+            let all = kept.wants_all();
+            kept.count(Some(iterations));
+            // Neither the factors of another Jacobian are a guide to this one, nor those that lack too much.
+            if !is_old && all == kept.wants_all() {
+                break;
+            }
+            self.renew(&lists, diagonal, linear, kept, pinned)?;
+            is_old = false;
+            products = self.correct(&mut lists, diagonal, linear, FORCING);
+        }
+        kept.count(products?);
         Ok(before / largest(lists.correction))
     }
 
@@ -365,6 +392,12 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 (iteration.is_beyond, relative) = (true, beyond);
             }
         }
+        if is_misled && taken.is_kept {
+            // Factors that served other steps may serve this one from zero.
+            self.start(scratch, 0);
+            (iteration.known, iteration.last) = (0, f64::INFINITY);
+            return Ok(false);
+        }
         // Fresh factors that do not halve the correction: the solution is not near.
         if is_misled || (taken.is_fresh && stagnates && !settles) {
             return Err(astray(iterations, relative));
@@ -377,11 +410,13 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let is_worth = stagnates || relative > NEARLY_SOLVED;
         if is_slow && !settles && is_worth && pinned == Iteration::Automatic {
             // Old factors, or none, do not contract.
+            iteration.is_stale = !is_newton || !matches!(scratch.linear, Some(Linear::Krylov(_)));
             if !is_newton && stagnates {
+                iteration.is_stale = !self.starts_with_factors(scratch, pinned);
                 self.start(scratch, known);
                 iteration.last = f64::INFINITY;
             }
-            (iteration.is_newton, iteration.is_stale, iteration.is_beyond) = (true, true, false);
+            (iteration.is_newton, iteration.is_beyond) = (true, false);
         }
         Ok(false)
     }

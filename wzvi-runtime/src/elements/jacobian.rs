@@ -1,19 +1,13 @@
 //! The Jacobian `I - φ'` of a step, entry by entry: into a band, into products with it, or as the pattern alone.
 
+use super::kept::PATIENCE;
+use super::linear::{Linear, Wide};
 use super::memory::{Lists, Work};
 use super::step::Step;
 use super::{Curvature, Elements, Scheme, Slopes, Stage, Unknowns};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
-use crate::solve::{Banded, Krylov};
-
-/// How the linear equations of Newton's method are solved.
-#[derive(Clone, Debug)]
-pub(super) enum Linear<S> {
-    Band(Banded<S>),
-    /// From products with the matrix, which is never stored.
-    Krylov(Krylov<S>),
-}
+use crate::solve::{Banded, Krylov, Operator, Sparse};
 
 /// Takes the entries of a matrix; several for one place add up.
 pub(super) trait Entries<S> {
@@ -24,6 +18,13 @@ impl<S: Scalar> Entries<S> for Banded<S> {
     #[inline(always)]
     fn add(&mut self, row: usize, column: usize, value: S) {
         Banded::add(self, row, column, value);
+    }
+}
+
+impl<S: Scalar> Entries<S> for Sparse<S> {
+    #[inline(always)]
+    fn add(&mut self, row: usize, column: usize, value: S) {
+        Sparse::add(self, row, column, value);
     }
 }
 
@@ -40,26 +41,33 @@ impl<S: Scalar> Entries<S> for Product<'_, S> {
     }
 }
 
-/// The entries on the diagonal.
-struct OnDiagonal<'a, S>(&'a mut [S]);
+/// The Jacobian at the current stages, and factors of one.
+struct Conditioned<'a, 's, H, S> {
+    step: &'a Step<'s, H, S>,
+    lists: &'a Lists<'s, S>,
+    diagonal: &'a [S],
+    factors: &'a mut Sparse<S>,
+    most_cycles: u32,
+}
 
-impl<S: Scalar> Entries<S> for OnDiagonal<'_, S> {
-    #[inline(always)]
-    fn add(&mut self, row: usize, column: usize, value: S) {
-        if row == column {
-            self.0[row] = self.0[row] + value;
-        }
+impl<H: Elements, S: Scalar> Operator<S> for Conditioned<'_, '_, H, S> {
+    fn product(&mut self, x: &[S], y: &mut [S]) {
+        y.copy_from_slice(x);
+        self.step.entries(self.lists, self.diagonal, &mut Product { x, y });
+    }
+
+    fn precondition(&mut self, x: &mut [S]) {
+        self.factors.solve(x);
+    }
+
+    fn most_cycles(&self) -> u32 {
+        self.most_cycles
     }
 }
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
-    /// The Jacobian at the current stages, factored if it is a band.
-    pub(super) fn linearise(
-        &self,
-        lists: &Lists<'_, S>,
-        diagonal: &mut [S],
-        linear: &mut Linear<S>,
-    ) -> Result<(), StepFailure> {
+    /// `∂u/∂v` at the current stages, where it is diagonal.
+    pub(super) fn differentiate_velocities(&self, lists: &Lists<'_, S>, diagonal: &mut [S]) {
         if self.scheme.unknowns == Unknowns::Momenta {
             diagonal.fill(S::from_f64(0.0));
             let free = if self.increment.is_some() { &[] } else { self.scheme.stages };
@@ -68,41 +76,66 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 self.curvature(stage, self.q, lists.momentum, Slopes::BY_MOMENTA, into);
             }
         }
+    }
+
+    /// Factors of the Jacobian at the current stages; of a wide one with `all` entries where these are few.
+    ///
+    /// # Errors
+    /// [`StepFailure::Singular`] or [`StepFailure::NonFinite`] of a band.
+    pub(super) fn factor(
+        &self,
+        lists: &Lists<'_, S>,
+        diagonal: &mut [S],
+        linear: &mut Linear<S>,
+        all: bool,
+    ) -> Result<(), StepFailure> {
+        self.differentiate_velocities(lists, diagonal);
         match linear {
             Linear::Band(band) => {
                 band.reset();
                 self.entries(lists, diagonal, band);
                 band.factor()
             }
-            Linear::Krylov(krylov) => {
-                krylov.diagonal.fill(S::from_f64(1.0));
-                self.entries(lists, diagonal, &mut OnDiagonal(&mut krylov.diagonal));
+            Linear::Krylov(wide) => {
+                let factors = wide.room(self.system, self.scheme, self.degrees(), all);
+                factors.reset();
+                self.entries(lists, diagonal, factors);
+                factors.factor();
                 Ok(())
             }
         }
     }
 
-    /// The correction becomes `J⁻¹` of itself, up to `tolerance` where that takes an iteration.
+    /// The correction becomes `J⁻¹` of itself, up to `tolerance` where that takes products with the Jacobian; their number. On `Err` it
+    /// is what it was.
+    ///
+    /// # Errors
+    /// [`StepFailure::NotConverged`] or [`StepFailure::NonFinite`] of an iteration.
     pub(super) fn correct(
         &self,
         lists: &mut Lists<'_, S>,
         diagonal: &[S],
         linear: &mut Linear<S>,
         tolerance: f64,
-    ) -> Result<(), StepFailure> {
+    ) -> Result<Option<u32>, StepFailure> {
         match linear {
             Linear::Band(band) => {
                 band.solve(lists.correction);
-                Ok(())
+                Ok(None)
             }
-            Linear::Krylov(krylov) => {
+            Linear::Krylov(wide) => {
+                let Wide { krylov, factors } = &mut **wide;
+                let (factors, all) = factors.as_mut().ok_or(StepFailure::NonFinite)?;
                 let correction = std::mem::take(&mut lists.correction);
-                let solved = krylov.solve(correction, tolerance, |x, y| {
-                    y.copy_from_slice(x);
-                    self.entries(lists, diagonal, &mut Product { x, y });
-                });
+                // Those that lack entries give way to those that do not.
+                let most = Krylov::<S>::MOST_CYCLES;
+                let most_cycles = if *all { most } else { most.min(PATIENCE / Krylov::<S>::BASIS as u32) };
+                let lists_of_stages = &lists.lend();
+                let operator =
+                    &mut Conditioned { step: self, lists: lists_of_stages, diagonal, factors, most_cycles };
+                let solved = krylov.solve(correction, tolerance, operator);
                 lists.correction = correction;
-                solved
+                solved.map(Some)
             }
         }
     }

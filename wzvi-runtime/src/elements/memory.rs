@@ -1,27 +1,15 @@
 //! What a stepper of a system of elements allocates, once.
 
-use super::jacobian::{Linear, pattern};
+use super::kept::Kept;
+use super::linear::Linear;
 use super::rounding::Rounding;
 use super::windows::{LEAST_IN_WINDOWS, Sweeps, WindowPlan, takes_windows};
 use super::{Elements, Scheme, Unknowns};
 use crate::carry::{Carry, Compensation};
 use crate::error::StepFailure;
-use crate::memory::{Iteration, Method, StepMemory, Threads};
+use crate::memory::{Iteration, LinearWork, Method, StepMemory, Threads};
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
-use crate::solve::{Banded, Krylov, reverse_cuthill_mckee};
-
-/// Numbers that a factorisation may hold: 2 GiB of `f64`.
-const MOST_NUMBERS: usize = 1 << 28;
-
-/// A band is taken if it is this narrow, or if it is factored by [`FEW_OPERATIONS`].
-const NARROW: usize = 16;
-/// Half a bandwidth up to which the order of the unknowns is kept.
-const NARROW_AS_IT_IS: usize = 4;
-/// Multiplications that are about as many as some iterations on products with the matrix need.
-const FEW_OPERATIONS: usize = 1 << 22;
-/// Entries per unknown of a pattern that is worth a renumbering.
-const SPARSE: usize = 64;
 
 /// Vectors of one step, unknowns of the steps before, and the matrix.
 pub struct Memory<S> {
@@ -38,8 +26,7 @@ pub struct Memory<S> {
     /// Whether the fixed point contracted too slowly in the last step.
     pub(super) prefers_newton: bool,
     pub(super) linear: Option<Linear<S>>,
-    /// The step size of factors that no state enters.
-    pub(super) factored: Option<f64>,
+    pub(super) kept: Kept<S>,
     pub(super) rounding: Option<Box<Rounding>>,
     /// How a large system is stepped that solves nothing.
     pub(super) plan: WindowPlan,
@@ -205,7 +192,7 @@ pub(super) struct Scratch<'a, S> {
     pub(super) iteration: Iteration,
     pub(super) prefers_newton: bool,
     pub(super) linear: &'a mut Option<Linear<S>>,
-    pub(super) factored: &'a mut Option<f64>,
+    pub(super) kept: &'a mut Kept<S>,
     pub(super) rounding: &'a mut Option<Box<Rounding>>,
     pub(super) sweeps: &'a mut Option<Box<Sweeps>>,
     /// Whether nothing is to be done in vector instructions.
@@ -217,7 +204,7 @@ impl<S: Scalar> Memory<S> {
     #[inline(always)]
     pub(super) fn scratch(&mut self, scheme: &Scheme, degrees: usize) -> Scratch<'_, S> {
         let Self { iteration, work, diagonal, past, known, .. } = self;
-        let Self { prefers_newton, linear, factored, rounding, sweeps, .. } = self;
+        let Self { prefers_newton, linear, kept, rounding, sweeps, .. } = self;
         Scratch {
             lists: work.lists(scheme, degrees),
             diagonal,
@@ -226,7 +213,7 @@ impl<S: Scalar> Memory<S> {
             iteration: *iteration,
             prefers_newton: *prefers_newton,
             linear,
-            factored,
+            kept,
             rounding,
             sweeps,
             is_exact: false,
@@ -238,7 +225,7 @@ impl<S> Scratch<'_, S> {
     /// As [`Lists::lend`].
     #[inline(always)]
     pub(super) fn lend(&mut self) -> Scratch<'_, S> {
-        let Self { lists, diagonal, past, known, iteration, prefers_newton, linear, factored, .. } = self;
+        let Self { lists, diagonal, past, known, iteration, prefers_newton, linear, kept, .. } = self;
         let Self { rounding, sweeps, is_exact, .. } = self;
         Scratch {
             lists: lists.lend(),
@@ -248,7 +235,7 @@ impl<S> Scratch<'_, S> {
             iteration: *iteration,
             prefers_newton: *prefers_newton,
             linear,
-            factored,
+            kept,
             rounding,
             sweeps,
             is_exact: *is_exact,
@@ -268,7 +255,7 @@ impl<S> Default for Memory<S> {
             known: 0,
             prefers_newton: false,
             linear: None,
-            factored: None,
+            kept: Kept::default(),
             rounding: None,
             plan: WindowPlan::default(),
             sweeps: None,
@@ -289,7 +276,7 @@ impl<S: Scalar> std::fmt::Debug for Memory<S> {
             work: _,
             diagonal: _,
             linear: _,
-            factored: _,
+            kept: _,
             rounding: _,
             plan: _,
             sweeps: _,
@@ -310,7 +297,8 @@ impl<S: Scalar> Clone for Memory<S> {
     fn clone(&self) -> Self {
         let past = if self.known == 0 { Default::default() } else { self.past.clone() };
         let (iteration, known, prefers_newton) = (self.iteration, self.known, self.prefers_newton);
-        Self { iteration, past, known, prefers_newton, plan: self.plan.alike(), ..Self::default() }
+        let (kept, plan) = (self.kept.clone(), self.plan.alike());
+        Self { iteration, past, known, prefers_newton, kept, plan, ..Self::default() }
     }
 
     /// Keeps what is allocated.
@@ -320,6 +308,7 @@ impl<S: Scalar> Clone for Memory<S> {
         }
         (self.iteration, self.known, self.prefers_newton) =
             (other.iteration, other.known, other.prefers_newton);
+        self.kept.clone_from(&other.kept);
     }
 }
 
@@ -334,6 +323,7 @@ impl<S: Scalar> Numbers for Memory<S> {
                 past.iter_mut().for_each(|number| number.pass(tape));
             }
         }
+        self.kept.pass(tape);
     }
 }
 
@@ -353,6 +343,7 @@ impl<S: Scalar> StepMemory for Memory<S> {
     fn forget(&mut self) {
         self.known = 0;
         self.prefers_newton = false;
+        self.kept.forget();
     }
 
     fn adopt(&mut self, left: Self) {
@@ -360,7 +351,9 @@ impl<S: Scalar> StepMemory for Memory<S> {
         if self.degrees == 0 {
             (self.degrees, self.remembered) = (left.degrees, left.remembered);
             (self.work, self.linear) = (left.work, left.linear);
-            (self.diagonal, self.factored) = (left.diagonal, left.factored);
+            (self.diagonal, self.kept) = (left.diagonal, left.kept);
+        } else {
+            self.kept.clone_from(&left.kept);
         }
         if self.known == 0 && self.past[0].len() != self.remembered {
             self.past.iter_mut().for_each(|past| past.resize(self.remembered, S::from_f64(0.0)));
@@ -371,9 +364,12 @@ impl<S: Scalar> StepMemory for Memory<S> {
         Some(match &self.linear {
             _ if self.degrees == 0 => Method::Undecided,
             None => Method::Explicit,
-            Some(Linear::Band(band)) => Method::Band { half_width: band.half_width() },
-            Some(Linear::Krylov(_)) => Method::Krylov,
+            Some(linear) => linear.method(),
         })
+    }
+
+    fn linear_work(&self) -> LinearWork {
+        self.kept.work
     }
 }
 
@@ -431,42 +427,9 @@ impl<S: Scalar> Memory<S> {
             self.known = 0;
         }
         self.degrees = degrees;
-        self.factored = None;
-        self.linear = is_implicit.then(|| linear(system, scheme, degrees, unknowns));
+        self.kept.lose();
+        self.linear = is_implicit.then(|| Linear::new(system, scheme, degrees));
     }
-}
-
-/// A band if it is narrow or small, after a renumbering where that pays; else a basis for products with the matrix.
-fn linear<H: Elements, S: Scalar>(system: &H, scheme: &Scheme, degrees: usize, unknowns: usize) -> Linear<S> {
-    let krylov = || Linear::Krylov(Krylov::new(unknowns));
-    // Derivatives that a number carries are not orthogonal to anything.
-    let is_plain = size_of::<S>() == size_of::<f64>();
-    let is_cheap = |half: usize| {
-        half <= NARROW || unknowns.saturating_mul(half).saturating_mul(half) <= FEW_OPERATIONS || !is_plain
-    };
-    let (mut natural, mut entries) = (0_usize, 0_usize);
-    pattern(system, scheme, degrees, |row, column| {
-        natural = natural.max(row.abs_diff(column));
-        entries += 1;
-    });
-    let band = |half: usize, position: Vec<usize>| {
-        let band = is_cheap(half).then(|| Banded::new(unknowns, half, position, MOST_NUMBERS)).flatten();
-        band.map_or_else(krylov, Linear::Band)
-    };
-    if natural <= NARROW_AS_IT_IS || entries > SPARSE.saturating_mul(unknowns) {
-        return band(natural, Vec::new());
-    }
-    let mut pairs = Vec::with_capacity(entries / 2);
-    pattern(system, scheme, degrees, |row, column| {
-        if row < column {
-            pairs.push((row, column));
-        }
-    });
-    pairs.sort_unstable();
-    pairs.dedup();
-    let position = reverse_cuthill_mckee(unknowns, &pairs);
-    let half = pairs.iter().map(|&(a, b)| position[a].abs_diff(position[b])).max().unwrap_or(0);
-    if half < natural { band(half, position) } else { band(natural, Vec::new()) }
 }
 
 /// [`Compensation`] of a size that is known at run time; empty until the first step.

@@ -51,7 +51,8 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     own: Vec<H::Prepared>,
     /// The same beside each other, where systems go so.
     beside: Option<H::Beside<L>>,
-    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]), or systems of paths are not: one stepper for each.
+    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]), or systems of paths are not, or somebody looks inside steps of which
+    /// lanes keep less than a stepper: one for each.
     steppers: Vec<Stepper<'j, H, E, Plain>>,
     /// Halves steps, once one has to be.
     subdivision: Option<Subdivision<'j, H, E, Plain>>,
@@ -159,7 +160,10 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// Whether each path has a stepper of its own.
     #[inline(always)]
     fn is_stepped(&self) -> bool {
-        !H::IN_LANES || (P::ARE_OWN && self.beside.is_none())
+        // Lanes do not keep what a scheme knows between its nodes.
+        !H::IN_LANES
+            || (P::ARE_OWN && self.beside.is_none())
+            || (H::HAS_POLYNOMIAL && self.job.looks_inside())
     }
 
     fn time(&self, step: u64) -> f64 {
@@ -246,7 +250,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
 
     fn fail(&mut self, lane: usize, error: StepError) {
         (self.failed[lane], self.any_failed) = (true, true);
-        if P::ARE_OWN {
+        if P::ARE_OWN && self.beside.is_some() {
             self.put_beside();
         }
         if self.counts[lane] {

@@ -2,7 +2,7 @@
 
 use super::Field;
 use super::advance::{Friction, Prepared};
-use super::kept::Memory;
+use super::kept::MemoryOf;
 use super::stages::Stages;
 use crate::carry::Plain;
 use crate::lanes::Lanes;
@@ -24,21 +24,21 @@ pub fn value<F: Field, const N: usize>(
     if !fits || system.check(degrees).is_err() {
         return f64::NAN;
     }
-    let mut memory = Memory::<f64, F::Shape, F::Noises, N>::default();
+    let mut memory = MemoryOf::<F, f64, N>::default();
     memory.fit(degrees, dw.len());
     let table = prepared.table();
     let (mut given, mut lists) = (memory.given.take(), memory.lists.take());
-    given.read(table, q, p, dw, &Plain);
+    given.read(prepared, q, p, dw, &Plain);
     let step = given.step(system, prepared, segment.t, segment.h);
-    if step.solve::<true>(&mut lists, &mut memory).is_err()
-        || step.finish([q, p], dw, &mut lists, &Plain).is_err()
+    if step.solve::<true>(&mut lists, &mut memory.left).is_err()
+        || !step.finish([q, p], dw, &mut lists, &Plain)
     {
         return f64::NAN;
     }
     // The momenta of the stages, which the Nyström form does without: `P_i = p - Σ_j a_ij ∂F/∂q (j)`.
     let slopes = lists.slopes[1].as_ref();
     let momenta: Vec<_> =
-        (0..degrees).map(|d| Lanes::<N>::splat(p[d]).minus(slopes[d].product(&table.mu))).collect();
+        (0..degrees).map(|d| Lanes::<N>::splat(p[d]).minus(slopes[d].products(&table.mu))).collect();
     let mut action = 0.0;
     for i in 0..N {
         let own_q: Vec<f64> = lists.at[0].as_ref().iter().map(|stage| stage.get(i)).collect();

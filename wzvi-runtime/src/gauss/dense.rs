@@ -33,7 +33,7 @@ pub fn slopes_between<F: Field, const N: usize>(
     dw: &[f64],
     slopes: &mut Slopes,
 ) {
-    let [by_p, by_q] = &memory.past;
+    let [by_p, by_q] = &memory.left.past;
     let (by_p, by_q) = (by_p.as_ref(), by_q.as_ref());
     let degrees = before.q.components().len();
     debug_assert_eq!(by_q.len(), degrees, "a step has left its slopes");

@@ -14,7 +14,8 @@ macro_rules! __gauss {
                 $degrees,
             );
             const EQUATIONS: &'static $crate::core::primitive::str = $text;
-            const IN_LANES: $crate::core::primitive::bool = false;
+            const IN_LANES: $crate::core::primitive::bool =
+                <<Self as $crate::gauss::Field>::Shape as $crate::gauss::Shape>::IS_FIXED;
             type Prepared = $crate::gauss::Prepared<$stages>;
             type Memory<__S: $crate::scalar::Scalar> =
                 $crate::gauss::Memory<
@@ -79,7 +80,29 @@ macro_rules! __gauss {
                 )
             }
 
-            $crate::__apart!(Self);
+            type Beside<const __L: $crate::core::primitive::usize> = $crate::gauss::Systems<Self, __L, $stages>;
+
+            fn beside<const __L: $crate::core::primitive::usize>(
+                __systems: [&Self; __L],
+                __prepared: [&Self::Prepared; __L],
+            ) -> $crate::core::option::Option<Self::Beside<__L>> {
+                $crate::gauss::beside::<Self, __L, $stages>(__systems, __prepared)
+            }
+
+            #[inline(always)]
+            fn advance_beside<const __L: $crate::core::primitive::usize>(
+                __beside: &Self::Beside<__L>,
+                __t: $crate::core::primitive::f64,
+                __h: $crate::core::primitive::f64,
+                __q: &mut [$crate::lanes::Lanes<__L>],
+                __p: &mut [$crate::lanes::Lanes<__L>],
+                __dw: &[$crate::lanes::Lanes<__L>],
+                __memory: &mut Self::Memory<$crate::lanes::Lanes<__L>>,
+            ) -> $crate::core::result::Result<$crate::solve::Effort, $crate::error::StepFailure> {
+                $crate::gauss::advance_beside::<Self, __L, $stages>(
+                    __beside, __t, __h, __q, __p, __dw, __memory,
+                )
+            }
 
             fn discrete_lagrangian(
                 &self,

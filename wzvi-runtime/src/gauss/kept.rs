@@ -1,12 +1,26 @@
 //! What a step leaves for the next one, and its scratch.
 
+use super::Field;
+use super::beside::Alone;
 use super::newton::Newton;
 use super::shape::Shape;
-use super::stages::{Changes, Scratch, Stages};
+use super::stages::{Part, Scratch, Stages};
 use super::stiff::Modal;
 use crate::memory::{Iteration, StepMemory};
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::{Mask, Rounded, Scalar};
+
+/// What is given of a step of a system.
+pub(super) type GivenOf<F, S, const N: usize> = Given<S, <F as Field>::Shape, <F as Field>::Noises, N>;
+
+/// What the steps of a system leave.
+pub(super) type LeftOf<F, S, const N: usize> = Left<S, <F as Field>::Shape, <F as Field>::Noises, N>;
+
+/// The memory of a system's steps.
+pub(super) type MemoryOf<F, S, const N: usize> = Memory<S, <F as Field>::Shape, <F as Field>::Noises, N>;
+
+/// Room for the equations of a system in numbers that know their rounding.
+pub(super) type ExactOf<F, const N: usize> = Exact<<F as Field>::Shape, <F as Field>::Noises, N>;
 
 /// A list of numbers of all stages.
 pub(super) type OfStages<S, H, const N: usize> = <H as Shape>::Of<<S as Scalar>::Stages<N>>;
@@ -14,19 +28,31 @@ pub(super) type OfStages<S, H, const N: usize> = <H as Shape>::Of<<S as Scalar>:
 /// The slopes of the last step at its `N` stages, and the lists of a step.
 #[derive(Debug)]
 pub struct Memory<S: Scalar, H: Shape, W: Shape, const N: usize> {
-    /// `b_i ∂F/∂p` and `b_i ∂F/∂q` of the last step; in Nyström form the first is `∂F/∂p`.
-    pub(super) past: [OfStages<S, H, N>; 2],
-    pub(super) is_known: bool,
-    /// Whether sweeps did not contract in the last step.
-    pub(super) prefers_newton: bool,
-    pub(super) iteration: Iteration,
+    pub(super) left: Left<S, H, W, N>,
     pub(super) given: Given<S, H, W, N>,
     pub(super) lists: Lists<S, H, N>,
-    pub(super) scratch: Scratch<S>,
+}
+
+/// What a step leaves for the next one, and room for its solution.
+#[derive(Debug)]
+#[repr(align(64))]
+pub(super) struct Left<S: Scalar, H: Shape, W: Shape, const N: usize> {
+    /// `b_i ∂F/∂p` and `b_i ∂F/∂q` of the last step; in Nyström form the first is `∂F/∂p`, for one path.
+    pub(super) past: [OfStages<S, H, N>; 2],
+    pub(super) is_known: bool,
+    /// Where sweeps did not contract in the last step.
+    pub(super) prefers_newton: S::Mask,
+    pub(super) iteration: Iteration,
+    pub(super) scratch: Scratch<S, H, W, N>,
     pub(super) modal: Modal<S::Stages<N>>,
     pub(super) newton: Newton<S>,
     pub(super) exact: Exact<H, W, N>,
+    /// Room for a path whose sweeps do not contract as those beside it do.
+    pub(super) alone: Option<Box<Alone<H, W, N>>>,
 }
+
+/// Room for a part of the stages of a system.
+pub(super) type Room<F, S, const N: usize> = Scratch<S, <F as Field>::Shape, <F as Field>::Noises, N>;
 
 /// Room for the equations in numbers that know their rounding. Few steps ask for them: vectors wait for the first that
 /// does, and stay.
@@ -38,7 +64,7 @@ pub(super) struct Exact<H: Shape, W: Shape, const N: usize>(Option<Box<ExactList
 pub(super) struct ExactLists<H: Shape, W: Shape, const N: usize> {
     pub(super) given: Given<Rounded, H, W, N>,
     pub(super) lists: Lists<Rounded, H, N>,
-    pub(super) scratch: Scratch<Rounded>,
+    pub(super) scratch: Scratch<Rounded, H, W, N>,
 }
 
 impl<H: Shape, W: Shape, const N: usize> Exact<H, W, N> {
@@ -46,8 +72,7 @@ impl<H: Shape, W: Shape, const N: usize> Exact<H, W, N> {
     pub(super) fn lists(&mut self, degrees: usize, noises: usize) -> &mut ExactLists<H, W, N> {
         let room = self.0.take().filter(|room| room.lists.fits(degrees) && room.given.fits(noises));
         self.0.insert(room.unwrap_or_else(|| {
-            let mut scratch = Scratch::default();
-            scratch.reserve(degrees, noises);
+            let scratch = Scratch::of_length(degrees, noises);
             let (given, lists) = (Given::of_length(degrees, noises), Lists::of_length(degrees));
             Box::new(ExactLists { given, lists, scratch })
         }))
@@ -56,6 +81,7 @@ impl<H: Shape, W: Shape, const N: usize> Exact<H, W, N> {
 
 /// What is given of a step.
 #[derive(Debug)]
+#[repr(align(64))]
 pub(super) struct Given<S: Scalar, H: Shape, W: Shape, const N: usize> {
     /// `q` and `p` with what is carried.
     pub(super) start: [H::Of<S>; 2],
@@ -65,6 +91,7 @@ pub(super) struct Given<S: Scalar, H: Shape, W: Shape, const N: usize> {
 
 /// What a step computes.
 #[derive(Debug)]
+#[repr(align(64))]
 pub(super) struct Lists<S: Scalar, H: Shape, const N: usize> {
     /// Coordinates and momenta at the stages.
     pub(super) at: [OfStages<S, H, N>; 2],
@@ -72,8 +99,8 @@ pub(super) struct Lists<S: Scalar, H: Shape, const N: usize> {
     pub(super) slopes: [OfStages<S, H, N>; 2],
     /// Slopes that nobody reads.
     pub(super) spare: OfStages<S, H, N>,
-    /// What the last sweep changed.
-    pub(super) changes: Changes<N>,
+    /// The largest relative changes of the last sweep.
+    pub(super) changes: Part<S, N>,
     /// The increments of the state, then the new state.
     pub(super) next: [H::Of<S>; 2],
     /// What rounding took from the new state.
@@ -131,7 +158,7 @@ impl<S: Scalar, H: Shape, const N: usize> Lists<S, H, N> {
             at: [stages(), stages()],
             slopes: [stages(), stages()],
             spare: stages(),
-            changes: Changes::default(),
+            changes: Part::<S, N>::from_f64(0.0),
             next: [ends(), ends()],
             lost: [ends(), ends()],
         }
@@ -151,7 +178,7 @@ impl<S: Scalar, H: Shape, const N: usize> Lists<S, H, N> {
             at: self.at.each_mut().map(|list| H::take(list, zeros)),
             slopes: self.slopes.each_mut().map(|list| H::take(list, zeros)),
             spare: H::take(&mut self.spare, zeros),
-            changes: Changes::default(),
+            changes: Part::<S, N>::from_f64(0.0),
             next: self.next.each_mut().map(|list| H::take(list, zero)),
             lost: self.lost.each_mut().map(|list| H::take(list, zero)),
         }
@@ -167,34 +194,39 @@ impl<S: Scalar, H: Shape, const N: usize> Lists<S, H, N> {
         give_back::<H, _, 2>(&mut self.lost, lists.lost);
     }
 
-    /// Whether all stages are finite.
+    /// Where all stages are finite.
     #[cold]
     #[inline(never)]
-    pub(super) fn is_finite(&self) -> bool {
+    pub(super) fn are_finite(&self) -> S::Mask {
         let mut zeros = S::Stages::<N>::splat(S::from_f64(0.0));
         for list in &self.at {
             for stages in list.as_ref() {
                 zeros = zeros.plus(stages.times(&[0.0; N]));
             }
         }
-        zeros.total().is_finite().all()
+        zeros.total().is_finite()
     }
 }
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Memory<S, H, W, N> {
     fn default() -> Self {
+        Self { left: Left::default(), given: Given::of_length(0, 0), lists: Lists::of_length(0) }
+    }
+}
+
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Left<S, H, W, N> {
+    fn default() -> Self {
         let past = || H::list(0, S::Stages::<N>::splat(S::from_f64(0.0)));
         Self {
             past: [past(), past()],
             is_known: false,
-            prefers_newton: false,
+            prefers_newton: S::Mask::from_bool(false),
             iteration: Iteration::Automatic,
-            given: Given::of_length(0, 0),
-            lists: Lists::of_length(0),
-            scratch: Scratch::default(),
+            scratch: Scratch::of_length(0, 0),
             modal: Modal::default(),
             newton: Newton::default(),
             exact: Exact(None),
+            alone: None,
         }
     }
 }
@@ -202,30 +234,27 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Memory<S, H, W, 
 /// What the steps before left; scratch is allocated anew where the copy is used.
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Clone for Memory<S, H, W, N> {
     fn clone(&self) -> Self {
-        Self {
-            past: self.past.clone(),
-            is_known: self.is_known,
-            prefers_newton: self.prefers_newton,
-            iteration: self.iteration,
-            ..Self::default()
-        }
+        let mut copy = Self::default();
+        copy.clone_from(self);
+        copy
     }
 
     fn clone_from(&mut self, other: &Self) {
-        self.past.clone_from(&other.past);
-        (self.is_known, self.prefers_newton) = (other.is_known, other.prefers_newton);
-        self.iteration = other.iteration;
+        let (left, other) = (&mut self.left, &other.left);
+        left.past.clone_from(&other.past);
+        (left.is_known, left.prefers_newton) = (other.is_known, other.prefers_newton);
+        left.iteration = other.iteration;
     }
 }
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Numbers for Memory<S, H, W, N> {
     fn pass(&mut self, tape: &mut Tape) {
-        tape.flag(&mut self.is_known);
-        tape.flag(&mut self.prefers_newton);
-        if self.is_known {
-            let length = tape.length(self.past[0].as_ref().len());
+        tape.flag(&mut self.left.is_known);
+        self.left.prefers_newton.pass(tape);
+        if self.left.is_known {
+            let length = tape.length(self.left.past[0].as_ref().len());
             self.fit(length, self.given.dw.as_ref().len());
-            for past in &mut self.past {
+            for past in &mut self.left.past {
                 past.as_mut().iter_mut().for_each(|number| number.pass(tape));
             }
         }
@@ -244,30 +273,31 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Memory<S, H, W, N> {
         if !self.fits(degrees, noises) {
             self.lists = Lists::of_length(degrees);
             self.given = Given::of_length(degrees, noises);
+            self.left.scratch = Scratch::of_length(degrees, noises);
         }
-        if self.past[0].as_ref().len() != degrees {
+        if self.left.past[0].as_ref().len() != degrees {
             let past = || H::list(degrees, S::Stages::<N>::splat(S::from_f64(0.0)));
-            self.past = [past(), past()];
-            self.is_known = false;
+            self.left.past = [past(), past()];
+            self.left.is_known = false;
         }
     }
 }
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> StepMemory for Memory<S, H, W, N> {
     fn forget(&mut self) {
-        (self.is_known, self.prefers_newton) = (false, false);
+        (self.left.is_known, self.left.prefers_newton) = (false, S::Mask::from_bool(false));
     }
 
-    fn adopt(&mut self, left: Self) {
-        self.past = left.past;
-        (self.is_known, self.prefers_newton) = (left.is_known, left.prefers_newton);
+    fn adopt(&mut self, other: Self) {
+        self.left.past = other.left.past;
+        (self.left.is_known, self.left.prefers_newton) = (other.left.is_known, other.left.prefers_newton);
     }
 
     fn pin(&mut self, iteration: Iteration) {
-        self.iteration = iteration;
+        self.left.iteration = iteration;
     }
 
     fn pinned(&self) -> Iteration {
-        self.iteration
+        self.left.iteration
     }
 }

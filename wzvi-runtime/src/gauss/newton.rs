@@ -5,12 +5,12 @@
 //! iteration is that of all hard steps ([`damped`]).
 
 use super::Field;
-use super::advance::Step;
-use super::kept::{Exact, Lists, Memory};
-use super::stages::{Scratch, Stages};
+use super::equations::Step;
+use super::kept::{ExactOf, LeftOf, Lists, Room as Scratch};
+use super::stages::Stages;
 use super::sweep::{Solved, UNSEEN};
 use crate::error::StepFailure;
-use crate::scalar::{Dual, Scalar};
+use crate::scalar::{Dual, Mask, Scalar};
 use crate::solve::{Banded, Problem, Room, damped};
 
 /// Unknowns of a matrix that is factored: 50 MB of `f64`.
@@ -59,8 +59,8 @@ impl<S> Default for Newton<S> {
 struct Equations<'a, 's, F: Field, S: Scalar, const N: usize> {
     step: &'a Step<'s, F, S, N>,
     lists: &'a mut Lists<S, F::Shape, N>,
-    scratch: &'a mut Scratch<S>,
-    exact: &'a mut Exact<F::Shape, F::Noises, N>,
+    scratch: &'a mut Scratch<F, S, N>,
+    exact: &'a mut ExactOf<F, N>,
     jacobian: &'a mut Jacobian<S>,
 }
 
@@ -74,9 +74,9 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
     pub(super) fn newton<const CAREFUL: bool>(
         &self,
         lists: &mut Lists<S, F::Shape, N>,
-        memory: &mut Memory<S, F::Shape, F::Noises, N>,
-    ) -> Result<Solved, StepFailure> {
-        let Memory { newton: Newton { jacobian, room, start }, scratch, exact, .. } = memory;
+        left: &mut LeftOf<F, S, N>,
+    ) -> Result<Solved<S>, StepFailure> {
+        let LeftOf::<F, S, N> { newton: Newton { jacobian, room, start }, scratch, exact, .. } = left;
         let mut equations = Equations { step: self, lists, scratch, exact, jacobian };
         let unknowns = equations.unknowns();
         if unknowns > MOST_UNKNOWNS {
@@ -90,8 +90,8 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
             return Err(StepFailure::NotConverged { iterations, correction: f64::INFINITY });
         }
         equations.write(room.solution());
-        self.field(lists, scratch);
-        Ok(Solved { effort, prefers_newton: true })
+        self.field(lists, scratch, S::Mask::from_bool(false));
+        Ok(Solved { effort, prefers_newton: S::Mask::from_bool(true) })
     }
 
     /// The slopes of `F` and their derivatives along one of its arguments, weighted as stage number `stage`, or whole.
@@ -109,7 +109,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         }
         let own = |stages: S::Stages<N>| Dual::from_f64(stages.get(stage.unwrap_or(0)).lane(0));
         dw.clear();
-        dw.extend(self.at.dw.iter().map(|&dw| own(dw)));
+        dw.extend(self.dw.iter().map(|&dw| own(dw)));
         for d in 0..degrees {
             q[d] = Dual { value: arguments(0, d), derivative: [f64::from(along == d)] };
             p[d] = Dual { value: arguments(1, d), derivative: [f64::from(along == degrees + d)] };
@@ -118,8 +118,10 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
                 p[d] = p[d] * inverse;
             }
         }
-        let h = if stage.is_some() { own(self.at.h) } else { Dual::from_f64(self.h) };
-        self.system.slopes::<Dual<1>, true, true>(own(self.at.t), h, q, p, dw, by_q, by_p);
+        let (c, b) =
+            (self.prepared.table().c[stage.unwrap_or(0)], stage.map_or(1.0, |i| self.prepared.table().b[i]));
+        let [t, h] = [self.h * c + self.t, self.h * b].map(Dual::from_f64);
+        Field::slopes::<Dual<1>, true, true>(self.source, t, h, q, p, dw, by_q, by_p);
         if F::IS_CONFORMAL {
             let scale = stage.map_or(1.0, |stage| self.prepared.friction().scale[stage]);
             by_q.iter_mut().for_each(|slope| *slope = *slope * scale);
@@ -206,13 +208,10 @@ impl<F: Field, S: Scalar, const N: usize> Problem for Equations<'_, '_, F, S, N>
     fn residual(&mut self, x: &Vec<S>, into: &mut Vec<S>) {
         self.jacobian.point.clone_from(x);
         self.write(x);
-        let degrees = self.degrees();
-        self.step.field(self.lists, self.scratch);
-        let mut observer = (|kind, d, old: S::Stages<N>, new| {
-            let residual = old.minus(new);
-            (0..N).for_each(|i| into[Self::place(degrees, i, kind, d)] = residual.get(i));
-        },);
-        self.step.follow(self.lists, self.scratch, &mut observer);
+        self.step.field(self.lists, self.scratch, S::Mask::from_bool(false));
+        self.step.follow(self.lists, self.scratch, &mut ());
+        self.read(into);
+        into.iter_mut().zip(x).for_each(|(next, x)| *next = *x - *next);
     }
 
     fn factor(&mut self) -> Result<(), StepFailure> {
@@ -270,10 +269,8 @@ impl<F: Field, S: Scalar, const N: usize> Problem for Equations<'_, '_, F, S, N>
         let are_settled = &mut self.jacobian.are_settled;
         are_settled.clear();
         are_settled.resize(unknowns, true);
-        self.step.residuals(self.lists, self.exact, |kind, d, residual| {
-            for (i, residual) in residual.iter().enumerate() {
-                are_settled[Self::place(degrees, i, kind, d)] = residual.is_below(roundings);
-            }
+        self.step.residuals(self.step.source, 0, self.lists, self.exact, |kind, d, i, residual| {
+            are_settled[Self::place(degrees, i, kind, d)] = residual.is_below(roundings);
         });
         move |k| are_settled[k]
     }

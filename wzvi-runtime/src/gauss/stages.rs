@@ -1,67 +1,17 @@
-//! The numbers of all stages of a step beside each other.
+//! The numbers of all stages of a step, and the parts of them that are computed with at once.
 
 use std::fmt::Debug;
 
 use super::Field;
+use super::shape::Shape;
 use crate::lanes::Lanes;
 use crate::numbers::Numbers;
 use crate::scalar::Scalar;
 
-/// Where the slopes of all stages are taken, and by what they are weighted.
-#[derive(Clone, Copy, Debug)]
-pub struct At<'a, T> {
-    /// Times of the stages.
-    pub t: T,
-    /// The increment of the drift.
-    pub h: T,
-    /// The increments of the noises.
-    pub dw: &'a [T],
-}
-
-/// The largest changes of each stage, relative to its size; infinite for NaN.
-#[derive(Clone, Copy, Debug)]
-pub struct Changes<const N: usize>([f64; N]);
-
-impl<const N: usize> Default for Changes<N> {
-    #[inline(always)]
-    fn default() -> Self {
-        Self([0.0; N])
-    }
-}
-
-impl<const N: usize> Changes<N> {
-    /// The larger of these and `changes` relative to `sizes`.
-    #[inline(always)]
-    fn or(self, changes: [f64; N], sizes: [f64; N]) -> Self {
-        let mut largest = self.0;
-        for i in 0..N {
-            let relative = (changes[i] * nearly_inverse(sizes[i])).abs();
-            let relative = if relative < f64::INFINITY { relative } else { f64::INFINITY };
-            largest[i] = if largest[i] > relative { largest[i] } else { relative };
-        }
-        Self(largest)
-    }
-
-    /// The largest of all, and whether it is at most so large. As integers, which have the order of the numbers where these are not
-    /// negative: the largest of many is found in any order, so in lanes.
-    #[inline(always)]
-    pub(super) fn largest(self, bound: f64) -> (f64, bool) {
-        let largest = in_pairs(self.0.map(f64::to_bits), u64::max);
-        (f64::from_bits(largest), largest <= bound.to_bits())
-    }
-}
-
-/// `1 / size` within an eighth, by the bits of the number, which are nearly its logarithm: sizes are no more exact than that.
-#[inline(always)]
-fn nearly_inverse(size: f64) -> f64 {
-    const TWICE_ONE: u64 = 0x7fde_6238_22fc_16e6;
-    f64::from_bits(TWICE_ONE.wrapping_sub(size.to_bits()))
-}
-
 /// What learns of the stages that [`place`](super::advance::Step::place) replaces. (A trait: a closure that is called in several places
 /// would not be inlined, and so not be compiled for the instructions of its caller.)
 pub(super) trait Observer<T> {
-    /// Half of the phase space, degree of freedom, old stages and new ones.
+    /// Half of the phase space, degree of freedom, a part of the old stages and the same of the new ones.
     fn see(&mut self, half: usize, d: usize, old: T, new: T);
 }
 
@@ -70,60 +20,76 @@ impl<T> Observer<T> for () {
     fn see(&mut self, _half: usize, _d: usize, _old: T, _new: T) {}
 }
 
-impl<T, F: FnMut(usize, usize, T, T)> Observer<T> for (F,) {
-    #[inline(always)]
-    fn see(&mut self, half: usize, d: usize, old: T, new: T) {
-        self.0(half, d, old, new);
-    }
-}
+/// What is computed with at once in numbers `S`: all stages of one path in the lanes of a register, or one stage.
+pub(super) type Part<S, const N: usize> = <<S as Scalar>::Stages<N> as Stages<S, N>>::Part;
 
 /// One number per stage.
 pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
+    /// The numbers of some stages, as one.
+    type Part: Scalar;
+    /// How many of them there are.
+    const PARTS: usize;
+
     /// The same for each stage.
     fn splat(number: S) -> Self;
     /// The number of stage `i`.
-    fn get(self, i: usize) -> S;
+    fn get(&self, i: usize) -> S;
     /// Replaces the number of stage `i`.
     fn set(&mut self, i: usize, number: S);
-    /// The larger of the changes before and that from `old` to `self`, stage by stage, relative to the sizes of `self` and `start`.
-    fn changes(self, old: Self, start: S, before: Changes<N>) -> Changes<N>;
+    /// A part of them.
+    fn part(&self, part: usize) -> Self::Part;
+    /// Replaces a part of them.
+    fn set_part(&mut self, part: usize, numbers: Self::Part);
 
-    /// `Σ_j matrix[j] self_j`: column `j` of a matrix times the number of stage `j`.
+    /// The same for each stage of a part.
+    fn same(number: S) -> Self::Part;
+    /// A constant for each stage of a part.
+    fn constants(constants: &[f64; N], part: usize) -> Self::Part;
+    /// Each stage of a part times a constant of its own.
     #[inline(always)]
-    fn product(self, matrix: &[[f64; N]; N]) -> Self {
-        // In four sums, so that few additions wait for one another. They have names: arrays would be in memory.
-        let zero = Self::splat(S::from_f64(0.0));
-        let (mut a, mut b, mut c, mut d) = (zero, zero, zero, zero);
-        for (j, column) in matrix.iter().enumerate() {
-            let term = Self::splat(self.get(j)).times(column);
-            match j {
-                0 => a = term,
-                1 => b = term,
-                2 => c = term,
-                3 => d = term,
-                _ if j % 4 == 0 => a = a.plus(term),
-                _ if j % 4 == 1 => b = b.plus(term),
-                _ if j % 4 == 2 => c = c.plus(term),
-                _ => d = d.plus(term),
-            }
-        }
-        match N {
-            1 => a,
-            2 => a.plus(b),
-            3 => a.plus(b).plus(c),
-            _ => a.plus(b).plus(c.plus(d)),
-        }
+    fn weighted(numbers: Self::Part, constants: &[f64; N], part: usize) -> Self::Part {
+        numbers * Self::constants(constants, part)
     }
+    /// The largest of a part, of which none is negative.
+    fn largest(numbers: Self::Part) -> S;
+
+    /// A part of each of a list, in the list itself or in the room.
+    fn parts<'a>(list: &'a [Self], part: usize, room: &'a mut [Self::Part]) -> &'a [Self::Part];
+    /// Where to write that: [`Stages::store`] brings it to the list.
+    fn parts_mut<'a>(list: &'a mut [Self], room: &'a mut [Self::Part]) -> &'a mut [Self::Part];
+    /// Replaces a part of each of a list by what [`Stages::parts_mut`] has, if that was the room; but not where they are to stay.
+    fn store(list: &mut [Self], part: usize, room: &[Self::Part], stay: S::Mask);
+
+    /// A part of `Σ_j matrix[j] self_j`: of column `j` of a matrix times the number of stage `j`.
+    fn product(&self, matrix: &[[f64; N]; N], part: usize) -> Self::Part;
 
     /// `self + other`
-    fn plus(self, other: Self) -> Self;
+    fn plus(mut self, other: Self) -> Self {
+        (0..Self::PARTS).for_each(|part| self.set_part(part, self.part(part) + other.part(part)));
+        self
+    }
     /// `self - other`
-    fn minus(self, other: Self) -> Self;
+    fn minus(mut self, other: Self) -> Self {
+        (0..Self::PARTS).for_each(|part| self.set_part(part, self.part(part) - other.part(part)));
+        self
+    }
     /// `self` times a number for each stage.
-    fn times(self, factors: &[f64; N]) -> Self;
+    #[inline(always)]
+    fn times(mut self, factors: &[f64; N]) -> Self {
+        for part in 0..Self::PARTS {
+            self.set_part(part, Self::weighted(self.part(part), factors, part));
+        }
+        self
+    }
+    /// `Σ_j matrix[j] self_j`
+    fn products(&self, matrix: &[[f64; N]; N]) -> Self {
+        let mut products = *self;
+        (0..Self::PARTS).for_each(|part| products.set_part(part, self.product(matrix, part)));
+        products
+    }
     /// The sum over the stages.
     #[inline(always)]
-    fn total(self) -> S {
+    fn total(&self) -> S {
         let mut list = [S::from_f64(0.0); N];
         for (i, number) in list.iter_mut().enumerate() {
             *number = self.get(i);
@@ -131,15 +97,18 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
         in_pairs(list, |a, b| a + b)
     }
 
-    /// The slopes of the step Hamiltonian at all stages.
+    /// The slopes of the step Hamiltonian at the stages of a part.
+    #[expect(clippy::too_many_arguments, reason = "as `Field::slopes`")]
     fn slopes<F: Field, const BY_Q: bool, const BY_P: bool>(
         system: &F,
-        at: &At<'_, Self>,
-        q: &[Self],
-        p: &[Self],
-        by_q: &mut [Self],
-        by_p: &mut [Self],
-        scratch: &mut Scratch<S>,
+        t: Self::Part,
+        h: Self::Part,
+        q: &[Self::Part],
+        p: &[Self::Part],
+        dw: &[Self::Part],
+        by_q: &mut [Self::Part],
+        by_p: &mut [Self::Part],
+        one: &mut One,
     );
 }
 
@@ -157,160 +126,272 @@ fn in_pairs<T: Copy, const N: usize>(mut list: [T; N], join: impl Fn(T, T) -> T)
     list[0]
 }
 
-/// Room for one stage.
-#[derive(Clone, Debug)]
-pub struct Scratch<S> {
-    one: [Vec<S>; 4],
-    dw: Vec<S>,
-}
-
-impl<S> Default for Scratch<S> {
-    fn default() -> Self {
-        Self { one: std::array::from_fn(|_| Vec::new()), dw: Vec::new() }
-    }
-}
-
-impl<S> Scratch<S> {
-    /// Makes room for so many degrees of freedom and noises.
-    pub(super) fn reserve(&mut self, degrees: usize, noises: usize) {
-        self.one.iter_mut().for_each(|list| list.reserve(degrees));
-        self.dw.reserve(noises);
-    }
-}
-
-/// Stage by stage.
+/// `Σ_j matrix[j][i] numbers[j]` in four sums, so that few additions wait for one another. They have names: arrays would be in memory.
 #[inline(always)]
-fn one_by_one<F: Field, S: Scalar, T: Stages<S, N>, const N: usize, const BY_Q: bool, const BY_P: bool>(
-    system: &F,
-    at: &At<'_, T>,
-    [q, p]: [&[T]; 2],
-    by_q: &mut [T],
-    by_p: &mut [T],
-    scratch: &mut Scratch<S>,
-) {
-    let Scratch { one: [own_q, own_p, own_by_q, own_by_p], dw: own_dw, .. } = scratch;
+fn row<S: Scalar, const N: usize>(numbers: &[S; N], matrix: &[[f64; N]; N], i: usize) -> S {
     let zero = S::from_f64(0.0);
-    for own in [&mut *own_q, own_p, own_by_q, own_by_p] {
-        own.resize(q.len(), zero);
+    let (mut a, mut b, mut c, mut d) = (zero, zero, zero, zero);
+    for (j, (number, column)) in numbers.iter().zip(matrix).enumerate() {
+        let term = *number * column[i];
+        match j {
+            0 => a = term,
+            1 => b = term,
+            2 => c = term,
+            3 => d = term,
+            _ if j % 4 == 0 => a = a + term,
+            _ if j % 4 == 1 => b = b + term,
+            _ if j % 4 == 2 => c = c + term,
+            _ => d = d + term,
+        }
     }
-    own_dw.resize(at.dw.len(), zero);
-    for i in 0..N {
-        for (own, all) in own_q.iter_mut().chain(&mut *own_p).zip(q.iter().chain(p)) {
-            *own = all.get(i);
-        }
-        own_dw.iter_mut().zip(at.dw).for_each(|(own, all)| *own = all.get(i));
-        let (t, h) = (at.t.get(i), at.h.get(i));
-        system.slopes::<S, BY_Q, BY_P>(t, h, own_q, own_p, own_dw, own_by_q, own_by_p);
-        if BY_Q {
-            by_q.iter_mut().zip(&*own_by_q).for_each(|(all, own)| all.set(i, *own));
-        }
-        if BY_P {
-            by_p.iter_mut().zip(&*own_by_p).for_each(|(all, own)| all.set(i, *own));
-        }
+    match N {
+        1 => a,
+        2 => a + b,
+        3 => a + b + c,
+        _ => (a + b) + (c + d),
     }
 }
 
+/// Room for one stage of a path whose stages are not evaluated at once.
+#[derive(Clone, Debug, Default)]
+pub struct One {
+    lists: [Vec<f64>; 4],
+    dw: Vec<f64>,
+}
+
+/// Room of a sweep.
+#[derive(Debug)]
+pub(super) struct Scratch<S: Scalar, H: Shape, W: Shape, const N: usize> {
+    pub(super) parts: Parts<S, H, W, N>,
+    pub(super) one: One,
+}
+
+/// Room for a part of the stages of each degree of freedom and noise.
+#[derive(Debug)]
+#[repr(align(64))]
+pub(super) struct Parts<S: Scalar, H: Shape, W: Shape, const N: usize> {
+    pub(super) q: H::Of<Part<S, N>>,
+    pub(super) p: H::Of<Part<S, N>>,
+    pub(super) by_q: H::Of<Part<S, N>>,
+    pub(super) by_p: H::Of<Part<S, N>>,
+    pub(super) dw: W::Of<Part<S, N>>,
+}
+
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Scratch<S, H, W, N> {
+    /// For so many degrees of freedom and noises. Where all stages are one part, it is the lists themselves that are computed with.
+    pub(super) fn of_length(degrees: usize, noises: usize) -> Self {
+        let is_needed = <S::Stages<N> as Stages<S, N>>::PARTS > 1;
+        let (degrees, noises) = if is_needed { (degrees, noises) } else { (0, 0) };
+        let zero = Part::<S, N>::from_f64(0.0);
+        let list = || H::list(degrees, zero);
+        let parts = Parts { q: list(), p: list(), by_q: list(), by_p: list(), dw: W::list(noises, zero) };
+        Self { parts, one: One::default() }
+    }
+
+    /// Makes room for steps whose stages are evaluated one by one.
+    pub(super) fn reserve(&mut self, degrees: usize, noises: usize) {
+        self.one.lists.iter_mut().for_each(|list| list.reserve(degrees));
+        self.one.dw.reserve(noises);
+    }
+}
+
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Parts<S, H, W, N> {
+    /// The room, for the duration of a sweep.
+    #[inline(always)]
+    pub(super) fn take(&mut self) -> Self {
+        let zero = Part::<S, N>::from_f64(0.0);
+        let Self { q, p, by_q, by_p, dw } = self;
+        Self {
+            q: H::take(q, zero),
+            p: H::take(p, zero),
+            by_q: H::take(by_q, zero),
+            by_p: H::take(by_p, zero),
+            dw: W::take(dw, zero),
+        }
+    }
+
+    /// Takes it back.
+    #[inline(always)]
+    pub(super) fn give_back(&mut self, room: Self) {
+        H::give_back(&mut self.q, room.q);
+        H::give_back(&mut self.p, room.p);
+        H::give_back(&mut self.by_q, room.by_q);
+        H::give_back(&mut self.by_p, room.by_p);
+        W::give_back(&mut self.dw, room.dw);
+    }
+}
+
+/// All stages of one path.
 impl<const N: usize> Stages<f64, N> for Lanes<N> {
+    type Part = Self;
+    const PARTS: usize = 1;
+
     #[inline(always)]
     fn splat(number: f64) -> Self {
         Self::new([number; N])
     }
     #[inline(always)]
-    fn get(self, i: usize) -> f64 {
+    fn get(&self, i: usize) -> f64 {
         self[i]
     }
     #[inline(always)]
     fn set(&mut self, i: usize, number: f64) {
         Lanes::set(self, i, number);
     }
+    #[inline(always)]
+    fn part(&self, _part: usize) -> Self {
+        *self
+    }
+    #[inline(always)]
+    fn set_part(&mut self, _part: usize, numbers: Self) {
+        *self = numbers;
+    }
+    #[inline(always)]
+    fn same(number: f64) -> Self {
+        Self::new([number; N])
+    }
+    #[inline(always)]
+    fn constants(constants: &[f64; N], _part: usize) -> Self {
+        Self::new(*constants)
+    }
+    /// As integers, which have the order of the numbers where these are not negative: the largest of many is found in any order, so in
+    /// lanes.
+    #[inline(always)]
+    fn largest(numbers: Self) -> f64 {
+        f64::from_bits(in_pairs(numbers.to_array().map(f64::to_bits), u64::max))
+    }
+    #[inline(always)]
+    fn parts<'a>(list: &'a [Self], _part: usize, _room: &'a mut [Self]) -> &'a [Self] {
+        list
+    }
+    #[inline(always)]
+    fn parts_mut<'a>(list: &'a mut [Self], _room: &'a mut [Self]) -> &'a mut [Self] {
+        list
+    }
+    #[inline(always)]
+    fn store(_list: &mut [Self], _part: usize, _room: &[Self], _stay: bool) {}
     /// A loop over the stages with all columns in it: as many small loops each would be unrolled before they become vector code.
     #[inline(always)]
-    fn product(self, matrix: &[[f64; N]; N]) -> Self {
-        let factors = self.to_array();
+    fn product(&self, matrix: &[[f64; N]; N], _part: usize) -> Self {
+        let numbers = self.to_array();
         let mut products = [0.0; N];
         for (i, product) in products.iter_mut().enumerate() {
-            let mut sums = (0.0, 0.0, 0.0, 0.0);
-            for (j, (column, factor)) in matrix.iter().zip(factors).enumerate() {
-                let term = column[i] * factor;
-                match j % 4 {
-                    0 => sums.0 += term,
-                    1 => sums.1 += term,
-                    2 => sums.2 += term,
-                    _ => sums.3 += term,
-                }
-            }
-            *product = (sums.0 + sums.1) + (sums.2 + sums.3);
+            *product = row(&numbers, matrix, i);
         }
         Self::new(products)
-    }
-    #[inline(always)]
-    fn changes(self, old: Self, start: f64, before: Changes<N>) -> Changes<N> {
-        before.or((self - old).to_array(), (self.abs() + start.abs()).to_array())
-    }
-    #[inline(always)]
-    fn plus(self, other: Self) -> Self {
-        self + other
-    }
-    #[inline(always)]
-    fn minus(self, other: Self) -> Self {
-        self - other
-    }
-    #[inline(always)]
-    fn times(self, factors: &[f64; N]) -> Self {
-        self * Self::new(*factors)
     }
 
     #[inline(always)]
     fn slopes<F: Field, const BY_Q: bool, const BY_P: bool>(
         system: &F,
-        at: &At<'_, Self>,
+        t: Self,
+        h: Self,
         q: &[Self],
         p: &[Self],
+        dw: &[Self],
         by_q: &mut [Self],
         by_p: &mut [Self],
-        scratch: &mut Scratch<f64>,
+        one: &mut One,
     ) {
         if F::IN_LANES {
-            system.slopes::<Self, BY_Q, BY_P>(at.t, at.h, q, p, at.dw, by_q, by_p);
-        } else {
-            one_by_one::<F, f64, Self, N, BY_Q, BY_P>(system, at, [q, p], by_q, by_p, scratch);
+            return system.slopes::<Self, BY_Q, BY_P>(t, h, q, p, dw, by_q, by_p);
+        }
+        let One { lists: [own_q, own_p, own_by_q, own_by_p], dw: own_dw } = one;
+        for own in [&mut *own_q, own_p, own_by_q, own_by_p] {
+            own.resize(q.len(), 0.0);
+        }
+        own_dw.resize(dw.len(), 0.0);
+        for i in 0..N {
+            for (own, all) in own_q.iter_mut().chain(&mut *own_p).zip(q.iter().chain(p)) {
+                *own = all[i];
+            }
+            own_dw.iter_mut().zip(dw).for_each(|(own, all)| *own = all[i]);
+            system.slopes::<f64, BY_Q, BY_P>(t[i], h[i], own_q, own_p, own_dw, own_by_q, own_by_p);
+            if BY_Q {
+                by_q.iter_mut().zip(&*own_by_q).for_each(|(all, own)| Lanes::set(all, i, *own));
+            }
+            if BY_P {
+                by_p.iter_mut().zip(&*own_by_p).for_each(|(all, own)| Lanes::set(all, i, *own));
+            }
         }
     }
 }
 
+/// Stage after stage: of paths beside each other, and of numbers that carry more than their value.
 impl<S: Scalar, const N: usize> Stages<S, N> for [S; N] {
+    type Part = S;
+    const PARTS: usize = N;
+
+    #[inline(always)]
     fn splat(number: S) -> Self {
         [number; N]
     }
-    fn get(self, i: usize) -> S {
+    #[inline(always)]
+    fn get(&self, i: usize) -> S {
         self[i]
     }
+    #[inline(always)]
     fn set(&mut self, i: usize, number: S) {
         self[i] = number;
     }
-    fn changes(self, old: Self, start: S, before: Changes<N>) -> Changes<N> {
-        let changes = std::array::from_fn(|i| (self[i] - old[i]).magnitude());
-        before.or(changes, self.map(|number| number.magnitude() + start.magnitude()))
+    #[inline(always)]
+    fn part(&self, part: usize) -> S {
+        self[part]
     }
-    fn plus(self, other: Self) -> Self {
-        std::array::from_fn(|i| self[i] + other[i])
+    #[inline(always)]
+    fn set_part(&mut self, part: usize, numbers: S) {
+        self[part] = numbers;
     }
-    fn minus(self, other: Self) -> Self {
-        std::array::from_fn(|i| self[i] - other[i])
+    #[inline(always)]
+    fn same(number: S) -> S {
+        number
     }
-    fn times(self, factors: &[f64; N]) -> Self {
-        std::array::from_fn(|i| self[i] * factors[i])
+    #[inline(always)]
+    fn constants(constants: &[f64; N], part: usize) -> S {
+        S::from_f64(constants[part])
+    }
+    #[inline(always)]
+    fn weighted(numbers: S, constants: &[f64; N], part: usize) -> S {
+        numbers * constants[part]
+    }
+    #[inline(always)]
+    fn largest(numbers: S) -> S {
+        numbers
+    }
+    #[inline(always)]
+    fn parts<'a>(list: &'a [Self], part: usize, room: &'a mut [S]) -> &'a [S] {
+        for (own, all) in room.iter_mut().zip(list) {
+            *own = all[part];
+        }
+        room
+    }
+    #[inline(always)]
+    fn parts_mut<'a>(_list: &'a mut [Self], room: &'a mut [S]) -> &'a mut [S] {
+        room
+    }
+    #[inline(always)]
+    fn store(list: &mut [Self], part: usize, room: &[S], stay: S::Mask) {
+        for (all, own) in list.iter_mut().zip(room) {
+            all[part] = if S::IS_BESIDE { S::select(stay, all[part], *own) } else { *own };
+        }
+    }
+    #[inline(always)]
+    fn product(&self, matrix: &[[f64; N]; N], part: usize) -> S {
+        row(self, matrix, part)
     }
 
+    #[inline(always)]
     fn slopes<F: Field, const BY_Q: bool, const BY_P: bool>(
         system: &F,
-        at: &At<'_, Self>,
-        q: &[Self],
-        p: &[Self],
-        by_q: &mut [Self],
-        by_p: &mut [Self],
-        scratch: &mut Scratch<S>,
+        t: S,
+        h: S,
+        q: &[S],
+        p: &[S],
+        dw: &[S],
+        by_q: &mut [S],
+        by_p: &mut [S],
+        _one: &mut One,
     ) {
-        one_by_one::<F, S, Self, N, BY_Q, BY_P>(system, at, [q, p], by_q, by_p, scratch);
+        system.slopes::<S, BY_Q, BY_P>(t, h, q, p, dw, by_q, by_p);
     }
 }

@@ -113,7 +113,7 @@ impl<const N: usize> Modes<N> {
         match basis {
             None => {
                 let moved = stages.iter().zip(&*before).map(|(after, before)| after.minus(*before));
-                changes.extend(moved.zip(filters).map(|(change, filter)| change.product(filter)));
+                changes.extend(moved.zip(filters).map(|(change, filter)| change.products(filter)));
                 for ((stages, before), change) in stages.iter_mut().zip(&*before).zip(&*changes) {
                     *stages = before.plus(*change);
                 }
@@ -125,7 +125,7 @@ impl<const N: usize> Modes<N> {
                         .iter()
                         .zip(moved)
                         .fold(zero, |sum, (entry, change)| sum.plus(change.times(&[*entry; N])));
-                    changes.push(mode.product(filter));
+                    changes.push(mode.products(filter));
                 }
                 for ((stages, before), row) in
                     stages.iter_mut().zip(&*before).zip(vectors.chunks_exact(degrees))

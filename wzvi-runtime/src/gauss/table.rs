@@ -14,6 +14,7 @@ pub(super) const MOST_STAGES: usize = 16;
 
 /// The coefficients of `N` stages. Matrices are by columns: `mu[j][i]` is `μ_ij`, so that all `i` are beside each other.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub(super) struct Table<const N: usize> {
     /// Nodes.
     pub(super) c: [f64; N],

@@ -74,10 +74,21 @@ impl Not for KnownTruth {
     }
 }
 
+impl Numbers for KnownTruth {
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.flag(&mut self.truth);
+        tape.flag(&mut self.is_known);
+    }
+}
+
 impl Mask for KnownTruth {
     #[inline(always)]
     fn from_bool(truth: bool) -> Self {
         Self { truth, is_known: true }
+    }
+    #[inline(always)]
+    fn of_lane(_lane: usize) -> Self {
+        Self::from_bool(true)
     }
     #[inline(always)]
     fn all(self) -> bool {

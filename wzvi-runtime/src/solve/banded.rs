@@ -1,8 +1,7 @@
-//! Sparse matrices that a renumbering of their unknowns makes narrow: reverse Cuthill-McKee, then `P A = L U` in the
+//! Sparse matrices that a renumbering of their unknowns makes narrow: `P A = L U` in the
 //! band with partial pivoting. Exact for chains (a band), rings (folded to a band), lattices and networks.
 //!
-//! E. Cuthill, J. McKee, "Reducing the bandwidth of sparse symmetric matrices", ACM 1969; G. H. Golub, C. F. Van Loan,
-//! *Matrix Computations*, section 4.3. With pivoting, `U` has as many upper diagonals as `A` has in all.
+//! G. H. Golub, C. F. Van Loan, *Matrix Computations*, section 4.3. With pivoting, `U` has as many upper diagonals as `A` has in all.
 
 use super::newton::larger;
 use crate::error::StepFailure;
@@ -171,97 +170,9 @@ impl<S: Scalar> Banded<S> {
     }
 }
 
-/// The position of each unknown in an order where neighbours are near each other. No pair twice.
-pub fn reverse_cuthill_mckee(n: usize, pairs: &[(usize, usize)]) -> Vec<usize> {
-    let neighbours = Neighbours::new(n, pairs);
-    let mut order = Vec::with_capacity(n);
-    let mut met = vec![false; n];
-    let (mut swept, mut sweep) = (vec![0; n], 0);
-    for seed in 0..n {
-        if met[seed] {
-            continue;
-        }
-        // Two sweeps lead to an end of the component.
-        let mut start = seed;
-        for _ in 0..2 {
-            sweep += 1;
-            start = farthest(&neighbours, start, &mut swept, sweep);
-        }
-        met[start] = true;
-        let mut next = order.len();
-        order.push(start);
-        while next < order.len() {
-            let mut ring: Vec<usize> =
-                neighbours.of(order[next]).iter().copied().filter(|&other| !met[other]).collect();
-            ring.sort_by_key(|&other| neighbours.of(other).len());
-            for &other in &ring {
-                met[other] = true;
-            }
-            order.extend(ring);
-            next += 1;
-        }
-    }
-    let mut position = vec![0; n];
-    for (at, &unknown) in order.iter().rev().enumerate() {
-        position[unknown] = at;
-    }
-    position
-}
-
-/// The lists of a graph, one after the other.
-struct Neighbours {
-    starts: Vec<usize>,
-    lists: Vec<usize>,
-}
-
-impl Neighbours {
-    fn new(n: usize, pairs: &[(usize, usize)]) -> Self {
-        let mut starts = vec![0; n + 1];
-        for &(a, b) in pairs {
-            starts[a + 1] += 1;
-            starts[b + 1] += 1;
-        }
-        for i in 0..n {
-            starts[i + 1] += starts[i];
-        }
-        let mut ends = starts.clone();
-        let mut lists = vec![0; starts[n]];
-        for &(a, b) in pairs {
-            for (from, to) in [(a, b), (b, a)] {
-                lists[ends[from]] = to;
-                ends[from] += 1;
-            }
-        }
-        Self { starts, lists }
-    }
-
-    fn of(&self, unknown: usize) -> &[usize] {
-        &self.lists[self.starts[unknown]..self.starts[unknown + 1]]
-    }
-}
-
-/// The last unknown that a breadth-first search from `start` meets; `met` is marked with `sweep`.
-fn farthest(neighbours: &Neighbours, start: usize, met: &mut [usize], sweep: usize) -> usize {
-    let (mut ring, mut last) = (vec![start], start);
-    met[start] = sweep;
-    while !ring.is_empty() {
-        let mut next = Vec::new();
-        for &unknown in &ring {
-            last = unknown;
-            for &other in neighbours.of(unknown) {
-                if met[other] != sweep {
-                    met[other] = sweep;
-                    next.push(other);
-                }
-            }
-        }
-        ring = next;
-    }
-    last
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::graph::reverse_cuthill_mckee;
     use super::*;
 
     fn random(seed: &mut u64) -> f64 {

@@ -1,8 +1,8 @@
 //! GMRES: linear equations of which only products with the matrix are known.
 //!
 //! Y. Saad, M. H. Schultz, "GMRES: a generalized minimal residual algorithm for solving nonsymmetric linear systems",
-//! SIAM J. Sci. Stat. Comput. 7, 1986; restarted, with the diagonal as preconditioner from the right, so that the
-//! residual that it watches is the true one.
+//! SIAM J. Sci. Stat. Comput. 7, 1986; restarted, with a preconditioner from the right, so that the residual that it watches is
+//! the true one.
 
 use super::newton::larger;
 use crate::error::StepFailure;
@@ -10,8 +10,8 @@ use crate::scalar::Scalar;
 
 /// Vectors of the basis before a restart.
 const BASIS: usize = 32;
-/// Restarts before it is given up.
-const MOST_RESTARTS: u32 = 32;
+/// Bases before it is given up.
+const MOST_CYCLES: u32 = 32;
 /// A cycle that leaves more than this fraction of the residual is the last.
 const PROGRESS: f64 = 0.95;
 /// Images below this fraction of what they are made of are rounding.
@@ -28,13 +28,31 @@ pub struct Krylov<S> {
     /// The rotated right-hand side, then the coefficients of the solution.
     projection: [S; BASIS + 1],
     solution: Vec<S>,
-    scaled: Vec<S>,
+    /// What the preconditioner makes of a vector.
+    conditioned: Vec<S>,
     image: Vec<S>,
-    /// The diagonal of the matrix, to be filled before [`Krylov::solve`].
-    pub diagonal: Vec<S>,
+}
+
+/// A matrix, and what is about its inverse.
+pub trait Operator<S> {
+    /// `y = A x`
+    fn product(&mut self, x: &[S], y: &mut [S]);
+
+    /// `x` becomes about `A⁻¹ x`.
+    fn precondition(&mut self, x: &mut [S]);
+
+    /// How many times the basis may begin anew.
+    fn most_cycles(&self) -> u32 {
+        MOST_CYCLES
+    }
 }
 
 impl<S: Scalar> Krylov<S> {
+    /// Vectors of the basis before a restart.
+    pub const BASIS: usize = BASIS;
+    /// Bases before it is given up.
+    pub const MOST_CYCLES: u32 = MOST_CYCLES;
+
     /// Room for `n` unknowns.
     pub fn new(n: usize) -> Self {
         let zero = S::from_f64(0.0);
@@ -46,13 +64,12 @@ impl<S: Scalar> Krylov<S> {
             rotations: vec![(zero, zero); BASIS],
             projection: [zero; BASIS + 1],
             solution: vector(),
-            scaled: vector(),
+            conditioned: vector(),
             image: vector(),
-            diagonal: vector(),
         }
     }
 
-    /// `b` becomes `A⁻¹ b` up to a residual of `tolerance` times its norm; `product(x, y)` sets `y = A x`.
+    /// `b` becomes `A⁻¹ b` up to a residual of `tolerance` times its norm; how many products that took. On `Err` it is what it was.
     ///
     /// # Errors
     /// [`StepFailure::NotConverged`] with the number of products and the relative residual that is left,
@@ -61,22 +78,17 @@ impl<S: Scalar> Krylov<S> {
         &mut self,
         b: &mut [S],
         tolerance: f64,
-        mut product: impl FnMut(&[S], &mut [S]),
-    ) -> Result<(), StepFailure> {
-        let zero = S::from_f64(0.0);
-        for d in &mut self.diagonal {
-            let is_usable = d.magnitude() > 0.0 && d.magnitude() < f64::INFINITY;
-            *d = if is_usable { d.recip() } else { S::from_f64(1.0) };
-        }
-        self.solution.fill(zero);
+        operator: &mut impl Operator<S>,
+    ) -> Result<u32, StepFailure> {
+        self.solution.fill(S::from_f64(0.0));
         let largest = b.iter().fold(0.0, |most, b| larger(most, b.magnitude()));
         if largest == 0.0 {
-            return Ok(());
+            return Ok(0);
         }
         // Norms are sums of squares: exactly the same in any unit, they neither over- nor underflow in this one.
         let unit = power_of_two(largest);
         b.iter_mut().for_each(|b| *b = *b / unit);
-        let solved = self.solve_scaled(b, tolerance, &mut product);
+        let solved = self.solve_scaled(b, tolerance, operator);
         b.iter_mut().for_each(|x| *x = *x * unit);
         solved
     }
@@ -86,25 +98,26 @@ impl<S: Scalar> Krylov<S> {
         &mut self,
         b: &mut [S],
         tolerance: f64,
-        product: &mut impl FnMut(&[S], &mut [S]),
-    ) -> Result<(), StepFailure> {
+        operator: &mut impl Operator<S>,
+    ) -> Result<u32, StepFailure> {
         let size = norm(b);
         let enough = tolerance * size.magnitude();
         let (mut residual, mut products) = (size, 0);
         self.basis[..self.n].copy_from_slice(b);
-        for _ in 0..MOST_RESTARTS {
+        for _ in 0..operator.most_cycles() {
             if !residual.magnitude().is_finite() {
                 return Err(StepFailure::NonFinite);
             }
-            let dimension = self.cycle(residual, enough, product);
-            products += dimension as u32 + 1;
-            self.combine(dimension);
+            let dimension = self.cycle(residual, enough, operator);
+            products += dimension as u32;
+            self.combine(dimension, operator);
             // The residual of the recurrence is the true one but for rounding: where it is small enough, so is that.
             if self.projection_residual(dimension) <= enough {
                 b.copy_from_slice(&self.solution);
-                return Ok(());
+                return Ok(products);
             }
-            product(&self.solution, &mut self.image);
+            operator.product(&self.solution, &mut self.image);
+            products += 1;
             for ((r, &b), &image) in self.basis[..self.n].iter_mut().zip(&*b).zip(&self.image) {
                 *r = b - image;
             }
@@ -123,7 +136,7 @@ impl<S: Scalar> Krylov<S> {
     }
 
     /// The basis from the residual in its first vector; its dimension at the end.
-    fn cycle(&mut self, residual: S, enough: f64, product: &mut impl FnMut(&[S], &mut [S])) -> usize {
+    fn cycle(&mut self, residual: S, enough: f64, operator: &mut impl Operator<S>) -> usize {
         let n = self.n;
         let zero = S::from_f64(0.0);
         self.projection.fill(zero);
@@ -134,10 +147,9 @@ impl<S: Scalar> Krylov<S> {
             let (known, next) = self.basis.split_at_mut((k + 1) * n);
             let next = &mut next[..n];
             let last = &known[k * n..];
-            for ((scaled, &v), &d) in self.scaled.iter_mut().zip(last).zip(&self.diagonal) {
-                *scaled = v * d;
-            }
-            product(&self.scaled, next);
+            self.conditioned.copy_from_slice(last);
+            operator.precondition(&mut self.conditioned);
+            operator.product(&self.conditioned, next);
             let column = &mut self.columns[k];
             for (v, entry) in known.chunks_exact(n).zip(column.iter_mut()) {
                 *entry = dot(v, next);
@@ -176,7 +188,7 @@ impl<S: Scalar> Krylov<S> {
     }
 
     /// Adds the best combination of the first `dimension` vectors to the solution.
-    fn combine(&mut self, dimension: usize) {
+    fn combine(&mut self, dimension: usize, operator: &mut impl Operator<S>) {
         let mut coefficients = self.projection;
         for i in (0..dimension).rev() {
             let mut value = coefficients[i];
@@ -185,10 +197,15 @@ impl<S: Scalar> Krylov<S> {
             }
             coefficients[i] = value / self.columns[i][i];
         }
+        self.conditioned.fill(S::from_f64(0.0));
         for (v, &coefficient) in self.basis.chunks_exact(self.n).zip(&coefficients[..dimension]) {
-            for ((x, &v), &d) in self.solution.iter_mut().zip(v).zip(&self.diagonal) {
-                *x = *x + coefficient * (v * d);
+            for (sum, &v) in self.conditioned.iter_mut().zip(v) {
+                *sum = *sum + coefficient * v;
             }
+        }
+        operator.precondition(&mut self.conditioned);
+        for (x, &step) in self.solution.iter_mut().zip(&self.conditioned) {
+            *x = *x + step;
         }
     }
 }
@@ -224,6 +241,18 @@ mod tests {
         }
     }
 
+    /// A product, and the diagonal of its matrix.
+    struct ByDiagonal<F>(F, f64);
+
+    impl<F: Fn(&[f64], &mut [f64])> Operator<f64> for ByDiagonal<F> {
+        fn product(&mut self, x: &[f64], y: &mut [f64]) {
+            (self.0)(x, y);
+        }
+        fn precondition(&mut self, x: &mut [f64]) {
+            x.iter_mut().for_each(|x| *x /= self.1);
+        }
+    }
+
     #[test]
     fn solutions_have_the_residual_that_was_asked_for() {
         for (c, slope, tolerance) in [(0.5, 0.0, 1e-3), (3.0, 0.2, 1e-10), (30.0, 1.0, 1e-6)] {
@@ -232,8 +261,7 @@ mod tests {
             let b: Vec<f64> = (0..side * side).map(|k| (1.7 * k as f64).sin()).collect();
             let mut x = b.clone();
             let mut krylov = Krylov::new(side * side);
-            krylov.diagonal.fill(4.0 * c + 1.0);
-            krylov.solve(&mut x, tolerance, &product).unwrap();
+            krylov.solve(&mut x, tolerance, &mut ByDiagonal(&product, 4.0 * c + 1.0)).unwrap();
             let mut image = vec![0.0; side * side];
             product(&x, &mut image);
             let rest: Vec<f64> = image.iter().zip(&b).map(|(a, b)| a - b).collect();
@@ -248,9 +276,8 @@ mod tests {
         let (side, c) = (12, 3.0);
         let solve = |scale: f64| {
             let mut x: Vec<f64> = (0..side * side).map(|k| (1.7 * k as f64).sin() * scale).collect();
-            let mut krylov = Krylov::new(side * side);
-            krylov.diagonal.fill(4.0 * c + 1.0);
-            krylov.solve(&mut x, 1e-10, torus(side, c, 0.2)).unwrap();
+            let operator = &mut ByDiagonal(torus(side, c, 0.2), 4.0 * c + 1.0);
+            Krylov::new(side * side).solve(&mut x, 1e-10, operator).unwrap();
             x
         };
         let one = solve(1.0);
@@ -264,12 +291,13 @@ mod tests {
     #[test]
     fn a_singular_matrix_is_given_up() {
         let mut krylov = Krylov::new(2);
-        krylov.diagonal.fill(1.0);
         let projection = |x: &[f64], y: &mut [f64]| (y[0], y[1]) = (x[0], 0.0);
-        let outcome = krylov.solve(&mut [1.0, 1.0], 1e-10, projection);
+        let mut b = [1.0, 1.0];
+        let outcome = krylov.solve(&mut b, 1e-10, &mut ByDiagonal(projection, 1.0));
         assert!(matches!(outcome, Err(StepFailure::NotConverged { .. })), "{outcome:?}");
-        krylov.diagonal.fill(1.0);
-        let outcome = krylov.solve(&mut [1.0, 1.0], 1e-10, |_, y| y.fill(f64::NAN));
+        assert_eq!(b, [1.0, 1.0]);
+        let outcome =
+            krylov.solve(&mut b, 1e-10, &mut ByDiagonal(|_: &_, y: &mut [_]| y.fill(f64::NAN), 1.0));
         assert_eq!(outcome, Err(StepFailure::NonFinite));
     }
 }

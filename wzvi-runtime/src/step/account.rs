@@ -11,7 +11,7 @@
 use crate::dense::{DenseOutput, copy_state};
 use crate::gauss::quadrature;
 use crate::state::{State, Vector};
-use crate::system::{Discretized, Exchange, Hamiltonian};
+use crate::system::{Discretized, Exchange, Gradient, Hamiltonian};
 
 /// The accountant of a stepper.
 #[derive(Clone, Debug)]
@@ -21,6 +21,8 @@ pub(super) struct Ledger<V> {
     pub(super) dense: DenseOutput<V>,
     at: State<V>,
     force: V,
+    drift: Gradient<V>,
+    noise: Gradient<V>,
     /// Nodes and weights: those of the stages of a Gauss method, so that work is of the order that its steps have.
     quadrature: (Vec<f64>, Vec<f64>),
 }
@@ -33,9 +35,10 @@ pub(super) fn is_wanted<H: Discretized<E>, E>(system: &H) -> bool {
 impl<V: Vector> Ledger<V> {
     /// For a scheme of this order.
     pub(super) fn of(state: &State<V>, order: u32) -> Self {
-        let force = V::zeros(state.q.components().len());
+        let zeros = || V::zeros(state.q.components().len());
+        let [drift, noise] = [(); 2].map(|()| Gradient { q: zeros(), p: zeros() });
         let (dense, quadrature) = (DenseOutput::of(state), quadrature(order.div_ceil(2) as usize));
-        Self { before: state.clone(), dense, at: state.clone(), force, quadrature }
+        Self { before: state.clone(), dense, at: state.clone(), force: zeros(), drift, noise, quadrature }
     }
 
     /// What the step that `dense` is of exchanged, besides what its scheme accounts for.
@@ -60,11 +63,11 @@ impl<V: Vector> Ledger<V> {
 
     /// The share of one node.
     fn power<H: Hamiltonian<Vector = V>>(&mut self, system: &H, h: f64, dw: &[f64], weight: f64) -> Exchange {
-        let Self { at, force, .. } = self;
-        let velocity = system.energy_gradient(at).p;
+        let by_noise = self.differentiate(system, dw);
+        let Self { at, force, drift: Gradient { p: velocity, .. }, .. } = self;
         system.force(at.q.components(), at.p.components(), at.t, force.components_mut());
-        let work = h * dot(force, &velocity) + by_time(system, at, h) + by_noise(system, at, dw);
-        let heat = if H::IS_CONFORMAL { -h * system.friction_rate() * dot(&at.p, &velocity) } else { 0.0 };
+        let work = h * dot(force, velocity) + by_time(system, at, h) + by_noise;
+        let heat = if H::IS_CONFORMAL { -h * system.friction_rate() * dot(&at.p, velocity) } else { 0.0 };
         Exchange { work: weight * work, heat: weight * heat }
     }
 
@@ -75,19 +78,35 @@ impl<V: Vector> Ledger<V> {
         after: &State<V>,
         dw: &[f64],
     ) -> Exchange {
-        let Self { before, at, force, .. } = self;
+        let Self { before, at, .. } = self;
         copy_state(at, before);
         at.t = 0.5 * (before.t + after.t);
         for (middle, after) in [(&mut at.q, &after.q), (&mut at.p, &after.p)] {
             let pairs = middle.components_mut().iter_mut().zip(after.components());
             pairs.for_each(|(middle, after)| *middle = 0.5 * (*middle + after));
         }
+        let by_noise = if system.noises() > 0 { self.differentiate(system, dw) } else { 0.0 };
+        let Self { before, at, force, .. } = self;
         system.force(at.q.components(), at.p.components(), at.t, force.components_mut());
         let moved =
             after.q.components().iter().zip(before.q.components()).map(|(after, before)| after - before);
         let by_force: f64 = moved.zip(force.components()).map(|(moved, force)| moved * force).sum();
-        let work = by_force + by_time(system, at, after.t - before.t) + by_noise(system, at, dw);
+        let work = by_force + by_time(system, at, after.t - before.t) + by_noise;
         Exchange { work, heat: 0.0 }
+    }
+
+    /// The gradient of the energy where it is looked at, and what noises gain it there, `Σ_k ΔW_k {H_k, H}`. After these increments come
+    /// those of a bath.
+    fn differentiate<H: Hamiltonian<Vector = V>>(&mut self, system: &H, dw: &[f64]) -> f64 {
+        let Self { at, drift, noise, .. } = self;
+        let [by_q, by_p] = [&mut drift.q, &mut drift.p].map(Vector::components_mut);
+        system.differentiate(0, at.q.components(), at.p.components(), at.t, by_q, by_p);
+        let of_noises = &dw[..dw.len().min(system.noises())];
+        if of_noises.is_empty() {
+            return 0.0;
+        }
+        system.differentiate_noises(of_noises, at, noise);
+        dot(&noise.p, &drift.q) - dot(&noise.q, &drift.p)
     }
 }
 
@@ -101,8 +120,4 @@ fn by_time<H: Hamiltonian>(system: &H, at: &State<H::Vector>, h: f64) -> f64 {
     let (q, p) = (at.q.components(), at.p.components());
     let energy = |t: f64| system.evaluate(0, q, p, t);
     (energy(at.t + apart * h) - energy(at.t - apart * h)) / (2.0 * apart)
-}
-
-fn by_noise<H: Hamiltonian>(system: &H, at: &State<H::Vector>, dw: &[f64]) -> f64 {
-    dw.iter().take(system.noises()).enumerate().map(|(k, dw)| dw * system.energy_rate(k, at)).sum()
 }

@@ -37,6 +37,18 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
             }
         }
     });
+    let of_noises = (!model.noise.is_empty()).then(|| {
+        quote! {
+            fn differentiate_noises(
+                &self,
+                __dw: &[#f64],
+                __state: &__wzvi::State<Self::Vector>,
+                __into: &mut __wzvi::Gradient<Self::Vector>,
+            ) {
+                __wzvi::elements::differentiate_noises(self, __dw, __state, __into);
+            }
+        }
+    });
     let variables = variables(&model.labels, model.graph.symbol_name(model.t));
     quote! {
         #[automatically_derived]
@@ -77,6 +89,8 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
             ) {
                 __wzvi::elements::differentiate(self, __term, __q, __p, __t, __by_q, __by_p);
             }
+
+            #of_noises
 
             #force
 

@@ -13,7 +13,7 @@ use crate::section::Sections;
 use crate::span::Grid;
 use crate::state::{State, Vector};
 use crate::step::Stepper;
-use crate::system::{Discretized, Hamiltonian};
+use crate::system::{Discretized, Gradient, Hamiltonian};
 
 /// Names and values.
 pub(crate) type Fields = Vec<(String, String)>;
@@ -105,20 +105,27 @@ pub(super) fn forces_at(place: &str) -> String {
     format!("what energies and forces are at the {place} (checksum)")
 }
 
-/// The checksum of all Hamiltonians and their gradients at a state: it tells parameters apart that matter there.
+/// The checksum of the energy, of its gradient, and of that of all noises at a state, each with a weight of its own: it tells parameters apart
+/// that matter there.
 pub(super) fn forces<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> String {
     let mut checksum = Checksum::default();
     let mut add = |number: &f64| checksum.add(&number.to_bits().to_le_bytes());
     let (q, p) = (state.q.components(), state.p.components());
-    let (mut dq, mut dp) = (vec![0.0; q.len()], vec![0.0; p.len()]);
-    for term in 0..=system.noises() {
-        add(&system.evaluate(term, q, p, state.t));
-        system.differentiate(term, q, p, state.t, &mut dq, &mut dp);
-        dq.iter().chain(&dp).for_each(&mut add);
+    add(&system.evaluate(0, q, p, state.t));
+    let mut gradient = system.energy_gradient(state);
+    let mut add_all = |Gradient { q, p }: &Gradient<H::Vector>| {
+        [q, p].into_iter().flat_map(Vector::components).for_each(&mut add)
+    };
+    add_all(&gradient);
+    if system.noises() > 0 {
+        let weights: Vec<f64> = (0..system.noises()).map(|k| 1.0 + 1.0 / (2.0 + k as f64)).collect();
+        system.differentiate_noises(&weights, state, &mut gradient);
+        add_all(&gradient);
     }
-    system.force(q, p, state.t, &mut dq);
-    if dq.iter().any(|force| *force != 0.0) || H::IS_CONFORMAL {
-        dq.iter().chain([&system.friction_rate()]).for_each(&mut add);
+    let force = gradient.q.components_mut();
+    system.force(q, p, state.t, force);
+    if force.iter().any(|force| *force != 0.0) || H::IS_CONFORMAL {
+        force.iter().chain([&system.friction_rate()]).for_each(&mut add);
     }
     format!("{checksum:?}")
 }

@@ -1,0 +1,211 @@
+//! Steps of large systems at which the fixed point does not contract: what linear equations cost does not grow with the stiffness, and
+//! factors serve many steps.
+
+#![allow(clippy::unwrap_used, reason = "a test stops at the first error")]
+
+use wzvi::elements::{Iteration, Method};
+use wzvi::memory::{LinearWork, StepMemory};
+use wzvi::nalgebra::DVector;
+use wzvi::prelude::*;
+
+/// FPUT-alpha-beta, ends fixed.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let v = |d: f64| 0.5 * d * d + alpha / 3.0 * d.powi(3) + 0.25 * beta * d.powi(4);
+        let n = q.len();
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (1..n).map(|i| v(q[i] - q[i - 1])).sum::<f64>()
+            + v(q[0]) + v(-q[n - 1])
+    },
+    embedding = Midpoint,
+)]
+struct Fput {
+    alpha: f64,
+    beta: f64,
+}
+
+/// A field on a torus with springs of any stiffness, in wells that are not linear.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (0..side)
+                .map(|i| {
+                    (0..side)
+                        .map(|j| {
+                            let own = q[i * side + j];
+                            let right = q[i * side + (j + 1) % side];
+                            let down = q[(i + 1) % side * side + j];
+                            let bonds = (right - own) * (right - own) + (down - own) * (down - own);
+                            0.5 * stiffness * bonds + 0.25 * depth * (own * own - 1.0) * (own * own - 1.0)
+                        })
+                        .sum::<f64>()
+                })
+                .sum::<f64>()
+    },
+    embedding = Midpoint,
+)]
+struct Torus {
+    side: usize,
+    stiffness: f64,
+    depth: f64,
+}
+
+/// What linear equations took in each step.
+fn work<H: Discretized<Midpoint, Vector = DVector<f64>>>(
+    system: &H,
+    h: f64,
+    state: &mut State<DVector<f64>>,
+    steps: usize,
+) -> Vec<(u32, LinearWork)> {
+    let prepared = system.prepare(h).unwrap();
+    let mut memory = system.memory();
+    let mut total = LinearWork::default();
+    (0..steps)
+        .map(|_| {
+            let (q, p) = (state.q.as_mut_slice(), state.p.as_mut_slice());
+            let effort = system.advance(&prepared, 0.0, h, q, p, &[], &mut memory).unwrap();
+            let before = std::mem::replace(&mut total, memory.linear_work());
+            let taken = LinearWork {
+                factorisations: total.factorisations - before.factorisations,
+                products: total.products - before.products,
+            };
+            (effort.iterations, taken)
+        })
+        .collect()
+}
+
+fn field(side: usize) -> State<DVector<f64>> {
+    let turn = std::f64::consts::TAU / side as f64;
+    let at = |i: usize, j: usize| (turn * i as f64).sin() * (2.0 * turn * j as f64).cos();
+    let q: Vec<f64> = (0..side * side).map(|k| 1.0 + 0.001 * at(k / side, k % side)).collect();
+    State::new(q, vec![0.0; side * side])
+}
+
+/// Springs from soft to stiff: once it is known what the linear equations take, a solution takes no more products than four, and factors
+/// serve several steps.
+#[test]
+fn products_do_not_grow_with_the_stiffness() {
+    let h = 0.05;
+    for k_h_squared in [1.0, 1e2, 1e4, 1e6] {
+        let torus = Torus { side: 64, stiffness: k_h_squared / (h * h), depth: 1.0 };
+        let taken = work(&torus, h, &mut field(64), 40);
+        let late = &taken[20..];
+        for (iterations, LinearWork { products, .. }) in late {
+            assert!(*products <= 4 * u64::from(*iterations), "{k_h_squared:e}: {taken:?}");
+        }
+        let factorisations: u64 = late.iter().map(|(_, work)| work.factorisations).sum();
+        assert!(factorisations <= 10, "{k_h_squared:e}: {taken:?}");
+    }
+}
+
+/// The table of `docs/stability.md`.
+#[test]
+#[ignore = "takes minutes"]
+fn large_stiff_lattices_run() {
+    let (h, steps) = (0.05, 40);
+    for k_h_squared in [1.0, 1e2, 1e4, 1e6] {
+        let torus = Torus { side: 256, stiffness: k_h_squared / (h * h), depth: 1.0 };
+        let mut state = field(256);
+        let energy = torus.energy(&state);
+        let taken = work(&torus, h, &mut state, steps);
+        let error = (torus.energy(&state) - energy).abs() / energy;
+        let per_step = |total: u64| total as f64 / steps as f64;
+        let iterations = per_step(taken.iter().map(|(iterations, _)| u64::from(*iterations)).sum());
+        let products = per_step(taken[steps / 2..].iter().map(|(_, work)| 2 * work.products).sum());
+        let factorisations: u64 = taken.iter().map(|(_, work)| work.factorisations).sum();
+        println!(
+            "{k_h_squared:e}: {iterations:.1} iterations, {products:.1} products, {factorisations} factorisations, {error:.1e}"
+        );
+        // Rounding of the sums that energies are, of 65 536 sites and five terms each.
+        assert!(products <= 40.0 && error < 1e-6);
+    }
+}
+
+/// The discrete Euler-Lagrange equations, which know nothing of how they were solved.
+#[test]
+fn stiff_lattices_are_solved_to_rounding() {
+    let h = 0.05;
+    for k_h_squared in [1.0, 1e2, 1e4, 1e6] {
+        let torus = Torus { side: 32, stiffness: k_h_squared / (h * h), depth: 1.0 };
+        let path = torus.simulate::<Midpoint>(h).start(field(32)).steps(10).run().unwrap();
+        let residual = path.euler_lagrange_residual(&torus).unwrap();
+        // Forces `h k q` of eight springs, each rounded, and increments of `q` that are rounded when they are added: `ε q` as well.
+        let bound = 16.0 * f64::EPSILON * (1.0 + k_h_squared) / h;
+        assert!(residual < bound, "{k_h_squared:e}: {residual:e} {bound:e}");
+    }
+}
+
+/// Long waves of a chain that is not linear: the second derivatives change little from step to step.
+fn waves(n: usize) -> State<DVector<f64>> {
+    let mode = |k: f64, i: usize| (std::f64::consts::PI * k * (i + 1) as f64 / (n + 1) as f64).sin();
+    State::new((0..n).map(|i| mode(1.0, i) + 0.2 * mode(7.0, i)).collect::<Vec<_>>(), vec![0.0; n])
+}
+
+#[test]
+fn factors_serve_many_steps() {
+    // The fixed point does not contract: (h ω / 2)² is 9 for the fastest waves.
+    let (n, h, steps) = (1024, 3.0, 100);
+    let fput = Fput { alpha: 0.25, beta: 0.25 };
+    let (mut state, mut newton) = (waves(n), waves(n));
+    let taken = work(&fput, h, &mut state, steps);
+    let factorisations: u64 = taken.iter().map(|(_, work)| work.factorisations).sum();
+    let iterations: u32 = taken.iter().map(|(iterations, _)| iterations).sum();
+    let mut stepper = fput.stepper::<Midpoint>(h).unwrap().iteration(Iteration::Newton);
+    assert_eq!(stepper.method(), Some(Method::Undecided));
+    let mut each = 0;
+    (0..steps).for_each(|_| each += stepper.step(&mut newton, &[]).unwrap().iterations);
+    // New factors cost as much as two iterations with old ones: half as many as there are steps, and less in all than with
+    // new ones in each iteration.
+    assert!(2 * factorisations <= steps as u64, "{factorisations}");
+    assert!(
+        2 * factorisations + u64::from(iterations) < 3 * u64::from(each),
+        "{factorisations} {iterations} {each}"
+    );
+    // Both solve each step to the rounding of its equations; a hundred roundings, of momenta that turn by `h ω / 2` of coordinates.
+    let apart = (&state.q - &newton.q).amax().max((&state.p - &newton.p).amax());
+    assert!(apart < 1e-12, "{apart:e}");
+}
+
+/// A copy of what the steps before left, without the factors, goes on with the same bits, and so does a step after one that failed.
+#[test]
+fn copies_and_failures_change_no_bits() {
+    let fput = Fput { alpha: 0.25, beta: 0.25 };
+    let torus = Torus { side: 40, stiffness: 4e4, depth: 20.0 };
+    same_bits(&fput, 3.0, waves(300));
+    same_bits(&torus, 0.05, field(40));
+}
+
+fn same_bits<H: Discretized<Midpoint, Vector = DVector<f64>>>(
+    system: &H,
+    h: f64,
+    start: State<DVector<f64>>,
+) {
+    let prepared = system.prepare(h).unwrap();
+    let run = |disturb: &mut dyn FnMut(usize, &mut H::Memory<f64>)| {
+        let (mut state, mut memory) = (start.clone(), system.memory());
+        for step in 0..24 {
+            disturb(step, &mut memory);
+            let (q, p) = (state.q.as_mut_slice(), state.p.as_mut_slice());
+            system.advance(&prepared, 0.0, h, q, p, &[], &mut memory).unwrap();
+        }
+        let numbers = state.q.iter().chain(&state.p).map(|x| x.to_bits()).collect::<Vec<_>>();
+        (numbers, memory.linear_work())
+    };
+    let (expected, whole) = run(&mut |_, _| {});
+    assert!(whole.factorisations <= 12, "{whole:?}");
+    let (copied, again) = run(&mut |step, memory| {
+        if step % 5 == 4 {
+            *memory = memory.clone();
+        }
+    });
+    assert!(copied == expected && again.factorisations > whole.factorisations, "{again:?}");
+    let (failed, _) = run(&mut |step, memory| {
+        if step % 7 == 3 {
+            let n = start.q.len();
+            let (mut q, mut p) = (vec![0.1; n], vec![0.0; n]);
+            q[n / 2] = f64::INFINITY;
+            assert!(system.advance(&prepared, 0.0, h, &mut q, &mut p, &[], memory).is_err());
+        }
+    });
+    assert!(failed == expected);
+}
