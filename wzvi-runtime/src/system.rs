@@ -1,5 +1,7 @@
 //! The traits that `#[hamiltonian]` implements.
 
+mod solution;
+
 use std::fmt::Debug;
 use std::ops::AddAssign;
 
@@ -11,10 +13,12 @@ use crate::error::{ConfigError, StepFailure};
 use crate::lanes::Lanes;
 use crate::memory::StepMemory;
 use crate::plan::{NoiseClass, Plan};
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::{State, Vector};
 use crate::variables::Variables;
+
+pub use solution::{Solution, array_mut, covector, gradient, increments};
 
 /// A partial derivative with respect to the coordinates and one with respect to the momenta.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -232,99 +236,6 @@ pub struct EulerLagrangeResidual<V> {
     pub node: V,
     /// `∂L_d(next)/∂P`
     pub momentum: V,
-}
-
-/// One solved step of a system with `D` degrees of freedom.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Solution<S, const D: usize> {
-    /// `q_{i+1}`, and what its rounding took.
-    pub q: [(S, S); D],
-    /// `p_{i+1}`, and what its rounding took.
-    pub p: [(S, S); D],
-    /// `P`
-    pub momentum: [S; D],
-    /// What Newton's method took, over all blocks.
-    pub effort: Effort,
-}
-
-impl<S: Scalar, const D: usize> Solution<S, D> {
-    /// The nodes that the increments `dq`, `dp` lead to from `q`, `p`.
-    #[inline(always)]
-    pub fn new<C: Carry<S>>(
-        carry: &C,
-        [q, p]: [[S; D]; 2],
-        [dq, dp]: [[S; D]; 2],
-        momentum: [S; D],
-        effort: Effort,
-    ) -> Self {
-        // Plain loops: closures would be compiled without the vector instructions of the caller.
-        let zero = S::from_f64(0.0);
-        let (mut next_q, mut next_p) = ([(zero, zero); D], [(zero, zero); D]);
-        for i in 0..D {
-            next_q[i] = C::add(q[i], dq[i], carry.of_coordinate(i));
-            next_p[i] = C::add(p[i], dp[i], carry.of_momentum(i));
-        }
-        Self { q: next_q, p: next_p, momentum, effort }
-    }
-
-    /// Whether every component is finite.
-    #[inline(always)]
-    pub fn is_finite(&self) -> bool {
-        S::are_finite([self.q, self.p]).all()
-    }
-
-    /// Moves the state.
-    #[inline(always)]
-    pub fn store<C: Carry<S>>(self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) -> Effort {
-        let mut lost = [[S::from_f64(0.0); D]; 2];
-        for i in 0..D {
-            (q[i], lost[0][i]) = self.q[i];
-            (p[i], lost[1][i]) = self.p[i];
-        }
-        carry.keep(&lost[0], &lost[1]);
-        self.effort
-    }
-}
-
-/// `slice` as an array of the degrees of freedom.
-///
-/// # Errors
-/// [`StepFailure::Dimension`] if its length is another.
-#[inline(always)]
-pub fn array_mut<S, const D: usize>(slice: &mut [S]) -> Result<&mut [S; D], StepFailure> {
-    let got = slice.len();
-    slice.try_into().map_err(|_| StepFailure::Dimension { expected: D, got })
-}
-
-/// Fills `by_q` and `by_p` with a gradient; NaN where they have another length.
-#[inline(always)]
-pub fn gradient<S: Scalar, const D: usize>(by_q: &mut [S], by_p: &mut [S], of_q: [S; D], of_p: [S; D]) {
-    if by_q.len() == D && by_p.len() == D {
-        by_q.copy_from_slice(&of_q);
-        by_p.copy_from_slice(&of_p);
-    } else {
-        by_q.fill(S::from_f64(f64::NAN));
-        by_p.fill(S::from_f64(f64::NAN));
-    }
-}
-
-/// Fills `into` with a covector; NaN where it has another length.
-#[inline(always)]
-pub fn covector<S: Scalar, const D: usize>(into: &mut [S], components: [S; D]) {
-    if into.len() == D {
-        into.copy_from_slice(&components);
-    } else {
-        into.fill(S::from_f64(f64::NAN));
-    }
-}
-
-/// `dw` as an array of one increment per noise.
-///
-/// # Errors
-/// [`StepFailure::Increments`] if its length is another.
-#[inline(always)]
-pub fn increments<S: Copy, const K: usize>(dw: &[S]) -> Result<[S; K], StepFailure> {
-    dw.try_into().map_err(|_| StepFailure::Increments { expected: K, got: dw.len() })
 }
 
 /// Energy that a system took from outside, in units of energy: what left it counts negative.
