@@ -129,27 +129,30 @@ fn in_pairs<T: Copy, const N: usize>(mut list: [T; N], join: impl Fn(T, T) -> T)
 /// `Σ_j matrix[j][i] numbers[j]` in four sums, so that few additions wait for one another. They have names: arrays would be in memory.
 #[inline(always)]
 fn row<S: Scalar, const N: usize>(numbers: &[S; N], matrix: &[[f64; N]; N], i: usize) -> S {
-    let zero = S::from_f64(0.0);
-    let (mut a, mut b, mut c, mut d) = (zero, zero, zero, zero);
-    for (j, (number, column)) in numbers.iter().zip(matrix).enumerate() {
-        let term = *number * column[i];
-        match j {
-            0 => a = term,
-            1 => b = term,
-            2 => c = term,
-            3 => d = term,
-            _ if j % 4 == 0 => a = a + term,
-            _ if j % 4 == 1 => b = b + term,
-            _ if j % 4 == 2 => c = c + term,
-            _ => d = d + term,
-        }
-    }
+    let term = |j: usize| numbers[j] * matrix[j][i];
     match N {
-        1 => a,
-        2 => a + b,
-        3 => a + b + c,
-        _ => (a + b) + (c + d),
+        1 => return term(0),
+        2 => return term(0) + term(1),
+        3 => return term(0) + term(1) + term(2),
+        _ => {}
     }
+    let (mut a, mut b, mut c, mut d) = (term(0), term(1), term(2), term(3));
+    // Four at a time: a choice of the sum in each term would keep a compiler from writing many of them out.
+    let mut j = 4;
+    while j + 4 <= N {
+        (a, b, c, d) = (a + term(j), b + term(j + 1), c + term(j + 2), d + term(j + 3));
+        j += 4;
+    }
+    if j < N {
+        a = a + term(j);
+    }
+    if j + 1 < N {
+        b = b + term(j + 1);
+    }
+    if j + 2 < N {
+        c = c + term(j + 2);
+    }
+    (a + b) + (c + d)
 }
 
 /// Room for one stage of a path whose stages are not evaluated at once.
