@@ -260,7 +260,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             Iteration::Automatic => scratch.prefers_newton || self.has_constant_band(scratch),
             Iteration::FixedPoint => false,
         };
-        let has_factors = is_newton && self.starts_with_factors(scratch, pinned);
+        let has_factors = is_newton && self.starts_with_factors(scratch.lend(), pinned);
         IterationState {
             iterations: 0,
             known,
@@ -412,7 +412,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             // Old factors, or none, do not contract.
             iteration.is_stale = !is_newton || !matches!(scratch.linear, Some(Linear::Krylov(_)));
             if !is_newton && stagnates {
-                iteration.is_stale = !self.starts_with_factors(scratch, pinned);
+                iteration.is_stale = !self.starts_with_factors(scratch.lend(), pinned);
                 self.start(scratch, known);
                 iteration.last = f64::INFINITY;
             }

@@ -201,10 +201,11 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         is_chord || matches!(linear, Linear::Krylov(_))
     }
 
-    /// Whether there are factors to start with; leaves the lists of nothing.
+    /// Whether there are factors to start with; leaves the lists of nothing. (What it takes is lent by value: a reference to all that an iteration works
+    /// on would keep its loops from being compiled for vectors.)
     #[inline(never)]
-    pub(super) fn starts_with_factors(&self, scratch: &mut Scratch<'_, S>, pinned: Iteration) -> bool {
-        let Scratch { kept, linear: Some(linear), .. } = scratch else { return false };
+    pub(super) fn starts_with_factors(&self, mut scratch: Scratch<'_, S>, pinned: Iteration) -> bool {
+        let Scratch { lists, kept, linear: Some(linear), .. } = &scratch else { return false };
         if !self.leaves_factors(linear, pinned) {
             return false;
         }
@@ -212,13 +213,13 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             return kept.made == Made::Now || kept.made == Made::Always(self.h);
         }
         let [q, _, dw, x] = &kept.anchor.lists;
-        let fits = [q.len(), dw.len(), x.len()] == [self.degrees(), self.dw.len(), scratch.lists.x.len()];
+        let fits = [q.len(), dw.len(), x.len()] == [self.degrees(), self.dw.len(), lists.x.len()];
         let Anchor { is_known, all, h, .. } = kept.anchor;
         let serves = is_known && h == self.h && all == kept.wants_all() && fits;
         if !serves {
             return false;
         }
-        let is_there = kept.made == Made::AtAnchor || self.restore(scratch).is_ok();
+        let is_there = kept.made == Made::AtAnchor || self.restore(&mut scratch).is_ok();
         scratch.kept.has_started = is_there;
         is_there
     }
