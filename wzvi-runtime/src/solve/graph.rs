@@ -8,6 +8,14 @@
 /// Parts of at most so many unknowns are not dissected: all entries among them are few.
 const LEAF: usize = 16;
 
+/// Where each of `n` lists starts that lie one after the other, and where the last one ends, from the list that each entry belongs to.
+pub(super) fn starts(n: usize, entries: impl Iterator<Item = usize>) -> Vec<usize> {
+    let mut starts = vec![0; n + 1];
+    entries.for_each(|list| starts[list + 1] += 1);
+    (0..n).for_each(|list| starts[list + 1] += starts[list]);
+    starts
+}
+
 /// The lists of a graph, one after the other.
 pub(super) struct Neighbours {
     starts: Vec<usize>,
@@ -16,14 +24,7 @@ pub(super) struct Neighbours {
 
 impl Neighbours {
     pub(super) fn new(n: usize, pairs: &[(usize, usize)]) -> Self {
-        let mut starts = vec![0; n + 1];
-        for &(a, b) in pairs {
-            starts[a + 1] += 1;
-            starts[b + 1] += 1;
-        }
-        for i in 0..n {
-            starts[i + 1] += starts[i];
-        }
+        let starts = starts(n, pairs.iter().flat_map(|&(a, b)| [a, b]));
         let mut ends = starts.clone();
         let mut lists = vec![0; starts[n]];
         for &(a, b) in pairs {

@@ -6,7 +6,7 @@
 //! H. A. van der Vorst, "An iterative solution method for linear systems of which the coefficient matrix is a symmetric M-matrix", Math.
 //! Comp. 31, 1977 (those at the places of the matrix).
 
-use super::graph::{Neighbours, nested_dissection};
+use super::graph::{Neighbours, nested_dissection, starts};
 use crate::scalar::{Mask, Scalar};
 
 /// A pivot below this many roundings of what it was made of is none.
@@ -97,13 +97,7 @@ impl<S: Scalar> Sparse<S> {
     /// Room for entries at the places of the matrix, in the order of its unknowns; `pairs` ascend. `None` if there are too many unknowns.
     pub fn incomplete(n: usize, pairs: &[(usize, usize)]) -> Option<Self> {
         u32::try_from(n).ok()?;
-        let mut starts = vec![0; n + 1];
-        for &(row, _) in pairs {
-            starts[row + 1] += 1;
-        }
-        for row in 0..n {
-            starts[row + 1] += starts[row];
-        }
+        let starts = starts(n, pairs.iter().map(|&(row, _)| row));
         let upper = Rows { starts, columns: pairs.iter().map(|&(_, column)| column as u32).collect() };
         Some(Self::new((0..n).collect(), upper, false))
     }
@@ -249,13 +243,7 @@ impl Rows {
     /// That of the other triangle; its rows have ascending columns whether or not those of this one have.
     fn transposed(&self) -> Self {
         let n = self.starts.len() - 1;
-        let mut starts = vec![0; n + 1];
-        for &column in &self.columns {
-            starts[column as usize + 1] += 1;
-        }
-        for row in 0..n {
-            starts[row + 1] += starts[row];
-        }
+        let starts = starts(n, self.columns.iter().map(|&column| column as usize));
         let (mut ends, mut columns) = (starts.clone(), vec![0; self.columns.len()]);
         for row in 0..n {
             for &column in &self.columns[self.starts[row]..self.starts[row + 1]] {
