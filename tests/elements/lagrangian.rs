@@ -211,3 +211,16 @@ fn noises_are_differentiated_at_once() {
     family.differentiate_noises(&dw[1..], &state, &mut all);
     assert!(all.q.iter().chain(all.p.iter()).all(|slope| slope.is_nan()), "an increment is missing");
 }
+
+#[hamiltonian(drift = |q, p| 0.5 * p * p, noise = [|q, p| q * q, |q, p| 0.5 * q * p], embedding = Midpoint)]
+struct Twice;
+
+/// The same of a system that is written out.
+#[test]
+fn noises_of_a_small_system_are_differentiated_at_once() {
+    let (state, mut all) = (State::new([0.5], [2.0]), Twice.energy_gradient(&State::new([0.0], [0.0])));
+    Twice.differentiate_noises(&[2.0, -1.0], &state, &mut all);
+    assert_eq!((all.q[0], all.p[0]), (2.0 * 2.0 * 0.5 - 0.5 * 2.0, -0.5 * 0.5));
+    Twice.differentiate_noises(&[2.0], &state, &mut all);
+    assert!(all.q[0].is_nan() && all.p[0].is_nan(), "an increment is missing");
+}

@@ -149,7 +149,7 @@ pub trait Hamiltonian {
         term_gradient(self, k.saturating_add(1), state)
     }
 
-    /// The gradient of `Σ_k ΔW_k H_k`, with `-ΔW_k f_k` for noise forces, of a state of the system. Loops go over their noises once, where
+    /// The gradient of `Σ_k ΔW_k H_k`, with `-ΔW_k f_k` for noise forces, of a state of the system; NaN unless `dw` has one increment per noise. Loops go over their noises once, where
     /// [`Hamiltonian::noise_gradient`] of each would take as long as there are noises times degrees of freedom.
     fn differentiate_noises(
         &self,
@@ -158,7 +158,8 @@ pub trait Hamiltonian {
         into: &mut Gradient<Self::Vector>,
     ) {
         let Gradient { q, p } = into;
-        [&mut *q, &mut *p].into_iter().for_each(|list| list.components_mut().fill(0.0));
+        let start = if dw.len() == self.noises() { 0.0 } else { f64::NAN };
+        [&mut *q, &mut *p].into_iter().for_each(|list| list.components_mut().fill(start));
         for (k, dw) in dw.iter().enumerate() {
             let of_one = self.noise_gradient(k, state);
             for (sum, slope) in [(&mut *q, of_one.q), (&mut *p, of_one.p)] {
