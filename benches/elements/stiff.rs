@@ -3,51 +3,13 @@
 //! By hand: Newton's method until a correction is rounding, with the tridiagonal matrix of the chain eliminated, and with conjugate
 //! gradients on products with the matrix of the lattice.
 
+#[path = "../../tests/stiff/systems.rs"]
+mod systems;
+
+use systems::{Fput, Torus, field, waves};
 use wzvi::prelude::*;
 
 use crate::measure::{Case, Runner, generated};
-
-/// FPUT-alpha-beta, ends fixed.
-#[hamiltonian(
-    drift = |q: &[f64], p: &[f64]| {
-        let v = |d: f64| 0.5 * d * d + alpha / 3.0 * d.powi(3) + 0.25 * beta * d.powi(4);
-        let n = q.len();
-        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
-            + (1..n).map(|i| v(q[i] - q[i - 1])).sum::<f64>()
-            + v(q[0]) + v(-q[n - 1])
-    },
-    embedding = Midpoint,
-)]
-struct Fput {
-    alpha: f64,
-    beta: f64,
-}
-
-/// The field φ⁴ on a torus, with springs of any stiffness.
-#[hamiltonian(
-    drift = |q: &[f64], p: &[f64]| {
-        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
-            + (0..side)
-                .map(|i| {
-                    (0..side)
-                        .map(|j| {
-                            let own = q[i * side + j];
-                            let right = q[i * side + (j + 1) % side];
-                            let down = q[(i + 1) % side * side + j];
-                            let bonds = (right - own) * (right - own) + (down - own) * (down - own);
-                            let well = own * own - 1.0;
-                            0.5 * stiffness * bonds + 0.25 * well * well
-                        })
-                        .sum::<f64>()
-                })
-                .sum::<f64>()
-    },
-    embedding = Midpoint,
-)]
-struct Torus {
-    side: usize,
-    stiffness: f64,
-}
 
 const SIDE: usize = 256;
 /// The springs turn by more than two in a step, the wells by a twentieth.
@@ -56,22 +18,10 @@ const H_OF_LATTICE: f64 = 0.05;
 static FPUT: Fput = Fput { alpha: 0.25, beta: 0.25 };
 static LATTICES: [Torus; 4] = {
     const fn of(k_h_squared: f64) -> Torus {
-        Torus { side: SIDE, stiffness: k_h_squared / (H_OF_LATTICE * H_OF_LATTICE) }
+        Torus { side: SIDE, stiffness: k_h_squared / (H_OF_LATTICE * H_OF_LATTICE), depth: 1.0 }
     }
     [of(1.0), of(1e2), of(1e4), of(1e6)]
 };
-
-/// A few long waves.
-fn waves(n: usize) -> Vec<f64> {
-    let mode = |k: f64, i: usize| (std::f64::consts::PI * k * (i + 1) as f64 / (n + 1) as f64).sin();
-    (0..n).map(|i| mode(1.0, i) + 0.2 * mode(7.0, i)).collect()
-}
-
-fn field(side: usize) -> Vec<f64> {
-    let turn = std::f64::consts::TAU / side as f64;
-    let at = |i: usize, j: usize| (turn * i as f64).sin() * (2.0 * turn * j as f64).cos();
-    (0..side * side).map(|k| 1.0 + 0.001 * at(k / side, k % side)).collect()
-}
 
 /// Forces at the mid-point, and the linear equations of their derivatives.
 trait Stiff {
