@@ -38,6 +38,7 @@ mod memory;
 mod passes;
 #[doc(hidden)]
 pub mod places;
+mod preference;
 mod rounding;
 mod scheme;
 #[doc(hidden)]
