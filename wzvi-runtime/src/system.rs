@@ -431,7 +431,8 @@ pub trait Discretized<E>: Hamiltonian {
         }
     }
 
-    /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise.
+    /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise. A counter-term that is the same everywhere, which no
+    /// equation sees, is left out.
     fn discrete_lagrangian(&self, segment: &Segment<Self::Vector>, dw: &[f64]) -> f64;
 
     /// The gradient of [`Discretized::discrete_lagrangian`].
