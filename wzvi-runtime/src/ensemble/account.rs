@@ -60,7 +60,8 @@ impl<'j> Account<'j> {
         if targets.look(&statistics, job.paths).0 {
             blocks.end = blocks.start;
         }
-        let size = piece::size(&job.wanted, PATHS, blocks.end - blocks.start, threads);
+        let rest = (blocks.end - blocks.start, job.paths.saturating_sub(blocks.start * PATHS));
+        let size = piece::size(&job.wanted, PATHS, rest, job.goes_path_by_path(), threads);
         Ok(Self {
             wanted: &job.wanted,
             size,

@@ -8,17 +8,26 @@ use super::statistics::{PathTally, Statistics, Wanted};
 
 /// A block that is shared is noted if that takes no more bytes.
 const MOST_BYTES: u128 = 1 << 26;
-/// Paths in a part, or a multiple: none of the vector registers is wider.
+/// Paths in a part, or a multiple, where they go beside each other: none of the vector registers is wider.
 const LEAST_PATHS: u64 = 32;
 /// Parts for each thread: they are not done at the same time.
 const PARTS: u64 = 4;
 
-/// How many paths each piece of a block of `block` paths has, on so many threads, if `blocks` are to be done.
-pub(super) fn size(wanted: &Wanted, block: u64, blocks: u64, threads: usize) -> u64 {
+/// How many paths each piece of a block of `block` paths has, on so many threads, if `blocks` of `paths` are to be done, which go one by one or not.
+pub(super) fn size(
+    wanted: &Wanted,
+    block: u64,
+    (blocks, paths): (u64, u64),
+    one_by_one: bool,
+    threads: usize,
+) -> u64 {
+    let least = if one_by_one { 1 } else { LEAST_PATHS };
+    // A block that is not full has no more than this.
+    let full = paths.clamp(least, block).next_power_of_two();
     let (wide, threads) = (wanted.times.len() as u128 * (wanted.names.len() as u128 + 1), threads as u64);
     let is_short = wide * u128::from(block) * size_of::<f64>() as u128 <= MOST_BYTES;
-    let pieces = (PARTS * threads).div_ceil(blocks.max(1)).min(block / LEAST_PATHS);
-    if threads < 2 || !is_short || pieces < 2 { block } else { block / pieces.next_power_of_two() }
+    let pieces = (PARTS * threads).div_ceil(blocks.max(1)).min(full / least);
+    if threads < 2 || !is_short || pieces < 2 { block } else { full / pieces.next_power_of_two() }
 }
 
 /// What paths add to sums, in the order of their numbers.
