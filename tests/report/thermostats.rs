@@ -46,6 +46,40 @@ fn thermostats_converge_to_one_path() {
     }
 }
 
+/// A system whose size only the state knows.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let n = q.len();
+        (0..n).map(|i| 0.5 * p[i] * p[i] + 0.5 * (q[(i + 1) % n] - q[i]).powi(2) - q[i].cos()).sum::<f64>()
+    },
+    friction = 1.0,
+    temperature = 0.5,
+    embedding = [Baoab, Thermostat<Midpoint>],
+)]
+struct Ring;
+
+#[test]
+fn thermostats_of_any_size_converge_to_one_path() {
+    let report = Ring
+        .work_precision()
+        .start(State::new(vec![0.5, 0.1, -0.3], vec![0.5, 0.0, 0.2]))
+        .until(2.0)
+        .step_sizes((3..=6).map(|k| 2f64.powi(-k)))
+        .paths(200)
+        .seed(5)
+        .repetitions(1)
+        .reference::<Thermostat<Midpoint>>(2f64.powi(-10))
+        .scheme::<Baoab>()
+        .scheme::<Thermostat<Midpoint>>()
+        .quiet()
+        .run()
+        .unwrap();
+    for scheme in ["Baoab", "Thermostat<Midpoint>"] {
+        let (order, error) = report.slope(scheme).order().unwrap_or_else(|| panic!("{}", report.text()));
+        assert!((order - 1.0).abs() < 0.15 + 2.0 * error, "{scheme}: {order} ± {error}");
+    }
+}
+
 /// The stationary variance, whatever the step: the processes of both parts stay independent Wiener processes.
 #[test]
 fn shared_paths_have_the_law_of_the_bath() {

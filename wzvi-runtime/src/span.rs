@@ -2,7 +2,7 @@
 
 use crate::error::{ConfigError, StepFailure};
 use crate::state::{State, Vector};
-use crate::system::Discretized;
+use crate::system::{Discretized, Hamiltonian};
 
 /// Step numbers are exact as `f64` up to here; time is `t_0 + n h`.
 pub(crate) const MOST_STEPS: u64 = 1 << 53;
@@ -119,19 +119,24 @@ const START: &str = "a start: add `.start(State::new(q, p))`";
 const END: &str = "an end: add `.until(time)` or `.steps(number)`";
 const TIME: &str = "a time to end at exactly: `.until(time).exactly()`; a number of steps ends at a node";
 
+/// Refuses states of another number of degrees of freedom than the system has.
+pub(crate) fn sized<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> Result<(), ConfigError> {
+    let [q, p] = [&state.q, &state.p].map(|vector| vector.components().len());
+    // Where only the state knows the size, the momenta have to match the coordinates.
+    let expected = if system.fits(q) { q } else { system.degrees() };
+    match [q, p].into_iter().find(|got| *got != expected) {
+        Some(got) => Err(ConfigError::Start(StepFailure::Dimension { expected, got })),
+        None => Ok(()),
+    }
+}
+
 fn checked<H: Discretized<E>, E>(
     system: &H,
     start: Option<State<H::Vector>>,
 ) -> Result<State<H::Vector>, ConfigError> {
     let state = start.ok_or(ConfigError::Missing(START))?;
     let (q, p) = (state.q.components(), state.p.components());
-    // Where only the state knows the size, the momenta have to match the coordinates.
-    let expected = if system.fits(q.len()) { q.len() } else { system.degrees() };
-    for got in [q.len(), p.len()] {
-        if !system.fits(got) || got != q.len() {
-            return Err(ConfigError::Start(StepFailure::Dimension { expected, got }));
-        }
-    }
+    sized(system, &state)?;
     system.check(q.len()).map_err(ConfigError::Start)?;
     if q.iter().chain(p).chain([&state.t]).all(|x| x.is_finite()) {
         Ok(state)

@@ -9,12 +9,12 @@ use super::method::{Given, Iterations, Method};
 use super::noise::Shifted;
 use super::number;
 use super::statistics::Spread;
-use crate::error::{ConfigError, Error, InternalError, StepFailure};
+use crate::error::{ConfigError, Error, InternalError};
 use crate::increments::{Interval, Noise as _};
 use crate::interrupt::Interrupt;
 use crate::noise::{Driver, Paths as _, Wiener};
 use crate::progress::Progress;
-use crate::span::{End, steps_between};
+use crate::span::{End, sized, steps_between};
 use crate::state::{State, Vector};
 use crate::system::Hamiltonian;
 
@@ -102,12 +102,7 @@ where
         let reference = self.reference.as_ref().ok_or(missing(
             "something to compare with: add `.exact(...)`, `.reference::<Scheme>(h)` or `.value(state)`",
         ))?;
-        for got in [start.q.components().len(), start.p.components().len()] {
-            let expected = self.system.degrees();
-            if got != expected {
-                return Err(ConfigError::Start(StepFailure::Dimension { expected, got }));
-            }
-        }
+        sized(self.system, &start)?;
         if self.methods.is_empty() {
             return Err(missing("a scheme: add `.scheme::<Midpoint>()`"));
         }
@@ -147,9 +142,14 @@ where
         Ok(Settings { start, end, paths, threads: self.setup.execution.threads()?, runs, reference_steps })
     }
 
-    /// What drives the paths from `first` on, made of their Wiener paths.
-    pub(super) fn shifted<'n>(&self, noise: Box<dyn Driver + 'n>, first: u64) -> Shifted<'n> {
-        Shifted { noise, first, degrees: self.system.degrees(), noises: self.system.noises() }
+    /// What drives the paths from `first` on of a state like this, made of their Wiener paths.
+    pub(super) fn shifted<'n>(
+        &self,
+        noise: Box<dyn Driver + 'n>,
+        first: u64,
+        start: &State<H::Vector>,
+    ) -> Shifted<'n> {
+        Shifted { noise, first, degrees: start.q.components().len(), noises: self.system.noises() }
     }
 
     /// The Wiener path with a number.
@@ -222,10 +222,11 @@ where
         passes: u32,
     ) -> Result<(Duration, Iterations, Duration), Error> {
         let method = self.method_of(run)?;
-        let (processes, start) = (method.increments(self.system, self.system.degrees()), plan.start.t);
+        let degrees = plan.start.q.components().len();
+        let (processes, start) = (method.increments(self.system, degrees), plan.start.t);
         let row = run.steps * processes;
         let mut increments = vec![0.0; row * numbers.len()];
-        let mut noise = self.shifted((self.driver)(self.wiener(0)), 0);
+        let mut noise = self.shifted((self.driver)(self.wiener(0)), 0, &plan.start);
         if processes > 0 {
             noise.prepare(&method.plan(), run.h, processes, start)?;
         }
