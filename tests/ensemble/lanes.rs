@@ -122,7 +122,7 @@ pub struct DoubleWells {
     noise = [|q, p, j| s * q[j] * q[j]; N],
     embedding = [DeltaPlus, Midpoint],
 )]
-pub struct Shaken<const N: usize> {
+pub(crate) struct Shaken<const N: usize> {
     pub k: f64,
     pub s: f64,
 }
@@ -153,7 +153,7 @@ fn a_lane_of_a_system_in_loops_is_the_path_of_a_stepper() {
     drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) - 1.0 / (x * x + y * y).sqrt(),
     embedding = [Midpoint],
 )]
-pub struct Kepler;
+pub(crate) struct Kepler;
 
 /// Without noise every path is that of a stepper, which remembers its steps; also into a collision.
 #[test]
