@@ -39,6 +39,7 @@ mod pairs;
 mod passes;
 #[doc(hidden)]
 pub mod places;
+mod preference;
 mod rounding;
 mod scheme;
 #[doc(hidden)]
