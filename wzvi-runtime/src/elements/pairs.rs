@@ -119,21 +119,23 @@ pub(super) fn add_row<
     let row = Row { entries: row.entries.map(|list| &list[..len]), ..row };
     let points = &q[first..first + D * len].as_chunks::<D>().0[..len];
     let mut partners = into.points::<D>(first, len);
-    let (mut sums, mut place) = ([T::from_f64(0.0); F], 0);
-    if len >= LANES {
-        let mut lanes = [[T::from_f64(0.0); F]; LANES];
-        while place < len / LANES * LANES {
+    let mut sums = [T::from_f64(0.0); F];
+    if len < LANES {
+        for (place, point) in points.iter().enumerate() {
+            gather(&mut sums, row.meet::<S, K, D>(place, *point, &mut partners));
+        }
+    } else {
+        let (whole, mut lanes) = (len / LANES * LANES, [[T::from_f64(0.0); F]; LANES]);
+        for place in 0..whole {
             let slopes = row.meet::<S, K, D>(place, points[place], &mut partners);
             gather(&mut lanes[place % LANES], slopes);
-            place += 1;
         }
         for k in 0..F {
             sums[k] = total(lanes.map(|lane| lane[k]));
         }
-    }
-    while place < len {
-        gather(&mut sums, row.meet::<S, K, D>(place, points[place], &mut partners));
-        place += 1;
+        for place in whole..len {
+            gather(&mut sums, row.meet::<S, K, D>(place, points[place], &mut partners));
+        }
     }
     drop(partners);
     for k in 0..F {

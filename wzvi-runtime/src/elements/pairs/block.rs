@@ -48,7 +48,8 @@ fn fill<
     }
 }
 
-/// The slopes by a body, and those by partners in columns.
+/// The slopes by a body, and those by partners in columns: at the beginning of a line of the cache, which the widest registers fill.
+#[repr(align(64))]
 pub(super) struct Block<const B: usize, const D: usize, const F: usize> {
     pub(super) by_own: [[f64; B]; F],
     pub(super) by_partner: [[f64; B]; D],

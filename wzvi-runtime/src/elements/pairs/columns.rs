@@ -24,6 +24,22 @@ struct Columns<'a, U> {
     number: PhantomData<U>,
 }
 
+/// Numbers in a line of the cache.
+const LINE: usize = 8;
+
+/// Numbers from one column to the next: those of the points, and a block, to the end of a line.
+#[inline(always)]
+fn stride<const D: usize>(degrees: usize) -> usize {
+    (degrees / D + BLOCK).next_multiple_of(LINE)
+}
+
+/// The room from the beginning of a line on.
+#[inline(always)]
+fn on_lines(room: &mut [f64]) -> &mut [f64] {
+    let first = room.as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
+    &mut room[first..]
+}
+
 impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
     type Outer = Range<isize>;
     type Run<'r>
@@ -58,10 +74,10 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
 
     #[inline(always)]
     fn begin_rows<const D: usize>(&mut self, q: &[f64]) {
-        let stride = q.len() / D + BLOCK;
-        self.room.resize(2 * D * stride, 0.0);
+        let stride = stride::<D>(q.len());
+        self.room.resize(2 * D * stride + LINE, 0.0);
         let (points, slopes) = (q.as_chunks::<D>().0, self.sums.as_chunks::<D>().0);
-        let mut columns = self.room.chunks_exact_mut(stride);
+        let mut columns = on_lines(self.room).chunks_exact_mut(stride);
         for points in [points, slopes] {
             for (k, column) in columns.by_ref().take(D).enumerate() {
                 column.iter_mut().zip(points).for_each(|(number, point)| *number = point[k]);
@@ -84,8 +100,8 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
         _q: &V,
         row: Row<'_, T, O, P, M, F>,
     ) {
-        let stride = self.sums.len() / D + BLOCK;
-        let (coordinates, sums) = self.room.split_at_mut(D * stride);
+        let stride = stride::<D>(self.sums.len());
+        let (coordinates, sums) = on_lines(self.room).split_at_mut(D * stride);
         let first = row.first / D;
         let (mut points, mut entries) = ([&[][..]; D], [&[][..]; M]);
         for k in 0..D {
@@ -104,9 +120,9 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
 
     #[inline(always)]
     fn end_rows<const D: usize>(&mut self) {
-        let stride = self.sums.len() / D + BLOCK;
+        let stride = stride::<D>(self.sums.len());
         let slopes = self.sums.as_chunks_mut::<D>().0;
-        for (k, column) in self.room.chunks_exact(stride).skip(D).enumerate() {
+        for (k, column) in on_lines(self.room).chunks_exact(stride).skip(D).take(D).enumerate() {
             column.iter().zip(&mut *slopes).for_each(|(number, point)| point[k] = *number);
         }
     }

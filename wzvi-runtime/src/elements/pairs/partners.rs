@@ -69,17 +69,17 @@ impl<const D: usize, const M: usize> Partners<'_, D, M> {
             block.fill::<T, U, K, O, P, M>(row, few, points, entries.each_ref());
         }
         // As lists in memory: taken from the registers that they were computed in they would be added one by one.
-        let block = black_box(&block);
+        let by_own = black_box(&block.by_own);
         for k in 0..D {
             let sums = self.sums(k, first);
             if few == B { add(sums, &block.by_partner[k]) } else { add_few(sums, &block.by_partner[k], few) }
         }
         for k in 0..F {
-            for slopes in &block.by_own[k].as_chunks::<LANES>().0[..few / LANES] {
+            for slopes in &by_own[k].as_chunks::<LANES>().0[..few / LANES] {
                 add(&mut lanes[k], slopes);
             }
         }
-        block.by_own
+        *by_own
     }
 
     /// Adds the slopes by all partners to their sums; the sums of those by the body.
