@@ -15,8 +15,8 @@ use crate::{DoubleWell, Kubo};
     noise = [|[x, y], [u, v]| s * (x * u + y * y * v), |[x, y], [u, v]| s * x * y],
     embedding = [Midpoint, Corrected<DeltaPlus>],
 )]
-pub struct Tangled {
-    pub s: f64,
+pub(crate) struct Tangled {
+    pub(crate) s: f64,
 }
 
 /// Mechanical: a symmetric Jacobian.
@@ -25,8 +25,8 @@ pub struct Tangled {
     noise = [|[x, y, z], [u, v, w]| s * x * y * z],
     embedding = [Midpoint],
 )]
-pub struct Mechanical {
-    pub s: f64,
+pub(crate) struct Mechanical {
+    pub(crate) s: f64,
 }
 
 /// Every path beside the one of `Stepper::plain` with the same increments: the same bits, and the same errors. How many steps
@@ -108,9 +108,9 @@ fn a_lane_is_the_path_of_a_stepper() {
     noise = [|q, p, k| s * q[k] * p[k]; stiffness.len()],
     embedding = [Midpoint],
 )]
-pub struct DoubleWells {
-    pub s: f64,
-    pub stiffness: Vec<f64>,
+pub(crate) struct DoubleWells {
+    pub(crate) s: f64,
+    pub(crate) stiffness: Vec<f64>,
 }
 
 /// Explicit steps in loops.
@@ -123,8 +123,8 @@ pub struct DoubleWells {
     embedding = [DeltaPlus, Midpoint],
 )]
 pub(crate) struct Shaken<const N: usize> {
-    pub k: f64,
-    pub s: f64,
+    pub(crate) k: f64,
+    pub(crate) s: f64,
 }
 
 /// The same of steps that are taken in loops, in lanes or not; where sites are hard to solve, too.
