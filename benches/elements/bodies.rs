@@ -2,7 +2,7 @@
 
 use wzvi::prelude::*;
 
-use crate::measure::{Case, Explicit, FixedPoint, Forces, generated};
+use crate::measure::{Case, Explicit, FixedPoint, Forces, Row, generated};
 
 #[hamiltonian(
     drift = |q: &[[f64; 3]], p: &[[f64; 3]]| {
@@ -98,4 +98,13 @@ pub(crate) fn cases() -> Vec<Case> {
         });
     }
     cases
+}
+
+/// The time of an explicit step by the number of its pairs.
+pub(crate) fn per_pair(rows: &[(&Case, Row)]) {
+    for (case, row) in rows.iter().filter(|(case, _)| case.problem == "bodies" && case.scheme == "DeltaPlus")
+    {
+        let [generated, by_hand] = row.nanoseconds().map(|per_body| 2.0 * per_body / (case.n - 1) as f64);
+        println!("bodies, {:>4}: {generated:.2} ns per pair and step, by hand {by_hand:.2}", case.n);
+    }
 }

@@ -3,15 +3,23 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Runs a program for sizes and numbers of steps.
-pub(crate) fn report(what: &str, file: &str, sizes: &[(usize, u64)]) {
+/// What every program is built with.
+pub(crate) const USUAL: &[&[&str]] = &[&["-O3"], &["-O3", "-march=native"]];
+
+/// The same where pragmas ask for vectors: of the rules of C only that functions tell of their errors is left out.
+pub(crate) const VECTORS: &[&[&str]] =
+    &[&["-O3"], &["-O3", "-march=native", "-fopenmp-simd", "-fno-math-errno"]];
+
+/// Runs a program, built in several ways, for sizes and numbers of steps.
+pub(crate) fn report(what: &str, file: &str, sizes: &[(usize, u64)], ways: &[&[&str]]) {
     println!("\n{what} in C ({file}), ns per site and step (iterations)\n");
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/elements").join(file);
-    for (name, flags) in [("cc -O3", &["-O3"][..]), ("cc -O3 -march=native", &["-O3", "-march=native"])] {
+    for flags in ways {
+        let name = format!("cc {}", flags.join(" "));
         match build(&source, flags) {
             Some(program) => {
                 for &(n, steps) in sizes {
-                    run(&program, name, n, steps);
+                    run(&program, &name, n, steps);
                 }
                 // Nobody needs it any more.
                 drop(std::fs::remove_file(program));
@@ -35,7 +43,7 @@ fn run(program: &Path, name: &str, n: usize, steps: u64) {
     };
     for line in String::from_utf8_lossy(&output.stdout).lines() {
         if let [scheme, ns, iterations] = line.split(';').collect::<Vec<_>>()[..] {
-            println!("  {name:22}{scheme:24}{n:>9}{:>18}", format!("{ns} ({iterations})"));
+            println!("  {name:58}{scheme:24}{n:>9}{:>18}", format!("{ns} ({iterations})"));
         }
     }
 }

@@ -6,7 +6,7 @@
 //! A name after `--` picks problems: `cargo bench --bench elements -- lattice`.
 //!
 //! * `chain`: FPUT-beta, ends fixed, first mode of amplitude 1, β = 1/4, h = 0.05; also in C (`hand_ode.c`).
-//! * `bodies`: gravity between all pairs, softened, h = 0.01.
+//! * `bodies`: gravity between all pairs, softened, h = 0.01; also in C with `omp simd` (`hand_bodies.c`), and per pair.
 //! * `lattice`: the field φ⁴ on a torus of N = n² sites, h = 0.05; also in C (`hand_field.c`).
 //! * `ring`: coupled pendulums around a ring, h = 0.05; also in C; `Baoab` with increments that are there.
 //! * `polymer`: a chain of points in space, per point.
@@ -25,6 +25,7 @@ mod memory;
 mod ring;
 mod stiff;
 
+use c_program::USUAL;
 use measure::{Case, growth};
 
 /// Everything that is measured: each case generated, then by hand.
@@ -63,13 +64,18 @@ fn main() {
     }
     println!();
     growth(&times);
+    if wanted("bodies") {
+        bodies::per_pair(&times);
+        let sizes = [(8, 2_000), (64, 100), (512, 10)];
+        c_program::report("Bodies", "hand_bodies.c", &sizes, c_program::VECTORS);
+    }
     if wanted("chain") || wanted("memory") {
         memory::report();
     }
     if wanted("chain") {
-        c_program::report("The chain", "hand_ode.c", &[(32, 4_000), (1024, 100), (1_000_000, 1)]);
+        c_program::report("The chain", "hand_ode.c", &[(32, 4_000), (1024, 100), (1_000_000, 1)], USUAL);
     }
     if wanted("lattice") || wanted("ring") {
-        c_program::report("Fields", "hand_field.c", &[(1024, 200), (65_536, 4)]);
+        c_program::report("Fields", "hand_field.c", &[(1024, 200), (65_536, 4)], USUAL);
     }
 }

@@ -98,6 +98,13 @@ pub(crate) struct Row {
     counts: [Option<f64>; 2],
 }
 
+impl Row {
+    /// Per site and step, generated and by hand.
+    pub(crate) fn nanoseconds(&self) -> [f64; 2] {
+        self.nanoseconds
+    }
+}
+
 impl fmt::Display for Row {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let time = |i: usize| match self.iterations[i] {

@@ -14,6 +14,7 @@
 
 use crate::carry::Carry;
 use crate::error::StepFailure;
+use crate::few::{Few, Kept};
 use crate::memory::StepMemory;
 use crate::scalar::Scalar;
 use crate::solve::Effort;
@@ -24,8 +25,6 @@ use crate::system::{Discretized, Hamiltonian};
 const PARTS: [u32; 3] = [4, 16, 64];
 /// With four times as many parts the longest is half as long, even where the curve has the slope of a square root.
 const SHRINKING: f64 = 0.6;
-/// Increments that need no allocation.
-const FEW: usize = 16;
 
 /// A step to take: its data, and what the steps before left.
 ///
@@ -37,7 +36,7 @@ pub(crate) struct Hard<'a, H: Discretized<E>, E, C> {
     pub(crate) h: f64,
     pub(crate) q: H::Vector,
     pub(crate) p: H::Vector,
-    pub(crate) dw: &'a [f64],
+    pub(crate) dw: Kept<'a, f64>,
     pub(crate) carry: C,
 }
 
@@ -64,12 +63,12 @@ pub(crate) fn solve_by_continuation<H: Discretized<E>, E, C: Carry<f64>>(
     hard: Hard<'_, H, E, C>,
     cause: StepFailure,
 ) -> Outcome<H, E, C> {
-    let inputs = hard.q.components().iter().chain(hard.p.components()).chain(hard.dw).chain([&hard.t]);
+    let inputs = hard.q.components().iter().chain(hard.p.components()).chain(&*hard.dw).chain([&hard.t]);
     let is_hopeless = cause.is_of_arguments();
     if is_hopeless || inputs.into_iter().any(|x| !x.is_finite()) {
         return Err(cause);
     }
-    let found = hard.solve(&hard.prepared, hard.h, hard.dw, Default::default());
+    let found = hard.solve(&hard.prepared, hard.h, &hard.dw, Default::default());
     match found {
         Ok(found) if !found.effort.doubtful => Ok(found),
         found => match hard.follow() {
@@ -152,9 +151,9 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
 
     /// The solution followed in equal parts, or where it ended.
     fn follow_in(&self, parts: u32) -> Result<Curve<H, E, C>, f64> {
-        let mut few = [0.0; FEW];
         let mut many = Vec::new();
-        let dw = match few.get_mut(..self.dw.len()) {
+        let mut few = Few::of(&self.dw);
+        let dw: &mut [f64] = match &mut few {
             Some(few) => few,
             None => {
                 many.resize(self.dw.len(), 0.0);
@@ -171,7 +170,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             let reached = f64::from(part - 1) / f64::from(parts);
             // Exactly 1 for the last.
             let fraction = f64::from(part) / f64::from(parts);
-            for (scaled, dw) in dw.iter_mut().zip(self.dw) {
+            for (scaled, dw) in dw.iter_mut().zip(&*self.dw) {
                 *scaled = fraction * dw;
             }
             let h = fraction * self.h;

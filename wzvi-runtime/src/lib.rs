@@ -21,6 +21,7 @@ pub mod ensemble;
 pub mod error;
 #[cfg(feature = "ensemble")]
 mod execution;
+mod few;
 pub mod gauss;
 pub mod increments;
 pub mod integrate;

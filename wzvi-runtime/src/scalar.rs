@@ -273,16 +273,16 @@ impl Scalar for f64 {
     fn is_finite(self) -> bool {
         f64::is_finite(self)
     }
-    /// Zero times a finite number is zero, and NaN otherwise: one test for all.
+    /// Zero times finite numbers is zero, and NaN otherwise: one test for all.
     #[inline(always)]
     fn are_finite<const N: usize>(pairs: [[(Self, Self); N]; 2]) -> bool {
-        let mut zeros = -0.0;
+        let mut zero = 0.0;
         for pairs in &pairs {
             for (x, _) in pairs {
-                zeros += x * 0.0;
+                zero *= x;
             }
         }
-        !zeros.is_nan()
+        !zero.is_nan()
     }
     #[inline(always)]
     fn less(self, other: Self) -> bool {

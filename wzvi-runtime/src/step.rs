@@ -3,6 +3,7 @@
 mod account;
 #[cfg(feature = "serde")]
 mod kept;
+mod rare;
 mod resolution;
 
 use std::marker::PhantomData;
@@ -11,12 +12,14 @@ use crate::carry::{Carry, Plain};
 use crate::continuation::Hard;
 use crate::dense::{DenseOutput, copy, copy_state};
 use crate::error::{ConfigError, StepError, StepFailure};
+use crate::few::Kept;
 use crate::memory::{Iteration, Method, StepMemory, Threads};
 use crate::plan::Solver;
 use crate::solve::Effort;
 use crate::state::{State, Vector};
 use crate::system::{Discretized, Exchange};
 use account::Ledger;
+use rare::{Arrived, Cause, Rare};
 pub(crate) use resolution::ResolutionMonitor;
 
 /// What one step took.
@@ -240,41 +243,23 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         if Self::MAY_EXCHANGE {
             self.begin(state);
         }
-        // What the last step left is no guide from another state; it comes back if the step fails.
-        let left = if state.t != self.clock.now || self.jumped(state) {
-            cold();
-            let left = (self.memory.clone(), self.carry.clone(), self.clock, self.before, self.resolution);
-            if !self.restart(state.t) {
-                return Err(self.error(state, dw, StepFailure::NonFinite));
-            }
-            Some(left)
-        } else {
-            None
-        };
-        let next = self.clock.next(self.h);
+        if state.t != self.clock.now || self.jumped(state) {
+            return self.step_anew(state, dw);
+        }
         let (q, p) = (&mut state.q, &mut state.p);
         let (t, h, prepared, memory) = (state.t, self.h, &self.prepared, &mut self.memory);
         match self.system.advance_vectors::<C, false>(prepared, t, h, q, p, dw, memory, &mut self.carry) {
             Ok(effort) => {
-                self.arrive(state, next, dw);
+                self.arrive(state, self.clock.next(self.h), dw);
                 Ok(StepInfo { iterations: effort.iterations, ..StepInfo::default() })
             }
-            Err(cause) => match self.hard_step(state, dw, cause) {
-                Ok(Effort { iterations, doubtful, .. }) => {
-                    self.arrive(state, next, dw);
-                    Ok(StepInfo { iterations, halvings: 0, is_hard: true, is_doubtful: doubtful })
-                }
-                Err(cause) => {
-                    if let Some(left) = left {
-                        let memory;
-                        (memory, self.carry, self.clock, self.before, self.resolution) = left;
-                        self.memory.adopt(memory);
-                    }
-                    Err(self.error(state, dw, cause))
-                }
-            },
+            Err(cause) if !Self::IS_ITERATED => Err(self.error(state, dw, cause)),
+            Err(cause) => self.step_rarely(state, dw, self.clock, Cause::Failed(cause)),
         }
     }
+
+    /// Whether care may find what the short way does not.
+    const IS_ITERATED: bool = matches!(H::PLAN.solver, Solver::Newton);
 
     /// [`Stepper::step`], and what lies between its nodes into `dense`: see [`crate::dense`]. Allocates nothing after the first step.
     ///
@@ -340,20 +325,55 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self.ledger = Some(ledger);
     }
 
-    /// The step again, from zero and with care. Everything goes there and comes back by value, because state and stepper
-    /// stay in registers only where no function is given their address.
+    /// A step from another state than the last one led to: time is counted from there.
     #[inline(always)]
-    fn hard_step(
+    fn step_anew(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
+        cold();
+        // If time cannot overflow from here, no step needs to check its own.
+        if !(state.t.abs() + MOST_TICKS * self.h.abs()).is_finite() {
+            return Err(self.error(state, dw, StepFailure::NonFinite));
+        }
+        // With the room that it has; a copy of what it remembers comes back if the step fails.
+        let (clock, left, mut memory) =
+            (Clock::started(state.t), self.memory.clone(), std::mem::take(&mut self.memory));
+        memory.forget();
+        if Self::IS_ITERATED {
+            let taken = self.step_rarely(state, dw, clock, Cause::Moved(memory));
+            if taken.is_err() {
+                self.memory = left;
+            }
+            return taken;
+        }
+        let (q, p, mut carry) = (&mut state.q, &mut state.p, C::default());
+        let (t, h, prepared) = (state.t, self.h, &self.prepared);
+        match self.system.advance_vectors::<C, false>(prepared, t, h, q, p, dw, &mut memory, &mut carry) {
+            Ok(effort) => {
+                self.before += self.clock.ticks;
+                (self.memory, self.carry) = (memory, carry);
+                self.arrive(state, clock.next(self.h), dw);
+                Ok(StepInfo { iterations: effort.iterations, ..StepInfo::default() })
+            }
+            Err(cause) => {
+                self.memory = left;
+                Err(self.error(state, dw, cause))
+            }
+        }
+    }
+
+    /// A step that is none of the usual ones, from a time of this clock.
+    #[inline(always)]
+    fn step_rarely(
         &mut self,
         state: &mut State<H::Vector>,
         dw: &[f64],
-        cause: StepFailure,
-    ) -> Result<Effort, StepFailure> {
-        // Care takes Newton's method, which a pinned fixed point excludes.
-        let is_excluded = self.memory.pinned() == Iteration::FixedPoint;
-        if is_excluded || !matches!(H::PLAN.solver, Solver::Newton) {
-            return Err(cause);
-        }
+        clock: Clock,
+        cause: Cause<H::Memory<f64>>,
+    ) -> Result<StepInfo, StepError> {
+        cold();
+        let (is_moved, pinned) = match &cause {
+            Cause::Moved(memory) => (true, memory.pinned()),
+            Cause::Failed(_) => (false, self.memory.pinned()),
+        };
         let hard = Hard {
             system: self.system,
             prepared: self.prepared.clone(),
@@ -361,30 +381,30 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             h: self.h,
             q: state.q.clone(),
             p: state.p.clone(),
-            dw,
+            dw: Kept::of(dw),
             carry: self.carry.clone(),
         };
-        let (solved, resolution) = self.resolution.careful_step(hard, self.steps(), cause)?;
-        self.resolution = resolution;
-        (state.q, state.p) = (solved.q, solved.p);
-        self.memory.adopt(solved.memory);
-        self.carry = solved.carry;
-        Ok(solved.effort)
-    }
-
-    /// Starts to count from `t`; `false`, and nothing done, if time could overflow from there: no step needs to check
-    /// its own.
-    #[inline(always)]
-    fn restart(&mut self, t: f64) -> bool {
-        let is_safe = (t.abs() + MOST_TICKS * self.h.abs()).is_finite();
-        if is_safe {
-            self.memory.forget();
-            self.carry = C::default();
+        // Care takes Newton's method, which a pinned fixed point excludes.
+        let is_iterated = pinned != Iteration::FixedPoint;
+        let rare = Rare { hard, resolution: self.resolution, step: self.steps(), is_iterated };
+        let Arrived { taken, resolution, is_hard } = match rare.take(cause) {
+            Ok(arrived) => arrived,
+            Err(cause) => return Err(self.error(state, dw, cause)),
+        };
+        if is_moved {
             self.before += self.clock.ticks;
-            self.clock = Clock::started(t);
-            self.resolution = self.resolution.restarted();
+            self.memory.forget();
         }
-        is_safe
+        if is_hard {
+            self.memory.adopt(taken.memory)
+        } else {
+            self.memory = taken.memory
+        }
+        (state.q, state.p) = (taken.q, taken.p);
+        (self.carry, self.resolution) = (taken.carry, resolution);
+        self.arrive(state, clock.next(self.h), dw);
+        let Effort { iterations, doubtful, .. } = taken.effort;
+        Ok(StepInfo { iterations, halvings: 0, is_hard, is_doubtful: is_hard && doubtful })
     }
 
     /// Whether steps use what the ones before left; otherwise nothing of them is kept.
@@ -398,18 +418,25 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
 
     /// Bad input shows in the result of a step, so that a good step does not pay for the check.
     ///
-    /// Inlined, because state and stepper stay in registers only where no function is given their address.
+    /// Inlined, and each list read by itself: state and increments stay in registers only where nothing walks over their addresses.
     #[inline(always)]
     fn error(&self, state: &State<H::Vector>, dw: &[f64], cause: StepFailure) -> StepError {
+        let of_state = zero_if_finite(state.q.components()) + zero_if_finite(state.p.components());
+        let zero = of_state + zero_if_finite(dw) + 0.0 * state.t;
         cold();
-        let inputs = || state.q.components().iter().chain(state.p.components()).chain(dw).chain([&state.t]);
-        let is_good = cause.is_of_arguments() || inputs().all(|x| x.is_finite());
+        let is_good = zero == 0.0 || cause.is_of_arguments();
         let cause = if is_good { cause } else { StepFailure::NonFiniteInput };
         StepError { step: self.steps(), t: state.t, h: self.h, cause }
     }
 }
 
-/// Marks the branch that calls it as the unlikely one.
+/// Zero times a finite number is zero, and NaN otherwise.
+#[inline(always)]
+fn zero_if_finite(list: &[f64]) -> f64 {
+    list.iter().fold(0.0, |zeros, x| zeros + x * 0.0)
+}
+
+/// Marks the branch that calls it as the unlikely one. The compiler sees the mark, and no call is left.
 #[cold]
-#[inline(never)]
+#[inline(always)]
 fn cold() {}

@@ -1,5 +1,6 @@
 //! The traits that `#[hamiltonian]` implements.
 
+mod anew;
 mod solution;
 
 use std::fmt::Debug;
@@ -12,7 +13,7 @@ use crate::dense::{Slopes, hermite_order};
 use crate::error::{ConfigError, StepFailure};
 use crate::lanes::Lanes;
 use crate::memory::StepMemory;
-use crate::plan::{NoiseClass, Plan};
+use crate::plan::{NoiseClass, Plan, Solver};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::{State, Vector};
@@ -420,14 +421,9 @@ pub trait Discretized<E>: Hamiltonian {
     ) -> Result<Effort, StepFailure> {
         match self.advance_carrying::<S, Plain, false>(prepared, t, h, q, p, dw, memory, &mut Plain) {
             Ok(effort) => Ok(effort),
-            Err(_) => {
-                let mut fresh = Default::default();
-                let plain = &mut Plain;
-                let effort =
-                    self.advance_carrying::<S, Plain, true>(prepared, t, h, q, p, dw, &mut fresh, plain)?;
-                *memory = fresh;
-                Ok(effort)
-            }
+            // What is not iterated fails with care, too.
+            Err(cause) if !matches!(Self::PLAN.solver, Solver::Newton) => Err(cause),
+            Err(_) => anew::advance::<Self, E, S>(self, prepared, t, h, q, p, dw, memory),
         }
     }
 

@@ -8,6 +8,7 @@ pub(super) const UNSEEN: f64 = 0.25;
 const ROUNDING_OF_GUESS: f64 = 8.0;
 
 /// The corrections of an iteration, as far as they say when to stop.
+#[derive(Clone, Copy)]
 pub(crate) struct Convergence {
     last: f64,
     /// The cube of the relative correction that is good enough: `ROUNDING³` or `last² ROUNDING unseen`.
@@ -44,47 +45,57 @@ impl Convergence {
         Self { unseen, ..self }
     }
 
+    /// The verdict on the largest correction relative to its unknown, where that is all it takes; `None`, and nothing is noted, where it
+    /// depends on the residuals.
+    #[inline(always)]
+    pub(super) fn glance(&mut self, relative: f64) -> Option<Verdict> {
+        let square = relative * relative;
+        // `relative <= ROUNDING || relative (relative / last)² <= ROUNDING unseen` without dividing.
+        let verdict = if square * relative <= self.enough {
+            Verdict::Converged
+        } else if relative < 0.5 * self.last {
+            self.expect(relative, square);
+            Verdict::Contracting
+        } else {
+            // NaN, too.
+            return None;
+        };
+        self.iterations += 1;
+        Some(verdict)
+    }
+
     /// `relative`: largest correction relative to its unknown. `beyond_rounding`: the same of the unknowns whose residual
     /// was more than so many times its rounding; 0 if there are none.
     #[inline(always)]
     pub(crate) fn judge(&mut self, relative: f64, beyond_rounding: impl FnOnce(f64) -> f64) -> Verdict {
-        self.iterations += 1;
-        let square = relative * relative;
-        // `relative <= ROUNDING || relative (relative / last)² <= ROUNDING unseen` without dividing.
-        if square * relative <= self.enough {
-            return Verdict::Converged;
+        if let Some(verdict) = self.glance(relative) {
+            return verdict;
         }
-        // False for NaN, too: one comparison on the way that is taken.
-        let contracts = relative < 0.5 * self.last;
-        if !contracts {
-            if relative.is_nan() {
-                return Verdict::Straying;
-            }
-            let beyond = beyond_rounding(roundings(self.is_guess && self.iterations == 1));
-            if beyond == 0.0 {
-                return Verdict::Converged;
-            }
-            // What is rounding may have been the larger part of the correction before.
-            let last = if self.is_beyond_rounding { self.last } else { self.last.max(relative) };
-            // False for NaN, too.
-            if beyond < 0.5 * last {
-                self.is_beyond_rounding = true;
-                self.expect(beyond);
-                return Verdict::Contracting;
-            }
+        self.iterations += 1;
+        if relative.is_nan() {
             return Verdict::Straying;
         }
-        self.expect(relative);
-        Verdict::Contracting
+        let beyond = beyond_rounding(roundings(self.is_guess && self.iterations == 1));
+        if beyond == 0.0 {
+            return Verdict::Converged;
+        }
+        // What is rounding may have been the larger part of the correction before.
+        let last = if self.is_beyond_rounding { self.last } else { self.last.max(relative) };
+        // False for NaN, too.
+        if beyond < 0.5 * last {
+            self.is_beyond_rounding = true;
+            self.expect(beyond, beyond * beyond);
+            return Verdict::Contracting;
+        }
+        Verdict::Straying
     }
 
-    /// Quadratic convergence from a correction of this size.
+    /// Quadratic convergence from a correction of this size, with its square.
     #[inline(always)]
-    fn expect(&mut self, relative: f64) {
+    fn expect(&mut self, relative: f64, square: f64) {
         self.last = relative;
         // `relative` is above `ROUNDING` here, so that neither product underflows.
-        let (predicted, floor) =
-            (self.unseen * ROUNDING * relative * relative, ROUNDING * ROUNDING * ROUNDING);
+        let (predicted, floor) = (self.unseen * ROUNDING * square, ROUNDING * ROUNDING * ROUNDING);
         self.enough = if predicted > floor { predicted } else { floor };
     }
 

@@ -229,33 +229,70 @@ pub(super) fn newton<
         let effort = damped(&mut Dense::<_, S, N, SYMMETRIC>::new(equations), &mut room, &start, is_guess)?;
         return Ok((*room.solution(), effort));
     }
-    let mut x = start;
-    let mut convergence = Convergence::new(GUESS);
+    let (mut x, mut convergence) = (start, Convergence::new(GUESS));
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
-        let correction = corrected::<S, N, SYMMETRIC>(&jacobian, residual)?;
-        let mut end = x;
-        let mut largest = 0.0_f64;
-        for i in 0..N {
-            end[i] = x[i] - correction[i];
-            let size = relative(correction[i], end[i]);
-            // Not `max`, which would drop a NaN.
-            largest = if i == 0 || !(size <= largest || largest.is_nan()) { size } else { largest };
+        let Some(correction) = corrected::<S, N, SYMMETRIC>(&jacobian, residual) else { break };
+        let (end, largest) = corrected_end(&x, &correction);
+        match convergence.glance(largest) {
+            Some(Verdict::Contracting) => x = end,
+            Some(_) => return accepted(end, &jacobian, convergence),
+            None => break,
         }
+    }
+    // Taken apart: the common way writes to no memory that the call knows.
+    let (end, Effort { iterations, .. }) = resumed::<S, N, SYMMETRIC>(x, convergence, equations)?;
+    Ok((end, Effort::fast(iterations)))
+}
+
+/// The iteration from `x` on, where it needs a pivot or a look at the residuals. A call by value, and the last thing that the caller does: in
+/// its loop nothing has to leave its register.
+#[cold]
+#[inline(never)]
+fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
+    mut x: [S; N],
+    mut convergence: Convergence,
+    equations: impl Equations<S, N>,
+) -> Result<([S; N], Effort), StepFailure> {
+    loop {
+        let (residual, jacobian) = equations.evaluate(&x);
+        let correction = match corrected::<S, N, SYMMETRIC>(&jacobian, residual) {
+            Some(correction) => correction,
+            None => pivoted::<S, N, SYMMETRIC>(jacobian, residual)?,
+        };
+        let (end, largest) = corrected_end(&x, &correction);
         let beyond = |roundings| beyond_in_any_lane(equations, &x, &correction, &end, roundings);
         match convergence.judge(largest, beyond) {
-            // An infinite slope corrects nothing. With more unknowns the factorisation says so.
-            Verdict::Converged if N == 1 && !jacobian[0][0].is_finite().all() => {
-                return Err(StepFailure::NonFinite);
-            }
-            Verdict::Converged => return Ok((end, Effort::fast(convergence.iterations))),
+            Verdict::Converged => return accepted(end, &jacobian, convergence),
             Verdict::Contracting => x = end,
             Verdict::Straying => {
-                let pivot = jacobian[0][0].magnitude();
-                return Err(explain::<N>(convergence.iterations, largest, pivot));
+                return Err(explain::<N>(convergence.iterations, largest, jacobian[0][0].magnitude()));
             }
         }
     }
+}
+
+/// `x - c`, and the largest part of `c` relative to it; NaN of an unknown may be lost in that: no step returns it.
+#[inline(always)]
+fn corrected_end<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N]) -> ([S; N], f64) {
+    let (mut end, mut largest) = (*x, 0.0_f64);
+    for i in 0..N {
+        end[i] = x[i] - correction[i];
+        let size = relative(correction[i], end[i]);
+        largest = if i > 0 && largest > size { largest } else { size };
+    }
+    (end, largest)
+}
+
+/// An infinite slope corrects nothing. With more unknowns the factorisation says so.
+#[inline(always)]
+fn accepted<S: Scalar, const N: usize>(
+    end: [S; N],
+    jacobian: &[[S; N]; N],
+    convergence: Convergence,
+) -> Result<([S; N], Effort), StepFailure> {
+    let is_flat = N > 1 || jacobian[0][0].magnitude() <= f64::MAX;
+    if is_flat { Ok((end, Effort::fast(convergence.iterations))) } else { Err(StepFailure::NonFinite) }
 }
 
 /// A slope of zero is the cause of the infinity that follows from it. Numbers, not the matrix: what has its address in a
@@ -269,39 +306,45 @@ fn explain<const N: usize>(iterations: u32, correction: f64, pivot: f64) -> Step
     }
 }
 
-/// `J⁻¹ r`
+/// `J⁻¹ r`; `None` where two unknowns need pivots.
 #[inline(always)]
 fn corrected<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     jacobian: &[[S; N]; N],
     residual: [S; N],
+) -> Option<[S; N]> {
+    match N {
+        1 => Some(residual.map(|r| r / jacobian[0][0])),
+        2 => solve_pair::<S, N, SYMMETRIC>(jacobian, &residual),
+        _ => pivoted::<S, N, SYMMETRIC>(*jacobian, residual).ok(),
+    }
+}
+
+/// The same with pivots.
+#[inline(always)]
+fn pivoted<S: Scalar, const N: usize, const SYMMETRIC: bool>(
+    jacobian: [[S; N]; N],
+    residual: [S; N],
 ) -> Result<[S; N], StepFailure> {
-    if N == 1 {
-        return Ok(residual.map(|r| r / jacobian[0][0]));
-    }
-    let mut jacobian = *jacobian;
-    if SYMMETRIC && N == 2 {
-        jacobian[0][1] = jacobian[1][0];
-    }
-    match solve_pair(&jacobian, &residual) {
-        Some(correction) => Ok(correction),
-        None if SYMMETRIC => factored_symmetric(jacobian, residual),
-        None => factored(jacobian, residual),
-    }
+    if SYMMETRIC { factored_symmetric(jacobian, residual) } else { factored(jacobian, residual) }
 }
 
 /// Two unknowns by Cramer's rule; `None` for another number of them, and where the determinant cancels so far that
 /// pivoting is worth its price.
 #[inline(always)]
-fn solve_pair<S: Scalar, const N: usize>(matrix: &[[S; N]; N], b: &[S; N]) -> Option<[S; N]> {
+fn solve_pair<S: Scalar, const N: usize, const SYMMETRIC: bool>(
+    matrix: &[[S; N]; N],
+    b: &[S; N],
+) -> Option<[S; N]> {
     if N != 2 {
         return None;
     }
-    let ([m00, m01], [m10, m11]) = ([matrix[0][0], matrix[0][1]], [matrix[1][0], matrix[1][1]]);
+    let (m00, m10, m11) = (matrix[0][0], matrix[1][0], matrix[1][1]);
+    let m01 = if SYMMETRIC { m10 } else { matrix[0][1] };
     let (main, cross) = (m00 * m11, m01 * m10);
     let determinant = main - cross;
-    // Also false for NaN and where a product overflows.
+    // Also false for NaN, and where a product or the determinant overflows: the sum then does.
     let is_safe = determinant.magnitude() > SAFE_DETERMINANT * (main.magnitude() + cross.magnitude());
-    if !(is_safe && determinant.magnitude() < f64::INFINITY) {
+    if !is_safe {
         return None;
     }
     let inverse = determinant.recip();

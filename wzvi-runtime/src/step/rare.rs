@@ -1,0 +1,83 @@
+//! Steps that do not begin where the last one ended, or that the short way does not take: out of line.
+//!
+//! Everything goes there and comes back by value, because state and stepper stay in registers only where no function is given their
+//! address.
+
+use super::ResolutionMonitor;
+use crate::carry::Carry;
+use crate::continuation::{Continued, Hard, Taken};
+use crate::error::StepFailure;
+use crate::memory::StepMemory;
+use crate::system::Discretized;
+
+/// Why a step is none of the usual ones.
+pub(super) enum Cause<M> {
+    /// What the last step left is no guide from another state: the memory, which has forgotten it.
+    Moved(M),
+    /// The short way failed.
+    Failed(StepFailure),
+}
+
+/// A step to take.
+pub(super) struct Rare<'a, H: Discretized<E>, E, C> {
+    pub(super) hard: Hard<'a, H, E, C>,
+    pub(super) resolution: ResolutionMonitor,
+    /// Its number.
+    pub(super) step: u64,
+    /// Whether it may be taken with care.
+    pub(super) is_iterated: bool,
+}
+
+/// A step that was taken.
+pub(super) struct Arrived<H: Discretized<E>, E, C> {
+    pub(super) taken: Taken<H, E, C>,
+    pub(super) resolution: ResolutionMonitor,
+    pub(super) is_hard: bool,
+}
+
+impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
+    /// Takes it: the short way if that is not known to fail, then with care.
+    ///
+    /// # Errors
+    /// The cause, or those of [`ResolutionMonitor::careful_step`].
+    #[cold]
+    #[inline(never)]
+    pub(super) fn take(self, cause: Cause<H::Memory<f64>>) -> Result<Arrived<H, E, C>, StepFailure> {
+        let Self { mut hard, mut resolution, step, is_iterated } = self;
+        let (failure, memory) = match cause {
+            Cause::Failed(failure) => (failure, None),
+            Cause::Moved(mut memory) => {
+                hard.carry = C::default();
+                resolution = resolution.restarted();
+                let (mut q, mut p, mut carry) = (hard.q.clone(), hard.p.clone(), hard.carry.clone());
+                let Hard { system, prepared, t, h, dw, .. } = &hard;
+                let short = system.advance_vectors::<C, false>(
+                    prepared,
+                    *t,
+                    *h,
+                    &mut q,
+                    &mut p,
+                    dw,
+                    &mut memory,
+                    &mut carry,
+                );
+                match short {
+                    Ok(effort) => {
+                        let taken = Continued { q, p, memory, carry, effort };
+                        return Ok(Arrived { taken, resolution, is_hard: false });
+                    }
+                    Err(failure) => (failure, Some(memory)),
+                }
+            }
+        };
+        if !is_iterated {
+            return Err(failure);
+        }
+        let (mut taken, resolution) = resolution.careful_step(hard, step, failure)?;
+        if let Some(mut memory) = memory {
+            memory.adopt(taken.memory);
+            taken.memory = memory;
+        }
+        Ok(Arrived { taken, resolution, is_hard: true })
+    }
+}
