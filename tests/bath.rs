@@ -2,6 +2,8 @@
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test may stop")]
 
+#[path = "bath/large.rs"]
+mod large;
 #[path = "bath/refusals.rs"]
 mod refusals;
 #[path = "bath/runs.rs"]

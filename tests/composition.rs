@@ -6,6 +6,8 @@
 mod counted;
 #[path = "composition/flows.rs"]
 mod flows;
+#[path = "composition/forced.rs"]
+mod forced;
 #[path = "composition/parts.rs"]
 mod parts;
 

@@ -8,4 +8,5 @@ mod report {
     mod files;
     mod fit;
     mod page;
+    mod thermostats;
 }

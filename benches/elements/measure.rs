@@ -137,6 +137,10 @@ pub(crate) fn growth(rows: &[(&Case, Row)]) {
                 .map(|(case, row)| ((case.n as f64).ln(), (row.nanoseconds[i] * case.n as f64).ln()))
                 .collect()
         };
+        // Of one size nothing grows.
+        if own.clone().count() < 2 {
+            continue;
+        }
         let [generated, by_hand] = [0, 1].map(|i| slope(&points(i)));
         println!("{:10}{:>10}: a step takes N^{generated:.2}, by hand N^{by_hand:.2}", key.0, key.1);
     }

@@ -46,30 +46,42 @@ fn passes(barrier: &Barrier, a: &mut [f64], b: &[f64], c: &[f64]) -> f64 {
     best
 }
 
-/// The best time of a step per site, in nanoseconds.
-fn step(runner: &mut dyn Runner) -> f64 {
+/// The best time of a step of `n` sites, in nanoseconds, from runs of several million sites.
+fn step(runner: &mut dyn Runner, n: usize) -> f64 {
+    let steps = 4 * MANY.div_ceil(n);
     let mut best = f64::INFINITY;
     runner.run(3);
     for _ in 0..REPETITIONS {
         let start = Instant::now();
-        runner.run(4);
-        best = best.min(start.elapsed().as_nanos() as f64 / (4 * MANY) as f64);
+        runner.run(steps);
+        best = best.min(start.elapsed().as_nanos() as f64 / steps as f64);
     }
     best
 }
 
-/// The rates of both, on as many threads.
+/// The rates of both, on as many threads, and from which size on threads pay.
 pub(crate) fn report() {
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
     println!("\nA million sites beside a triad, at {BYTES} bytes per site and step\n");
     for threads in [1, cores] {
         for (scheme, mut runner) in chain::on_threads(threads, MANY) {
-            let (own, triad) = (step(&mut *runner), triad(threads));
+            let (own, triad) = (step(&mut *runner, MANY) / MANY as f64, triad(threads));
             println!(
                 "  {scheme:10}{threads:>3} threads {own:>7.2} ns {:>7.1} GB/s, {:.2} of the triad's {triad:.1}",
                 BYTES / own,
                 BYTES / own / triad
             );
         }
+    }
+    println!("\nMicroseconds of a step on 1 thread / on {cores}\n");
+    for n in (16..=20).map(|power| 1 << power) {
+        let [one, all] = [1, cores].map(|threads| {
+            chain::on_threads(threads, n).map(|(scheme, mut runner)| (scheme, step(&mut *runner, n) / 1e3))
+        });
+        let row = one
+            .iter()
+            .zip(all)
+            .map(|((scheme, one), (_, all))| format!("  {scheme:10}{one:>8.1} /{all:>7.1}"));
+        println!("{n:>10}{}", row.collect::<String>());
     }
 }

@@ -103,7 +103,7 @@ fn errors_of_near_integrable_systems_are_small_by_their_parameter() {
 }
 
 /// A step from `q`, `p` at `t`.
-fn step<E, H: Discretized<E>>(system: &H, [q, p]: [&[f64]; 2], [t, h]: [f64; 2]) -> Vec<f64> {
+pub(super) fn step<E, H: Discretized<E>>(system: &H, [q, p]: [&[f64]; 2], [t, h]: [f64; 2]) -> Vec<f64> {
     let mut state = State { q: vector::<H>(q), p: vector::<H>(p), t };
     system.stepper::<E>(h).unwrap().step(&mut state, &[]).unwrap();
     state.q.components().iter().chain(state.p.components()).copied().collect()

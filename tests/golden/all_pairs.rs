@@ -63,8 +63,8 @@ const _: () = {
         Option, Plain, Plan, Range, Result, Scalar, Segment, Sized, Solver, State,
         StepFailure, Variables, bool, f64, isize, str, usize,
         elements::{
-            CompensationVec, Curvature, Elements, Given, Memory, MomentumUpdate, Point,
-            Run, Scheme, Slopes, Stage, Sums, Unknowns,
+            CompensationVec, Curvature, Elements, Given, Memory, MomentumUpdate, Pair,
+            Point, Row, Run, Scheme, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -290,6 +290,7 @@ const _: () = {
             value
         }
         const HAS_WINDOWS: bool = false;
+        const HAS_PAIRS: bool = true;
         const HAS_ONE_VELOCITY: bool = true;
         type Exact = f64;
         type Usual = f64;
@@ -347,47 +348,67 @@ const _: () = {
                     }
                     if wanted.by_q {
                         {
+                            struct Interaction;
+                            impl Pair<4, 1, 2, 1, 2> for Interaction {
+                                #[inline(always)]
+                                fn slopes<T: Scalar>(
+                                    [q_2i,
+                                    q_2i_plus_1,
+                                    mass_i,
+                                    factor,
+                                    ]: [T; 4],
+                                    [g,
+                                    ]: [f64; 1],
+                                    [q_2j,
+                                    q_2j_plus_1,
+                                    ]: [T; 2],
+                                    [mass_j,
+                                    ]: [T; 1],
+                                ) -> ([T; 2], [T; 2]) {
+                                    let difference = q_2i_plus_1 - q_2j_plus_1;
+                                    let difference2 = q_2i - q_2j;
+                                    let sum = difference2 * difference2
+                                        + difference * difference;
+                                    let product = factor * (mass_i * mass_j);
+                                    let inverse = sum.recip();
+                                    let product2 = inverse * (inverse * sum.sqrt());
+                                    let product3 = difference2 * product * product2 * g;
+                                    let product4 = product2 * (difference * product) * g;
+                                    ([product3, product4], [-product3, -product4])
+                                }
+                            }
+                            by_q.begin_rows::<2>(&at.q[0..at.degrees()]);
                             for i1 in by_q.outer(1, 0 as isize..size) {
                                 let factor = T::from_f64(at.h);
                                 let q_2i = T::of(at.q[(2 * i1) as usize]);
                                 let q_2i_plus_1 = T::of(at.q[(2 * i1 + 1) as usize]);
                                 let mass_i = T::from_f64(self.mass[i1 as usize]);
-                                let mut b2 = T::from_f64(0.0);
-                                let mut b0 = T::from_f64(0.0);
                                 let (low, end): (isize, isize) = (0, i1);
                                 if low < end {
                                     let i2 = low;
-                                    let len = (end - low) as usize;
-                                    let points0 = (2 * i2) as usize;
-                                    let points0 = &at
-                                        .q[points0..points0 + 2 * len]
-                                        .as_chunks::<2>()
-                                        .0[..len];
-                                    let s5 = i2 as usize;
-                                    let s5 = &self.mass[s5..s5 + len];
-                                    let mut points1 = by_q.points::<2>((2 * i2) as usize, len);
-                                    for place in 0..len {
-                                        let q_2j = T::of(points0[place][0]);
-                                        let q_2j_plus_1 = T::of(points0[place][1]);
-                                        let mass_j = T::from_f64(s5[place]);
-                                        let difference = q_2i_plus_1 - q_2j_plus_1;
-                                        let difference2 = q_2i - q_2j;
-                                        let sum = difference2 * difference2
-                                            + difference * difference;
-                                        let product = factor * (mass_i * mass_j);
-                                        let inverse = sum.recip();
-                                        let product2 = inverse * (inverse * sum.sqrt());
-                                        let product3 = difference2 * product * product2 * g;
-                                        let product4 = product2 * (difference * product) * g;
-                                        points1.add_part(place, 1, -product4);
-                                        points1.add_part(place, 0, -product3);
-                                        b2 = b2 + product4;
-                                        b0 = b0 + product3;
-                                    }
+                                    by_q.row::<
+                                            T,
+                                            Interaction,
+                                            V,
+                                            4,
+                                            1,
+                                            2,
+                                            1,
+                                            2,
+                                        >(
+                                        at.q,
+                                        Row {
+                                            first: (2 * i2) as usize,
+                                            len: (end - low) as usize,
+                                            own: [q_2i, q_2i_plus_1, mass_i, factor],
+                                            constants: [g],
+                                            entries: [&self.mass[i2 as usize..]],
+                                            places: [(2 * i1) as usize, (2 * i1 + 1) as usize],
+                                        },
+                                    );
                                 }
-                                by_q.add((2 * i1 + 1) as usize, b2);
-                                by_q.add((2 * i1) as usize, b0);
                             }
+                            by_q.end_rows::<2>();
                         }
                     }
                 }

@@ -35,9 +35,11 @@ mod kept;
 mod lagrangian;
 mod linear;
 mod memory;
+mod pairs;
 mod passes;
 #[doc(hidden)]
 pub mod places;
+mod preference;
 mod rounding;
 mod scheme;
 #[doc(hidden)]
@@ -52,6 +54,7 @@ pub use hamiltonian::{differentiate, differentiate_noises, evaluate, force, inva
 pub use iterate::advance;
 pub use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::{CompensationVec, Memory};
+pub use pairs::{Pair, Row};
 pub(crate) use passes::are_finite;
 pub use scheme::{MomentumUpdate, Scheme, Stage, Unknowns};
 pub(crate) use step::nothing;
@@ -166,6 +169,10 @@ pub trait Elements: Hamiltonian + Sync {
     /// those that read momenta read one each, to whose place they add.
     const HAS_WINDOWS: bool;
 
+    /// Whether there are elements whose pairs stand in rows, see [`Pair`]: then slopes of large systems by `f64` are taken in vector
+    /// instructions.
+    const HAS_PAIRS: bool = false;
+
     /// Whether one element in one loop adds to every place what follows from momenta, and no other does.
     const HAS_ONE_VELOCITY: bool;
 
@@ -203,6 +210,16 @@ pub trait Elements: Hamiltonian + Sync {
     );
 }
 
+impl<S: Scalar> Point<'_, S> {
+    /// The same, if numbers are `f64`.
+    #[inline(always)]
+    fn plain(&self) -> Option<Point<'_, f64>> {
+        let Self { q, p, t, h, dw, acting, scale } = self;
+        let [q, p, dw] = [S::plain(q)?, S::plain(p)?, S::plain(dw)?];
+        Some(Point { q, p, t: *t, h: *h, dw, acting: acting.clone(), scale: *scale })
+    }
+}
+
 /// Adds the weighted slopes of a part at all places.
 #[inline(always)]
 fn slopes<H: Elements, S: Scalar>(
@@ -214,7 +231,29 @@ fn slopes<H: Elements, S: Scalar>(
     by_q: &mut [S],
     by_p: &mut [S],
 ) {
-    system.slopes::<S, S::OfElements<H::Exact>, [S], [S], [S]>(part, weight, at, wanted, by_q, by_p);
+    slopes_as::<H, S, S::OfElements<H::Exact>>(system, part, weight, at, wanted, by_q, by_p);
+}
+
+/// The same, computed in numbers `T`, unless rows of pairs are: these take the exact ones.
+#[inline(always)]
+fn slopes_as<H: Elements, S: Scalar, T: Number<S>>(
+    system: &H,
+    part: usize,
+    weight: f64,
+    at: &Point<'_, S>,
+    wanted: Slopes,
+    by_q: &mut [S],
+    by_p: &mut [S],
+) {
+    if H::HAS_PAIRS
+        && pairs::takes_columns(wanted, at.q.len())
+        && let Some(at) = at.plain()
+        && let (Some(by_q), Some(by_p)) = (S::plain_mut(&mut *by_q), S::plain_mut(&mut *by_p))
+    {
+        pairs::slopes(system, part, weight, &at, wanted, by_q, by_p);
+    } else {
+        system.slopes::<S, T, [S], [S], [S]>(part, weight, at, wanted, by_q, by_p);
+    }
 }
 
 /// The slopes of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`, as far as they are wanted; `t` is the same in all lanes, or is
@@ -264,28 +303,48 @@ pub fn add_slopes<H: Elements, S: Scalar>(
     wanted: Slopes,
     into: &mut [S],
 ) {
-    add_flow::<H, S, S::OfElements<H::Exact>, [S], [S]>(system, flow, state, wanted, into);
+    if H::HAS_PAIRS {
+        let (at, none) = (flow.at(state), &mut [][..]);
+        for (part, is_there) in flow.parts::<H>() {
+            match wanted.by_q {
+                _ if !is_there => {}
+                true => slopes(system, part, 1.0, &at, wanted, into, none),
+                false => slopes(system, part, 1.0, &at, wanted, none, into),
+            }
+        }
+    } else {
+        add_flow::<H, S, S::OfElements<H::Exact>, [S], [S]>(system, flow, state, wanted, into);
+    }
+}
+
+impl<'a, S: Copy> Flow<'a, S> {
+    /// All parts, and whether they act.
+    #[inline(always)]
+    fn parts<H: Elements>(&self) -> [(usize, bool); 3] {
+        [(DRIFT, true), (FORCE, H::HAS_FORCE), (NOISE, !self.dw.is_empty())]
+    }
+
+    /// Where elements of one half of the phase space are evaluated, which read nothing of the other.
+    #[inline(always)]
+    fn at<V: ?Sized>(&self, state: &'a V) -> Point<'a, S, V> {
+        let Self { t, h, dw } = *self;
+        Point { q: state, p: state, t, h, dw, acting: 0..dw.len(), scale: 1.0 }
+    }
 }
 
 /// The same to any sums.
 #[inline(always)]
-fn add_flow<H, S, T, V, A>(
-    system: &H,
-    Flow { t, h, dw }: Flow<'_, S>,
-    state: &V,
-    wanted: Slopes,
-    into: &mut A,
-) where
+fn add_flow<H, S, T, V, A>(system: &H, flow: Flow<'_, S>, state: &V, wanted: Slopes, into: &mut A)
+where
     H: Elements,
     S: Scalar,
     T: Number<S>,
     V: Given<S> + ?Sized,
     A: Sums<S> + ?Sized,
 {
-    // Elements of one half of the phase space read nothing of the other.
-    let at = Point { q: state, p: state, t, h, dw, acting: 0..dw.len(), scale: 1.0 };
+    let at = flow.at(state);
     // One call for all, which is inlined.
-    for (part, is_there) in [(DRIFT, true), (FORCE, H::HAS_FORCE), (NOISE, !dw.is_empty())] {
+    for (part, is_there) in flow.parts::<H>() {
         let none = &mut [][..];
         if !is_there {
             continue;

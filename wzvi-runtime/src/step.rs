@@ -58,6 +58,8 @@ pub struct Stepper<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f6
     resolution: ResolutionMonitor,
     /// What all steps exchanged.
     exchanged: Exchange,
+    /// Whether nobody asks for that.
+    is_unaccounted: bool,
     /// Where a system's steps exchange more than their scheme accounts for; made by the first of them.
     ledger: Option<Box<Ledger<H::Vector>>>,
     scheme: PhantomData<E>,
@@ -113,6 +115,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             reached: [H::Vector::zeros(d), H::Vector::zeros(d)],
             resolution: ResolutionMonitor::default(),
             exchanged: Exchange::default(),
+            is_unaccounted: false,
             ledger: None,
             scheme: PhantomData,
         })
@@ -142,6 +145,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             reached: self.reached,
             resolution: self.resolution,
             exchanged: self.exchanged,
+            is_unaccounted: self.is_unaccounted,
             ledger: self.ledger,
             scheme: PhantomData,
         }
@@ -150,12 +154,13 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
 
 #[cfg(feature = "ensemble")]
 impl<'a, H: Discretized<E>, E> Stepper<'a, H, E, Plain> {
-    /// For one of many paths, which have the threads already, with plain sums.
+    /// For one of many paths, which have the threads already, with plain sums. What forces and bath do is not accounted for.
     ///
     /// # Errors
     /// Those of [`Stepper::new`].
     pub(crate) fn beside_others(system: &'a H, h: f64) -> Result<Self, ConfigError> {
-        Ok(Stepper::<H, E>::new(system, h)?.plain().sharing(Threads::Caller))
+        let stepper = Stepper::<H, E>::new(system, h)?.plain().sharing(Threads::Caller);
+        Ok(Self { is_unaccounted: true, ..stepper })
     }
 }
 
@@ -285,7 +290,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     fn arrive(&mut self, state: &mut State<H::Vector>, at: Clock, dw: &[f64]) {
         self.clock = at;
         state.t = at.now;
-        if H::EXCHANGES {
+        if H::EXCHANGES && !self.is_unaccounted {
             self.exchanged += self.system.exchanged(&self.memory);
         }
         if Self::MAY_EXCHANGE {
@@ -302,7 +307,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
 
     /// Keeps where a step begins.
     fn begin(&mut self, state: &State<H::Vector>) {
-        if !account::is_wanted::<H, E>(self.system) {
+        if self.is_unaccounted || !account::is_wanted::<H, E>(self.system) {
             return;
         }
         let ledger = self.ledger.get_or_insert_with(|| Box::new(Ledger::of(state, H::PLAN.order)));

@@ -291,6 +291,10 @@ pub trait Discretized<E>: Hamiltonian {
     /// Whether paths run in lanes beside each other: not where loops are iterated on, which go for each path as far as it needs.
     const IN_LANES: bool = true;
 
+    /// From how many degrees of freedom on the step of one path is in vector instructions by itself, and stays in the cache: then paths go one after
+    /// the other. `usize::MAX` where there are no such steps.
+    const FILLS_REGISTERS_FROM: usize = usize::MAX;
+
     /// The order of the error inside a step: [`DenseOutput::order`](crate::dense::DenseOutput::order).
     const DENSE_ORDER: u32 = hermite_order(&Self::PLAN);
 
@@ -423,7 +427,8 @@ pub trait Discretized<E>: Hamiltonian {
         }
     }
 
-    /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise.
+    /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise. A counter-term that is the same everywhere, which no
+    /// equation sees, is left out.
     fn discrete_lagrangian(&self, segment: &Segment<Self::Vector>, dw: &[f64]) -> f64;
 
     /// The gradient of [`Discretized::discrete_lagrangian`].

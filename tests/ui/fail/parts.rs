@@ -21,4 +21,20 @@ struct Three;
 #[hamiltonian(drift = [|q, p| q * p, |[x, y], _| x * y], embedding = Verlet)]
 struct OtherShape;
 
+#[hamiltonian(
+    drift = [|q, p| 0.5 * p * p + q * q, |_, p| 0.1 * p.powi(4)],
+    force = |q, _| -q.powi(3),
+    embedding = Verlet,
+)]
+struct NowhereToAct;
+
+#[hamiltonian(drift = [|_, p| 0.5 * p * p, |q, _| q * q], force = |_, p| -p.abs() * p, embedding = Verlet)]
+struct Drag;
+
+#[hamiltonian(drift = [|_, p| 0.5 * p * p, |q, p| q * q + 0.1 * p * p], friction = 0.2, embedding = Verlet)]
+struct TwoRotations;
+
+#[hamiltonian(drift = [|_, p, t| 0.5 * p * p * t.cos(), |q, _| q * q], force = |_, _, t| t.sin(), embedding = Verlet)]
+struct TwoClocks;
+
 fn main() {}

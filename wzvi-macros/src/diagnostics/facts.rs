@@ -101,6 +101,17 @@ pub(crate) fn part_without_flow(extent: Extent, reason: &str) -> Error {
     )
 }
 
+/// A force or a friction that belongs to neither part of a drift.
+pub(crate) fn acts_in_no_part(extent: Extent, reason: &str) -> Error {
+    Error::new_spanned(
+        extent,
+        format!(
+            "this belongs to neither part of the drift: {reason}; write the drift as one Hamiltonian, whose schemes take any force at \
+             their stages, or `drift = [|q, p| ..., |q, _| ...]` with a part that reads coordinates only"
+        ),
+    )
+}
+
 fn at_witness(witness: &Witness, graph: &Graph) -> String {
     let point: Vec<String> = witness
         .point

@@ -1,9 +1,18 @@
 //! The parts of `drift = [H_A, H_B]`, and whether their flows are known.
+//!
+//! What acts besides belongs to a flow in which it changes nothing else (`f` the force, `γ` one rate of friction, `T` quadratic):
+//!
+//! | part | flow |
+//! |---|---|
+//! | `V(q, t)`, forces `f(q, t)` | kick: `q` stands still, `p' = -∂V/∂q + f` |
+//! | a quadratic form, friction | linear map of `q' = ∂H/∂p`, `p' = -∂H/∂q - γ p` |
+//!
+//! Every flow of the second kind contracts `dq ∧ dp` by `e^{-γ s}`, so that steps are conformally symplectic.
 
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::facts::is_quadratic;
 use crate::model::index::{Atom, Index};
-use crate::model::{Reads, System, Term};
+use crate::model::{Extent, Reads, System, Term};
 use crate::symbolic::{Graph, Symbol};
 
 /// The form of a part of the drift, by which its flow is known.
@@ -20,23 +29,63 @@ pub(crate) fn forms(system: &mut System) -> Option<[Form; 2]> {
     for part in 0..system.parts.len() {
         forms.push(form(system, part).ok()?);
     }
+    homes(system, &forms).ok()?;
     forms.try_into().ok()
 }
 
 /// Reports every part whose flow is not known.
 pub(crate) fn check(system: &mut System, diagnostics: &mut Diagnostics) {
+    let mut forms = Vec::new();
     for part in 0..system.parts.len() {
-        if let Err(reason) = form(system, part) {
-            diagnostics.report(messages::part_without_flow(system.parts[part].extent, reason));
+        match form(system, part) {
+            Ok(form) => forms.push(form),
+            Err(reason) => {
+                diagnostics.report(messages::part_without_flow(system.parts[part].extent, reason));
+            }
         }
+    }
+    if forms.len() == system.parts.len()
+        && let Err((extent, reason)) = homes(system, &forms)
+    {
+        diagnostics.report(messages::acts_in_no_part(extent, reason));
     }
 }
 
-fn form(system: &mut System, part: usize) -> Result<Form, &'static str> {
-    let System { graph, parts, t, size, noise, force, conformal, .. } = system;
-    if part > 0 && (force.is_some() || conformal.is_some()) {
-        return Err("the forces and the friction of the system belong to neither part");
+/// Whether forces and friction belong to parts of these forms; else where they are, and why not.
+fn homes(system: &System, forms: &[Form]) -> Result<(), (Extent, &'static str)> {
+    let System { graph, parts, t, force, friction, conformal, .. } = system;
+    if forms.is_empty() {
+        return Ok(());
     }
+    if let (Some(_), Some(friction)) = (conformal, friction) {
+        let moving: Vec<&Form> = forms.iter().filter(|form| **form != Form::Coordinates).collect();
+        if moving != [&Form::Quadratic] {
+            return Err((friction.term.extent, "friction acts in the part that reads momenta, and both do"));
+        }
+    }
+    let Some(force) = force else { return Ok(()) };
+    if force.elements.iter().any(|element| matches!(element.reads(), Reads::Momenta | Reads::Both)) {
+        return Err((force.extent, "the momenta that it reads move in the flow in which it acts"));
+    }
+    let Some(kicks) = forms.iter().position(|form| *form == Form::Coordinates) else {
+        return Err((
+            force.extent,
+            "forces act where coordinates stand still, in a part that reads coordinates only, and there is none",
+        ));
+    };
+    if reads_time(graph, force, *t)
+        && parts.iter().enumerate().any(|(part, term)| part != kicks && reads_time(graph, term, *t))
+    {
+        return Err((
+            force.extent,
+            "it reads the time, which the flow of the other part moves, and so does that one",
+        ));
+    }
+    Ok(())
+}
+
+fn form(system: &mut System, part: usize) -> Result<Form, &'static str> {
+    let System { graph, parts, t, size, noise, conformal, .. } = system;
     let (term, others) = (&parts[part], &parts[..part]);
     if part > 0 && !noise.is_empty() {
         return Err("the noises of the system belong to neither part");
@@ -50,16 +99,21 @@ fn form(system: &mut System, part: usize) -> Result<Form, &'static str> {
     if !reads_any(&[Reads::Momenta, Reads::Both]) {
         return Ok(Form::Coordinates);
     }
-    if !reads_any(&[Reads::Coordinates, Reads::Both]) {
+    // With friction, momenta do not stand still either.
+    if !reads_any(&[Reads::Coordinates, Reads::Both]) && conformal.is_none() {
         return Ok(Form::Momenta);
     }
     if is_timed || !term.elements.iter().all(|element| is_quadratic(graph, element)) {
-        return Err("it reads coordinates and momenta, and is no such polynomial");
+        return Err(match conformal {
+            Some(_) => "friction acts in it, and it is no such polynomial",
+            None => "it reads coordinates and momenta, and is no such polynomial",
+        });
     }
     if *size == Index::atom(Atom::Size) {
-        return Err(
-            "it reads coordinates and momenta, and the size of the system is known to the state only",
-        );
+        return Err(match conformal {
+            Some(_) => "friction acts in it, and the size of the system is known to the state only",
+            None => "it reads coordinates and momenta, and the size of the system is known to the state only",
+        });
     }
     Ok(Form::Quadratic)
 }

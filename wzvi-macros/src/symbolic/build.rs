@@ -5,7 +5,7 @@
 //! undefined at 0; `x - x` is 0 wherever `x` is defined.
 
 use super::sign::Sign;
-use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
+use super::{Expr, Function, Graph, Node, Rational, Symbol};
 
 /// Longer sums and products are kept as one operand of a new one: opening them again and again would make a long
 /// chain of additions quadratic.
@@ -345,63 +345,6 @@ impl Graph {
             Node::Sum { terms, .. } if terms[0].1.is_negative() => Some(self.negate(x)),
             Node::Number(value) if value.is_negative() => Some(self.negate(x)),
             _ => None,
-        }
-    }
-
-    pub(crate) fn compare(&mut self, relation: Relation, a: Expr, b: Expr) -> Expr {
-        // Equality is symmetric: one order.
-        let (a, b) = if relation == Relation::Equal { (a.min(b), a.max(b)) } else { (a, b) };
-        self.intern(Node::Compare(relation, a, b))
-    }
-
-    pub(crate) fn not(&mut self, a: Expr) -> Expr {
-        match *self.node(a) {
-            Node::Not(inner) => inner,
-            _ => self.intern(Node::Not(a)),
-        }
-    }
-
-    pub(crate) fn and(&mut self, a: Expr, b: Expr) -> Expr {
-        match (self.truth(a), self.truth(b)) {
-            (Some(true), _) | (_, Some(false)) => b,
-            (Some(false), _) | (_, Some(true)) => a,
-            _ if a == b => a,
-            _ => self.intern(Node::And(a, b)),
-        }
-    }
-
-    pub(crate) fn or(&mut self, a: Expr, b: Expr) -> Expr {
-        match (self.truth(a), self.truth(b)) {
-            (Some(false), _) | (_, Some(true)) => b,
-            (Some(true), _) | (_, Some(false)) => a,
-            _ if a == b => a,
-            _ => self.intern(Node::Or(a, b)),
-        }
-    }
-
-    /// Whether a condition holds, if it compares numbers.
-    fn truth(&self, condition: Expr) -> Option<bool> {
-        match *self.node(condition) {
-            Node::Compare(relation, a, b) => {
-                let (a, b) = (self.as_number(a)?, self.as_number(b)?);
-                Some(match relation {
-                    Relation::Less => a < b,
-                    Relation::LessEqual => a <= b,
-                    Relation::Equal => a == b,
-                })
-            }
-            Node::Not(inner) => self.truth(inner).map(|holds| !holds),
-            _ => None,
-        }
-    }
-
-    pub(crate) fn select(&mut self, condition: Expr, then: Expr, otherwise: Expr) -> Expr {
-        match (self.truth(condition), self.node(condition)) {
-            _ if then == otherwise => then,
-            (Some(true), _) => then,
-            (Some(false), _) => otherwise,
-            (None, &Node::Not(opposite)) => self.select(opposite, otherwise, then),
-            (None, _) => self.intern(Node::Select { condition, then, otherwise }),
         }
     }
 }

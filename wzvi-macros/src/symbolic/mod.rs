@@ -6,6 +6,7 @@
 #[cfg(test)]
 mod accuracy_tests;
 pub(crate) mod build;
+mod condition;
 pub(crate) mod differentiate;
 mod display;
 pub(crate) mod evaluate;

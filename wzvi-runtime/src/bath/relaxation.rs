@@ -236,7 +236,7 @@ pub(super) fn gain<S: Scalar>(before: S, after: S, inverse_mass: f64) -> S {
 }
 
 /// Whether friction and masses are lists by degree of freedom.
-const fn is_list<T: Damped>() -> bool {
+pub(super) const fn is_list<T: Damped>() -> bool {
     !T::IS_MATRIX && T::HAS_DIAGONAL_MASSES
 }
 

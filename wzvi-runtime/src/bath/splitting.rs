@@ -9,10 +9,11 @@ use std::fmt::Debug;
 use std::marker::PhantomData;
 
 use super::part::{self, Parts};
+use super::relaxation::is_list;
 use super::windowed::WithBath;
 use super::{Baoab, Damped, Obabo, Relaxation, with_bath};
 use crate::carry::{Carry, Plain};
-use crate::compose::flows::{Flows, FlowsOf};
+use crate::compose::flows::{Flows, FlowsOf, KickDrift};
 use crate::compose::sequence::{Followed, Half, Sequence, Substep};
 use crate::compose::stages::{self, Rooms, Stage, Stages, Take};
 use crate::compose::windowed::{self, Givens, takes_windows};
@@ -108,6 +109,11 @@ where
     const PLAN: Plan = with_bath(<F as Flows>::PLAN);
     const REMEMBERS: bool = false;
     const IN_LANES: bool = true;
+    // Windows are for lists of rates and masses.
+    const FILLS_REGISTERS_FROM: usize = match is_list::<F>() && !F::PER_STATE {
+        true => <KickDrift as Sequence<F>>::FILLS_REGISTERS_FROM,
+        false => usize::MAX,
+    };
     const IS_VARIATIONAL: bool = false;
     const EXCHANGES: bool = true;
     type Prepared = Prepared;

@@ -14,7 +14,7 @@
 
 use super::sequence::{Followed, Half, Sequence, Substep};
 use super::stages::{Fits, Memory, Origin, Rooms, Stage, Stages, Take, add, advance, check, follow};
-use super::windowed::{Givens, takes_windows};
+use super::windowed::{Givens, LEAST_ALONE, takes_windows};
 use crate::carry::{Carry, Plain};
 use crate::elements::{Taken, WindowPlan, Word, nothing};
 use crate::error::{ConfigError, StepFailure};
@@ -180,6 +180,7 @@ impl<F: Flows> Sequence<F> for KickDrift {
     const PLAN: Plan = F::PLAN;
     const REMEMBERS: bool = false;
     const IN_LANES: bool = true;
+    const FILLS_REGISTERS_FROM: usize = if F::HAS_WINDOWS { LEAST_ALONE } else { usize::MAX };
     type Prepared = Stages;
     type Memory<S: Scalar> = Memory<S, F::Shape>;
     type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;

@@ -19,6 +19,8 @@ macro_rules! __composition {
                 <$sequence as $crate::compose::Sequence<Self>>::REMEMBERS;
             const IN_LANES: $crate::core::primitive::bool =
                 <$sequence as $crate::compose::Sequence<Self>>::IN_LANES;
+            const FILLS_REGISTERS_FROM: $crate::core::primitive::usize =
+                <$sequence as $crate::compose::Sequence<Self>>::FILLS_REGISTERS_FROM;
             const EXCHANGES: $crate::core::primitive::bool =
                 <$sequence as $crate::compose::Sequence<Self>>::EXCHANGES;
             type Prepared = <$sequence as $crate::compose::Sequence<Self>>::Prepared;

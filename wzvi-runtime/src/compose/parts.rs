@@ -3,6 +3,9 @@
 //! Each part has one of the forms whose flow the compiler knows: a function of the coordinates, a kick; a function of the momenta, a
 //! drift; or a quadratic form in both with constant coefficients, a linear map ([`Linear`]), which is made once for each weight. What a part reads of the
 //! time it reads where the flows of the other part have brought it: the time is a coordinate that `H_A` moves.
+//!
+//! A force `f(q, t)` is a part of the kick, `p' = -∂H/∂q + f`, and friction of one rate a part of the linear map, `p' = -∂H/∂q - γ p`, which then is
+//! conformally symplectic.
 
 use super::Verlet;
 use super::linear::Linear;
@@ -93,6 +96,10 @@ impl Prepared {
                 maps.push(Linear::new(degrees, weight * h, |x, slopes| {
                     let ((q, p), (by_q, by_p)) = (x.split_at(degrees), slopes.split_at_mut(degrees));
                     system.slopes_of_part::<f64, true, true>(*half, 0.0, 1.0, q, p, by_q, by_p);
+                    if F::IS_CONFORMAL {
+                        let rate = system.friction_rate();
+                        by_q.iter_mut().zip(p).for_each(|(slope, p)| *slope += rate * p);
+                    }
                 })?);
             }
             numbers.push(Some(number));
@@ -155,6 +162,9 @@ impl<F: Parts> Sequence<F> for PartFlows {
         dw: &[f64],
         substeps: &[Substep],
     ) -> Option<Followed<F::Vector>> {
+        if F::IS_CONFORMAL {
+            return None;
+        }
         let (t, h, degrees) = (segment.t, segment.h, segment.q0.components().len());
         system.check(degrees).ok()?;
         let prepared = Prepared::new(system, degrees, h, substeps).ok()?;
@@ -199,6 +209,10 @@ impl<F: Parts, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
         match form::<F>(stage.half) {
             Form::Coordinates => {
                 system.slopes_of_part::<S, true, false>(stage.half, t, -h, q, p, force, &mut []);
+                if F::IS_FORCED {
+                    system.force(q, p, t, velocity);
+                    force.iter_mut().zip(&*velocity).for_each(|(kick, f)| *kick = *kick + *f * h);
+                }
                 add::<S, C>(p, force, lost_p.as_mut());
             }
             Form::Momenta => {

@@ -32,6 +32,8 @@ pub trait Sequence<H: Hamiltonian> {
     const REMEMBERS: bool;
     /// As `Discretized::IN_LANES`.
     const IN_LANES: bool;
+    /// As `Discretized::FILLS_REGISTERS_FROM`.
+    const FILLS_REGISTERS_FROM: usize = usize::MAX;
     /// Whether steps are symmetric, and so consistent with every Stratonovich system.
     const IS_SYMMETRIC: bool = true;
     /// Whether steps follow from a discrete Lagrangian.

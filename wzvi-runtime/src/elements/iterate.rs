@@ -4,6 +4,7 @@ use super::change::Change;
 use super::linear::Linear;
 use super::memory::{Lists, Scratch};
 use super::passes::{Corrected, largest, subtract};
+use super::preference::Solution;
 use super::rounding::variation;
 use super::step::Step;
 use super::{CONTRACTS, Elements, Iteration, Memory, Scheme, Unknowns};
@@ -93,13 +94,13 @@ fn advance_fitting<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     let dw = super::increments(system, dw)?;
     let step = Step { system, scheme, t, h, q, p, dw, increment: None };
     let degrees = step.degrees();
-    let (effort, prefers_newton) = if CAREFUL {
+    let (effort, solution) = if CAREFUL {
         let effort = step.careful(memory)?;
         let mut lists = memory.work.lists(scheme, degrees);
         step.finish(&mut lists);
         lists.store(q, p, carry)?;
         memory.record(scheme, degrees);
-        (effort, true)
+        (effort, Solution::Newton { may_contract: false })
     } else {
         let mut scratch = memory.scratch(scheme, degrees);
         let solved = step.solve(&mut scratch)?;
@@ -111,12 +112,14 @@ fn advance_fitting<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
             scratch.lists.store(q, p, carry)?;
             memory.record(scheme, degrees);
         }
-        (Effort::fast(solved.iterations), solved.prefers_newton)
+        (Effort::fast(solved.iterations), solved.solution)
     };
-    if prefers_newton && let Some(linear) = &memory.linear {
+    memory.preference.learn(solution);
+    if memory.preference.is_newton()
+        && let Some(linear) = &memory.linear
+    {
         memory.kept.succeed(linear.cost());
     }
-    memory.prefers_newton = prefers_newton;
     Ok(effort)
 }
 
@@ -161,8 +164,7 @@ impl<S: Scalar> Memory<S> {
 /// What the short way took.
 struct Solved {
     iterations: u32,
-    /// Whether the next step should not start with the fixed point.
-    prefers_newton: bool,
+    solution: Solution,
 }
 
 /// Where the short way is.
@@ -175,7 +177,8 @@ struct IterationState {
     is_newton: bool,
     /// Whether factors are to be made: in every iteration, or only where old ones contract too slowly.
     is_stale: bool,
-    prefers_newton: bool,
+    /// Whether `J` of the first iteration was about the identity.
+    may_contract: bool,
     /// The correction before, relative to the largest unknown.
     last: f64,
     /// Whether that is of unknowns beyond rounding only.
@@ -225,11 +228,13 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     #[cold]
     #[inline(never)]
     fn iterate_again(self, mut scratch: Scratch<'_, S>) -> Result<Solved, StepFailure> {
-        let pinned = match scratch.iteration {
-            Iteration::Automatic => Iteration::Newton,
-            pinned => pinned,
-        };
-        self.iterate(&mut scratch, 0, pinned)
+        let (asked, is_tried) = (scratch.iteration, !self.starts_with_newton(&scratch, scratch.iteration));
+        let pinned = if asked == Iteration::Automatic { Iteration::Newton } else { asked };
+        let mut solved = self.iterate(&mut scratch, 0, pinned)?;
+        if is_tried && asked == Iteration::Automatic {
+            solved.solution = Solution::GaveWay;
+        }
+        Ok(solved)
     }
 
     /// From the guess of so many steps before; leaves `u` and `P`.
@@ -241,13 +246,19 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         pinned: Iteration,
     ) -> Result<Solved, StepFailure> {
         let mut iteration = self.begin(scratch, known, pinned);
+        let is_tried = !iteration.is_newton;
         self.start(scratch, known);
         while iteration.iterations < MOST_ITERATIONS {
             iteration.iterations += 1;
             let taken = self.take(scratch, &mut iteration)?;
             if self.is_solved(scratch, &mut iteration, &taken)? {
-                let prefers_newton = iteration.is_newton && iteration.prefers_newton;
-                return Ok(Solved { iterations: iteration.iterations, prefers_newton });
+                let IterationState { iterations, is_newton, may_contract, .. } = iteration;
+                let solution = match (is_tried, is_newton) {
+                    (_, false) => Solution::FixedPoint,
+                    (true, true) => Solution::GaveWay,
+                    (false, true) => Solution::Newton { may_contract },
+                };
+                return Ok(Solved { iterations, solution });
             }
         }
         Err(StepFailure::NotConverged { iterations: MOST_ITERATIONS, correction: iteration.last })
@@ -255,11 +266,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 
     #[inline(always)]
     fn begin(self, scratch: &mut Scratch<'_, S>, known: u8, pinned: Iteration) -> IterationState {
-        let is_newton = match pinned {
-            Iteration::Newton => true,
-            Iteration::Automatic => scratch.prefers_newton || self.has_constant_band(scratch),
-            Iteration::FixedPoint => false,
-        };
+        let is_newton = self.starts_with_newton(scratch, pinned);
         let has_factors = is_newton && self.starts_with_factors(scratch.lend(), pinned);
         IterationState {
             iterations: 0,
@@ -267,7 +274,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             pinned,
             is_newton,
             is_stale: !has_factors,
-            prefers_newton: true,
+            may_contract: false,
             last: f64::INFINITY,
             is_beyond: false,
             variation: f64::INFINITY,
@@ -275,8 +282,13 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     #[inline(always)]
-    fn has_constant_band(self, scratch: &Scratch<'_, S>) -> bool {
-        self.scheme.is_linear && matches!(scratch.linear, Some(Linear::Band(_)))
+    fn starts_with_newton(self, scratch: &Scratch<'_, S>, pinned: Iteration) -> bool {
+        let has_constant_band = self.scheme.is_linear && matches!(scratch.linear, Some(Linear::Band(_)));
+        match pinned {
+            Iteration::Newton => true,
+            Iteration::Automatic => scratch.preference.is_newton() || has_constant_band,
+            Iteration::FixedPoint => false,
+        }
     }
 
     /// Takes the correction of the fixed point, or Newton's.
@@ -404,7 +416,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
         if is_newton && iterations == 1 && pinned == Iteration::Automatic {
             // Where `J` is about the identity the fixed point contracts as well.
-            iteration.prefers_newton = (taken.stretch - 1.0).abs() > 0.5 * CONTRACTS;
+            iteration.may_contract = (taken.stretch - 1.0).abs() <= 0.5 * CONTRACTS;
         }
         iteration.last = relative;
         let is_worth = stagnates || relative > NEARLY_SOLVED;

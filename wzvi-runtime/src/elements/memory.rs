@@ -2,6 +2,7 @@
 
 use super::kept::Kept;
 use super::linear::Linear;
+use super::preference::Preference;
 use super::rounding::Rounding;
 use super::windows::{LEAST_IN_WINDOWS, Sweeps, WindowPlan, takes_windows};
 use super::{Elements, Scheme, Unknowns};
@@ -23,8 +24,7 @@ pub struct Memory<S> {
     /// Unknowns of past steps, the latest first.
     pub(super) past: [Vec<S>; 3],
     pub(super) known: u8,
-    /// Whether the fixed point contracted too slowly in the last step.
-    pub(super) prefers_newton: bool,
+    pub(super) preference: Preference,
     pub(super) linear: Option<Linear<S>>,
     pub(super) kept: Kept<S>,
     pub(super) rounding: Option<Box<Rounding>>,
@@ -190,7 +190,7 @@ pub(super) struct Scratch<'a, S> {
     pub(super) past: &'a mut [Vec<S>; 3],
     pub(super) known: u8,
     pub(super) iteration: Iteration,
-    pub(super) prefers_newton: bool,
+    pub(super) preference: Preference,
     pub(super) linear: &'a mut Option<Linear<S>>,
     pub(super) kept: &'a mut Kept<S>,
     pub(super) rounding: &'a mut Option<Box<Rounding>>,
@@ -204,14 +204,14 @@ impl<S: Scalar> Memory<S> {
     #[inline(always)]
     pub(super) fn scratch(&mut self, scheme: &Scheme, degrees: usize) -> Scratch<'_, S> {
         let Self { iteration, work, diagonal, past, known, .. } = self;
-        let Self { prefers_newton, linear, kept, rounding, sweeps, .. } = self;
+        let Self { preference, linear, kept, rounding, sweeps, .. } = self;
         Scratch {
             lists: work.lists(scheme, degrees),
             diagonal,
             past,
             known: *known,
             iteration: *iteration,
-            prefers_newton: *prefers_newton,
+            preference: *preference,
             linear,
             kept,
             rounding,
@@ -225,7 +225,7 @@ impl<S> Scratch<'_, S> {
     /// As [`Lists::lend`].
     #[inline(always)]
     pub(super) fn lend(&mut self) -> Scratch<'_, S> {
-        let Self { lists, diagonal, past, known, iteration, prefers_newton, linear, kept, .. } = self;
+        let Self { lists, diagonal, past, known, iteration, preference, linear, kept, .. } = self;
         let Self { rounding, sweeps, is_exact, .. } = self;
         Scratch {
             lists: lists.lend(),
@@ -233,7 +233,7 @@ impl<S> Scratch<'_, S> {
             past,
             known: *known,
             iteration: *iteration,
-            prefers_newton: *prefers_newton,
+            preference: *preference,
             linear,
             kept,
             rounding,
@@ -253,7 +253,7 @@ impl<S> Default for Memory<S> {
             diagonal: Vec::new(),
             past: [Vec::new(), Vec::new(), Vec::new()],
             known: 0,
-            prefers_newton: false,
+            preference: Preference::default(),
             linear: None,
             kept: Kept::default(),
             rounding: None,
@@ -271,7 +271,7 @@ impl<S: Scalar> std::fmt::Debug for Memory<S> {
             iteration,
             past,
             known,
-            prefers_newton,
+            preference,
             remembered: _,
             work: _,
             diagonal: _,
@@ -287,7 +287,7 @@ impl<S: Scalar> std::fmt::Debug for Memory<S> {
             .field("iteration", iteration)
             .field("past", &&past[..usize::from(*known).min(past.len())])
             .field("known", known)
-            .field("prefers_newton", prefers_newton)
+            .field("preference", preference)
             .finish_non_exhaustive()
     }
 }
@@ -296,9 +296,9 @@ impl<S: Scalar> std::fmt::Debug for Memory<S> {
 impl<S: Scalar> Clone for Memory<S> {
     fn clone(&self) -> Self {
         let past = if self.known == 0 { Default::default() } else { self.past.clone() };
-        let (iteration, known, prefers_newton) = (self.iteration, self.known, self.prefers_newton);
+        let (iteration, known, preference) = (self.iteration, self.known, self.preference);
         let (kept, plan) = (self.kept.clone(), self.plan.alike());
-        Self { iteration, past, known, prefers_newton, kept, plan, ..Self::default() }
+        Self { iteration, past, known, preference, kept, plan, ..Self::default() }
     }
 
     /// Keeps what is allocated.
@@ -306,8 +306,7 @@ impl<S: Scalar> Clone for Memory<S> {
         if other.known > 0 {
             self.past.clone_from(&other.past);
         }
-        (self.iteration, self.known, self.prefers_newton) =
-            (other.iteration, other.known, other.prefers_newton);
+        (self.iteration, self.known, self.preference) = (other.iteration, other.known, other.preference);
         self.kept.clone_from(&other.kept);
     }
 }
@@ -316,7 +315,7 @@ impl<S: Scalar> Numbers for Memory<S> {
     fn pass(&mut self, tape: &mut Tape) {
         let unknowns = tape.length(if self.known == 0 { 0 } else { self.past[0].len() });
         tape.count(&mut self.known);
-        tape.flag(&mut self.prefers_newton);
+        self.preference.pass(tape);
         if unknowns != 0 {
             for past in &mut self.past {
                 past.resize(unknowns, S::from_f64(0.0));
@@ -342,12 +341,12 @@ impl<S: Scalar> StepMemory for Memory<S> {
 
     fn forget(&mut self) {
         self.known = 0;
-        self.prefers_newton = false;
+        self.preference = Preference::default();
         self.kept.forget();
     }
 
     fn adopt(&mut self, left: Self) {
-        (self.past, self.known, self.prefers_newton) = (left.past, left.known, left.prefers_newton);
+        (self.past, self.known, self.preference) = (left.past, left.known, left.preference);
         if self.degrees == 0 {
             (self.degrees, self.remembered) = (left.degrees, left.remembered);
             (self.work, self.linear) = (left.work, left.linear);

@@ -188,7 +188,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let at = self.at(stage, q, p);
         for &(part, weight) in stage.parts {
             if size_of::<S>() == size_of::<f64>() {
-                self.system.slopes::<S, T, [S], [S], [S]>(part, weight, &at, wanted, by_q, by_p);
+                super::slopes_as::<H, S, T>(self.system, part, weight, &at, wanted, by_q, by_p);
             } else {
                 slopes_apart(self.system, part, weight, &at, wanted, by_q, by_p);
             }

@@ -5,6 +5,7 @@
 
 use std::ops::{Index, Range};
 
+use super::pairs::{Pair, Row, add_row};
 use crate::scalar::{Number, Scalar};
 
 /// Numbers by degree of freedom, which elements read: all of them, or those of a stretch.
@@ -48,6 +49,35 @@ pub trait Sums<S> {
 
     /// Adds to a place.
     fn add<T: Number<S>>(&mut self, place: usize, value: T);
+
+    /// Before the rows of an element, whose partners are points of `D` in the coordinates `q`.
+    #[inline(always)]
+    fn begin_rows<const D: usize>(&mut self, _q: &[S]) {}
+
+    /// Adds the slopes of a body and its partners, see [`Pair`].
+    #[inline(always)]
+    fn row<
+        T: Number<S>,
+        K: Pair<O, P, D, M, F>,
+        V: Given<S> + ?Sized,
+        const O: usize,
+        const P: usize,
+        const D: usize,
+        const M: usize,
+        const F: usize,
+    >(
+        &mut self,
+        q: &V,
+        row: Row<'_, T, O, P, M, F>,
+    ) where
+        S: Scalar,
+    {
+        add_row::<S, T, K, V, Self, O, P, D, M, F>(self, q, row);
+    }
+
+    /// After the rows of an element.
+    #[inline(always)]
+    fn end_rows<const D: usize>(&mut self) {}
 }
 
 /// Sums next to each other.

@@ -55,9 +55,9 @@ const LINE: usize = 8;
 /// with the coordinates that it belongs to, which takes longer than its evaluation.
 const MOST_KEPT: usize = 1 << 15;
 
-/// Degrees of freedom that are worth a thread of their own: a step of so many takes some 300 µs, and to begin a thread and to wait for it up
-/// to 100 µs on a machine that does something else besides.
-const LEAST_OF_THREAD: usize = 1 << 18;
+/// Degrees of freedom that are worth a thread of their own: a step of so many takes some 200 µs, and to begin a thread and to wait for it
+/// some 50 µs, up to 100 where the machine does something else besides (`cargo bench --bench elements -- memory`).
+const LEAST_OF_THREAD: usize = 1 << 17;
 
 /// How the sum of the slopes by the coordinates of a site, or its terms, come to its momentum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -21,8 +21,8 @@ const fn is_wide<V>() -> bool {
     size_of::<V>() > size_of::<f64>()
 }
 
-/// One block or a part of it, as many paths at a time as the instructions ask for (half as many if a path has more than one degree of freedom),
-/// or `WIDTH` if that is not 0.
+/// One block or a part of it, as many paths at a time as the instructions ask for (half as many if a path has more than one degree of freedom,
+/// one where steps are in vector instructions by themselves), or `WIDTH` if that is not 0.
 pub(super) struct Block<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> {
     job: &'j Job<'a, H, E>,
     paths: Range<u64>,
@@ -40,6 +40,9 @@ impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Block<'j, 'a, H, E, P,
     /// The instructions that take no more paths beside each other than there are, if those asked for take more: lanes without a path cost as
     /// much as others.
     pub(super) fn instructions(&self, asked: InstructionSet) -> InstructionSet {
+        if WIDTH == 0 && self.job.goes_path_by_path() {
+            return asked;
+        }
         let paths = self.paths.end.saturating_sub(self.paths.start);
         asked.for_numbers(if is_wide::<H::Vector>() { 2 * paths } else { paths })
     }
@@ -52,6 +55,8 @@ impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Block<'_, 
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
         if WIDTH != 0 {
             self.of_width::<WIDTH>()
+        } else if const { Job::<H, E>::MAY_GO_PATH_BY_PATH } && self.job.goes_path_by_path() {
+            self.of_width::<1>()
         } else if const { is_wide::<H::Vector>() } {
             self.of_width::<HALF>()
         } else {

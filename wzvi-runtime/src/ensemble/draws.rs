@@ -9,7 +9,7 @@ use super::dispatch::{InstructionSet, Kernel};
 use crate::noise::chacha;
 use crate::noise::normal::pair;
 pub(crate) use crate::noise::step_normals::STEPS;
-use crate::noise::step_normals::key;
+use crate::noise::step_normals::{key, of_process};
 
 /// The standard normals of one process of an ensemble, before truncation, in blocks of ten steps: block `b` is for the
 /// steps from `10 b` on.
@@ -76,6 +76,17 @@ pub(crate) fn normals<const L: usize>(key: &[u32; 8], path: u64, block: u64, to:
     normals_at(key, |lane| (path.wrapping_add(lane), block), to);
 }
 
+/// Normals of steps `STEPS * block ..` of one path and of processes `process ..`: `[step][process]`.
+#[inline(always)]
+pub(crate) fn normals_of_processes<const L: usize>(
+    key: &[u32; 8],
+    process: u64,
+    (path, block): (u64, u64),
+    to: &mut [[f64; L]; STEPS],
+) {
+    side_by_side(|lane| (of_process(key, process + lane), path, block), to);
+}
+
 /// Normals of steps `STEPS * block ..` of a path for each lane, which `address` gives: `[step][lane]`.
 #[inline(always)]
 pub(crate) fn normals_at<const L: usize>(
@@ -84,12 +95,12 @@ pub(crate) fn normals_at<const L: usize>(
     to: &mut [[f64; L]; STEPS],
 ) {
     if L != 32 {
-        return side_by_side(key, address, to);
+        return side_by_side(|lane| with_key(key, address(lane)), to);
     }
     // Twice 16 words do not fit into the registers of AVX-512.
     let mut part = [[0.0; 16]; STEPS];
     for half in 0..2 {
-        side_by_side(key, |lane| address(16 * half as u64 + lane), &mut part);
+        side_by_side(|lane| with_key(key, address(16 * half as u64 + lane)), &mut part);
         for (to, part) in to.iter_mut().zip(&part) {
             for i in 0..16 {
                 to[16 * half + i] = part[i];
@@ -98,17 +109,21 @@ pub(crate) fn normals_at<const L: usize>(
     }
 }
 
-/// [`normals_at`], all at once.
+/// A key, a path and a block of its steps.
+type Address = ([u32; 8], u64, u64);
+
 #[inline(always)]
-fn side_by_side<const L: usize>(
-    key: &[u32; 8],
-    address: impl Fn(u64) -> (u64, u64),
-    to: &mut [[f64; L]; STEPS],
-) {
+fn with_key(key: &[u32; 8], (path, block): (u64, u64)) -> Address {
+    (*key, path, block)
+}
+
+/// The normals of an address for each lane, all at once.
+#[inline(always)]
+fn side_by_side<const L: usize>(address: impl Fn(u64) -> Address, to: &mut [[f64; L]; STEPS]) {
     let mut words = [[0; L]; 16];
     for i in 0..L {
-        let (path, block) = address(i as u64);
-        let block = chacha::block(key, path, block);
+        let (key, path, block) = address(i as u64);
+        let block = chacha::block(&key, path, block);
         for w in 0..16 {
             words[w][i] = block[w];
         }
@@ -126,13 +141,16 @@ mod tests {
     use super::*;
     use crate::noise::{Interval, Noise as _, StepNormals};
 
-    /// A normal is a function of its address: no matter how many paths are drawn at once, or whether one path asks alone.
+    /// A normal is a function of its address: no matter how many paths or processes are drawn at once, or whether one path asks alone.
     #[test]
     fn widths_agree_with_each_other_and_with_the_noise() {
         let h = 0.1;
         let key = key(11, 1, h, 0);
         let mut wide = [[0.0; 32]; STEPS];
         normals(&key, 96, 3, &mut wide);
+        let mut processes = [[0.0; 16]; STEPS];
+        normals_of_processes(&key, 0, (96, 3), &mut processes);
+        assert_eq!(processes.map(|step| step[1]), wide.map(|step| step[0]));
         for first in 0..32 {
             let mut one = [[0.0; 1]; STEPS];
             normals(&key, 96 + first as u64, 3, &mut one);

@@ -28,6 +28,7 @@ const NEVER: (u64, u32) = (u64::MAX, 0);
 pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     job: &'j Job<'a, H, E>,
     path: u64,
+    /// None where each path has a stepper.
     q: Vec<Lanes<L>>,
     p: Vec<Lanes<L>>,
     /// What the steps before left, and what steps in lanes allocate once.
@@ -43,8 +44,8 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     failed: [bool; L],
     any_failed: bool,
     failures: Vec<PathFailure>,
-    /// The state of one lane, for whoever looks at it.
-    state: State<H::Vector>,
+    /// The states of paths with a stepper each, else that of one lane, for whoever looks at it.
+    states: Vec<State<H::Vector>>,
     /// Increments of one lane.
     alone: Vec<f64>,
     /// What is prepared of the system of each path, if it has its own.
@@ -68,22 +69,22 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
 impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, E, P, L> {
     pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
         // That of the system, which may not know it.
-        let (d, processes) = (job.start.q.components().len(), job.processes());
-        let zero = Lanes::from_f64(0.0);
+        let processes = job.processes();
+        let increments = LaneIncrements::new(&job.source, processes, job.h);
         Self {
             job,
             path: 0,
-            q: vec![zero; d],
-            p: vec![zero; d],
+            q: Vec::new(),
+            p: Vec::new(),
             memory: Default::default(),
             apart: Vec::new(),
             resolution: [ResolutionMonitor::default(); L],
-            increments: LaneIncrements::new(&job.source, processes, job.h),
+            increments: if Self::goes_alone(job) { increments.path_by_path() } else { increments },
             counts: [false; L],
             failed: [false; L],
             any_failed: false,
             failures: Vec::new(),
-            state: job.start.clone(),
+            states: Vec::new(),
             alone: vec![0.0; processes],
             own: Vec::new(),
             beside: None,
@@ -109,10 +110,6 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     pub(super) fn begin(&mut self, path: u64, end: u64) -> Result<(), Error> {
         self.path = path;
         self.counts = std::array::from_fn(|lane| path + (lane as u64) < end);
-        for lane in 0..L {
-            let start = self.job.start_of(self.source_of(lane))?;
-            self.put(lane, &start.q, &start.p);
-        }
         (self.failed, self.any_failed) = ([false; L], false);
         let was_over = std::mem::take(&mut self.is_over);
         self.halved = [NEVER; L];
@@ -124,11 +121,29 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             self.own = (0..L).map(|lane| self.prepared(lane)).collect::<Result<_, _>>()?;
             self.put_beside();
         }
+        self.put_starts()?;
         // A stepper that is there starts anew by itself: paths begin at another time than they end.
         if self.is_stepped() && (self.steppers.len() < L || was_over || P::ARE_OWN) {
             let stepper = |lane| Stepper::beside_others(self.job.system_of(self.source_of(lane)), self.job.h);
             let steppers = (0..L).map(stepper);
             self.steppers = steppers.collect::<Result<_, _>>()?;
+        }
+        Ok(())
+    }
+
+    /// # Errors
+    /// That of a start that is none.
+    fn put_starts(&mut self) -> Result<(), ConfigError> {
+        let job = self.job;
+        let (lists, states) = if self.is_stepped() { (0, L) } else { (job.start.q.components().len(), 1) };
+        if (self.q.len(), self.states.len()) != (lists, states) {
+            self.q.resize(lists, Lanes::from_f64(0.0));
+            self.p.resize(lists, Lanes::from_f64(0.0));
+            self.states.resize(states, job.start.clone());
+        }
+        for lane in 0..L {
+            let start = job.start_of(self.source_of(lane))?;
+            self.put(lane, &start.q, &start.p);
         }
         Ok(())
     }
@@ -160,11 +175,20 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         self.path + if self.counts[lane] { lane as u64 } else { 0 }
     }
 
+    /// Whether paths go one after the other, each in vector instructions.
+    #[inline(always)]
+    fn goes_alone(job: &Job<'_, H, E>) -> bool {
+        L == 1 && const { Job::<H, E>::MAY_GO_PATH_BY_PATH } && job.goes_path_by_path()
+    }
+
     /// Whether each path has a stepper of its own.
     #[inline(always)]
     fn is_stepped(&self) -> bool {
         // Lanes do not keep what a scheme knows between its nodes.
-        !H::IN_LANES || (P::ARE_OWN && self.beside.is_none()) || (H::HAS_POLYNOMIAL && self.looks_between)
+        !H::IN_LANES
+            || Self::goes_alone(self.job)
+            || (P::ARE_OWN && self.beside.is_none())
+            || (H::HAS_POLYNOMIAL && self.looks_between)
     }
 
     fn time(&self, step: u64) -> f64 {
@@ -223,12 +247,17 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         let mut steppers = std::mem::take(&mut self.steppers);
         for (lane, stepper) in steppers.iter_mut().enumerate() {
             if !self.failed[lane] {
-                self.look(lane);
-                self.state.t = t;
-                self.increments_of(lane, step);
-                match stepper.step(&mut self.state, &self.alone) {
-                    Ok(_) => self.keep(lane),
-                    Err(error) => self.halve_or_fail(lane, step, StepError { step, ..error })?,
+                let dw = match self.increments.of_path(step) {
+                    Some(dw) => dw,
+                    None => {
+                        self.increments_of(lane, step);
+                        &self.alone
+                    }
+                };
+                let state = &mut self.states[lane];
+                state.t = t;
+                if let Err(error) = stepper.step(state, dw) {
+                    self.halve_or_fail(lane, step, StepError { step, ..error })?;
                 }
             }
         }
@@ -260,6 +289,9 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     }
 
     fn state_of(&self, lane: usize, t: f64) -> State<H::Vector> {
+        if self.is_stepped() {
+            return State { t, ..self.states[lane].clone() };
+        }
         let vector = |lanes: &[Lanes<L>]| {
             let mut vector = H::Vector::zeros(lanes.len());
             for (to, from) in vector.components_mut().iter_mut().zip(lanes) {
@@ -271,15 +303,12 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     }
 
     fn put(&mut self, lane: usize, q: &H::Vector, p: &H::Vector) {
-        let components = q.components().iter().chain(p.components());
-        for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(components) {
-            to.set(lane, *from);
+        if self.is_stepped() {
+            let state = &mut self.states[lane];
+            (state.q, state.p) = (q.clone(), p.clone());
+            return;
         }
-    }
-
-    /// Moves what observables see to a lane.
-    fn keep(&mut self, lane: usize) {
-        let components = self.state.q.components().iter().chain(self.state.p.components());
+        let components = q.components().iter().chain(p.components());
         for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(components) {
             to.set(lane, *from);
         }
@@ -287,25 +316,36 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
 
     /// The state of a lane at a node that all have reached.
     pub(super) fn state_at(&mut self, lane: usize, node: u64) -> &State<H::Vector> {
-        self.look(lane);
-        self.state.t = self.time(node);
-        &self.state
+        let t = self.time(node);
+        let state = self.look(lane);
+        state.t = t;
+        state
     }
 
-    /// Moves a lane to what observables see.
-    fn look(&mut self, lane: usize) {
-        for (to, from) in self.state.q.components_mut().iter_mut().zip(&self.q) {
+    /// The state of a lane as observables see it.
+    fn look(&mut self, lane: usize) -> &mut State<H::Vector> {
+        if self.is_stepped() {
+            return &mut self.states[lane];
+        }
+        let state = &mut self.states[0];
+        for (to, from) in state.q.components_mut().iter_mut().zip(&self.q) {
             *to = from[lane];
         }
-        for (to, from) in self.state.p.components_mut().iter_mut().zip(&self.p) {
+        for (to, from) in state.p.components_mut().iter_mut().zip(&self.p) {
             *to = from[lane];
         }
+        state
     }
 
     /// The increments of a lane in a step that has been drawn.
     pub(super) fn increments_of(&mut self, lane: usize, step: u64) -> &[f64] {
-        for (to, from) in self.alone.iter_mut().zip(self.increments.of(step)) {
-            *to = from[lane];
+        match self.increments.of_path(step) {
+            Some(dw) => self.alone.copy_from_slice(dw),
+            None => {
+                for (to, from) in self.alone.iter_mut().zip(self.increments.of(step)) {
+                    *to = from[lane];
+                }
+            }
         }
         &self.alone
     }

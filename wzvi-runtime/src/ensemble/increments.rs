@@ -1,11 +1,14 @@
 //! The increments of paths beside each other.
 
-use super::draws::{STEPS, normals, normals_at};
+use super::draws::{STEPS, normals, normals_at, normals_of_processes};
 use super::source::Source;
 use crate::increments::{Interval, NoiseError};
 use crate::lanes::Lanes;
 use crate::noise::Paths;
 use crate::scalar::Scalar;
+
+/// Processes whose normals are drawn beside each other for a path that goes alone.
+const BESIDE: usize = 16;
 
 /// The place of a step among those that are drawn together.
 #[inline(always)]
@@ -17,6 +20,8 @@ fn slot(step: u64) -> usize {
 enum Origin<'j, const L: usize> {
     /// Normals with these keys, by process.
     Normals(Vec<[u32; 8]>),
+    /// The key of the first process, and increments of one path, which goes alone, in the order of `values`.
+    Alone([u32; 8], Vec<f64>),
     /// Normals that more is made of than increments, by process and step.
     Kept(Vec<[u32; 8]>, Vec<[[f64; L]; STEPS]>),
     /// For paths `2k` and `2k + 1` the normals of path `k`, as they are and negated.
@@ -52,6 +57,17 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         };
         let values = vec![Lanes::from_f64(0.0); STEPS * processes];
         Self { origin, path: 0, processes, deviation: h.abs().sqrt(), clip: source.clip(h), values }
+    }
+
+    /// For paths that go one after the other.
+    pub(super) fn path_by_path(mut self) -> Self {
+        if let Origin::Normals(keys) = &self.origin
+            && let Some(&key) = keys.first()
+        {
+            self.origin = Origin::Alone(key, vec![0.0; STEPS * self.processes]);
+            self.values = Vec::new();
+        }
+        self
     }
 
     /// Keeps normals for whoever makes more of them than increments.
@@ -96,6 +112,11 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
                     }
                 }
             }
+            Origin::Alone(..) => {
+                if slot(step) == 0 {
+                    self.draw_alone(step / STEPS as u64);
+                }
+            }
             Origin::Kept(keys, kept) => {
                 if slot(step) == 0 {
                     for (key, kept) in keys.iter().zip(kept.iter_mut()) {
@@ -111,6 +132,21 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
             Origin::Each(..) => self.ask(interval, wants)?,
         }
         Ok(())
+    }
+
+    /// Of one path many processes are drawn at once.
+    #[inline(always)]
+    fn draw_alone(&mut self, block: u64) {
+        let Origin::Alone(key, values) = &mut self.origin else { return };
+        let mut drawn = [[0.0; BESIDE]; STEPS];
+        for first in (0..self.processes).step_by(BESIDE) {
+            let end = self.processes.min(first + BESIDE);
+            normals_of_processes(key, first as u64, (self.path, block), &mut drawn);
+            for (row, drawn) in values.chunks_exact_mut(self.processes).zip(&drawn) {
+                let drawn = increment(Lanes::new(*drawn), self.clip, self.deviation).to_array();
+                row[first..end].copy_from_slice(&drawn[..end - first]);
+            }
+        }
     }
 
     /// Of the lanes that are drawn at once, half are for the steps after the next [`STEPS`].
@@ -179,7 +215,24 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         row.unwrap_or_default()
     }
 
-    /// The same, to change them.
+    /// The same of a path that goes alone; `None` where paths do not.
+    #[inline(always)]
+    pub(super) fn of_path(&self, step: u64) -> Option<&[f64]> {
+        let Origin::Alone(_, values) = &self.origin else { return None };
+        values.get(slot(step) * self.processes..)?.get(..self.processes)
+    }
+
+    /// Those of a lane, anew.
+    pub(super) fn set(&mut self, lane: usize, step: u64, dw: &[f64]) {
+        if let Origin::Alone(_, values) = &mut self.origin {
+            let row = values.chunks_exact_mut(self.processes.max(1)).nth(slot(step));
+            row.into_iter().for_each(|row| row.copy_from_slice(dw));
+        } else {
+            self.of_mut(step).iter_mut().zip(dw).for_each(|(to, from)| to.set(lane, *from));
+        }
+    }
+
+    /// The same as [`LaneIncrements::of`], to change them.
     #[inline(always)]
     pub(super) fn of_mut(&mut self, step: u64) -> &mut [Lanes<L>] {
         let first = slot(step) * self.processes;

@@ -51,6 +51,14 @@ pub(super) type Inspector<'a, V> = Box<dyn Fn(u64, &State<V>) + Send + Sync + 'a
 pub(super) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
 impl<H: Discretized<E>, E> Job<'_, H, E> {
+    /// Whether [`Job::goes_path_by_path`] may be.
+    pub(super) const MAY_GO_PATH_BY_PATH: bool = H::FILLS_REGISTERS_FROM < usize::MAX;
+
+    /// Whether paths go one after the other, because the steps of each are in vector instructions by themselves. Antithetic paths are drawn in pairs.
+    pub(super) fn goes_path_by_path(&self) -> bool {
+        self.start.q.components().len() >= H::FILLS_REGISTERS_FROM && !self.source.is_antithetic()
+    }
+
     /// Whether something is looked for in each step.
     pub(super) fn looks_inside(&self) -> bool {
         !self.sections.is_empty() || (!self.events.is_empty() && self.processes() == 0)

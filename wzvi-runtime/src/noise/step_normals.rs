@@ -34,8 +34,15 @@ const MOST_HALVINGS: u32 = 30;
 /// The key of the normals of one process in steps of size `h`, on one level of a multilevel run.
 pub(crate) fn key(seed: u64, process: u64, h: f64, level: u32) -> [u32; 8] {
     let words = |x: u64| [x as u32, (x >> 32) as u32];
-    let ([a, b], [c, d], [e, f]) = (words(seed), words(process), words(h.to_bits()));
-    [a, b, c, d, level, e, VERSION, f]
+    let ([a, b], [e, f]) = (words(seed), words(h.to_bits()));
+    of_process(&[a, b, 0, 0, level, e, VERSION, f], process)
+}
+
+/// The key of another process.
+#[inline(always)]
+pub(crate) fn of_process(key: &[u32; 8], process: u64) -> [u32; 8] {
+    let [a, b, _, _, e, f, g, h] = *key;
+    [a, b, process as u32, (process >> 32) as u32, e, f, g, h]
 }
 
 /// The normals of a block of random words.

@@ -6,7 +6,6 @@ use std::sync::{Mutex, PoisonError};
 use super::data::{Cell, Weak};
 use super::measure::{Reference, WorkPrecision};
 use super::method::{Method, Paths};
-use super::noise::Shifted;
 use super::run::{Run, Settings, TIMED_STEPS, Work};
 use super::statistics::{Estimate, Trend};
 use crate::error::{Error, InternalError};
@@ -157,7 +156,11 @@ where
         reference: &Reference<'a, H>,
         paths: Range<u64>,
     ) -> Result<Option<Vec<State<H::Vector>>>, Error> {
-        let (start, processes) = (&plan.start, self.system.noises());
+        // Of a thermostat, one for each degree of freedom.
+        let degrees = self.system.degrees();
+        let mut drawn = self.methods.iter().map(|method| method.increments(self.system, degrees));
+        let of_bath = if drawn.any(|drawn| drawn > self.system.noises()) { degrees } else { 0 };
+        let (start, processes) = (&plan.start, self.system.noises() + of_bath);
         let mut wiener = self.wiener(0);
         let ends: Result<Vec<_>, Error> = match reference {
             Reference::Exact(exact) => paths
@@ -175,7 +178,7 @@ where
                 .collect(),
             Reference::Finer(method, h) => {
                 let (seen, number) = (AllSeen::new(paths.end - paths.start), paths.end - paths.start);
-                let noise = Shifted { noise: wiener.copy(), first: paths.start };
+                let noise = self.shifted(wiener.copy(), paths.start);
                 let run =
                     Paths { start, h: *h, steps: plan.reference_steps as u64, stride: 0, number, noise };
                 let see = |path, state: &State<H::Vector>| seen.see(path, state, None);
@@ -260,7 +263,7 @@ where
         let see = |path, state: &State<H::Vector>| {
             seen.see(path, state, Some((state.t - start.t, system.energy(state) - first)));
         };
-        let noise = Shifted { noise: (self.driver)(self.wiener(0)), first: paths.start };
+        let noise = self.shifted((self.driver)(self.wiener(0)), paths.start);
         let stride = steps.div_ceil(LOOKS);
         let end = start.t + steps as f64 * run.h;
         let outcome = method.run(system, Paths { start, h: run.h, steps, stride, number, noise }, &see);

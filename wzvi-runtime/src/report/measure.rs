@@ -39,7 +39,8 @@ pub(super) struct Setup<'a, V> {
 /// How much error several schemes make for how much time: [`WorkPrecision::run`] measures it.
 ///
 /// A start, an end, step sizes, a reference and at least one scheme are needed. The paths are those of one seed: every
-/// scheme, every step size and the reference see the same Wiener paths.
+/// scheme, every step size and the reference see the same Wiener paths: [thermostats](crate::bath), too, whose normals are increments of one Wiener
+/// process for each degree of freedom, after those of the noises.
 #[must_use = "nothing is measured before `run`"]
 pub struct WorkPrecision<'a, H: Hamiltonian> {
     pub(super) system: &'a H,
@@ -125,7 +126,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         self
     }
 
-    /// Compares with an exact solution `exact(t, wiener)`, `wiener[k] = W_k(t) - W_k(t_0)`.
+    /// Compares with an exact solution `exact(t, wiener)`, `wiener[k] = W_k(t) - W_k(t_0)`: those of the noises, and then those of a bath.
     pub fn exact(mut self, exact: impl Fn(f64, &[f64]) -> State<H::Vector> + Send + Sync + 'a) -> Self {
         self.reference = Some(Reference::Exact(Box::new(exact)));
         self

@@ -68,7 +68,7 @@ pub(super) struct Given<'a, V> {
     pub(super) start: &'a State<V>,
     pub(super) h: f64,
     pub(super) steps: usize,
-    /// Rows of one increment per noise; empty without noise.
+    /// Rows of the increments of a step; empty without noise.
     pub(super) increments: &'a [f64],
 }
 
@@ -142,7 +142,7 @@ where
         see: See<'_, H::Vector>,
     ) -> Result<Option<Option<Error>>, Error> {
         let Paths { start, h, steps, stride, number, noise } = paths;
-        if system.noises() == 0 {
+        if system.increments(start.q.components().len()) == 0 {
             let run = system.simulate::<E>(h).start(start.clone()).steps(steps);
             let run = run.record_every(if stride == 0 { steps.max(1) } else { stride });
             let run = run.inspect(|state: &State<H::Vector>, _: &Node<'_>| see(0, state));
@@ -169,10 +169,11 @@ where
         passes: u32,
     ) -> Result<(Duration, Iterations), Error> {
         // As they are run for their errors.
-        if system.noises() == 0 {
+        let processes = paths.first().map_or(0, |path| system.increments(path.start.q.components().len()));
+        if processes == 0 {
             timed(paths, (0, passes), |h| Stepper::<H, E>::new(system, h))
         } else {
-            timed(paths, (system.noises(), passes), |h| Ok(Stepper::<H, E>::new(system, h)?.plain()))
+            timed(paths, (processes, passes), |h| Ok(Stepper::<H, E>::new(system, h)?.plain()))
         }
     }
 }

@@ -1,18 +1,26 @@
-//! The noise of a measurement: that of paths from some number on.
+//! The noise of a measurement: that of paths from some number on, the same for all schemes.
+//!
+//! A thermostat with one O part in a step is driven by one Wiener process `W` for each degree of freedom, one with two by two, `W_1` and `W_2`, with
+//! which it converges to the path of `(W_1 + W_2) / √2`. Taken as `W_{1,2} = (W ± W') / √2`, with `W'` of its own, they are independent Wiener
+//! processes, and both thermostats converge to the path of `W`.
+
+use std::f64::consts::FRAC_1_SQRT_2;
 
 use crate::increments::{Identity, Interval, Noise, NoiseError};
 use crate::noise::{Driver, Paths};
 use crate::plan::Plan;
 
-/// A noise whose path 0 is path `first` of another.
+/// A noise whose path 0 is path `first` of another, for a system of so many degrees of freedom and noises beside its bath.
 pub(super) struct Shifted<'a> {
     pub(super) noise: Box<dyn Driver + 'a>,
     pub(super) first: u64,
+    pub(super) degrees: usize,
+    pub(super) noises: usize,
 }
 
 impl Clone for Shifted<'_> {
     fn clone(&self) -> Self {
-        Self { noise: (*self.noise).copy(), first: self.first }
+        Self { noise: (*self.noise).copy(), ..*self }
     }
 }
 
@@ -22,7 +30,17 @@ impl Noise for Shifted<'_> {
     }
 
     fn increments(&mut self, interval: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
-        self.noise.increments(interval, dw)
+        self.noise.increments(interval, dw)?;
+        if let Some(of_bath) = dw.get_mut(self.noises..)
+            && of_bath.len() == 2 * self.degrees
+        {
+            let (first, second) = of_bath.split_at_mut(self.degrees);
+            for (first, second) in first.iter_mut().zip(second) {
+                let (sum, difference) = (*first + *second, *first - *second);
+                (*first, *second) = (sum * FRAC_1_SQRT_2, difference * FRAC_1_SQRT_2);
+            }
+        }
+        Ok(())
     }
 
     fn identity(&self) -> Option<Identity> {

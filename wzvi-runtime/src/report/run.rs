@@ -6,12 +6,13 @@ use super::data::{Cell, Report};
 use super::machine::Machine;
 use super::measure::{Reference, WorkPrecision};
 use super::method::{Given, Iterations, Method};
+use super::noise::Shifted;
 use super::number;
 use super::statistics::Spread;
 use crate::error::{ConfigError, Error, InternalError, StepFailure};
-use crate::increments::Interval;
+use crate::increments::{Interval, Noise as _};
 use crate::interrupt::Interrupt;
-use crate::noise::Wiener;
+use crate::noise::{Driver, Paths as _, Wiener};
 use crate::progress::Progress;
 use crate::span::{End, steps_between};
 use crate::state::{State, Vector};
@@ -127,16 +128,9 @@ where
             }
             usize::try_from(steps).map_err(|_| ConfigError::End { start: start.t, end, h })
         };
-        let (degrees, noises) = (start.q.components().len(), self.system.noises());
-        let mut methods = self.methods.iter();
-        if let Some(method) = methods.find(|method| method.increments(self.system, degrees) != noises) {
-            return Err(ConfigError::Setting(format!(
-                "schemes are compared on paths that they share, but {} draws the normals of its bath for itself: compare averages of \
-                 ensembles instead",
-                method.name()
-            )));
-        }
-        let paths = if self.system.noises() == 0 { 1 } else { self.paths };
+        let degrees = start.q.components().len();
+        let mut processes = self.methods.iter().map(|method| method.increments(self.system, degrees));
+        let paths = if processes.all(|processes| processes == 0) { 1 } else { self.paths };
         let mut sizes = self.steps.clone();
         sizes.sort_by(|a, b| b.abs().total_cmp(&a.abs()));
         sizes.dedup();
@@ -151,6 +145,11 @@ where
             _ => 0,
         };
         Ok(Settings { start, end, paths, threads: self.setup.execution.threads()?, runs, reference_steps })
+    }
+
+    /// What drives the paths from `first` on, made of their Wiener paths.
+    pub(super) fn shifted<'n>(&self, noise: Box<dyn Driver + 'n>, first: u64) -> Shifted<'n> {
+        Shifted { noise, first, degrees: self.system.degrees(), noises: self.system.noises() }
     }
 
     /// The Wiener path with a number.
@@ -195,7 +194,7 @@ where
                 cell.times.push(steps.as_secs_f64() / (paths * f64::from(*passes)));
                 cell.noise_times.push(drawing.as_secs_f64() / paths);
                 cell.time = Some(Spread::of(&cell.times));
-                if self.system.noises() > 0 {
+                if drawing > Duration::ZERO {
                     cell.noise_time = Some(Spread::of(&cell.noise_times));
                 }
             }
@@ -223,10 +222,10 @@ where
         passes: u32,
     ) -> Result<(Duration, Iterations, Duration), Error> {
         let method = self.method_of(run)?;
-        let row = run.steps * self.system.noises();
+        let (processes, start) = (method.increments(self.system, self.system.degrees()), plan.start.t);
+        let row = run.steps * processes;
         let mut increments = vec![0.0; row * numbers.len()];
-        let (processes, start) = (self.system.noises(), plan.start.t);
-        let mut noise = (self.driver)(self.wiener(0));
+        let mut noise = self.shifted((self.driver)(self.wiener(0)), 0);
         if processes > 0 {
             noise.prepare(&method.plan(), run.h, processes, start)?;
         }
@@ -239,7 +238,7 @@ where
                 }
             }
         }
-        let drawing = begin.elapsed();
+        let drawing = if row > 0 { begin.elapsed() } else { Duration::ZERO };
         let given = |path: usize| Given {
             start: &plan.start,
             h: run.h,

@@ -14,15 +14,16 @@ const PIVOT_ULPS: f64 = 4.0 * f64::EPSILON;
 /// A square matrix with room for its factors.
 #[derive(Clone, Debug)]
 pub struct Banded<S> {
-    n: usize,
     /// Diagonals on each side.
     half: usize,
     /// Where each unknown is in the band; empty for the order that it has.
     position: Vec<usize>,
-    /// Row `i` from column `i - half`, with `half` columns of room for what pivoting fills.
+    /// Row `i` from column `i - half`, with `half` columns of room for what pivoting fills. Behind the last row are `half` rows of zeros, so that
+    /// those at the end are no case of their own.
     rows: Vec<S>,
     /// Row exchanged with row `k` before column `k` was eliminated.
     exchanges: Vec<usize>,
+    /// For each unknown, and with `half` on either side, or twice as many behind.
     scratch: Vec<S>,
 }
 
@@ -30,15 +31,14 @@ impl<S: Scalar> Banded<S> {
     /// Room for a matrix of `n` unknowns with `half` diagonals on each side, in the order that `position` gives them;
     /// empty for the order that they have. `None` if it has more than `most` numbers.
     pub fn new(n: usize, half: usize, position: Vec<usize>, most: usize) -> Option<Self> {
-        let numbers = half.checked_mul(3)?.checked_add(1)?.checked_mul(n)?;
+        let numbers = half.checked_mul(3)?.checked_add(1)?.checked_mul(n.checked_add(half)?)?;
         let zero = S::from_f64(0.0);
         (numbers <= most).then(|| Self {
-            n,
             half,
             position,
             rows: vec![zero; numbers],
             exchanges: vec![0; n],
-            scratch: vec![zero; n],
+            scratch: vec![zero; n + 2 * half],
         })
     }
 
@@ -51,7 +51,7 @@ impl<S: Scalar> Banded<S> {
     pub fn reset(&mut self) {
         self.rows.fill(S::from_f64(0.0));
         let (width, half) = (3 * self.half + 1, self.half);
-        for row in self.rows.chunks_exact_mut(width) {
+        for row in self.rows.chunks_exact_mut(width).take(self.exchanges.len()) {
             row[half] = S::from_f64(1.0);
         }
     }
@@ -72,50 +72,53 @@ impl<S: Scalar> Banded<S> {
     /// # Errors
     /// [`StepFailure::Singular`] if a pivot is at the rounding level of the largest entry of its column.
     pub fn factor(&mut self) -> Result<(), StepFailure> {
-        let (n, half, width) = (self.n, self.half, 3 * self.half + 1);
-        let rows = &mut self.rows;
-        self.scratch.fill(S::from_f64(0.0));
-        for (i, row) in rows.chunks_exact(width).enumerate() {
-            let first = i.saturating_sub(half);
-            let end = (i + half + 1).min(n);
-            let entries = &row[first + half - i..end + half - i];
-            for (scale, entry) in self.scratch[first..end].iter_mut().zip(entries) {
+        match self.half {
+            1 => self.factor_in(1),
+            2 => self.factor_in(2),
+            half => self.factor_in(half),
+        }
+    }
+
+    /// [`Banded::factor`] with its loops written out where the caller knows how narrow the band is: of a chain, or of a ring.
+    #[inline(always)]
+    fn factor_in(&mut self, half: usize) -> Result<(), StepFailure> {
+        let (width, upper) = (3 * half + 1, 2 * half + 1);
+        let Self { rows, exchanges, scratch: scales, .. } = self;
+        scales.fill(S::from_f64(0.0));
+        for (i, row) in rows.chunks_exact(width).enumerate().take(exchanges.len()) {
+            for (scale, entry) in scales[i..i + upper].iter_mut().zip(row) {
                 *scale = S::from_f64(larger(scale.magnitude(), entry.magnitude()));
             }
         }
-        for k in 0..n {
-            let last = (k + half).min(n - 1);
-            let entry = |i: usize, j: usize| i * width + j + half - i;
-            let mut best = k;
-            for i in k + 1..=last {
-                if rows[entry(i, k)].magnitude() > rows[entry(best, k)].magnitude() {
-                    best = i;
+        for (k, exchange) in exchanges.iter_mut().enumerate() {
+            let (above, below) = rows.split_at_mut((k + 1) * width);
+            let (own, below) = (&mut above[k * width + half..], &mut below[..half * width]);
+            let (mut best, mut pivot) = (0, own[0].magnitude());
+            for (row, entries) in below.chunks_exact(width).enumerate() {
+                let entry = entries[half - 1 - row].magnitude();
+                if entry > pivot {
+                    (best, pivot) = (row + 1, entry);
                 }
             }
-            let (pivot, scale) = (rows[entry(best, k)].magnitude(), self.scratch[k].magnitude());
+            let scale = scales[k + half].magnitude();
             if pivot.is_nan() || !scale.is_finite() {
                 return Err(StepFailure::NonFinite);
             }
             if pivot <= PIVOT_ULPS * scale {
                 return Err(StepFailure::Singular { pivot, scale });
             }
-            self.exchanges[k] = best;
-            let end = (k + 2 * half + 1).min(n);
-            if best != k {
-                for j in k..end {
-                    rows.swap(entry(k, j), entry(best, j));
-                }
+            *exchange = k + best;
+            if best > 0 {
+                own.swap_with_slice(&mut below[(best - 1) * width + half - best..][..upper]);
             }
-            let (above, below) = rows.split_at_mut((k + 1) * width);
-            let pivot_row = &mut above[k * width + half..k * width + half + end - k];
-            let inverse = pivot_row[0].recip();
-            pivot_row[0] = inverse;
-            for (i, row) in (k + 1..=last).zip(below.chunks_exact_mut(width)) {
-                let row = &mut row[k + half - i..][..end - k];
-                let factor = row[0] * inverse;
-                row[0] = factor;
-                for (own, &other) in row[1..].iter_mut().zip(&pivot_row[1..]) {
-                    *own = *own - factor * other;
+            let inverse = own[0].recip();
+            own[0] = inverse;
+            for (row, entries) in below.chunks_exact_mut(width).enumerate() {
+                let entries = &mut entries[half - 1 - row..][..upper];
+                let factor = entries[0] * inverse;
+                entries[0] = factor;
+                for (entry, &other) in entries[1..].iter_mut().zip(&own[1..]) {
+                    *entry = *entry - factor * other;
                 }
             }
         }
@@ -126,7 +129,7 @@ impl<S: Scalar> Banded<S> {
     pub fn is_reversed(&self) -> bool {
         let width = 3 * self.half + 1;
         let zero = S::from_f64(0.0);
-        let pivots = self.rows.iter().skip(self.half).step_by(width);
+        let pivots = self.rows.iter().skip(self.half).step_by(width).take(self.exchanges.len());
         let negative = pivots.filter(|pivot| pivot.less(zero).all()).count();
         let swapped = self.exchanges.iter().enumerate().filter(|&(k, &with)| k != with).count();
         (negative + swapped) % 2 == 1
@@ -134,38 +137,40 @@ impl<S: Scalar> Banded<S> {
 
     /// `b` becomes `A⁻¹ b`, after [`Banded::factor`].
     pub fn solve(&mut self, b: &mut [S]) {
-        let (n, half, width) = (self.n, self.half, 3 * self.half + 1);
-        let (rows, x) = (&self.rows, &mut self.scratch);
-        let entry = |i: usize, j: usize| i * width + j + half - i;
-        match self.position.is_empty() {
-            true => x.copy_from_slice(b),
-            false => {
-                for (value, &to) in b.iter().zip(&self.position) {
-                    x[to] = *value;
-                }
+        match self.half {
+            1 => self.solve_in(1, b),
+            2 => self.solve_in(2, b),
+            half => self.solve_in(half, b),
+        }
+    }
+
+    /// [`Banded::solve`], as [`Banded::factor_in`].
+    #[inline(always)]
+    fn solve_in(&mut self, half: usize, b: &mut [S]) {
+        let (n, width) = (self.exchanges.len(), 3 * half + 1);
+        let Self { rows, exchanges, position, scratch: x, .. } = self;
+        match position.is_empty() {
+            true => x[..n].copy_from_slice(b),
+            false => b.iter().zip(&*position).for_each(|(value, &to)| x[to] = *value),
+        }
+        x[n..].fill(S::from_f64(0.0));
+        for (k, &exchange) in exchanges.iter().enumerate() {
+            if exchange != k {
+                x.swap(k, exchange);
+            }
+            let (value, below) = (x[k], &rows[(k + 1) * width..][..half * width]);
+            for (row, (entries, own)) in below.chunks_exact(width).zip(&mut x[k + 1..=k + half]).enumerate() {
+                *own = *own - entries[half - 1 - row] * value;
             }
         }
-        for k in 0..n {
-            x.swap(k, self.exchanges[k]);
-            let value = x[k];
-            for i in k + 1..(k + half + 1).min(n) {
-                x[i] = x[i] - rows[entry(i, k)] * value;
-            }
+        for (i, row) in rows.chunks_exact(width).enumerate().take(n).rev() {
+            let (above, behind) = x[i..=i + 2 * half].split_at_mut(1);
+            let sum = |value: S, (&entry, &other): (&S, &S)| value - entry * other;
+            above[0] = row[half + 1..].iter().zip(&*behind).fold(above[0], sum) * row[half];
         }
-        for i in (0..n).rev() {
-            let mut value = x[i];
-            for j in i + 1..(i + 2 * half + 1).min(n) {
-                value = value - rows[entry(i, j)] * x[j];
-            }
-            x[i] = value * rows[entry(i, i)];
-        }
-        match self.position.is_empty() {
-            true => b.copy_from_slice(x),
-            false => {
-                for (value, &from) in b.iter_mut().zip(&self.position) {
-                    *value = x[from];
-                }
-            }
+        match position.is_empty() {
+            true => b.copy_from_slice(&x[..n]),
+            false => b.iter_mut().zip(&*position).for_each(|(value, &from)| *value = x[from]),
         }
     }
 }

@@ -21,6 +21,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
             resolution,
             exchanged,
             ledger: _,
+            is_unaccounted: _,
             scheme: _,
         } = self;
         let Clock { start, ticks, now } = clock;

@@ -8,6 +8,7 @@
 //! at once, those behind it after the chunk, which ends before it would reach a slice that is further ahead than an earlier one.
 
 mod motion;
+mod rows;
 mod stores;
 
 use proc_macro2::{Ident, Literal, TokenStream};
@@ -16,6 +17,7 @@ use quote::{format_ident, quote};
 use motion::{Motion, motion, runs, wrap};
 
 pub(super) use motion::stretch;
+pub(super) use rows::partners;
 
 use super::Wanted;
 use super::indices::{Indices, variable};
@@ -75,16 +77,23 @@ struct Code {
     added: Vec<usize>,
 }
 
-/// A loop, and what stands before the outermost one around it.
+/// A loop, and what stands before and after the outermost one around it.
 pub(super) struct Emitted {
     pub(super) buffers: TokenStream,
     pub(super) body: TokenStream,
+    pub(super) after: TokenStream,
+}
+
+impl Emitted {
+    fn new(buffers: TokenStream, body: TokenStream) -> Self {
+        Self { buffers, body, after: TokenStream::new() }
+    }
 }
 
 impl Chunk<'_> {
     pub(super) fn emit(&self, inside: &TokenStream, values: &[TokenStream]) -> Emitted {
         let Some((inner, [start, end])) = &self.inner else {
-            return Emitted { buffers: TokenStream::new(), body: self.single(inside, values) };
+            return Emitted::new(TokenStream::new(), self.single(inside, values));
         };
         let (inner, name) = (*inner, variable(*inner));
         let (isize, usize) = (quote!(__wzvi::isize), quote!(__wzvi::usize));
@@ -152,7 +161,7 @@ impl Chunk<'_> {
                 }
                 #after
             };
-            return Emitted { buffers, body };
+            return Emitted::new(buffers, body);
         }
         if let (true, Some((stride, places))) = (has_buffers, &places) {
             // What a stretch without wrapping around leaves out is left out at once: chunks would look one by one. Chunks
@@ -188,7 +197,7 @@ impl Chunk<'_> {
                 }
                 #after
             };
-            return Emitted { buffers, body };
+            return Emitted::new(buffers, body);
         }
         let pass = match places {
             None => quote! {
@@ -217,7 +226,7 @@ impl Chunk<'_> {
             }
             #after
         };
-        Emitted { buffers, body }
+        Emitted::new(buffers, body)
     }
 
     /// The arguments of `clip`: where the first placement of a chunk writes, if that of each one after it is the place after, or the

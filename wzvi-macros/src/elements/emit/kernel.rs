@@ -6,7 +6,7 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::Wanted;
-use super::chunk::{Chunk, Emitted};
+use super::chunk::{Chunk, Emitted, partners};
 use super::indices::{Indices, variable};
 use crate::diagnostics::internal::Promised;
 use crate::discretise::sums::Weighted;
@@ -104,6 +104,8 @@ pub(super) fn emit(
         lowering.program.declare(scale, Level::Time);
         inputs.push((lowering.program.input(scale), format_ident!("__scale")));
     }
+    let constants = [format_ident!("__t"), format_ident!("__scale")].into_iter().chain(parameters.clone());
+    let constants: Vec<Ident> = constants.collect();
     for (parameter, name) in context.parameters.iter().zip(parameters) {
         lowering.program.declare(parameter.symbol, Level::Prepared);
         inputs.push((lowering.program.input(parameter.symbol), name));
@@ -129,6 +131,10 @@ pub(super) fn emit(
     fixed.sort_unstable();
     fixed.dedup();
     let before = printer.bind(&fixed, &uses, &|op| fixed.contains(&op));
+    let mut constants = constants;
+    constants.extend(fixed.iter().filter_map(|&op| printer.bound(op).cloned()));
+    constants.sort_unstable();
+    constants.dedup();
     let inside = printer.bind(&ops, &uses, &|_| false);
     let values: Vec<TokenStream> = ops.iter().map(|&op| printer.scalar_value(op)).collect();
 
@@ -160,7 +166,14 @@ pub(super) fn emit(
         components: context.components,
         wanted: context.wanted,
     };
-    let Emitted { buffers, body } = chunk.emit(&quote!(#own_weight #inside), &values);
+    let pairs = match context.wanted {
+        Wanted::Slopes => partners(weighted, &indices, context.components),
+        Wanted::Value | Wanted::Curvature => None,
+    };
+    let Emitted { buffers, body, after } = match pairs {
+        Some(first) => chunk.row(&first, &constants, &inside, &values),
+        None => chunk.emit(&quote!(#own_weight #inside), &values),
+    };
     let mut nest = quote! { #fixed_weight #body };
     for (depth, known) in outer.iter().enumerate().rev() {
         let (name, [start, end]) = (variable(known.variable), range_of(known));
@@ -180,7 +193,7 @@ pub(super) fn emit(
             }
         };
     }
-    quote! {{ #before #buffers #nest }}
+    quote! {{ #before #buffers #nest #after }}
 }
 
 /// The vector of slopes that an element adds to; where it adds to both, either.

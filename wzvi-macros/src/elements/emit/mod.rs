@@ -354,6 +354,11 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let (f64, usize) = (f64_type(), quote!(__wzvi::usize));
     let has_one_velocity = windows::have_one_velocity(model, &parts);
+    let has_pairs = windows::have_pairs(model, &parts).then(|| {
+        quote!(
+            const HAS_PAIRS: __wzvi::bool = true;
+        )
+    });
     let [exact, usual] = windows::numbers(model, &parts);
     quote! {
         #[automatically_derived]
@@ -379,6 +384,7 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
             }
 
             const HAS_WINDOWS: __wzvi::bool = #has_windows;
+            #has_pairs
             const HAS_ONE_VELOCITY: __wzvi::bool = #has_one_velocity;
             type Exact = #exact;
             type Usual = #usual;

@@ -3,8 +3,9 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::chunk::stretch;
-use crate::elements::parts::PartElements;
+use super::chunk::{partners, stretch};
+use super::indices::Indices;
+use crate::elements::parts::{PartElements, unweighted};
 use crate::emit::count;
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
@@ -76,6 +77,14 @@ fn move_what_they_read(model: &mut System, parts: &[PartElements]) -> bool {
         let slope = model.graph.derivative(value, symbol);
         !model.graph.is_zero(slope)
     })
+}
+
+/// Whether slopes of some elements are taken in rows of pairs.
+pub(super) fn have_pairs(model: &System, parts: &[PartElements]) -> bool {
+    let indices = Indices { tables: &model.tables, checked: false };
+    let of_parts = parts.iter().flat_map(|part| part.elements.iter().cloned());
+    let of_drift = model.parts.iter().flat_map(|term| unweighted(&term.elements));
+    of_parts.chain(of_drift).any(|weighted| partners(&weighted, &indices, model.components).is_some())
 }
 
 /// Whether the velocity of every degree of freedom is the slope of one element, in a loop over all places or points.

@@ -4,13 +4,12 @@
 //! can be without what others write. The rest, a few windows at the borders, is taken when all are done. Every number is that of one thread:
 //! which turns a window waits for changes no term and no order of a sum.
 
-use std::hint::black_box;
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::check::Check;
-use super::layout::Windows;
+use super::layout::{Strip, Windows};
 use super::order::Turn;
 use super::sums::{Moved, Stretch, Window};
 use super::{Kick, LINE, Move, Moves, Share};
@@ -123,110 +122,178 @@ impl<M: Moves, T: Number<f64>, const WHOLE: bool> Kernel for Job<'_, M, T, WHOLE
         let Self { step, mut moves, turns, sums, .. } = self;
         let Taking { windows, rounds, q, p, reuses } = step;
         // Where lists are is read again for each move: what follows from it would else be computed for moves that are not to come.
-        let Room { first, even, odd, momenta, kept: [kept_q, kept_force] } = black_box(&mut room);
-        let (first, degrees) = (if WHOLE { 0 } else { *first }, q.len());
-        let last = rounds.len() - 1;
+        let Room { first, even, odd, momenta, kept: [kept_q, kept_force] } = &mut room;
+        let (first, last) = (if WHOLE { 0 } else { *first }, rounds.len() - 1);
         let keeps = M::IS_WORD && !kept_q.is_empty() && last > 0;
         let mut check = Check::default();
         for &Turn { round, window } in turns {
             let strip = windows.strip(window);
             let places = strip.start..strip.end;
-            // Where they are in the room.
             let own = strip.start - first..strip.end - first;
             let (from, to): (&[f64], &mut &mut [f64]) = match round {
                 0 => (q, &mut *even),
                 round if round % 2 == 1 => (*even, &mut *odd),
                 _ => (*odd, &mut *even),
             };
-            let from = Stretch { numbers: from, first: if WHOLE || round == 0 { 0 } else { first }, degrees };
-            // Until something is stored, momenta are those of the state.
-            let mut base = (round == 0).then(|| &p[places.clone()]);
-            let mut has_drifted = false;
+            let mut taken = OneTurn::<'_, M, WHOLE> {
+                moves: &mut moves,
+                check: &mut check,
+                strip,
+                first,
+                from: Stretch {
+                    numbers: from,
+                    first: if WHOLE || round == 0 { 0 } else { first },
+                    degrees: q.len(),
+                },
+                to,
+                momenta,
+                sums,
+                base: (round == 0).then(|| &p[places.clone()]),
+                has_drifted: false,
+            };
             for number in rounds[round].clone() {
-                let kind = moves.kind(number);
-                if !matches!(kind, Move::Kick(_))
-                    && let Some(base) = base.take()
-                {
-                    momenta[own.clone()].copy_from_slice(base);
+                let kind = taken.moves.kind(number);
+                if !matches!(kind, Move::Kick(_)) {
+                    taken.store_base();
                 }
                 match kind {
                     Move::Kick(_) if M::IS_WORD && reuses && round == 0 => {
-                        let (p, force) = (&mut momenta[own.clone()], &kept_force[own.clone()]);
-                        check.store(p, base.take(), force, |p, force| p + force);
+                        taken.kick_again(&kept_force[own.clone()]);
                     }
                     Move::Kick(kick) => {
-                        let p = &mut momenta[own.clone()];
-                        let mut into = match kick {
-                            Kick::Terms if M::IS_WORD => Window::onto(strip, sums, base.unwrap_or(p)),
-                            _ => Window::empty(strip, sums),
-                        };
-                        match WHOLE {
-                            true => moves.add_forces::<T, _, _>(number, from.numbers, &mut into),
-                            false => moves.add_forces::<T, _, _>(number, &from, &mut into),
-                        }
-                        let (base, sums) = (base.take(), into.finish());
-                        match kick {
-                            Kick::Minus if !M::IS_WORD => check.store(p, base, sums, |p, sum| p - sum),
-                            Kick::Plus if M::IS_WORD => check.store(p, base, sums, |p, sum| p + sum),
-                            Kick::Terms if M::IS_WORD => check.store(p, base, sums, |_, sum| sum),
-                            _ => check.store(p, base, sums, |p, sum| p + (0.0 - sum)),
-                        }
+                        let force = taken.kick::<T>(number, kick);
                         if keeps && round == last {
-                            kept_force[own.clone()].copy_from_slice(sums);
-                            kept_q[own.clone()].copy_from_slice(&from[places.clone()]);
+                            kept_force[own.clone()].copy_from_slice(force);
+                            kept_q[own.clone()].copy_from_slice(&taken.from[places.clone()]);
                         }
                     }
-                    Move::Drift if M::HAVE_ONE_VELOCITY && !(M::CHANGES && has_drifted) => {
-                        let mut moved = Moved { strip, base: from, next: to, first };
-                        match WHOLE {
-                            true => moves.add_velocities::<T, _, _>(number, &**momenta, &mut moved),
-                            false => {
-                                let momenta = &Stretch { numbers: momenta, first, degrees };
-                                moves.add_velocities::<T, _, _>(number, momenta, &mut moved);
-                            }
-                        }
-                        check.look(&to[own.clone()]);
-                        has_drifted = true;
-                    }
-                    Move::Drift => {
-                        let base = (!has_drifted).then(|| &from[places.clone()]);
-                        let q = &mut to[own.clone()];
-                        let mut into = match M::IS_WORD {
-                            true => Window::onto(strip, sums, base.unwrap_or(q)),
-                            false => Window::empty(strip, sums),
-                        };
-                        match WHOLE {
-                            true => moves.add_velocities::<T, _, _>(number, &**momenta, &mut into),
-                            false => {
-                                let momenta = &Stretch { numbers: momenta, first, degrees };
-                                moves.add_velocities::<T, _, _>(number, momenta, &mut into);
-                            }
-                        }
-                        let sums = into.finish();
-                        match M::IS_WORD {
-                            true => check.store(q, base, sums, |_, sum| sum),
-                            false => check.store(q, base, sums, |q, sum| q + sum),
-                        }
-                        has_drifted = true;
-                    }
-                    Move::Momenta if M::CHANGES => {
-                        moves.change_momenta(number, places.clone(), &mut momenta[own.clone()]);
-                        check.look(&momenta[own.clone()]);
-                    }
-                    Move::State if M::CHANGES => {
-                        let (q, p) = (&mut to[own.clone()], &mut momenta[own.clone()]);
-                        if !has_drifted {
-                            q.copy_from_slice(&from[places.clone()]);
-                        }
-                        moves.change_state(number, places.clone(), q, p);
-                        check.look(q);
-                        check.look(p);
-                        has_drifted = true;
-                    }
+                    Move::Drift => taken.drift::<T>(number),
+                    Move::Momenta if M::CHANGES => taken.change_momenta(number),
+                    Move::State if M::CHANGES => taken.change_state(number),
                     Move::Momenta | Move::State => {}
                 }
             }
         }
         check.is_finite()
+    }
+}
+
+/// A window in a round.
+struct OneTurn<'t, M, const WHOLE: bool> {
+    moves: &'t mut M,
+    check: &'t mut Check,
+    strip: Strip<'t>,
+    /// Where the room begins.
+    first: usize,
+    /// Coordinates before, and after.
+    from: Stretch<'t>,
+    to: &'t mut [f64],
+    momenta: &'t mut [f64],
+    sums: &'t mut [f64],
+    /// Until something is stored, momenta are those of the state.
+    base: Option<&'t [f64]>,
+    has_drifted: bool,
+}
+
+impl<M: Moves, const WHOLE: bool> OneTurn<'_, M, WHOLE> {
+    /// Where its places are in the room.
+    #[inline(always)]
+    fn own(&self) -> Range<usize> {
+        self.strip.start - self.first..self.strip.end - self.first
+    }
+
+    /// Momenta that no kick has stored.
+    #[inline(always)]
+    fn store_base(&mut self) {
+        if let Some(base) = self.base.take() {
+            let own = self.own();
+            self.momenta[own].copy_from_slice(base);
+        }
+    }
+
+    /// With the force of the step before.
+    #[inline(always)]
+    fn kick_again(&mut self, force: &[f64]) {
+        let own = self.own();
+        let p = &mut self.momenta[own];
+        self.check.store(p, self.base.take(), force, |p, force| p + force);
+    }
+
+    /// Adds forces to momenta; the sums.
+    #[inline(always)]
+    fn kick<T: Number<f64>>(&mut self, number: usize, kick: Kick) -> &[f64] {
+        let own = self.own();
+        let p = &mut self.momenta[own];
+        let mut into = match kick {
+            Kick::Terms if M::IS_WORD => Window::onto(self.strip, self.sums, self.base.unwrap_or(p)),
+            _ => Window::empty(self.strip, self.sums),
+        };
+        match WHOLE {
+            true => self.moves.add_forces::<T, _, _>(number, self.from.numbers, &mut into),
+            false => self.moves.add_forces::<T, _, _>(number, &self.from, &mut into),
+        }
+        let (base, sums) = (self.base.take(), into.finish());
+        match kick {
+            Kick::Minus if !M::IS_WORD => self.check.store(p, base, sums, |p, sum| p - sum),
+            Kick::Plus if M::IS_WORD => self.check.store(p, base, sums, |p, sum| p + sum),
+            Kick::Terms if M::IS_WORD => self.check.store(p, base, sums, |_, sum| sum),
+            _ => self.check.store(p, base, sums, |p, sum| p + (0.0 - sum)),
+        }
+        sums
+    }
+
+    /// Adds velocities to coordinates.
+    #[inline(always)]
+    fn drift<T: Number<f64>>(&mut self, number: usize) {
+        let own = self.own();
+        let Self { strip, first, from, to, momenta, has_drifted, .. } = self;
+        let stretch = &Stretch { numbers: momenta, first: *first, degrees: from.degrees };
+        if M::HAVE_ONE_VELOCITY && !(M::CHANGES && *has_drifted) {
+            let mut moved = Moved { strip: *strip, base: *from, next: to, first: *first };
+            match WHOLE {
+                true => self.moves.add_velocities::<T, _, _>(number, stretch.numbers, &mut moved),
+                false => self.moves.add_velocities::<T, _, _>(number, stretch, &mut moved),
+            }
+            self.check.look(&to[own]);
+        } else {
+            let base = (!*has_drifted).then(|| &from[strip.start..strip.end]);
+            let q = &mut to[own];
+            let mut into = match M::IS_WORD {
+                true => Window::onto(*strip, self.sums, base.unwrap_or(q)),
+                false => Window::empty(*strip, self.sums),
+            };
+            match WHOLE {
+                true => self.moves.add_velocities::<T, _, _>(number, stretch.numbers, &mut into),
+                false => self.moves.add_velocities::<T, _, _>(number, stretch, &mut into),
+            }
+            let sums = into.finish();
+            match M::IS_WORD {
+                true => self.check.store(q, base, sums, |_, sum| sum),
+                false => self.check.store(q, base, sums, |q, sum| q + sum),
+            }
+        }
+        *has_drifted = true;
+    }
+
+    #[inline(always)]
+    fn change_momenta(&mut self, number: usize) {
+        let own = self.own();
+        let p = &mut self.momenta[own];
+        self.moves.change_momenta(number, self.strip.start..self.strip.end, p);
+        self.check.look(p);
+    }
+
+    #[inline(always)]
+    fn change_state(&mut self, number: usize) {
+        let places = self.strip.start..self.strip.end;
+        let own = self.own();
+        let (q, p) = (&mut self.to[own.clone()], &mut self.momenta[own]);
+        if !self.has_drifted {
+            q.copy_from_slice(&self.from[places.clone()]);
+        }
+        self.moves.change_state(number, places, q, p);
+        self.check.look(q);
+        self.check.look(p);
+        self.has_drifted = true;
     }
 }

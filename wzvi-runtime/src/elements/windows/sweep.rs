@@ -11,15 +11,18 @@
 //! all placements ([`Step::residual`]), no operation is fused and no sum is parted, so that bits depend neither on windows nor on
 //! instructions.
 
+mod blocks;
+
 use std::any::TypeId;
-use std::ops::Range;
+
+use blocks::{Compared, Follow, Guess, Kick, Store};
 
 use super::layout::{Recorder, Strip, Windows};
 use super::sums::Window;
 use super::{LEAST_IN_WINDOWS, LINE};
-use crate::elements::change::{Change, Moved, Seen};
+use crate::elements::change::{Change, Seen};
 use crate::elements::memory::{Lists, Scratch};
-use crate::elements::passes::{Block, Largest, in_blocks, load, store, subtract};
+use crate::elements::passes::{Largest, in_blocks, subtract};
 use crate::elements::step::{Step, nothing};
 use crate::elements::sums::Sums;
 use crate::elements::{Elements, MomentumUpdate, Scheme, Slopes, Unknowns};
@@ -219,47 +222,6 @@ impl<S: Scalar> Scratch<'_, S> {
     }
 }
 
-/// `q += u`, `p += factor v`, and a copy of `v` if there is room for one.
-struct Store<'a> {
-    q: &'a mut [f64],
-    p: &'a mut [f64],
-    u: &'a [f64],
-    x: &'a [f64],
-    past: &'a mut [f64],
-    factor: f64,
-}
-
-impl Kernel for Store<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<const L: usize, const HALF: usize>(mut self) {
-        in_blocks::<HALF>(self.x.len(), &mut self);
-    }
-}
-
-impl Block for Store<'_> {
-    #[inline(always)]
-    fn take<const N: usize>(&mut self, first: usize) {
-        let (mut q, mut p) = (load::<_, N>(self.q, first), load::<_, N>(self.p, first));
-        let (u, x) = (load::<_, N>(self.u, first), load::<_, N>(self.x, first));
-        for i in 0..N {
-            (q[i], p[i]) = after([q[i], p[i]], u[i], x[i], self.factor);
-        }
-        store(self.q, first, q);
-        store(self.p, first, p);
-        if !self.past.is_empty() {
-            store(self.past, first, x);
-        }
-    }
-}
-
-/// The state after a step.
-#[inline(always)]
-fn after([q, p]: [f64; 2], u: f64, v: f64, factor: f64) -> (f64, f64) {
-    (q + u, p + v * factor)
-}
-
 /// [`Step::start`]
 struct Start<'a, 's, H> {
     step: Step<'s, H, f64>,
@@ -295,45 +257,6 @@ impl<H: Elements> Kernel for Start<'_, '_, H> {
             in_blocks::<L>(places.len(), &mut follow);
         }
         (sweeps.is_ready, sweeps.is_finite) = (true, false);
-    }
-}
-
-/// The start from the steps before, and `P` there.
-struct Guess<'a> {
-    past: [&'a [f64]; 3],
-    known: u8,
-    p: &'a [f64],
-    x: &'a mut [f64],
-    momentum: &'a mut [f64],
-}
-
-impl Block for Guess<'_> {
-    #[inline(always)]
-    fn take<const N: usize>(&mut self, first: usize) {
-        let [a, b, c] = self.past;
-        let mut x = [0.0; N];
-        match self.known {
-            0 => {}
-            1 => x = load(a, first),
-            2 => {
-                let (a, b) = (load::<_, N>(a, first), load::<_, N>(b, first));
-                for i in 0..N {
-                    x[i] = a[i] * 2.0 - b[i];
-                }
-            }
-            _ => {
-                let (a, b, c) = (load::<_, N>(a, first), load::<_, N>(b, first), load::<_, N>(c, first));
-                for i in 0..N {
-                    x[i] = (a[i] - b[i]) * 3.0 + c[i];
-                }
-            }
-        }
-        let mut momentum = load::<_, N>(self.p, first);
-        for i in 0..N {
-            momentum[i] += x[i];
-        }
-        store(self.x, first, x);
-        store(self.momentum, first, momentum);
     }
 }
 
@@ -405,98 +328,5 @@ impl<H: Elements> Kernel for Sweep<'_, '_, H> {
             _ => corrected.get().relative_to(size.get()),
         };
         Swept { relative, change: Some(change) }
-    }
-}
-
-/// `v ← v - (v + start F)` and `P`.
-struct Kick<'a, const L: usize> {
-    forces: &'a [f64],
-    weight: f64,
-    p: &'a [f64],
-    x: &'a mut [f64],
-    correction: &'a mut [f64],
-    momentum: &'a mut [f64],
-    size: Largest<L>,
-    corrected: Largest<L>,
-}
-
-impl<const L: usize> Block for Kick<'_, L> {
-    #[inline(always)]
-    fn take<const N: usize>(&mut self, first: usize) {
-        let (forces, mut x) = (load::<_, N>(self.forces, first), load::<_, N>(self.x, first));
-        let mut momentum = load::<_, N>(self.p, first);
-        let mut correction = [0.0; N];
-        for i in 0..N {
-            correction[i] = x[i] + forces[i] * self.weight;
-            x[i] -= correction[i];
-            momentum[i] += x[i];
-        }
-        store(self.correction, first, correction);
-        store(self.x, first, x);
-        store(self.momentum, first, momentum);
-        self.size.take_finite(&x);
-        self.corrected.take(&correction);
-    }
-}
-
-/// `u` and `Q` from the sums of velocities.
-struct Follow<'a> {
-    velocities: &'a [f64],
-    q: &'a [f64],
-    point: f64,
-    u: &'a mut [f64],
-    next: &'a mut [f64],
-}
-
-impl<'a> Follow<'a> {
-    #[inline(always)]
-    fn new<H: Elements>(
-        step: &Step<'a, H, f64>,
-        places: &Range<usize>,
-        velocities: &'a [f64],
-        point: f64,
-        u: &'a mut [f64],
-        next: &'a mut [f64],
-    ) -> Self {
-        Self { velocities, q: &step.q[places.clone()], point, u, next }
-    }
-}
-
-impl Block for Follow<'_> {
-    #[inline(always)]
-    fn take<const N: usize>(&mut self, first: usize) {
-        let (u, mut next) = (load::<_, N>(self.velocities, first), load::<_, N>(self.q, first));
-        for i in 0..N {
-            next[i] += u[i] * self.point;
-        }
-        store(self.u, first, u);
-        store(self.next, first, next);
-    }
-}
-
-/// [`Follow`], and what that changes.
-struct Compared<'a, const L: usize> {
-    follow: Follow<'a>,
-    before: &'a [f64],
-    seen: &'a mut Seen<L>,
-    p: &'a [f64],
-    x: &'a [f64],
-    factor: f64,
-    /// Zero while the state after the step is finite.
-    zeros: [f64; L],
-}
-
-impl<const L: usize> Block for Compared<'_, L> {
-    #[inline(always)]
-    fn take<const N: usize>(&mut self, first: usize) {
-        self.follow.take::<N>(first);
-        let Follow { velocities: u, q, point, .. } = self.follow;
-        Moved { q, u, before: self.before, point, seen: self.seen }.take::<N>(first);
-        let (q, u) = (load::<_, N>(q, first), load::<_, N>(u, first));
-        let (p, x) = (load::<_, N>(self.p, first), load::<_, N>(self.x, first));
-        for i in 0..N.min(L) {
-            let (q, p) = after([q[i], p[i]], u[i], x[i], self.factor);
-            self.zeros[i] += q * 0.0 + p * 0.0;
-        }
     }
 }

@@ -27,14 +27,11 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
             }
             if !self.alone.is_empty() {
                 job.source.path(self.path(lane)).increments_of_part(&interval, h, &mut self.alone)?;
-                for (to, from) in self.increments.of_mut(step).iter_mut().zip(&self.alone) {
-                    to.set(lane, *from);
-                }
+                self.increments.set(lane, step, &self.alone);
             }
-            self.look(lane);
-            self.state.t = t;
-            match stepper.step(&mut self.state, &self.alone) {
-                Ok(_) => self.keep(lane),
+            let mut state = self.state_of(lane, t);
+            match stepper.step(&mut state, &self.alone) {
+                Ok(_) => self.put(lane, &state.q, &state.p),
                 Err(error) => self.fail(lane, StepError { step, ..error }),
             }
         }
@@ -58,7 +55,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
         let (job, path, step) = (self.job, self.path(lane), node - 1);
         self.state_at(lane, node);
         self.increments_of(lane, step);
-        let nodes = [before, &self.state];
+        let nodes = [before, &self.states[if self.is_stepped() { lane } else { 0 }]];
         if let (halved, halvings) = self.halved[lane]
             && halved == step
         {

@@ -1,0 +1,156 @@
+//! Forces and friction beside `drift = [H_A, H_B]`: each in the flow in which it changes nothing else.
+
+use wzvi::prelude::*;
+use wzvi::scalar::Dual;
+
+use super::parts::step;
+
+/// A force without potential, in the kick.
+#[hamiltonian(
+    drift = [|[_, _], [u, v]| 0.5 * (u * u + 2.0 * v * v), |[x, y], _| 0.25 * x.powi(4) + 0.5 * y * y + 0.3 * x * y],
+    force = |[x, y], _, t| [0.4 * y + 0.3 * (1.7 * t).cos(), -0.2 * x],
+    embedding = Verlet,
+)]
+struct Apart;
+
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + 2.0 * v * v) + 0.25 * x.powi(4) + 0.5 * y * y + 0.3 * x * y,
+    force = |[x, y], _, t| [0.4 * y + 0.3 * (1.7 * t).cos(), -0.2 * x],
+    embedding = Verlet,
+)]
+struct Together;
+
+macro_rules! pairs {
+    ($strategy:ident) => {
+        pub(super) mod $strategy {
+            use wzvi::prelude::*;
+
+            /// Oscillators that are mapped with their friction, a weak coupling, and a force that is.
+            #[hamiltonian(
+                __strategy = $strategy,
+                drift = [
+                    |q: [f64; 3], p: [f64; 3]| (0..3).map(|i| 0.5 * p[i] * p[i] + 0.5 * (1.0 + i as f64) * q[i] * q[i] + 0.1 * q[i]).sum::<f64>(),
+                    |q, _, t| (0..2).map(|i| 0.2 * (q[i + 1] - q[i]).powi(4)).sum::<f64>() + 0.1 * q[0] * (1.3 * t).sin(),
+                ],
+                friction = gamma,
+                force = |q, _, t| [0.3 * q[1], -0.2 * q[0], 0.1 * (0.8 * t).cos()],
+                embedding = [Verlet, Gauss<6>],
+            )]
+            pub(crate) struct Coupled {
+                pub(crate) gamma: f64,
+            }
+        }
+    };
+}
+
+mod strategies {
+    pairs!(inline);
+    pairs!(sweep);
+}
+
+use strategies::inline::Coupled;
+
+const AT: [&[f64]; 2] = [&[0.5, -0.3, 0.2], &[0.4, 0.1, -0.6]];
+
+/// Where the parts are drift and kick, steps are those of the sum.
+#[test]
+fn a_separable_drift_is_forced_in_its_kicks() {
+    let compare = |ours: Vec<f64>, theirs: Vec<f64>| {
+        for (a, b) in ours.iter().zip(theirs) {
+            // Some twenty sums of numbers below 1.
+            assert!((a - b).abs() < 20.0 * f64::EPSILON, "{a} {b}");
+        }
+    };
+    let (at, times) = ([&[0.5, -0.3][..], &[0.4, 0.1]], [0.7, 0.3]);
+    compare(step::<Verlet, _>(&Apart, at, times), step::<Verlet, _>(&Together, at, times));
+    compare(
+        step::<Composed<Verlet, Aba1064>, _>(&Apart, at, times),
+        step::<Composed<Verlet, Aba1064>, _>(&Together, at, times),
+    );
+    compare(
+        step::<Composed<Verlet, Aba864>, _>(&Apart, at, times),
+        step::<Composed<Verlet, Aba864>, _>(&Together, at, times),
+    );
+}
+
+/// Half of the step leaves `2^-(order + 1)` of its error.
+#[test]
+fn forced_and_damped_parts_have_the_order_of_their_table() {
+    fn order<E>(h: f64) -> f64
+    where
+        Coupled: Discretized<E>,
+    {
+        let system = Coupled { gamma: 0.7 };
+        let gap = |h: f64| {
+            let pairs = step::<E, _>(&system, AT, [0.3, h]).into_iter().zip(step::<Gauss<6>, _>(
+                &system,
+                AT,
+                [0.3, h],
+            ));
+            pairs.map(|(ours, exact)| (ours - exact).powi(2)).sum::<f64>().sqrt()
+        };
+        (gap(h) / gap(0.5 * h)).log2() - 1.0
+    }
+    // The terms of the next orders are not small yet.
+    for (order, expected) in
+        [(order::<Composed<Verlet, Aba1064>>(0.2), 4.0), (order::<Composed<Verlet, Aba864>>(0.2), 4.0)]
+    {
+        assert!(order > expected - 0.3, "{order} of {expected}");
+    }
+}
+
+/// Loops are what they would be written out.
+#[test]
+fn loops_are_forced_and_damped_too() {
+    type Aba = Composed<Verlet, Aba864>;
+    let ours = step::<Aba, _>(&Coupled { gamma: 0.7 }, AT, [0.3, 0.4]);
+    let theirs = step::<Aba, _>(&strategies::sweep::Coupled { gamma: 0.7 }, AT, [0.3, 0.4]);
+    for (a, b) in ours.iter().zip(theirs) {
+        // Maps of 6 numbers below 1, in 15 stages.
+        assert!((a - b).abs() < 1e-14, "{a} {b}");
+    }
+}
+
+/// `Mᵀ J M = e^{-γ h} J` without the force that has no potential, by dual numbers: the weights of the maps sum up to 1.
+#[test]
+fn friction_of_a_part_is_conformally_symplectic() {
+    type Aba = Composed<Verlet, Aba1064>;
+    let (system, h) = (Damped { gamma: 0.9 }, 0.5);
+    let prepared = Discretized::<Aba>::prepare(&system, h).unwrap();
+    let mut q = [Dual { value: 0.4, derivative: [1.0, 0.0] }];
+    let mut p = [Dual { value: 0.3, derivative: [0.0, 1.0] }];
+    Discretized::<Aba>::advance(&system, &prepared, 0.2, h, &mut q, &mut p, &[], &mut Default::default())
+        .unwrap();
+    let ([a, b], [c, d]) = (q[0].derivative, p[0].derivative);
+    // Twenty maps, of which some go back.
+    let gap = (a * d - b * c) - (-system.gamma * h).exp();
+    assert!(gap.abs() < 20.0 * f64::EPSILON, "{gap:e}");
+}
+
+#[hamiltonian(drift = [|_, p| 0.5 * p * p, |q, _| -q.cos()], friction = gamma, embedding = Verlet)]
+struct Damped {
+    gamma: f64,
+}
+
+/// What friction takes. It has no discrete Lagrangian, but the equations.
+#[test]
+fn friction_is_accounted_for() {
+    type Aba = Composed<Verlet, Aba1064>;
+    let system = Damped { gamma: 0.2 };
+    let start = State::new([2.0], [0.0]);
+    let path = system.simulate::<Aba>(0.1).start(start).until(20.0).run().unwrap();
+    let gain = system.energy(path.last()) - system.energy(&start);
+    // An error of the order h⁴.
+    assert!(
+        (gain - path.work() - path.heat()).abs() < 1e-6 && gain < -1.0,
+        "{gain} {} {}",
+        path.work(),
+        path.heat()
+    );
+    let residual = path.euler_lagrange_residual(&system).unwrap();
+    assert!(residual < 1e-13, "{residual:e}");
+    let segment =
+        wzvi::system::Segment { q0: [0.1].into(), q1: [0.2].into(), p: [0.3].into(), t: 0.0, h: 0.1 };
+    assert!(Discretized::<Aba>::discrete_lagrangian(&system, &segment, &[]).is_nan());
+    assert!(system.stepper::<Aba>(0.1).is_ok() && Damped { gamma: -1.0 }.stepper::<Aba>(0.1).is_err());
+}

@@ -1,0 +1,169 @@
+//! Pairs: an element whose innermost loop goes through partners of a body that is the same in it. The run time has the loop; what is
+//! emitted is the arithmetic of one pair, whatever numbers it is done in.
+
+use proc_macro2::{Ident, TokenStream};
+use quote::{format_ident, quote};
+
+use super::motion::{Motion, motion, runs, wrap};
+use super::{Chunk, Emitted, slot_index};
+use crate::diagnostics::internal::Promised;
+use crate::discretise::sums::Weighted;
+use crate::elements::emit::indices::Indices;
+use crate::elements::emit::kernel::Target;
+use crate::emit::count;
+use crate::emit::step::mentions;
+use crate::model::index::Index;
+use crate::model::{Reads, Slot};
+
+/// Rows with less partners gain nothing: the run time takes as many at once.
+const SHORT: i128 = 8;
+
+/// The place of the first component of the first partner, if the innermost loop of an element goes through partners: points next to each
+/// other, of whose coordinates and of those of a body that the loop does not change the element is a function.
+pub(in crate::elements::emit) fn partners(
+    weighted: &Weighted,
+    indices: &Indices<'_>,
+    components: i128,
+) -> Option<Index> {
+    let Weighted { element, increments } = weighted;
+    let (inner, outer) = element.loops.split_last()?;
+    let length = inner.end.subtract(&inner.start).and_then(|length| length.as_integer());
+    let is_short = length.is_some_and(|length| length < SHORT);
+    let changes = increments.iter().any(|number| number.loops().contains(&inner.variable));
+    let reads_coordinates = element.reads() == Reads::Coordinates && element.displacements().next().is_none();
+    if outer.is_empty() || is_short || changes || !reads_coordinates {
+        return None;
+    }
+    let (mut has_body, mut first) = (false, None);
+    for local in &element.locals {
+        let moved = match (&local.slot, moves(&local.slot, inner.variable, components)) {
+            (slot, Motion::Fixed) => {
+                has_body |= matches!(slot, Slot::Coordinate(_));
+                continue;
+            }
+            (Slot::Entry(table, entry), Motion::Run) if entry.len() == 1 && indices.is_plain(*table) => {
+                continue;
+            }
+            (Slot::Coordinate(index), Motion::Run) if components == 1 => index.clone(),
+            (Slot::Coordinate(_), Motion::Points { base, .. }) => base,
+            _ => return None,
+        };
+        if first.as_ref().is_some_and(|known| *known != moved) {
+            return None;
+        }
+        first = Some(moved);
+    }
+    first.filter(|_| has_body)
+}
+
+/// How what a local variable is moves with a loop; freely where it wraps around.
+fn moves(slot: &Slot, inner: u32, components: i128) -> Motion {
+    match slot {
+        Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => {
+            let wraps = wrap(index, inner, 1).or_else(|| wrap(index, inner, components)).is_some();
+            if wraps { Motion::Free } else { motion(index, inner, components) }
+        }
+        Slot::Number(index) if !index.loops().contains(&inner) => Motion::Fixed,
+        Slot::Number(_) => Motion::Free,
+        Slot::Entry(_, indices) => match indices.as_slice() {
+            entry if !entry.iter().any(|index| index.loops().contains(&inner)) => Motion::Fixed,
+            [index] if runs(index, inner) && wrap(index, inner, 1).is_none() => Motion::Run,
+            _ => Motion::Free,
+        },
+    }
+}
+
+impl Chunk<'_> {
+    /// The innermost loop as a row of pairs; `constants` are the names of numbers that no loop changes.
+    pub(in crate::elements::emit) fn row(
+        &self,
+        first: &Index,
+        constants: &[Ident],
+        inside: &TokenStream,
+        values: &[TokenStream],
+    ) -> Emitted {
+        let (inner, [start, end]) = self.inner.clone().promised("pairs have an innermost loop");
+        let name = super::variable(inner);
+        let code = quote!(#inside #(#values)*);
+        let mut before = TokenStream::new();
+        let (mut own, mut entries, mut lists): (Vec<Ident>, Vec<Ident>, Vec<TokenStream>) =
+            Default::default();
+        let mut partner = vec![quote!(_); usize::try_from(self.components).unwrap_or(1)];
+        for (k, local) in self.read_locals(inside, values) {
+            let local_name = self.locals[k].clone();
+            match (&local.slot, moves(&local.slot, inner, self.components)) {
+                (slot, Motion::Fixed) => {
+                    let value = self.read(slot);
+                    before.extend(quote!(let #local_name = #value;));
+                    own.push(local_name);
+                }
+                (Slot::Entry(..), _) => {
+                    let (list, at) =
+                        (self.list(&local.slot), self.indices.position(&slot_index(&local.slot)));
+                    lists.push(quote!(&#list[#at..]));
+                    entries.push(local_name);
+                }
+                (_, motion) => {
+                    let part = if let Motion::Points { part, .. } = motion { part } else { 0 };
+                    partner[part] = quote!(#local_name);
+                }
+            }
+        }
+        let factor = format_ident!("__factor");
+        own.extend(mentions(&code, "__factor").then_some(factor));
+        let constants: Vec<&Ident> =
+            constants.iter().filter(|name| mentions(&code, &name.to_string())).collect();
+        let number = self.wanted.number();
+        let (mut places, mut by_own, mut by_partner) =
+            (Vec::new(), Vec::new(), vec![quote!(#number::from_f64(-0.0)); partner.len()]);
+        for ((_, target), value) in self.outputs.iter().zip(values) {
+            let Target::Slope { index, .. } = target else { continue };
+            match motion(index, inner, self.components) {
+                Motion::Fixed => {
+                    places.push(self.indices.position(index));
+                    by_own.push(value);
+                }
+                Motion::Points { part, .. } => by_partner[part] = value.clone(),
+                Motion::Run | Motion::Free => by_partner[0] = value.clone(),
+            }
+        }
+        let elements = quote!(__wzvi::elements);
+        let sizes = [own.len(), constants.len(), partner.len(), entries.len(), places.len()].map(count);
+        let [of_own, of_constants, of_partner, of_entries, of_places] = &sizes;
+        let (first, f64) = (self.indices.position(first), quote!(__wzvi::f64));
+        let buffers = quote! {
+            struct __Interaction;
+            impl #elements::Pair<#(#sizes),*> for __Interaction {
+                #[inline(always)]
+                fn slopes<#number: __wzvi::Scalar>(
+                    [#(#own),*]: [#number; #of_own],
+                    [#(#constants),*]: [#f64; #of_constants],
+                    [#(#partner),*]: [#number; #of_partner],
+                    [#(#entries),*]: [#number; #of_entries],
+                ) -> ([#number; #of_places], [#number; #of_partner]) {
+                    #inside
+                    ([#(#by_own),*], [#(#by_partner),*])
+                }
+            }
+            __by_q.begin_rows::<#of_partner>(&__at.q[0..__at.degrees()]);
+        };
+        let mentioned = quote!(#first #(#lists)* #(#places)*);
+        let opens_at_low = mentions(&mentioned, &name.to_string()).then(|| quote!(let #name = __low;));
+        let body = quote! {
+            #before
+            let (__low, __end): (__wzvi::isize, __wzvi::isize) = (#start, #end);
+            if __low < __end {
+                #opens_at_low
+                __by_q.row::<#number, __Interaction, __V, #(#sizes),*>(__at.q, #elements::Row {
+                    first: #first,
+                    len: (__end - __low) as __wzvi::usize,
+                    own: [#(#own),*],
+                    constants: [#(#constants),*],
+                    entries: [#(#lists),*],
+                    places: [#(#places),*],
+                });
+            }
+        };
+        Emitted { buffers, body, after: quote!(__by_q.end_rows::<#of_partner>();) }
+    }
+}

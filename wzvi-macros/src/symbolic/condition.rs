@@ -1,0 +1,62 @@
+//! Constructors of conditions, and of what depends on one: as those of numbers, in canonical form.
+
+use super::{Expr, Graph, Node, Relation};
+
+impl Graph {
+    pub(crate) fn compare(&mut self, relation: Relation, a: Expr, b: Expr) -> Expr {
+        // Equality is symmetric: one order.
+        let (a, b) = if relation == Relation::Equal { (a.min(b), a.max(b)) } else { (a, b) };
+        self.intern(Node::Compare(relation, a, b))
+    }
+
+    pub(crate) fn not(&mut self, a: Expr) -> Expr {
+        match *self.node(a) {
+            Node::Not(inner) => inner,
+            _ => self.intern(Node::Not(a)),
+        }
+    }
+
+    pub(crate) fn and(&mut self, a: Expr, b: Expr) -> Expr {
+        match (self.truth(a), self.truth(b)) {
+            (Some(true), _) | (_, Some(false)) => b,
+            (Some(false), _) | (_, Some(true)) => a,
+            _ if a == b => a,
+            _ => self.intern(Node::And(a, b)),
+        }
+    }
+
+    pub(crate) fn or(&mut self, a: Expr, b: Expr) -> Expr {
+        match (self.truth(a), self.truth(b)) {
+            (Some(false), _) | (_, Some(true)) => b,
+            (Some(true), _) | (_, Some(false)) => a,
+            _ if a == b => a,
+            _ => self.intern(Node::Or(a, b)),
+        }
+    }
+
+    /// Whether a condition holds, if it compares numbers.
+    fn truth(&self, condition: Expr) -> Option<bool> {
+        match *self.node(condition) {
+            Node::Compare(relation, a, b) => {
+                let (a, b) = (self.as_number(a)?, self.as_number(b)?);
+                Some(match relation {
+                    Relation::Less => a < b,
+                    Relation::LessEqual => a <= b,
+                    Relation::Equal => a == b,
+                })
+            }
+            Node::Not(inner) => self.truth(inner).map(|holds| !holds),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn select(&mut self, condition: Expr, then: Expr, otherwise: Expr) -> Expr {
+        match (self.truth(condition), self.node(condition)) {
+            _ if then == otherwise => then,
+            (Some(true), _) => then,
+            (Some(false), _) => otherwise,
+            (None, &Node::Not(opposite)) => self.select(opposite, otherwise, then),
+            (None, _) => self.intern(Node::Select { condition, then, otherwise }),
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! What an iteration of the fixed point does with the numbers of a window, one by one.
+
+use std::ops::Range;
+
+use crate::elements::Elements;
+use crate::elements::change::{Moved, Seen};
+use crate::elements::passes::{Block, Largest, in_blocks, load, store};
+use crate::elements::step::Step;
+use crate::lanes::instructions::Kernel;
+
+/// `q += u`, `p += factor v`, and a copy of `v` if there is room for one.
+pub(super) struct Store<'a> {
+    pub(super) q: &'a mut [f64],
+    pub(super) p: &'a mut [f64],
+    pub(super) u: &'a [f64],
+    pub(super) x: &'a [f64],
+    pub(super) past: &'a mut [f64],
+    pub(super) factor: f64,
+}
+
+impl Kernel for Store<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const L: usize, const HALF: usize>(mut self) {
+        in_blocks::<HALF>(self.x.len(), &mut self);
+    }
+}
+
+impl Block for Store<'_> {
+    #[inline(always)]
+    fn take<const N: usize>(&mut self, first: usize) {
+        let (mut q, mut p) = (load::<_, N>(self.q, first), load::<_, N>(self.p, first));
+        let (u, x) = (load::<_, N>(self.u, first), load::<_, N>(self.x, first));
+        for i in 0..N {
+            (q[i], p[i]) = after([q[i], p[i]], u[i], x[i], self.factor);
+        }
+        store(self.q, first, q);
+        store(self.p, first, p);
+        if !self.past.is_empty() {
+            store(self.past, first, x);
+        }
+    }
+}
+
+/// The state after a step.
+#[inline(always)]
+fn after([q, p]: [f64; 2], u: f64, v: f64, factor: f64) -> (f64, f64) {
+    (q + u, p + v * factor)
+}
+
+/// The start from the steps before, and `P` there.
+pub(super) struct Guess<'a> {
+    pub(super) past: [&'a [f64]; 3],
+    pub(super) known: u8,
+    pub(super) p: &'a [f64],
+    pub(super) x: &'a mut [f64],
+    pub(super) momentum: &'a mut [f64],
+}
+
+impl Block for Guess<'_> {
+    #[inline(always)]
+    fn take<const N: usize>(&mut self, first: usize) {
+        let [a, b, c] = self.past;
+        let mut x = [0.0; N];
+        match self.known {
+            0 => {}
+            1 => x = load(a, first),
+            2 => {
+                let (a, b) = (load::<_, N>(a, first), load::<_, N>(b, first));
+                for i in 0..N {
+                    x[i] = a[i] * 2.0 - b[i];
+                }
+            }
+            _ => {
+                let (a, b, c) = (load::<_, N>(a, first), load::<_, N>(b, first), load::<_, N>(c, first));
+                for i in 0..N {
+                    x[i] = (a[i] - b[i]) * 3.0 + c[i];
+                }
+            }
+        }
+        let mut momentum = load::<_, N>(self.p, first);
+        for i in 0..N {
+            momentum[i] += x[i];
+        }
+        store(self.x, first, x);
+        store(self.momentum, first, momentum);
+    }
+}
+
+/// `v ← v - (v + start F)` and `P`.
+pub(super) struct Kick<'a, const L: usize> {
+    pub(super) forces: &'a [f64],
+    pub(super) weight: f64,
+    pub(super) p: &'a [f64],
+    pub(super) x: &'a mut [f64],
+    pub(super) correction: &'a mut [f64],
+    pub(super) momentum: &'a mut [f64],
+    pub(super) size: Largest<L>,
+    pub(super) corrected: Largest<L>,
+}
+
+impl<const L: usize> Block for Kick<'_, L> {
+    #[inline(always)]
+    fn take<const N: usize>(&mut self, first: usize) {
+        let (forces, mut x) = (load::<_, N>(self.forces, first), load::<_, N>(self.x, first));
+        let mut momentum = load::<_, N>(self.p, first);
+        let mut correction = [0.0; N];
+        for i in 0..N {
+            correction[i] = x[i] + forces[i] * self.weight;
+            x[i] -= correction[i];
+            momentum[i] += x[i];
+        }
+        store(self.correction, first, correction);
+        store(self.x, first, x);
+        store(self.momentum, first, momentum);
+        self.size.take_finite(&x);
+        self.corrected.take(&correction);
+    }
+}
+
+/// `u` and `Q` from the sums of velocities.
+pub(super) struct Follow<'a> {
+    pub(super) velocities: &'a [f64],
+    pub(super) q: &'a [f64],
+    pub(super) point: f64,
+    pub(super) u: &'a mut [f64],
+    pub(super) next: &'a mut [f64],
+}
+
+impl<'a> Follow<'a> {
+    #[inline(always)]
+    pub(super) fn new<H: Elements>(
+        step: &Step<'a, H, f64>,
+        places: &Range<usize>,
+        velocities: &'a [f64],
+        point: f64,
+        u: &'a mut [f64],
+        next: &'a mut [f64],
+    ) -> Self {
+        Self { velocities, q: &step.q[places.clone()], point, u, next }
+    }
+}
+
+impl Block for Follow<'_> {
+    #[inline(always)]
+    fn take<const N: usize>(&mut self, first: usize) {
+        let (u, mut next) = (load::<_, N>(self.velocities, first), load::<_, N>(self.q, first));
+        for i in 0..N {
+            next[i] += u[i] * self.point;
+        }
+        store(self.u, first, u);
+        store(self.next, first, next);
+    }
+}
+
+/// [`Follow`], and what that changes.
+pub(super) struct Compared<'a, const L: usize> {
+    pub(super) follow: Follow<'a>,
+    pub(super) before: &'a [f64],
+    pub(super) seen: &'a mut Seen<L>,
+    pub(super) p: &'a [f64],
+    pub(super) x: &'a [f64],
+    pub(super) factor: f64,
+    /// Zero while the state after the step is finite.
+    pub(super) zeros: [f64; L],
+}
+
+impl<const L: usize> Block for Compared<'_, L> {
+    #[inline(always)]
+    fn take<const N: usize>(&mut self, first: usize) {
+        self.follow.take::<N>(first);
+        let Follow { velocities: u, q, point, .. } = self.follow;
+        Moved { q, u, before: self.before, point, seen: self.seen }.take::<N>(first);
+        let (q, u) = (load::<_, N>(q, first), load::<_, N>(u, first));
+        let (p, x) = (load::<_, N>(self.p, first), load::<_, N>(self.x, first));
+        for i in 0..N.min(L) {
+            let (q, p) = after([q[i], p[i]], u[i], x[i], self.factor);
+            self.zeros[i] += q * 0.0 + p * 0.0;
+        }
+    }
+}
