@@ -109,14 +109,15 @@ const _: () = {
             p: [S; 1],
             dw: [S; 1],
             carry: &C,
-        ) -> Result<Solution<S, 1>, StepFailure> {
+            next: &mut Solution<S, 1>,
+        ) -> Result<(), StepFailure> {
             let ([q], [p], [dw]) = (q, p, dw);
             let [sigma, half_sigma] = *prepared;
             let product = dw * (dw * half_sigma + 1.0) * sigma;
             let inverse_pivot = wzvi::reciprocal::<S>(product + 1.0)?;
             let product2 = inverse_pivot * (p * product + q * h);
             let node_p = p - product2;
-            let next = Solution::new(
+            *next = Solution::new(
                 carry,
                 [[q], [p]],
                 [[q * product + node_p * h], [-product2]],
@@ -126,7 +127,7 @@ const _: () = {
             if !next.is_finite() {
                 return Err(StepFailure::NonFinite);
             }
-            Ok(next)
+            Ok(())
         }
         #[automatically_derived]
         impl Discretized<Corrected<DeltaPlus>> for Multiplicative {
@@ -165,7 +166,8 @@ const _: () = {
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 let dw = wzvi::increments(dw)?;
-                let next = solve::<S, f64, C, CAREFUL>(prepared, h, *q, *p, dw, carry)?;
+                let mut next = Solution::nowhere();
+                solve::<S, f64, C, CAREFUL>(prepared, h, *q, *p, dw, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             type Beside<const L: usize> = Prepared<Lanes<L>>;
@@ -188,12 +190,13 @@ const _: () = {
                 let (prepared, carry) = (beside, &mut Plain);
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 let dw = wzvi::increments(dw)?;
-                let next = solve::<
+                let mut next = Solution::nowhere();
+                solve::<
                     Lanes<L>,
                     Lanes<L>,
                     Plain,
                     false,
-                >(prepared, h, *q, *p, dw, carry)?;
+                >(prepared, h, *q, *p, dw, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(

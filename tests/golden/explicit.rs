@@ -104,12 +104,13 @@ const _: () = {
             q: [S; 1],
             p: [S; 1],
             carry: &C,
-        ) -> Result<Solution<S, 1>, StepFailure> {
+            next: &mut Solution<S, 1>,
+        ) -> Result<(), StepFailure> {
             let ([q], [p]) = (q, p);
             let [product] = *prepared;
             let product2 = q.sin() * product;
             let node_p = p - product2;
-            let next = Solution::new(
+            *next = Solution::new(
                 carry,
                 [[q], [p]],
                 [[node_p * h], [-product2]],
@@ -119,7 +120,7 @@ const _: () = {
             if !next.is_finite() {
                 return Err(StepFailure::NonFinite);
             }
-            Ok(next)
+            Ok(())
         }
         #[automatically_derived]
         impl Discretized<DeltaPlus> for Pendulum {
@@ -158,7 +159,8 @@ const _: () = {
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 wzvi::increments::<_, 0>(dw)?;
-                let next = solve::<S, f64, C, CAREFUL>(prepared, h, *q, *p, carry)?;
+                let mut next = Solution::nowhere();
+                solve::<S, f64, C, CAREFUL>(prepared, h, *q, *p, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             type Beside<const L: usize> = Prepared<Lanes<L>>;
@@ -181,12 +183,13 @@ const _: () = {
                 let (prepared, carry) = (beside, &mut Plain);
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 wzvi::increments::<_, 0>(dw)?;
-                let next = solve::<
+                let mut next = Solution::nowhere();
+                solve::<
                     Lanes<L>,
                     Lanes<L>,
                     Plain,
                     false,
-                >(prepared, h, *q, *p, carry)?;
+                >(prepared, h, *q, *p, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(

@@ -122,7 +122,8 @@ const _: () = {
             q: [S; 2],
             p: [S; 2],
             carry: &C,
-        ) -> Result<Solution<S, 2>, StepFailure> {
+            next: &mut Solution<S, 2>,
+        ) -> Result<(), StepFailure> {
             let ([x, y], [px, py]) = (q, p);
             let ([k, c, half_h], ref factor) = *prepared;
             let sum = y + py * half_h;
@@ -135,7 +136,7 @@ const _: () = {
             );
             let node_px = px + delta_px;
             let node_py = py + delta_py;
-            let next = Solution::new(
+            *next = Solution::new(
                 carry,
                 [[x, y], [px, py]],
                 [[node_px * h, node_py * h], [delta_px * 2.0, delta_py * 2.0]],
@@ -145,7 +146,7 @@ const _: () = {
             if !next.is_finite() {
                 return Err(StepFailure::NonFinite);
             }
-            Ok(next)
+            Ok(())
         }
         #[automatically_derived]
         impl Discretized<Midpoint> for Oscillators {
@@ -192,7 +193,8 @@ const _: () = {
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 wzvi::increments::<_, 0>(dw)?;
-                let next = solve::<S, f64, C, CAREFUL>(prepared, h, *q, *p, carry)?;
+                let mut next = Solution::nowhere();
+                solve::<S, f64, C, CAREFUL>(prepared, h, *q, *p, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             type Beside<const L: usize> = Prepared<Lanes<L>>;
@@ -215,12 +217,13 @@ const _: () = {
                 let (prepared, carry) = (beside, &mut Plain);
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 wzvi::increments::<_, 0>(dw)?;
-                let next = solve::<
+                let mut next = Solution::nowhere();
+                solve::<
                     Lanes<L>,
                     Lanes<L>,
                     Plain,
                     false,
-                >(prepared, h, *q, *p, carry)?;
+                >(prepared, h, *q, *p, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(

@@ -171,17 +171,19 @@ const _: () = {
             p: [S; 2],
             memory: &mut Memory<S>,
             carry: &C,
-        ) -> Result<Solution<S, 2>, StepFailure> {
+            next: &mut Solution<S, 2>,
+        ) -> Result<(), StepFailure> {
             let ([x, y], [px, py]) = (q, p);
             let [half_h, quarter_h_squared, half_h_squared] = *prepared;
-            let ([delta_px, delta_py], effort) = wzvi::newton::<
+            let mut unknowns = memory.guess::<true>();
+            let effort = wzvi::newton::<
                 S,
                 2,
                 true,
                 true,
                 CAREFUL,
             >(
-                memory.guess::<true>(),
+                &mut unknowns,
                 Block {
                     evaluate: move |iterate: &[S; 2]| equations(
                         [x, y, px, py],
@@ -201,9 +203,10 @@ const _: () = {
                     },
                 },
             )?;
+            let [delta_px, delta_py] = unknowns;
             let node_py = py + delta_py;
             let node_px = px + delta_px;
-            let next = Solution::new(
+            *next = Solution::new(
                 carry,
                 [[x, y], [px, py]],
                 [[node_px * h, node_py * h], [delta_px * 2.0, delta_py * 2.0]],
@@ -214,7 +217,7 @@ const _: () = {
                 return Err(StepFailure::NonFinite);
             }
             memory.record::<true>([delta_px, delta_py]);
-            Ok(next)
+            Ok(())
         }
         #[automatically_derived]
         impl Discretized<Midpoint> for HenonHeiles {
@@ -250,12 +253,13 @@ const _: () = {
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 wzvi::increments::<_, 0>(dw)?;
-                let next = solve::<
+                let mut next = Solution::nowhere();
+                solve::<
                     S,
                     f64,
                     C,
                     CAREFUL,
-                >(prepared, h, *q, *p, memory, carry)?;
+                >(prepared, h, *q, *p, memory, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             type Beside<const L: usize> = Prepared<Lanes<L>>;
@@ -278,12 +282,13 @@ const _: () = {
                 let (prepared, carry) = (beside, &mut Plain);
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 wzvi::increments::<_, 0>(dw)?;
-                let next = solve::<
+                let mut next = Solution::nowhere();
+                solve::<
                     Lanes<L>,
                     Lanes<L>,
                     Plain,
                     false,
-                >(prepared, h, *q, *p, memory, carry)?;
+                >(prepared, h, *q, *p, memory, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
@@ -370,9 +375,9 @@ const _: () = {
         binding as product4, binding as product_squared, binding as px, binding as py,
         binding as q, binding as quarter_h_squared, binding as segment,
         binding as stage_x, binding as stage_y, binding as sum, binding as systems,
-        binding as t, binding as term, binding as twice_stage_y, binding as x,
-        binding as x_end, binding as x_squared, binding as x_start, binding as y,
-        binding as y_end, binding as y_squared, binding as y_start,
+        binding as t, binding as term, binding as twice_stage_y, binding as unknowns,
+        binding as x, binding as x_end, binding as x_squared, binding as x_start,
+        binding as y, binding as y_end, binding as y_squared, binding as y_start,
     };
 };
 const _: () = {

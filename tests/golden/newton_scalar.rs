@@ -137,17 +137,19 @@ const _: () = {
             p: [S; 1],
             memory: &mut Memory<S>,
             carry: &C,
-        ) -> Result<Solution<S, 1>, StepFailure> {
+            next: &mut Solution<S, 1>,
+        ) -> Result<(), StepFailure> {
             let ([q], [p]) = (q, p);
             let [half_h, product, product2] = *prepared;
-            let ([delta_p], effort) = wzvi::newton::<
+            let mut unknowns = memory.guess::<true>();
+            let effort = wzvi::newton::<
                 S,
                 1,
                 false,
                 true,
                 CAREFUL,
             >(
-                memory.guess::<true>(),
+                &mut unknowns,
                 Block {
                     evaluate: move |iterate: &[S; 1]| equations(
                         [q, p],
@@ -163,8 +165,9 @@ const _: () = {
                     },
                 },
             )?;
+            let [delta_p] = unknowns;
             let node_p = p + delta_p;
-            let next = Solution::new(
+            *next = Solution::new(
                 carry,
                 [[q], [p]],
                 [[node_p * h], [delta_p * 2.0]],
@@ -175,7 +178,7 @@ const _: () = {
                 return Err(StepFailure::NonFinite);
             }
             memory.record::<true>([delta_p]);
-            Ok(next)
+            Ok(())
         }
         #[automatically_derived]
         impl Discretized<Midpoint> for Pendulum {
@@ -215,12 +218,13 @@ const _: () = {
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 wzvi::increments::<_, 0>(dw)?;
-                let next = solve::<
+                let mut next = Solution::nowhere();
+                solve::<
                     S,
                     f64,
                     C,
                     CAREFUL,
-                >(prepared, h, *q, *p, memory, carry)?;
+                >(prepared, h, *q, *p, memory, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             type Beside<const L: usize> = Prepared<Lanes<L>>;
@@ -243,12 +247,13 @@ const _: () = {
                 let (prepared, carry) = (beside, &mut Plain);
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 wzvi::increments::<_, 0>(dw)?;
-                let next = solve::<
+                let mut next = Solution::nowhere();
+                solve::<
                     Lanes<L>,
                     Lanes<L>,
                     Plain,
                     false,
-                >(prepared, h, *q, *p, memory, carry)?;
+                >(prepared, h, *q, *p, memory, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
@@ -324,6 +329,7 @@ const _: () = {
         binding as prepared, binding as product, binding as product2, binding as q,
         binding as q_end, binding as q_start, binding as segment, binding as sin_stage_q,
         binding as stage_q, binding as systems, binding as t, binding as term,
+        binding as unknowns,
     };
 };
 const _: () = {

@@ -154,7 +154,8 @@ const _: () = {
             p: [S; 1],
             dw: [S; 1],
             carry: &C,
-        ) -> Result<Solution<S, 1>, StepFailure> {
+            next: &mut Solution<S, 1>,
+        ) -> Result<(), StepFailure> {
             let ([q], [p], [dw]) = (q, p, dw);
             let [sigma, a_h] = *prepared;
             let sum = dw * sigma + a_h;
@@ -162,7 +163,7 @@ const _: () = {
             let sum2 = q + p * (sum * 0.5);
             let product = sum * inverse_pivot;
             let node_p = p - sum2 * (product * 0.5);
-            let next = Solution::new(
+            *next = Solution::new(
                 carry,
                 [[q], [p]],
                 [[sum * node_p], [-(sum2 * product)]],
@@ -172,7 +173,7 @@ const _: () = {
             if !next.is_finite() {
                 return Err(StepFailure::NonFinite);
             }
-            Ok(next)
+            Ok(())
         }
         #[automatically_derived]
         impl Discretized<Midpoint> for Kubo {
@@ -212,7 +213,8 @@ const _: () = {
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 let dw = wzvi::increments(dw)?;
-                let next = solve::<S, f64, C, CAREFUL>(prepared, *q, *p, dw, carry)?;
+                let mut next = Solution::nowhere();
+                solve::<S, f64, C, CAREFUL>(prepared, *q, *p, dw, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             type Beside<const L: usize> = Prepared<Lanes<L>>;
@@ -235,12 +237,13 @@ const _: () = {
                 let (prepared, carry) = (beside, &mut Plain);
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 let dw = wzvi::increments(dw)?;
-                let next = solve::<
+                let mut next = Solution::nowhere();
+                solve::<
                     Lanes<L>,
                     Lanes<L>,
                     Plain,
                     false,
-                >(prepared, *q, *p, dw, carry)?;
+                >(prepared, *q, *p, dw, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(
@@ -308,13 +311,14 @@ const _: () = {
             p: [S; 1],
             dw: [S; 1],
             carry: &C,
-        ) -> Result<Solution<S, 1>, StepFailure> {
+            next: &mut Solution<S, 1>,
+        ) -> Result<(), StepFailure> {
             let ([q], [p], [dw]) = (q, p, dw);
             let [sigma, a_h] = *prepared;
             let sum = dw * sigma + a_h;
             let product = q * sum;
             let node_p = p - product;
-            let next = Solution::new(
+            *next = Solution::new(
                 carry,
                 [[q], [p]],
                 [[sum * node_p], [-product]],
@@ -324,7 +328,7 @@ const _: () = {
             if !next.is_finite() {
                 return Err(StepFailure::NonFinite);
             }
-            Ok(next)
+            Ok(())
         }
         #[automatically_derived]
         impl Discretized<Uncorrected<DeltaPlus>> for Kubo {
@@ -364,7 +368,8 @@ const _: () = {
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 let dw = wzvi::increments(dw)?;
-                let next = solve::<S, f64, C, CAREFUL>(prepared, *q, *p, dw, carry)?;
+                let mut next = Solution::nowhere();
+                solve::<S, f64, C, CAREFUL>(prepared, *q, *p, dw, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             type Beside<const L: usize> = Prepared<Lanes<L>>;
@@ -387,12 +392,13 @@ const _: () = {
                 let (prepared, carry) = (beside, &mut Plain);
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 let dw = wzvi::increments(dw)?;
-                let next = solve::<
+                let mut next = Solution::nowhere();
+                solve::<
                     Lanes<L>,
                     Lanes<L>,
                     Plain,
                     false,
-                >(prepared, *q, *p, dw, carry)?;
+                >(prepared, *q, *p, dw, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(

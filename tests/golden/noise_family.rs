@@ -371,7 +371,8 @@ const _: () = {
             p: [S; 1],
             dw: [S; 1],
             carry: &C,
-        ) -> Result<Solution<S, 1>, StepFailure> {
+            next: &mut Solution<S, 1>,
+        ) -> Result<(), StepFailure> {
             let ([q_k], [p_k], [dw]) = (q, p, dw);
             let ([sigma, inverse_pivot, half_h, half_inverse_pivot], [condition]) = *prepared;
             let dw_sigma = dw * sigma;
@@ -381,7 +382,7 @@ const _: () = {
                 (p_k - (dw_sigma + q_k * h) * 0.5) * inverse_pivot,
                 p_k - sum * half_inverse_pivot,
             );
-            let next = Solution::new(
+            *next = Solution::new(
                 carry,
                 [[q_k], [p_k]],
                 [[node_p_k * h], [-(sum * inverse_pivot)]],
@@ -391,7 +392,7 @@ const _: () = {
             if !next.is_finite() {
                 return Err(StepFailure::NonFinite);
             }
-            Ok(next)
+            Ok(())
         }
         #[automatically_derived]
         impl Sites<Midpoint, 1, 1> for Bath {
@@ -435,7 +436,9 @@ const _: () = {
                 memory: &mut Memory<S>,
                 carry: &C,
             ) -> Result<Solution<S, 1>, StepFailure> {
-                solve::<S, f64, C, CAREFUL>(prepared, h, q, p, dw, carry)
+                let mut next = Solution::nowhere();
+                solve::<S, f64, C, CAREFUL>(prepared, h, q, p, dw, carry, &mut next)?;
+                Ok(next)
             }
         }
         #[automatically_derived]

@@ -109,12 +109,13 @@ const _: () = {
             q: [S; 1],
             p: [S; 1],
             carry: &C,
-        ) -> Result<Solution<S, 1>, StepFailure> {
+            next: &mut Solution<S, 1>,
+        ) -> Result<(), StepFailure> {
             let ([q], [p]) = (q, p);
             let [f, omega] = *prepared;
             let product = (q * (q * q) - (omega * t).cos() * f) * h;
             let node_p = p - product;
-            let next = Solution::new(
+            *next = Solution::new(
                 carry,
                 [[q], [p]],
                 [[node_p * h], [-product]],
@@ -124,7 +125,7 @@ const _: () = {
             if !next.is_finite() {
                 return Err(StepFailure::NonFinite);
             }
-            Ok(next)
+            Ok(())
         }
         #[automatically_derived]
         impl Discretized<DeltaPlus> for Driven {
@@ -164,7 +165,8 @@ const _: () = {
             ) -> Result<Effort, StepFailure> {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 wzvi::increments::<_, 0>(dw)?;
-                let next = solve::<S, f64, C, CAREFUL>(prepared, t, h, *q, *p, carry)?;
+                let mut next = Solution::nowhere();
+                solve::<S, f64, C, CAREFUL>(prepared, t, h, *q, *p, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             type Beside<const L: usize> = Prepared<Lanes<L>>;
@@ -187,12 +189,13 @@ const _: () = {
                 let (prepared, carry) = (beside, &mut Plain);
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 wzvi::increments::<_, 0>(dw)?;
-                let next = solve::<
+                let mut next = Solution::nowhere();
+                solve::<
                     Lanes<L>,
                     Lanes<L>,
                     Plain,
                     false,
-                >(prepared, t, h, *q, *p, carry)?;
+                >(prepared, t, h, *q, *p, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
             fn discrete_lagrangian(

@@ -288,13 +288,13 @@ impl<const L: usize> Scalar for Lanes<L> {
     }
     #[inline(always)]
     fn are_finite<const N: usize>(pairs: [[(Self, Self); N]; 2]) -> LaneMask<L> {
-        let mut zeros = Self([-0.0; L]);
+        let mut zero = Self([0.0; L]);
         for pairs in &pairs {
             for (x, _) in pairs {
-                zeros = zeros + *x * 0.0;
+                zero = zero * *x;
             }
         }
-        zeros.equal(zeros)
+        zero.equal(zero)
     }
     #[inline(always)]
     fn less(self, other: Self) -> LaneMask<L> {

@@ -36,10 +36,10 @@ pub trait Solve<S: Scalar> {
     /// Those of [`newton`].
     #[inline(always)]
     fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
-        start: [S; N],
+        x: &mut [S; N],
         equations: impl Equations<S, N>,
-    ) -> Result<([S; N], Effort), StepFailure> {
-        newton::newton::<S, N, SYMMETRIC, GUESS, CAREFUL>(start, equations)
+    ) -> Result<Effort, StepFailure> {
+        newton::newton::<S, N, SYMMETRIC, GUESS, CAREFUL>(x, equations)
     }
 
     /// See [`linear`].
@@ -76,7 +76,7 @@ pub struct Together;
 
 impl<S: Scalar> Solve<S> for Together {}
 
-/// Solves `r(x) = 0` from `start`; of a `SYMMETRIC` Jacobian only the lower triangle is read. `GUESS`: whether a start other
+/// Solves `r(x) = 0` from `x`, which becomes the solution; of a `SYMMETRIC` Jacobian only the lower triangle is read. `GUESS`: whether a start other
 /// than zero may come from past steps.
 ///
 /// # Errors
@@ -84,10 +84,10 @@ impl<S: Scalar> Solve<S> for Together {}
 /// iteration whose corrections do not shrink fast. Lanes have NaN instead.
 #[inline(always)]
 pub fn newton<S: Scalar, const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
-    start: [S; N],
+    x: &mut [S; N],
     equations: impl Equations<S, N>,
-) -> Result<([S; N], Effort), StepFailure> {
-    S::Solver::newton::<N, SYMMETRIC, GUESS, CAREFUL>(start, equations)
+) -> Result<Effort, StepFailure> {
+    S::Solver::newton::<N, SYMMETRIC, GUESS, CAREFUL>(x, equations)
 }
 
 /// `A⁻¹ b` for a matrix given by rows.

@@ -26,8 +26,20 @@ use prepare::Prepared;
 use solve::Arguments;
 
 /// What a step names besides its letters.
-const LIVE: [&str; 11] =
-    ["t", "h", "prepared", "memory", "carry", "next", "solve", "equations", "rounded", "iterate", "lane"];
+const LIVE: [&str; 12] = [
+    "t",
+    "h",
+    "prepared",
+    "memory",
+    "carry",
+    "next",
+    "solve",
+    "equations",
+    "rounded",
+    "iterate",
+    "lane",
+    "unknowns",
+];
 
 /// A step as code that reads no system but what is prepared of it.
 pub(crate) struct Kernel {
@@ -92,7 +104,8 @@ impl Kernel {
                 #dw_list
                 #memory
                 __carry: &__C,
-            ) -> __wzvi::Result<__wzvi::Solution<__S, #degrees>, __wzvi::StepFailure> {
+                __next: &mut __wzvi::Solution<__S, #degrees>,
+            ) -> __wzvi::Result<(), __wzvi::StepFailure> {
                 #state
                 #open
                 #statements
@@ -114,7 +127,7 @@ impl Kernel {
         [prepared, t, h, q, p, dw, memory, carry]: [TokenStream; 8],
     ) -> TokenStream {
         let [t, h, dw, memory] = chosen(self.reads, [t, h, dw, memory]);
-        quote!(__solve::<#number, #constant, #carried, #careful>(#prepared, #t #h #q, #p, #dw #memory #carry))
+        quote!(__solve::<#number, #constant, #carried, #careful>(#prepared, #t #h #q, #p, #dw #memory #carry, &mut __next))
     }
 }
 
@@ -195,7 +208,8 @@ fn advance(kernel: &Kernel, scheme: &Scheme, generics: [&TokenStream; 4]) -> Tok
     quote! {
         let (__q, __p) = (__wzvi::array_mut(__q)?, __wzvi::array_mut(__p)?);
         #increments
-        let __next = #solve?;
+        let mut __next = __wzvi::Solution::nowhere();
+        #solve?;
         __wzvi::Ok(__next.store(__q, __p, __carry))
     }
 }
@@ -243,7 +257,9 @@ fn momentum(kernel: &Kernel, scheme: &Scheme) -> TokenStream {
             let __prepared = __wzvi::Discretized::<#embedding>::prepare(self, __h).ok()?;
             #increments
             #memory
-            __wzvi::Some(#solve.ok()?.momentum)
+            let mut __next = __wzvi::Solution::nowhere();
+            #solve.ok()?;
+            __wzvi::Some(__next.momentum)
         };
         __wzvi::Into::into(__momentum().unwrap_or([#f64::NAN; #degrees]))
     }

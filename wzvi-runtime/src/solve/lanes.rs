@@ -33,6 +33,7 @@ fn exceeds<const L: usize>(a: Lanes<L>, b: Lanes<L>) -> LaneMask<L> {
 }
 
 /// The verdicts of `convergence::Convergence`, by lane.
+#[derive(Clone, Copy)]
 struct LaneConvergence<const L: usize> {
     last: Lanes<L>,
     enough: Lanes<L>,
@@ -55,43 +56,60 @@ impl<const L: usize> LaneConvergence<L> {
         }
     }
 
-    /// The lanes that go astray here. `beyond_rounding` of a lane as for `convergence::Convergence`.
+    /// The verdict where it takes no more than the corrections; `false`, and nothing is noted, where a lane's depends on its residuals.
     #[inline(always)]
+    fn glance(&mut self, relative: Lanes<L>) -> bool {
+        let square = relative * relative;
+        let done = self.done | (square * relative).less_equal(self.enough);
+        let is_enough = (done | relative.less(self.last * 0.5)).all();
+        if is_enough {
+            self.iterations += 1;
+            self.done = done;
+            self.expect(relative, square);
+        }
+        is_enough
+    }
+
+    /// Quadratic convergence from corrections of this size, with their squares.
+    #[inline(always)]
+    fn expect(&mut self, relative: Lanes<L>, square: Lanes<L>) {
+        self.last = relative;
+        let predicted = square * (UNSEEN * ROUNDING);
+        let floor = Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING);
+        self.enough = Lanes::select(exceeds(predicted, floor), predicted, floor);
+    }
+
+    /// The lanes that go astray here. `beyond_rounding` of a lane as for `convergence::Convergence`.
     fn judge(
         &mut self,
         mut relative: Lanes<L>,
         mut beyond_rounding: impl FnMut(usize, f64) -> f64,
     ) -> LaneMask<L> {
-        self.iterations += 1;
-        let square = relative * relative;
-        let converged = (square * relative).less_equal(self.enough);
-        let contracts = relative.less(self.last * 0.5);
-        let mut good = self.done | converged | contracts;
-        self.done = self.done | converged;
-        if !good.all() {
-            let roundings = roundings(self.is_guess && self.iterations == 1);
-            for lane in 0..L {
-                if good.lane(lane) || relative[lane].is_nan() {
-                    continue;
-                }
-                let beyond = beyond_rounding(lane, roundings);
-                let known = self.is_beyond_rounding.lane(lane);
-                let last = if known { self.last[lane] } else { self.last[lane].max(relative[lane]) };
-                if beyond == 0.0 {
-                    self.done.set(lane, true);
-                    good.set(lane, true);
-                } else if beyond < 0.5 * last {
-                    self.is_beyond_rounding.set(lane, true);
-                    relative.set(lane, beyond);
-                    good.set(lane, true);
-                }
-            }
-            self.done = self.done | !good;
+        if self.glance(relative) {
+            return LaneMask::from_bool(false);
         }
-        self.last = relative;
-        let predicted = relative * (UNSEEN * ROUNDING) * relative;
-        let floor = Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING);
-        self.enough = Lanes::select(exceeds(predicted, floor), predicted, floor);
+        self.iterations += 1;
+        self.done = self.done | (relative * relative * relative).less_equal(self.enough);
+        let mut good = self.done | relative.less(self.last * 0.5);
+        let roundings = roundings(self.is_guess && self.iterations == 1);
+        for lane in 0..L {
+            if good.lane(lane) || relative[lane].is_nan() {
+                continue;
+            }
+            let beyond = beyond_rounding(lane, roundings);
+            let known = self.is_beyond_rounding.lane(lane);
+            let last = if known { self.last[lane] } else { self.last[lane].max(relative[lane]) };
+            if beyond == 0.0 {
+                self.done.set(lane, true);
+                good.set(lane, true);
+            } else if beyond < 0.5 * last {
+                self.is_beyond_rounding.set(lane, true);
+                relative.set(lane, beyond);
+                good.set(lane, true);
+            }
+        }
+        self.done = self.done | !good;
+        self.expect(relative, relative * relative);
         !good
     }
 }
@@ -113,40 +131,113 @@ pub(super) fn iterate<const L: usize, const N: usize>(
     is_symmetric: bool,
     equations: impl Equations<Lanes<L>, N>,
 ) -> ([Lanes<L>; N], Effort) {
-    let mut x = start;
-    let mut convergence = LaneConvergence::new(is_guess);
+    let (mut x, mut convergence) = (start, LaneConvergence::new(is_guess));
+    loop {
+        let (residual, jacobian) = equations.evaluate(&x);
+        let Some(correction) = safe_correction(&jacobian, &residual, is_symmetric) else { break };
+        let (done, (moved, largest)) = (convergence.done, corrected_end(&x, &correction));
+        if !convergence.glance(largest) {
+            break;
+        }
+        for i in 0..N {
+            x[i] = Lanes::select(done, x[i], moved[i]);
+        }
+        if convergence.done.all() {
+            return accepted(x, jacobian[0][0], convergence.iterations);
+        }
+    }
+    let (x, iterations) = resumed(x, convergence, is_symmetric, equations);
+    (x, Effort::fast(iterations))
+}
+
+/// The iteration from `x` on, where a lane needs a pivot or a look at its residuals. A call by value, and the last thing that the caller does:
+/// its loop stays in vector registers.
+#[cold]
+#[inline(never)]
+fn resumed<const L: usize, const N: usize>(
+    mut x: [Lanes<L>; N],
+    mut convergence: LaneConvergence<L>,
+    is_symmetric: bool,
+    equations: impl Equations<Lanes<L>, N>,
+) -> ([Lanes<L>; N], u32) {
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
         let correction = correction(&jacobian, &residual, is_symmetric);
-        let done = convergence.done;
-        let mut largest = Lanes::from_f64(0.0);
-        let mut moved = x;
-        for i in 0..N {
-            moved[i] = x[i] - correction[i];
-            let size = ratio(correction[i], moved[i]);
-            let keeps = size.less_equal(largest) | is_nan(largest);
-            largest = if i == 0 { size } else { Lanes::select(keeps, largest, size) };
-        }
+        let (done, (moved, largest)) = (convergence.done, corrected_end(&x, &correction));
         let astray = convergence.judge(largest, |lane, roundings| {
             let sizes = std::array::from_fn(|i| correction[i][lane].relative_to(moved[i][lane]));
             beyond(equations.rounded(&x, lane), sizes, roundings)
         });
         for i in 0..N {
-            x[i] = Lanes::select(done, x[i], moved[i]);
-        }
-        if astray.any() {
-            for x in &mut x {
-                *x = Lanes::select(astray, poison(), *x);
-            }
+            let next = Lanes::select(done, x[i], moved[i]);
+            x[i] = Lanes::select(astray, poison(), next);
         }
         if convergence.done.all() {
-            // An infinite slope corrects nothing.
-            if N == 1 && !jacobian[0][0].is_finite().all() {
-                x[0] = Lanes::select(jacobian[0][0].is_finite(), x[0], poison());
-            }
-            return (x, Effort::fast(convergence.iterations));
+            let (x, effort) = accepted(x, jacobian[0][0], convergence.iterations);
+            return (x, effort.iterations);
         }
     }
+}
+
+/// `newton::corrected_end`, by lane.
+#[inline(always)]
+fn corrected_end<const L: usize, const N: usize>(
+    x: &[Lanes<L>; N],
+    correction: &[Lanes<L>; N],
+) -> ([Lanes<L>; N], Lanes<L>) {
+    let (mut moved, mut largest) = (*x, Lanes::from_f64(0.0));
+    for i in 0..N {
+        moved[i] = x[i] - correction[i];
+        let size = ratio(correction[i], moved[i]);
+        largest = if i == 0 { size } else { Lanes::select(exceeds(largest, size), largest, size) };
+    }
+    (moved, largest)
+}
+
+/// An infinite slope corrects nothing.
+#[inline(always)]
+fn accepted<const L: usize, const N: usize>(
+    mut x: [Lanes<L>; N],
+    slope: Lanes<L>,
+    iterations: u32,
+) -> ([Lanes<L>; N], Effort) {
+    if N == 1 {
+        x[0] = Lanes::select(slope.is_finite(), x[0], poison());
+    }
+    (x, Effort::fast(iterations))
+}
+
+/// [`correction`], where no lane needs a pivot that others do not.
+#[inline(always)]
+fn safe_correction<const L: usize, const N: usize>(
+    matrix: &Matrix<L, N>,
+    b: &[Lanes<L>; N],
+    is_symmetric: bool,
+) -> Option<[Lanes<L>; N]> {
+    if N != 2 {
+        return Some(correction(matrix, b, is_symmetric));
+    }
+    let (solution, is_safe) = of_pair(matrix, b, is_symmetric);
+    if is_safe.all() { Some(solution) } else { None }
+}
+
+/// Two unknowns by Cramer's rule, and where that is safe.
+#[inline(always)]
+fn of_pair<const L: usize, const N: usize>(
+    matrix: &Matrix<L, N>,
+    b: &[Lanes<L>; N],
+    is_symmetric: bool,
+) -> ([Lanes<L>; N], LaneMask<L>) {
+    let m01 = if is_symmetric { matrix[1][0] } else { matrix[0][1] };
+    let (m00, m10, m11) = (matrix[0][0], matrix[1][0], matrix[1][1]);
+    let (main, cross) = (m00 * m11, m01 * m10);
+    let determinant = main - cross;
+    let is_safe = exceeds(determinant.abs(), (main.abs() + cross.abs()) * SAFE_DETERMINANT);
+    let inverse = determinant.recip();
+    let mut solution = *b;
+    solution[0] = (b[0] * m11 - b[1] * m01) * inverse;
+    solution[1] = (b[1] * m00 - b[0] * m10) * inverse;
+    (solution, is_safe)
 }
 
 /// `A⁻¹ b` as the generic solvers have it: Cramer's rule for two unknowns where it is safe, else by elimination.
@@ -162,18 +253,12 @@ pub(super) fn correction<const L: usize, const N: usize>(
     if N != 2 {
         return if is_symmetric { symmetric(matrix, b) } else { general(matrix, b) };
     }
-    let m01 = if is_symmetric { matrix[1][0] } else { matrix[0][1] };
-    let (m00, m10, m11) = (matrix[0][0], matrix[1][0], matrix[1][1]);
-    let (main, cross) = (m00 * m11, m01 * m10);
-    let determinant = main - cross;
-    let is_safe = exceeds(determinant.abs(), (main.abs() + cross.abs()) * SAFE_DETERMINANT)
-        & determinant.abs().less(Lanes::from_f64(f64::INFINITY));
-    let inverse = determinant.recip();
-    let x = [(b[0] * m11 - b[1] * m01) * inverse, (b[1] * m00 - b[0] * m10) * inverse];
-    let mut solution = std::array::from_fn(|i| x[i]);
+    let (mut solution, is_safe) = of_pair(matrix, b, is_symmetric);
     if !is_safe.all() {
         let mut full = *matrix;
-        full[0][1] = m01;
+        if is_symmetric {
+            full[0][1] = full[1][0];
+        }
         let other = rarely(&full, b, is_symmetric);
         for i in 0..N {
             solution[i] = Lanes::select(is_safe, solution[i], other[i]);
@@ -270,13 +355,15 @@ pub struct LaneByLane;
 impl<const L: usize> Solve<Lanes<L>> for LaneByLane {
     #[inline(always)]
     fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
-        start: [Lanes<L>; N],
+        x: &mut [Lanes<L>; N],
         equations: impl Equations<Lanes<L>, N>,
-    ) -> Result<([Lanes<L>; N], Effort), StepFailure> {
+    ) -> Result<Effort, StepFailure> {
         if CAREFUL || L == 1 {
-            return Together::newton::<N, SYMMETRIC, GUESS, CAREFUL>(start, equations);
+            return Together::newton::<N, SYMMETRIC, GUESS, CAREFUL>(x, equations);
         }
-        Ok(iterate(start, GUESS, SYMMETRIC, equations))
+        let (end, effort) = iterate(*x, GUESS, SYMMETRIC, equations);
+        *x = end;
+        Ok(effort)
     }
 
     #[inline(always)]

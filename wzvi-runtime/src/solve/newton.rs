@@ -206,7 +206,7 @@ pub(super) fn relative<S: Scalar>(correction: S, unknown: S) -> f64 {
     correction.relative_to(unknown)
 }
 
-/// Solves `r(x) = 0` from `start`; of a `SYMMETRIC` Jacobian only the lower triangle is read. `GUESS`: whether a start other
+/// Solves `r(x) = 0` from `x`, which becomes the solution; of a `SYMMETRIC` Jacobian only the lower triangle is read. `GUESS`: whether a start other
 /// than zero may come from past steps.
 ///
 /// # Errors
@@ -220,29 +220,34 @@ pub(super) fn newton<
     const GUESS: bool,
     const CAREFUL: bool,
 >(
-    start: [S; N],
+    x: &mut [S; N],
     equations: impl Equations<S, N>,
-) -> Result<([S; N], Effort), StepFailure> {
+) -> Result<Effort, StepFailure> {
     if CAREFUL {
-        let is_guess = start.iter().any(|x| x.magnitude() != 0.0);
-        let mut room = Room::of(&start);
-        let effort = damped(&mut Dense::<_, S, N, SYMMETRIC>::new(equations), &mut room, &start, is_guess)?;
-        return Ok((*room.solution(), effort));
+        let is_guess = x.iter().any(|x| x.magnitude() != 0.0);
+        let mut room = Room::of(x);
+        let effort = damped(&mut Dense::<_, S, N, SYMMETRIC>::new(equations), &mut room, x, is_guess)?;
+        *x = *room.solution();
+        return Ok(effort);
     }
-    let (mut x, mut convergence) = (start, Convergence::new(GUESS));
+    let mut convergence = Convergence::new(GUESS);
     loop {
-        let (residual, jacobian) = equations.evaluate(&x);
+        let (residual, jacobian) = equations.evaluate(x);
         let Some(correction) = corrected::<S, N, SYMMETRIC>(&jacobian, residual) else { break };
-        let (end, largest) = corrected_end(&x, &correction);
+        let (end, largest) = corrected_end(x, &correction);
         match convergence.glance(largest) {
-            Some(Verdict::Contracting) => x = end,
-            Some(_) => return accepted(end, &jacobian, convergence),
+            Some(Verdict::Contracting) => *x = end,
+            Some(_) => {
+                *x = end;
+                return accepted(&jacobian, convergence);
+            }
             None => break,
         }
     }
     // Taken apart: the common way writes to no memory that the call knows.
-    let (end, Effort { iterations, .. }) = resumed::<S, N, SYMMETRIC>(x, convergence, equations)?;
-    Ok((end, Effort::fast(iterations)))
+    let (end, iterations) = resumed::<S, N, SYMMETRIC>(*x, convergence, equations)?;
+    *x = end;
+    Ok(Effort::fast(iterations))
 }
 
 /// The iteration from `x` on, where it needs a pivot or a look at the residuals. A call by value, and the last thing that the caller does: in
@@ -253,7 +258,7 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     mut x: [S; N],
     mut convergence: Convergence,
     equations: impl Equations<S, N>,
-) -> Result<([S; N], Effort), StepFailure> {
+) -> Result<([S; N], u32), StepFailure> {
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
         let correction = match corrected::<S, N, SYMMETRIC>(&jacobian, residual) {
@@ -263,7 +268,7 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
         let (end, largest) = corrected_end(&x, &correction);
         let beyond = |roundings| beyond_in_any_lane(equations, &x, &correction, &end, roundings);
         match convergence.judge(largest, beyond) {
-            Verdict::Converged => return accepted(end, &jacobian, convergence),
+            Verdict::Converged => return Ok((end, accepted(&jacobian, convergence)?.iterations)),
             Verdict::Contracting => x = end,
             Verdict::Straying => {
                 return Err(explain::<N>(convergence.iterations, largest, jacobian[0][0].magnitude()));
@@ -287,12 +292,11 @@ fn corrected_end<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N]) -> 
 /// An infinite slope corrects nothing. With more unknowns the factorisation says so.
 #[inline(always)]
 fn accepted<S: Scalar, const N: usize>(
-    end: [S; N],
     jacobian: &[[S; N]; N],
     convergence: Convergence,
-) -> Result<([S; N], Effort), StepFailure> {
+) -> Result<Effort, StepFailure> {
     let is_flat = N > 1 || jacobian[0][0].magnitude() <= f64::MAX;
-    if is_flat { Ok((end, Effort::fast(convergence.iterations))) } else { Err(StepFailure::NonFinite) }
+    if is_flat { Ok(Effort::fast(convergence.iterations)) } else { Err(StepFailure::NonFinite) }
 }
 
 /// A slope of zero is the cause of the infinity that follows from it. Numbers, not the matrix: what has its address in a
@@ -380,16 +384,22 @@ mod tests {
         }
     }
 
+    fn solved<const N: usize, const GUESS: bool, const CAREFUL: bool>(
+        start: [f64; N],
+        equations: impl Equations<f64, N>,
+    ) -> Result<([f64; N], Effort), StepFailure> {
+        let mut x = start;
+        let effort = newton::<f64, N, false, GUESS, CAREFUL>(&mut x, equations)?;
+        Ok((x, effort))
+    }
+
     /// Both ways to solve one equation.
     fn scalar(
         start: f64,
         equation: impl Fn(f64) -> (f64, f64) + Copy,
     ) -> [Result<(f64, Effort), StepFailure>; 2] {
-        [
-            newton::<_, 1, false, false, false>([start], one(equation)),
-            newton::<_, 1, false, false, true>([start], one(equation)),
-        ]
-        .map(|outcome| outcome.map(|([x], effort)| (x, effort)))
+        [solved::<1, false, false>([start], one(equation)), solved::<1, false, true>([start], one(equation))]
+            .map(|outcome| outcome.map(|([x], effort)| (x, effort)))
     }
 
     #[test]
@@ -410,7 +420,7 @@ mod tests {
                 "{outcome:?}"
             );
         }
-        let outcome = newton::<_, 1, false, false, false>([0.0], one(|_| (1.0, 0.0)));
+        let outcome = solved::<1, false, false>([0.0], one(|_| (1.0, 0.0)));
         assert!(matches!(outcome, Err(StepFailure::Singular { .. })), "{outcome:?}");
         for outcome in scalar(0.0, |_| (f64::NAN, 1.0)) {
             assert_eq!(outcome, Err(StepFailure::NonFinite));
@@ -440,17 +450,17 @@ mod tests {
             std::array::from_fn(|i| Rounded { value: residual[i], error: f64::EPSILON * errors[i] })
         };
         let block = Block { evaluate: equations, rounded };
-        let ([x, y], _) = newton::<_, 2, false, false, false>([0.0; 2], block).unwrap();
+        let ([x, y], _) = solved::<2, false, false>([0.0; 2], block).unwrap();
         assert_eq!((x, y), (1e12, 1e-12));
-        let ([x, y], _) = newton::<_, 2, false, false, true>([0.0; 2], block).unwrap();
+        let ([x, y], _) = solved::<2, false, true>([0.0; 2], block).unwrap();
         assert_eq!((x, y), (1e12, 1e-12));
     }
 
     #[test]
     fn a_guess_that_is_no_guide_is_given_up() {
         let equation = one(|x: f64| (x - 1.0, 1.0));
-        assert!(newton::<_, 1, false, true, false>([0.9], equation).is_ok());
-        let outcome = newton::<_, 1, false, true, false>([-7.0], equation);
+        assert!(solved::<1, true, false>([0.9], equation).is_ok());
+        let outcome = solved::<1, true, false>([-7.0], equation);
         assert!(matches!(outcome, Err(StepFailure::NotConverged { iterations: 1, .. })), "{outcome:?}");
     }
 

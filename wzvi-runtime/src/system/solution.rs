@@ -19,6 +19,14 @@ pub struct Solution<S, const D: usize> {
 }
 
 impl<S: Scalar, const D: usize> Solution<S, D> {
+    /// Where a solution goes. Not a result of the function that finds it: numbers that share their memory with a [`StepFailure`] are not kept
+    /// in vector registers.
+    #[inline(always)]
+    pub fn nowhere() -> Self {
+        let zero = S::from_f64(0.0);
+        Self { q: [(zero, zero); D], p: [(zero, zero); D], momentum: [zero; D], effort: Effort::fast(0) }
+    }
+
     /// The nodes that the increments `dq`, `dp` lead to from `q`, `p`.
     #[inline(always)]
     pub fn new<C: Carry<S>>(

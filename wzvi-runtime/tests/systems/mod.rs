@@ -227,7 +227,9 @@ impl Discretized<Midpoint> for Pendulum {
                 half_step(h, kick, q0, p0, Rounded::nearest(x.lane(lane))).0
             },
         };
-        let ([x], effort) = newton::<_, 1, false, true, CAREFUL>(memory.guess::<true>(), equations)?;
+        let mut solution = memory.guess::<true>();
+        let effort = newton::<_, 1, false, true, CAREFUL>(&mut solution, equations)?;
+        let [x] = solution;
         let (q1, p1) = (q0 + x * 2.0, p0 - (q0 + x).sin() * kick);
         finite(q1, p1)?;
         memory.record::<true>([x]);

@@ -137,7 +137,9 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
                 __memory: &mut __Memory<__S>,
                 __carry: &__C,
             ) -> #result<__wzvi::Solution<__S, #degrees>, __wzvi::StepFailure> {
-                #solve
+                let mut __next = __wzvi::Solution::nowhere();
+                #solve?;
+                __wzvi::Ok(__next)
             }
         }
     };

@@ -158,10 +158,9 @@ impl SolveBody<'_> {
         let (n, effort) = (count(names.len()), self.printer.other("effort"));
         let code = quote! {
             #statements
-            let ([#(#names),*], #effort) = __wzvi::newton::<__S, #n, #symmetric, #used, __CAREFUL>(
-                #memory.guess::<#used>(),
-                #call,
-            )?;
+            let mut __unknowns = #memory.guess::<#used>();
+            let #effort = __wzvi::newton::<__S, #n, #symmetric, #used, __CAREFUL>(&mut __unknowns, #call)?;
+            let [#(#names),*] = __unknowns;
         };
         (code, effort)
     }
@@ -242,7 +241,7 @@ impl SolveBody<'_> {
         let records = &self.records;
         quote! {
             #statements
-            let __next = __wzvi::Solution::new(
+            *__next = __wzvi::Solution::new(
                 __carry,
                 [[#(#q),*], [#(#p),*]],
                 [[#(#dq),*], [#(#dp),*]],
@@ -253,7 +252,7 @@ impl SolveBody<'_> {
                 return __wzvi::Err(__wzvi::StepFailure::NonFinite);
             }
             #(#records)*
-            __wzvi::Ok(__next)
+            __wzvi::Ok(())
         }
     }
 }
