@@ -19,7 +19,7 @@ use crate::solve::Effort;
 use crate::state::{State, Vector};
 use crate::system::{Discretized, Exchange};
 use account::Ledger;
-use rare::{Arrived, Cause, Rare};
+use rare::{Arrived, Cause, Rare, Refused};
 pub(crate) use resolution::ResolutionMonitor;
 
 /// What one step took.
@@ -340,7 +340,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         if Self::IS_ITERATED {
             let taken = self.step_rarely(state, dw, clock, Cause::Moved(memory));
             if taken.is_err() {
-                self.memory = left;
+                self.memory.adopt(left);
             }
             return taken;
         }
@@ -354,7 +354,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
                 Ok(StepInfo { iterations: effort.iterations, ..StepInfo::default() })
             }
             Err(cause) => {
-                self.memory = left;
+                memory.adopt(left);
+                self.memory = memory;
                 Err(self.error(state, dw, cause))
             }
         }
@@ -389,16 +390,18 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         let rare = Rare { hard, resolution: self.resolution, step: self.steps(), is_iterated };
         let Arrived { taken, resolution, is_hard } = match rare.take(cause) {
             Ok(arrived) => arrived,
-            Err(cause) => return Err(self.error(state, dw, cause)),
+            Err(Refused { cause, memory }) => {
+                if let Some(memory) = memory {
+                    self.memory = memory;
+                }
+                return Err(self.error(state, dw, cause));
+            }
         };
         if is_moved {
             self.before += self.clock.ticks;
-            self.memory.forget();
-        }
-        if is_hard {
-            self.memory.adopt(taken.memory)
+            self.memory = taken.memory;
         } else {
-            self.memory = taken.memory
+            self.memory.adopt(taken.memory);
         }
         (state.q, state.p) = (taken.q, taken.p);
         (self.carry, self.resolution) = (taken.carry, resolution);

@@ -35,6 +35,13 @@ pub(super) struct Arrived<H: Discretized<E>, E, C> {
     pub(super) is_hard: bool,
 }
 
+/// A step that was not taken.
+pub(super) struct Refused<M> {
+    pub(super) cause: StepFailure,
+    /// What was given: its room, and nothing that is remembered.
+    pub(super) memory: Option<M>,
+}
+
 impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
     /// Takes it: the short way if that is not known to fail, then with care.
     ///
@@ -42,7 +49,10 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
     /// The cause, or those of [`ResolutionMonitor::careful_step`].
     #[cold]
     #[inline(never)]
-    pub(super) fn take(self, cause: Cause<H::Memory<f64>>) -> Result<Arrived<H, E, C>, StepFailure> {
+    pub(super) fn take(
+        self,
+        cause: Cause<H::Memory<f64>>,
+    ) -> Result<Arrived<H, E, C>, Refused<H::Memory<f64>>> {
         let Self { mut hard, mut resolution, step, is_iterated } = self;
         let (failure, memory) = match cause {
             Cause::Failed(failure) => (failure, None),
@@ -71,9 +81,12 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
             }
         };
         if !is_iterated {
-            return Err(failure);
+            return Err(Refused { cause: failure, memory });
         }
-        let (mut taken, resolution) = resolution.careful_step(hard, step, failure)?;
+        let (mut taken, resolution) = match resolution.careful_step(hard, step, failure) {
+            Ok(solved) => solved,
+            Err(cause) => return Err(Refused { cause, memory }),
+        };
         if let Some(mut memory) = memory {
             memory.adopt(taken.memory);
             taken.memory = memory;
