@@ -38,6 +38,7 @@ fn thermostats_converge_to_one_path() {
     let report = quartic();
     for scheme in ["Baoab", "Obabo", "Thermostat<Midpoint>"] {
         let (order, error) = report.slope(scheme).order().unwrap_or_else(|| panic!("{}", report.text()));
+        // The next power of h bends the line of steps from 1/4 on.
         assert!((order - 1.0).abs() < 0.15 + 2.0 * error, "{scheme}: {order} ± {error}");
         let finest = report.of(scheme).last().unwrap();
         // Bias and deviation fall with the step, and both are small at 1/64.

@@ -14,7 +14,7 @@
 
 use crate::carry::Carry;
 use crate::error::StepFailure;
-use crate::few::{Few, Kept};
+use crate::few::{Few, List};
 use crate::memory::StepMemory;
 use crate::scalar::Scalar;
 use crate::solve::Effort;
@@ -36,7 +36,7 @@ pub(crate) struct Hard<'a, H: Discretized<E>, E, C> {
     pub(crate) h: f64,
     pub(crate) q: H::Vector,
     pub(crate) p: H::Vector,
-    pub(crate) dw: Kept<'a, f64>,
+    pub(crate) dw: List<'a, f64>,
     pub(crate) carry: C,
 }
 

@@ -45,19 +45,19 @@ impl<S> DerefMut for Few<S> {
 
 /// A list, short or not.
 #[derive(Clone, Copy)]
-pub(crate) enum Kept<'a, S> {
+pub(crate) enum List<'a, S> {
     Short(Few<S>),
     Long(&'a [S]),
 }
 
-impl<'a, S: Scalar> Kept<'a, S> {
+impl<'a, S: Scalar> List<'a, S> {
     #[inline(always)]
     pub(crate) fn of(list: &'a [S]) -> Self {
         Few::of(list).map_or(Self::Long(list), Self::Short)
     }
 }
 
-impl<S> Deref for Kept<'_, S> {
+impl<S> Deref for List<'_, S> {
     type Target = [S];
 
     #[inline(always)]

@@ -12,7 +12,7 @@ use crate::carry::{Carry, Plain};
 use crate::continuation::Hard;
 use crate::dense::{DenseOutput, copy, copy_state};
 use crate::error::{ConfigError, StepError, StepFailure};
-use crate::few::Kept;
+use crate::few::List;
 use crate::memory::{Iteration, Method, StepMemory, Threads};
 use crate::plan::Solver;
 use crate::solve::Effort;
@@ -382,7 +382,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             h: self.h,
             q: state.q.clone(),
             p: state.p.clone(),
-            dw: Kept::of(dw),
+            dw: List::of(dw),
             carry: self.carry.clone(),
         };
         // Care takes Newton's method, which a pinned fixed point excludes.

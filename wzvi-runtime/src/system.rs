@@ -150,8 +150,9 @@ pub trait Hamiltonian {
         term_gradient(self, k.saturating_add(1), state)
     }
 
-    /// The gradient of `Σ_k ΔW_k H_k`, with `-ΔW_k f_k` for noise forces, of a state of the system; NaN unless `dw` has one increment per noise. Loops go over their noises once, where
-    /// [`Hamiltonian::noise_gradient`] of each would take as long as there are noises times degrees of freedom.
+    /// The gradient of `Σ_k ΔW_k H_k`, with `-ΔW_k f_k` for noise forces, of a state of the system; NaN unless `dw` has one increment per
+    /// noise. Loops go over their noises once, where [`Hamiltonian::noise_gradient`] of each would take as long as there are noises times
+    /// degrees of freedom.
     fn differentiate_noises(
         &self,
         dw: &[f64],

@@ -106,7 +106,7 @@ impl<const D: usize, const M: usize> Partners<'_, D, M> {
             first += few;
             if first == row.len {
                 for k in 0..F {
-                    totals[k] = if row.len < LANES { 0.0 } else { total(lanes[k]) };
+                    totals[k] = total(lanes[k]);
                 }
                 for place in few / LANES * LANES..few {
                     for k in 0..F {

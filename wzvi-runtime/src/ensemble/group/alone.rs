@@ -5,7 +5,7 @@ use crate::carry::Plain;
 use crate::continuation::Hard;
 use crate::ensemble::job::Job;
 use crate::error::{ConfigError, Error, InternalError, StepError, StepFailure};
-use crate::few::Kept;
+use crate::few::List;
 use crate::increments::Interval;
 use crate::lanes::Lanes;
 use crate::memory::{StepMemory, Threads};
@@ -115,7 +115,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         let dw: Vec<f64> = dw.iter().map(|dw| dw[0]).collect();
         let (system, prepared) = self.system_of(lane);
         let h = job.h;
-        let hard = Hard { system, prepared, t, h, q, p, dw: Kept::of(&dw), carry: Plain };
+        let hard = Hard { system, prepared, t, h, q, p, dw: List::of(&dw), carry: Plain };
         let solved = self.resolution[lane].careful_step(hard, step, cause);
         let (mut solved, watched) = solved.map_err(|cause| StepError { step, t, h, cause })?;
         self.resolution[lane] = watched;
