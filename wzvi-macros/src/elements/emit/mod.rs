@@ -11,6 +11,7 @@ mod kernel;
 mod parts;
 mod places;
 mod sites;
+mod weighted;
 mod windows;
 
 use std::collections::HashMap;
@@ -28,16 +29,17 @@ use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::sums::{Sum, Weighted};
 use crate::elements::friction;
-use crate::elements::parts::{PartElements, family_of, parts, unweighted};
+use crate::elements::parts::{parts, unweighted};
 use crate::elements::plan::Strategy;
 use crate::emit::step::mentions;
 use crate::emit::{Surroundings, count, f64_type, with_header, wrapped};
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
-use crate::model::{Element, Parameter, Reads, System};
+use crate::model::{Element, Parameter, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 pub(crate) use self::sites::site_entry;
+use self::weighted::{derivatives, part_code, values};
 
 /// A scheme, how it is emitted, and its text.
 type Step<'a> = (&'a Embedding, &'a Strategy, &'a str);
@@ -449,85 +451,4 @@ fn integrals(model: &mut System) -> TokenStream {
         quote!(#number => { #values })
     });
     arms.collect()
-}
-
-/// All elements of a part.
-fn part_code(model: &mut System, part: &PartElements, wanted: Wanted) -> TokenStream {
-    let sum = if wanted == Wanted::Value { &part.values } else { &part.elements };
-    let mut code = TokenStream::new();
-    // Elements with the same increments stand together.
-    for group in sum.chunk_by(|a, b| a.increments == b.increments) {
-        let Some(first) = group.first() else { continue };
-        let (weight, condition) = (weight(model, part, first, wanted), condition(model, first, wanted));
-        let body: TokenStream = match wanted {
-            Wanted::Value => values(model, group, Some(&weight)),
-            Wanted::Slopes | Wanted::Curvature => {
-                group.iter().map(|weighted| derivatives(model, weighted, wanted, &weight)).collect()
-            }
-        };
-        code.extend(match condition {
-            Some(condition) if !body.is_empty() => quote!(if #condition { #body }),
-            _ => body,
-        });
-    }
-    code
-}
-
-/// The sum of elements with one weight, which is taken out of it unless it changes in their loops.
-fn values(model: &mut System, group: &[Weighted], weight: Option<&TokenStream>) -> TokenStream {
-    let is_fixed = group.iter().flat_map(|weighted| &weighted.increments).all(|k| k.loops().is_empty());
-    let inside = weight.filter(|_| !is_fixed);
-    let code: TokenStream =
-        group.iter().map(|weighted| element_code(model, weighted, Wanted::Value, inside)).collect();
-    let factor = weight.filter(|_| is_fixed).map(|weight| quote!(* #weight));
-    quote! {
-        let mut __total = __S::from_f64(0.0);
-        #code
-        __value = __value + __total #factor;
-    }
-}
-
-/// The derivatives of one element, if those by what it reads are wanted.
-fn derivatives(model: &mut System, weighted: &Weighted, wanted: Wanted, weight: &TokenStream) -> TokenStream {
-    let condition = match weighted.element.reads() {
-        _ if weighted.element.displacements().next().is_some() => quote!(__wanted.by_q),
-        Reads::Nothing => return TokenStream::new(),
-        Reads::Coordinates => quote!(__wanted.by_q),
-        Reads::Momenta => quote!(__wanted.by_p),
-        Reads::Both => quote!((__wanted.by_q || __wanted.by_p)),
-    };
-    let body = element_code(model, weighted, wanted, Some(weight));
-    quote!(if #condition { #body })
-}
-
-/// The product of the increments of an element of a part, and the weight of the part.
-fn weight(
-    model: &System,
-    part: &PartElements,
-    Weighted { increments, .. }: &Weighted,
-    wanted: Wanted,
-) -> TokenStream {
-    let indices = Indices { tables: &model.tables, checked: false };
-    let factor = part.is_weighted.then(|| quote!(*__weight));
-    let increments = increments.iter().map(|number| {
-        let position = indices.position(number);
-        wanted.lifted(quote!(__at.increment(#position)))
-    });
-    match increments.reduce(|product, increment| quote!(#product * #increment)) {
-        Some(product) => quote!(#product #factor),
-        None => {
-            let number = wanted.number();
-            quote!(#number::from_f64(__at.h #factor))
-        }
-    }
-}
-
-/// Whether a noise acts that is no member of a family, whose loop knows.
-fn condition(model: &System, weighted: &Weighted, wanted: Wanted) -> Option<TokenStream> {
-    let [number] = weighted.increments.as_slice() else { return None };
-    if wanted == Wanted::Curvature || family_of(weighted).is_some() {
-        return None;
-    }
-    let position = Indices { tables: &model.tables, checked: false }.position(number);
-    Some(quote!(__at.acting.contains(&#position)))
 }
