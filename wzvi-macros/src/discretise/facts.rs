@@ -1,7 +1,9 @@
 //! What can be said about the continuous system: consistency, first integrals, commuting noises, the class of the noise.
 //! All of it is said of sums of elements, at whatever size.
 
-use self::forces::{Forces, along, commuting_forces};
+use self::forces::{Forces, commuting_forces};
+use self::form::Form;
+use self::invariants::invariant;
 use super::branches::{Boundary, Crossing, boundaries};
 use super::embedding::{Correction, Embedding};
 use super::sums::{Half, Increments, Space, Sum, Weighted};
@@ -14,6 +16,11 @@ use crate::symbolic::zero::Witness;
 use crate::symbolic::{Graph, Rational, Symbol};
 
 mod forces;
+mod form;
+mod invariants;
+
+pub(crate) use self::form::is_quadratic;
+pub(crate) use self::invariants::{Failure, Invariant};
 
 /// How the noise enters; see `wzvi::plan::NoiseClass`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -32,48 +39,6 @@ pub(crate) enum Knowledge {
     Refuted(Witness),
     /// Why neither is known.
     Unknown(String),
-}
-
-/// A declared first integral with its rate of change.
-pub(crate) struct Invariant {
-    pub(crate) extent: Extent,
-    pub(crate) value: Sum,
-    /// The first rate that is not proven zero.
-    pub(crate) failure: Option<Failure>,
-    pub(crate) form: Form,
-}
-
-/// What of a function the schemes keep exactly.
-#[derive(Clone, Copy)]
-pub(crate) struct Form {
-    /// Quadratic in (q, p): a first integral is kept exactly by `Midpoint`.
-    quadratic: bool,
-    /// `pᵀA q` plus linear terms: kept exactly by every embedding with one quadrature point and by compositions of them.
-    bilinear: bool,
-}
-
-impl Form {
-    fn of(graph: &mut Graph, value: &Sum) -> Self {
-        let [quadratic, bilinear] = [Degree::Quadratic, Degree::Bilinear]
-            .map(|degree| value.iter().all(|weighted| is_of_degree(graph, &weighted.element, degree)));
-        Self { quadratic, bilinear }
-    }
-
-    /// Whether the step keeps a first integral of this form to rounding.
-    pub(crate) fn is_kept(self, embedding: &Embedding, has_noise: bool) -> bool {
-        let (drift, noise) = embedding.quadrature();
-        let has_midpoint = drift == Rational::HALF && *embedding != Embedding::Verlet;
-        self.quadratic && has_midpoint && (noise == Rational::HALF || !has_noise)
-            || self.bilinear && (drift == noise || !has_noise)
-    }
-}
-
-/// The rate that stands in the way of a first integral.
-pub(crate) struct Failure {
-    /// Along what, and how it is made.
-    pub(crate) along: String,
-    pub(crate) rate: Sum,
-    pub(crate) knowledge: Knowledge,
 }
 
 /// What facts are about: every Hamiltonian as a sum, a noise times its increment.
@@ -420,92 +385,5 @@ fn is_affine(graph: &mut Graph, element: &Element) -> bool {
     state.iter().all(|&symbol| {
         let slope = graph.derivative(element.value, symbol);
         !graph.depends_on(slope, &state)
-    })
-}
-
-fn invariant(
-    graph: &mut Graph,
-    space: &mut Space,
-    (drift, noise, forces, t): (&Sum, &[(String, &Sum)], &Forces, Symbol),
-    (extent, value): (Extent, Sum),
-) -> Invariant {
-    let mut failure = None;
-    let mut check = |graph: &mut Graph, space: &mut Space, along: String, rate: Rate| {
-        if failure.is_some() {
-            return;
-        }
-        match rate.known(|sum| space.vanishes(graph, sum, Increments::Each)) {
-            Knowledge::Proven => {}
-            knowledge => failure = Some(Failure { along, rate: rate.sum, knowledge }),
-        }
-    };
-    let (rate, along) = rate_of_drift(graph, space, (drift, forces, t), &value);
-    check(graph, space, along, rate);
-    for (number, hamiltonian) in noise {
-        let rate = Rate::of(space.bracket(graph, hamiltonian, &value));
-        let name = number.trim_start_matches('_');
-        check(graph, space, format!("noise {name}: {{H{number}, F}}"), rate);
-    }
-    for (number, force) in forces.numbers.iter().zip(&forces.noise) {
-        let rate = self::along(graph, space, force, &value);
-        let name = number.trim_start_matches('_');
-        check(graph, space, format!("noise force {name}: F{number} · ∂F/∂p"), rate);
-    }
-    if forces.is_warm && value.iter().any(|weighted| weighted.element.momenta().next().is_some()) {
-        let knowledge =
-            Knowledge::Unknown("a bath with a temperature acts on every momentum with friction".to_owned());
-        failure = failure.or(Some(Failure { along: "the bath".to_owned(), rate: Sum::new(), knowledge }));
-    }
-    Invariant { extent, form: Form::of(graph, &value), value, failure }
-}
-
-/// The rate of a function along the drift with its forces, and how it is made.
-fn rate_of_drift(
-    graph: &mut Graph,
-    space: &mut Space,
-    (drift, forces, t): (&Sum, &Forces, Symbol),
-    value: &Sum,
-) -> (Rate, String) {
-    let mut along = "the drift: {H0, F} + ∂F/∂t".to_owned();
-    let mut rates = vec![
-        (Rate::of(space.bracket(graph, drift, value)), Rational::ONE),
-        (Rate::of(Some(space.partial(graph, value, t))), Rational::ONE),
-    ];
-    if !forces.force.is_empty() {
-        along.push_str(" + F0 · ∂F/∂p");
-        rates.push((self::along(graph, space, &forces.force, value), Rational::ONE));
-    }
-    if !forces.friction.is_empty() {
-        along.push_str(" less that of the friction");
-        rates.push((self::along(graph, space, &forces.friction, value), Rational::MINUS_ONE));
-    }
-    let is_complete = rates.iter().all(|(rate, _)| rate.is_complete);
-    let sums: Vec<(&Sum, Rational)> = rates.iter().map(|(rate, factor)| (&rate.sum, *factor)).collect();
-    (Rate { sum: space.combine(graph, &sums), is_complete }, along)
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Degree {
-    Quadratic,
-    /// Quadratic, without `q_i q_j` and `p_i p_j`.
-    Bilinear,
-}
-
-/// Whether the second derivatives by the state are constant on phase space.
-pub(crate) fn is_quadratic(graph: &mut Graph, element: &Element) -> bool {
-    is_of_degree(graph, element, Degree::Quadratic)
-}
-
-fn is_of_degree(graph: &mut Graph, element: &Element, degree: Degree) -> bool {
-    let state = state_of(element);
-    let coordinates = element.coordinates().count();
-    let is_momentum = |at: usize| at >= coordinates;
-    (0..state.len()).all(|a| {
-        let slope = graph.derivative(element.value, state[a]);
-        (a..state.len()).all(|b| {
-            let curvature = graph.derivative(slope, state[b]);
-            let is_allowed = degree == Degree::Quadratic || is_momentum(a) != is_momentum(b);
-            !graph.depends_on(curvature, &state) && (is_allowed || graph.is_zero(curvature))
-        })
     })
 }

@@ -1,0 +1,85 @@
+//! First integrals: what the drift, the noises and the forces do to a function.
+
+use super::forces::{self, Forces};
+use super::{Form, Knowledge, Rate};
+use crate::discretise::sums::{Increments, Space, Sum};
+use crate::model::Extent;
+use crate::symbolic::{Graph, Rational, Symbol};
+
+/// A declared first integral with its rate of change.
+pub(crate) struct Invariant {
+    pub(crate) extent: Extent,
+    pub(crate) value: Sum,
+    /// The first rate that is not proven zero.
+    pub(crate) failure: Option<Failure>,
+    pub(crate) form: Form,
+}
+
+/// The rate that stands in the way of a first integral.
+pub(crate) struct Failure {
+    /// Along what, and how it is made.
+    pub(crate) along: String,
+    pub(crate) rate: Sum,
+    pub(crate) knowledge: Knowledge,
+}
+
+pub(super) fn invariant(
+    graph: &mut Graph,
+    space: &mut Space,
+    (drift, noise, forces, t): (&Sum, &[(String, &Sum)], &Forces, Symbol),
+    (extent, value): (Extent, Sum),
+) -> Invariant {
+    let mut failure = None;
+    let mut check = |graph: &mut Graph, space: &mut Space, along: String, rate: Rate| {
+        if failure.is_some() {
+            return;
+        }
+        match rate.known(|sum| space.vanishes(graph, sum, Increments::Each)) {
+            Knowledge::Proven => {}
+            knowledge => failure = Some(Failure { along, rate: rate.sum, knowledge }),
+        }
+    };
+    let (rate, along) = rate_of_drift(graph, space, (drift, forces, t), &value);
+    check(graph, space, along, rate);
+    for (number, hamiltonian) in noise {
+        let rate = Rate::of(space.bracket(graph, hamiltonian, &value));
+        let name = number.trim_start_matches('_');
+        check(graph, space, format!("noise {name}: {{H{number}, F}}"), rate);
+    }
+    for (number, force) in forces.numbers.iter().zip(&forces.noise) {
+        let rate = forces::along(graph, space, force, &value);
+        let name = number.trim_start_matches('_');
+        check(graph, space, format!("noise force {name}: F{number} · ∂F/∂p"), rate);
+    }
+    if forces.is_warm && value.iter().any(|weighted| weighted.element.momenta().next().is_some()) {
+        let knowledge =
+            Knowledge::Unknown("a bath with a temperature acts on every momentum with friction".to_owned());
+        failure = failure.or(Some(Failure { along: "the bath".to_owned(), rate: Sum::new(), knowledge }));
+    }
+    Invariant { extent, form: Form::of(graph, &value), value, failure }
+}
+
+/// The rate of a function along the drift with its forces, and how it is made.
+fn rate_of_drift(
+    graph: &mut Graph,
+    space: &mut Space,
+    (drift, forces, t): (&Sum, &Forces, Symbol),
+    value: &Sum,
+) -> (Rate, String) {
+    let mut along = "the drift: {H0, F} + ∂F/∂t".to_owned();
+    let mut rates = vec![
+        (Rate::of(space.bracket(graph, drift, value)), Rational::ONE),
+        (Rate::of(Some(space.partial(graph, value, t))), Rational::ONE),
+    ];
+    if !forces.force.is_empty() {
+        along.push_str(" + F0 · ∂F/∂p");
+        rates.push((forces::along(graph, space, &forces.force, value), Rational::ONE));
+    }
+    if !forces.friction.is_empty() {
+        along.push_str(" less that of the friction");
+        rates.push((forces::along(graph, space, &forces.friction, value), Rational::MINUS_ONE));
+    }
+    let is_complete = rates.iter().all(|(rate, _)| rate.is_complete);
+    let sums: Vec<(&Sum, Rational)> = rates.iter().map(|(rate, factor)| (&rate.sum, *factor)).collect();
+    (Rate { sum: space.combine(graph, &sums), is_complete }, along)
+}
