@@ -303,17 +303,14 @@ pub fn add_slopes<H: Elements, S: Scalar>(
     wanted: Slopes,
     into: &mut [S],
 ) {
-    if H::HAS_PAIRS {
-        let (at, none) = (flow.at(state), &mut [][..]);
-        for (part, is_there) in flow.parts::<H>() {
-            match wanted.by_q {
-                _ if !is_there => {}
-                true => slopes(system, part, 1.0, &at, wanted, into, none),
-                false => slopes(system, part, 1.0, &at, wanted, none, into),
-            }
+    let (at, none) = (flow.at(state), &mut [][..]);
+    // One call for all, which is inlined.
+    for (part, is_there) in flow.parts::<H>() {
+        match wanted.by_q {
+            _ if !is_there => {}
+            true => slopes(system, part, 1.0, &at, wanted, into, none),
+            false => slopes(system, part, 1.0, &at, wanted, none, into),
         }
-    } else {
-        add_flow::<H, S, S::OfElements<H::Exact>, [S], [S]>(system, flow, state, wanted, into);
     }
 }
 
