@@ -5,7 +5,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may stop")]
 
+use wzvi::error::StepError;
 use wzvi::lanes::Lanes;
+use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
 
 /// Springs to both walls, and between sites one and two apart.
@@ -155,6 +157,77 @@ fn rare_arguments_have_the_bits_of_one_pass() {
         let after = state.q.iter().chain(state.p.iter());
         assert!(after.zip(before.0.iter().chain(&before.1)).all(|(a, b)| a.to_bits() == b.to_bits()));
     }
+}
+
+/// What some steps by the mid-point rule on so many threads lead to: bits, iterations, and the error of the last one.
+fn on_threads<H>(system: &H, threads: usize, [q, p]: [Vec<f64>; 2]) -> (Vec<u64>, Vec<u32>, Option<StepError>)
+where
+    H: Discretized<Midpoint, Vector = DVector<f64>>,
+{
+    let mut state = State::new(q, p);
+    let mut stepper = system.stepper::<Midpoint>(self::H).unwrap().threads(threads).unwrap();
+    let mut taken = Vec::new();
+    let mut failed = None;
+    for step in 0..5 {
+        let dw: Vec<f64> =
+            numbers(system.noises(), 0.7 * f64::from(step)).iter().map(|dw| 0.1 * dw).collect();
+        match stepper.step(&mut state, &dw) {
+            Ok(info) => taken.push(info.iterations),
+            Err(error) => failed = failed.or(Some(error)),
+        }
+    }
+    (state.q.iter().chain(&state.p).map(|number| number.to_bits()).collect(), taken, failed)
+}
+
+fn check_threads<H: Discretized<Midpoint, Vector = DVector<f64>>>(
+    system: &H,
+    start: &[Vec<f64>; 2],
+    what: &str,
+) {
+    let one = on_threads(system, 1, start.clone());
+    for threads in [2, 3, 7] {
+        let several = on_threads(system, threads, start.clone());
+        assert!(several == one, "{what}: {} sites on {threads} threads", start[0].len());
+    }
+}
+
+#[test]
+fn threads_have_the_bits_of_one() {
+    for n in [100, 256, 257, 511, 600, 1025, 5000] {
+        let start = [numbers(n, 0.2), numbers(n, 1.1)];
+        check_threads(&Chain { beta: 0.25 }, &start, "chain");
+        check_threads(&SineGordon { k: 0.7 }, &start, "ring");
+        let (mass, spring) = ((0..n).map(|i| 1.0 + 0.1 * i as f64).collect(), numbers(n, 2.0));
+        check_threads(&Kicked { mass, spring }, &start, "kicked");
+    }
+    for (rows, columns) in [(1, 700), (31, 33), (5, 600), (100, 13)] {
+        let n = rows * columns;
+        let torus = Torus { rows, columns, stiffness: 1.0 };
+        check_threads(&torus, &[numbers(n, 0.2), numbers(n, 1.1)], "torus");
+    }
+    let mut far = numbers(1500, 0.2);
+    far[1400] = 1e9;
+    check_threads(&SineGordon { k: 0.7 }, &[far, numbers(1500, 1.1)], "far away");
+    for (place, bad) in [(0, 800.0), (1499, f64::NAN), (750, f64::INFINITY)] {
+        let mut p = numbers(1500, 1.1);
+        p[place] = bad;
+        let start = [numbers(1500, 0.2), p];
+        check_threads(&SineGordon { k: 0.7 }, &start, "not finite");
+        assert!(on_threads(&SineGordon { k: 0.7 }, 3, start).2.is_some());
+    }
+}
+
+/// On all cores, as large systems go unless it is asked for another number.
+#[test]
+fn as_many_threads_as_pay_have_the_bits_of_one() {
+    let n = 300_011;
+    let chain = Chain { beta: 0.25 };
+    let run = || {
+        let run = chain.simulate::<Midpoint>(H).start(State::new(numbers(n, 0.2), numbers(n, 1.1)));
+        run.steps(2).record_every(0)
+    };
+    let [all, one] = [run().run().unwrap(), run().threads(1).run().unwrap()];
+    assert!(all.last() == one.last());
 }
 
 /// Two halves of a chain that no spring joins, one a power of two of the other: a step takes both alike, to the last bit. What

@@ -104,13 +104,13 @@ fn polymer(n: usize, steps: usize) -> [Case; 2] {
     [plus, verlet]
 }
 
-/// Explicit steps on so many threads.
-pub(crate) fn on_threads(threads: usize, n: usize) -> [(&'static str, Box<dyn Runner>); 2] {
-    let start = || (first_mode(n), vec![0.0; n]);
-    let ((q, p), (own_q, own_p)) = (start(), start());
+/// Steps on so many threads: explicit ones, and those of a fixed point.
+pub(crate) fn on_threads(threads: usize, n: usize) -> [(&'static str, Box<dyn Runner>); 3] {
+    let [q, p] = [first_mode(n), vec![0.0; n]];
     [
-        ("DeltaPlus", generated_on::<_, DeltaPlus>(threads, &FPUT, H, q, p)),
-        ("Verlet", generated_on::<_, Verlet>(threads, &FPUT, H, own_q, own_p)),
+        ("DeltaPlus", generated_on::<_, DeltaPlus>(threads, &FPUT, H, q.clone(), p.clone())),
+        ("Verlet", generated_on::<_, Verlet>(threads, &FPUT, H, q.clone(), p.clone())),
+        ("Midpoint", generated_on::<_, Midpoint>(threads, &FPUT, H, q, p)),
     ]
 }
 

@@ -193,7 +193,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
 
     /// Takes the steps of large systems on so many threads, as far as there are windows for them; without this, on all cores from a size on
     /// where that pays ([systems of any size](crate::elements)). One switches it off. The result is the same, bit for bit. Every step then begins
-    /// threads of its own, which allocates.
+    /// threads of its own, an implicit one in each iteration, which allocates.
     ///
     /// # Errors
     /// [`ConfigError::Setting`] for zero.

@@ -26,8 +26,8 @@ use crate::scalar::Scalar;
 /// twentieth is left.
 const UNSEEN: f64 = 0.25;
 
-/// What a correction changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What a correction changed: the more, the larger.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Change {
     /// No more than [`UNSEEN`] of a rounding.
     Unseen,

@@ -195,6 +195,8 @@ pub(super) struct Scratch<'a, S> {
     pub(super) kept: &'a mut Kept<S>,
     pub(super) rounding: &'a mut Option<Box<Rounding>>,
     pub(super) sweeps: &'a mut Option<Box<Sweeps>>,
+    /// On how many these go.
+    pub(super) threads: Threads,
     /// Whether nothing is to be done in vector instructions.
     pub(super) is_exact: bool,
 }
@@ -204,7 +206,7 @@ impl<S: Scalar> Memory<S> {
     #[inline(always)]
     pub(super) fn scratch(&mut self, scheme: &Scheme, degrees: usize) -> Scratch<'_, S> {
         let Self { iteration, work, diagonal, past, known, .. } = self;
-        let Self { preference, linear, kept, rounding, sweeps, .. } = self;
+        let Self { preference, linear, kept, rounding, plan, sweeps, .. } = self;
         Scratch {
             lists: work.lists(scheme, degrees),
             diagonal,
@@ -216,6 +218,7 @@ impl<S: Scalar> Memory<S> {
             kept,
             rounding,
             sweeps,
+            threads: plan.threads(),
             is_exact: false,
         }
     }
@@ -226,7 +229,7 @@ impl<S> Scratch<'_, S> {
     #[inline(always)]
     pub(super) fn lend(&mut self) -> Scratch<'_, S> {
         let Self { lists, diagonal, past, known, iteration, preference, linear, kept, .. } = self;
-        let Self { rounding, sweeps, is_exact, .. } = self;
+        let Self { rounding, sweeps, threads, is_exact, .. } = self;
         Scratch {
             lists: lists.lend(),
             diagonal,
@@ -238,6 +241,7 @@ impl<S> Scratch<'_, S> {
             kept,
             rounding,
             sweeps,
+            threads: *threads,
             is_exact: *is_exact,
         }
     }
@@ -337,6 +341,7 @@ impl<S: Scalar> StepMemory for Memory<S> {
 
     fn share(&mut self, threads: Threads) {
         self.plan.share(threads);
+        self.sweeps = None;
     }
 
     fn forget(&mut self) {

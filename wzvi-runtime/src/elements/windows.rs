@@ -161,6 +161,11 @@ impl WindowPlan {
         *self = Self { threads, plan: None };
     }
 
+    /// On how many threads windows are to be taken.
+    pub(crate) fn threads(&self) -> Threads {
+        self.threads
+    }
+
     /// The degrees of freedom of the system, if it is known.
     pub(crate) fn degrees(&self) -> Option<usize> {
         self.plan.as_deref().map(Plan::degrees)
@@ -263,10 +268,7 @@ impl Plan {
     /// The turns of each thread, and those that come then.
     fn shares(windows: &Windows, rounds: usize, threads: usize) -> (Vec<Share>, Share) {
         let all = windows.neighbours().len();
-        let parts = match threads.min(all) {
-            0 | 1 => Vec::new(),
-            parts => (0..parts).map(|part| part * all / parts..(part + 1) * all / parts).collect(),
-        };
+        let parts = if threads.min(all) < 2 { Vec::new() } else { windows.portions(threads).collect() };
         let share = |windows_of: &Range<usize>, turns| {
             let end = windows_of.end.checked_sub(1).map_or(0, |last| windows.strip(last).end);
             Share { end, turns, sums: vec![nothing(); windows.room() + LINE] }

@@ -47,7 +47,7 @@ impl<H: Elements> Step<'_, H, f64> {
 
     /// Adds the slopes of the stages with a weight.
     #[inline(always)]
-    fn slopes_of<T: Number<f64>, V: Given<f64> + ?Sized, A: Sums<f64>>(
+    pub(super) fn slopes_of<T: Number<f64>, V: Given<f64> + ?Sized, A: Sums<f64>>(
         &self,
         weight_of: impl Fn(&Stage) -> f64,
         state: &V,

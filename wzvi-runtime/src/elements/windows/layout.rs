@@ -284,6 +284,13 @@ impl Windows {
         &self.neighbours
     }
 
+    /// All windows in as many portions of neighbours, or in fewer if there are not so many.
+    pub(super) fn portions(&self, number: usize) -> impl Iterator<Item = Range<usize>> {
+        let all = self.neighbours.len();
+        let parts = number.clamp(1, all.max(1));
+        (0..parts).map(move |part| part * all / parts..(part + 1) * all / parts)
+    }
+
     /// A window by its number.
     #[inline(always)]
     pub(super) fn strip(&self, number: usize) -> Strip<'_> {

@@ -12,25 +12,32 @@
 //! instructions.
 
 mod blocks;
+mod parts;
 
 use std::any::TypeId;
 
 use blocks::{Compared, Follow, Guess, Kick, Store};
+use parts::{Found, Part, Portion, on_threads};
 
+use super::LEAST_IN_WINDOWS;
 use super::layout::{Recorder, Strip, Windows};
 use super::sums::Window;
-use super::{LEAST_IN_WINDOWS, LINE};
 use crate::elements::change::{Change, Seen};
 use crate::elements::memory::{Lists, Scratch};
 use crate::elements::passes::{Largest, in_blocks, subtract};
-use crate::elements::step::{Step, nothing};
-use crate::elements::sums::Sums;
+use crate::elements::step::Step;
+use crate::elements::sums::Given;
 use crate::elements::{Elements, MomentumUpdate, Scheme, Slopes, Unknowns};
 use crate::lanes::instructions::{InstructionSet, Kernel};
 use crate::scalar::{Number, Scalar};
+use crate::threads::Threads;
 
 /// Places of a window. Ten stretches of it are used at one time.
 const SIZE: usize = 256;
+
+/// Degrees of freedom that are worth a thread of their own in each pass: the three or more of a step of so many take some 500 µs
+/// (`cargo bench --bench elements -- memory`).
+const LEAST_OF_THREAD: usize = 1 << 16;
 
 /// A correction that was taken.
 pub(in crate::elements) struct Swept {
@@ -40,11 +47,11 @@ pub(in crate::elements) struct Swept {
     pub(in crate::elements) change: Option<Change>,
 }
 
-/// Windows of a system, and what is needed for one of them.
+/// Windows of a system, and who takes them.
 #[derive(Debug)]
 pub(in crate::elements) struct Sweeps {
     windows: Windows,
-    sums: Vec<f64>,
+    portions: Vec<Portion>,
     instructions: InstructionSet,
     /// Whether the coordinates at the unknowns are where the next iteration takes them from.
     is_ready: bool,
@@ -56,14 +63,15 @@ impl Sweeps {
     /// Takes down where the elements of a system add what.
     #[cold]
     #[inline(never)]
-    fn new<H: Elements>(step: &Step<'_, H, f64>) -> Self {
+    fn new<H: Elements>(step: &Step<'_, H, f64>, threads: Threads) -> Self {
         let recorder = Recorder::default();
-        for wanted in [Slopes::BY_COORDINATES, Slopes::BY_MOMENTA] {
-            step.add_slopes::<f64, _>(step.q, step.p, wanted, &mut &recorder);
+        for (state, wanted) in [(step.q, Slopes::BY_COORDINATES), (step.p, Slopes::BY_MOMENTA)] {
+            step.slopes_of::<f64, _, _>(|_| 1.0, state, wanted, &mut &recorder);
         }
-        let windows = Windows::new(step.degrees(), SIZE, recorder);
-        let sums = vec![nothing(); windows.room() + LINE];
-        Self { windows, sums, instructions: InstructionSet::best(), is_ready: false, is_finite: false }
+        let degrees = step.degrees();
+        let windows = Windows::new(degrees, SIZE, recorder);
+        let portions = Portion::all(&windows, threads.number(degrees / LEAST_OF_THREAD));
+        Self { windows, portions, instructions: InstructionSet::best(), is_ready: false, is_finite: false }
     }
 }
 
@@ -124,13 +132,17 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     #[inline(never)]
     fn start_in_vectors(&self, scratch: &mut Scratch<'_, S>, known: u8) -> bool {
         let Some(step) = self.plain() else { return false };
-        let sweeps = scratch.sweeps.get_or_insert_with(|| Box::new(Sweeps::new(&step)));
+        let threads = scratch.threads;
+        let sweeps = scratch.sweeps.get_or_insert_with(|| Box::new(Sweeps::new(&step, threads)));
         let [Some(a), Some(b), Some(c)] = scratch.past.each_ref().map(|past| S::plain(past)) else {
             return false;
         };
-        let Some(lists) = scratch.lists.plain() else { return false };
-        let instructions = sweeps.instructions;
-        instructions.run(Start { step, lists, sweeps, past: [a, b, c], known });
+        let Some(mut lists) = scratch.lists.plain() else { return false };
+        let (Sweeps { windows, portions, instructions, .. }, past) = (&mut **sweeps, [a, b, c]);
+        on_threads(portions, lists.parted().0, |portion, part| {
+            Start { step, windows, portion, part, past, known }.run_in(*instructions)
+        });
+        (sweeps.is_ready, sweeps.is_finite) = (true, false);
         true
     }
 
@@ -143,40 +155,33 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
         scratch.lists.stages.turn();
         std::mem::swap(&mut scratch.lists.u, &mut scratch.lists.by_p);
-        let lists = scratch.lists.plain()?;
-        let instructions = sweeps.instructions;
-        Some(instructions.run(Sweep { step, lists, sweeps }))
+        let mut lists = scratch.lists.plain()?;
+        let Sweeps { windows, portions, instructions, .. } = &mut *sweeps;
+        let (part, now, before) = lists.parted();
+        let found = on_threads(portions, part, |portion, part| {
+            Sweep { step, windows, portion, part, now, before }.run_in(*instructions)
+        });
+        (sweeps.is_ready, sweeps.is_finite) = (true, found.is_finite);
+        let relative = match found.change {
+            Change::Unknown => f64::NAN,
+            _ => found.corrected.relative_to(found.size),
+        };
+        Some(Swept { relative, change: Some(found.change) })
     }
 }
 
 impl<H: Elements> Step<'_, H, f64> {
-    /// Adds the slopes of the step Hamiltonian to `into`, by coordinates or by momenta.
+    /// The sums of a window, of slopes at coordinates or momenta.
     #[inline(always)]
-    fn add_slopes<T: Number<f64>, A: Sums<f64>>(&self, q: &[f64], p: &[f64], wanted: Slopes, into: &mut A) {
-        let none = &mut [][..];
-        for stage in self.scheme.stages {
-            let at = self.at(stage, q, p);
-            for &(part, weight) in stage.parts {
-                if wanted.by_q {
-                    self.system.slopes::<f64, T, [f64], A, [f64]>(part, weight, &at, wanted, into, none);
-                } else {
-                    self.system.slopes::<f64, T, [f64], [f64], A>(part, weight, &at, wanted, none, into);
-                }
-            }
-        }
-    }
-
-    /// The sums of a window.
-    #[inline(always)]
-    fn window<'w, T: Number<f64>>(
+    fn window<'w, T: Number<f64>, V: Given<f64> + ?Sized>(
         &self,
         strip: Strip<'w>,
-        [q, p]: [&[f64]; 2],
+        state: &V,
         wanted: Slopes,
         sums: &'w mut [f64],
     ) -> &'w [f64] {
         let mut window = Window::empty(strip, sums);
-        self.add_slopes::<T, _>(q, p, wanted, &mut window);
+        self.slopes_of::<T, V, _>(|_| 1.0, state, wanted, &mut window);
         window.finish()
     }
 
@@ -184,6 +189,16 @@ impl<H: Elements> Step<'_, H, f64> {
     #[inline(always)]
     fn weights(&self) -> [f64; 2] {
         self.scheme.stages.first().map_or([0.0; 2], |stage| [stage.point, stage.start])
+    }
+}
+
+impl Lists<'_, f64> {
+    /// What an iteration writes; the coordinates at which it takes forces; `u` of the one before.
+    #[inline(always)]
+    fn parted(&mut self) -> (Part<'_>, &[f64], &[f64]) {
+        let Self { x, correction, u, by_p: before, momentum, stages, .. } = self;
+        let (now, next) = stages.at_mut(0);
+        (Part { first: 0, x, correction, momentum, u, next }, now, before)
     }
 }
 
@@ -210,7 +225,8 @@ impl<S: Scalar> Scratch<'_, S> {
     /// Adds the increments of a step to the state, and keeps its unknowns for the next if that is to be.
     #[inline(never)]
     pub(in crate::elements) fn store_windows(&mut self, scheme: &Scheme, q: &mut [S], p: &mut [S]) {
-        let (Some(sweeps), MomentumUpdate::Multiple(factor)) = (self.sweeps.as_deref(), scheme.update) else {
+        let (Some(sweeps), MomentumUpdate::Multiple(factor)) = (self.sweeps.as_deref_mut(), scheme.update)
+        else {
             return;
         };
         let (Some(q), Some(p), Some(lists)) = (S::plain_mut(q), S::plain_mut(p), self.lists.plain()) else {
@@ -218,17 +234,31 @@ impl<S: Scalar> Scratch<'_, S> {
         };
         self.past.rotate_right(usize::from(scheme.remembers));
         let past = S::plain_mut(&mut self.past[0]).unwrap_or_default();
-        sweeps.instructions.run(Store { q, p, u: lists.u, x: lists.x, past, factor });
+        let Sweeps { portions, instructions, .. } = sweeps;
+        let store = Store { first: 0, q, p, u: lists.u, x: lists.x, past, factor };
+        on_threads(portions, store, |_, store| {
+            instructions.run(store);
+            Found::NOTHING
+        });
     }
 }
 
-/// [`Step::start`]
+/// [`Step::start`], of a portion.
 struct Start<'a, 's, H> {
     step: Step<'s, H, f64>,
-    lists: Lists<'a, f64>,
-    sweeps: &'a mut Sweeps,
+    windows: &'a Windows,
+    portion: &'a mut Portion,
+    part: Part<'a>,
     past: [&'a [f64]; 3],
     known: u8,
+}
+
+impl<H: Elements> Start<'_, '_, H> {
+    #[inline(never)]
+    fn run_in(self, instructions: InstructionSet) -> Found {
+        instructions.run(self);
+        Found::NOTHING
+    }
 }
 
 impl<H: Elements> Kernel for Start<'_, '_, H> {
@@ -236,45 +266,49 @@ impl<H: Elements> Kernel for Start<'_, '_, H> {
 
     #[inline(always)]
     fn run<const L: usize, const HALF: usize>(self) {
-        let Self { step, lists, sweeps, past, known } = self;
-        let Lists { x, u, momentum, mut stages, .. } = lists;
-        let (_, q) = stages.at_mut(0);
+        let Self { step, windows, portion, part, past, known } = self;
         let [point, _] = step.weights();
-        for number in 0..sweeps.windows.neighbours().len() {
-            let strip = sweeps.windows.strip(number);
-            let places = strip.start..strip.end;
-            let x = &mut x[places.clone()];
+        for number in portion.windows.clone() {
+            let strip = windows.strip(number);
+            let (places, own) = (strip.start..strip.end, part.own(strip));
+            let p = &step.p[places.clone()];
             let past = past.map(|past| past.get(places.clone()).unwrap_or(&[]));
-            let momentum_of = &mut momentum[places.clone()];
-            in_blocks::<L>(
-                x.len(),
-                &mut Guess { past, known, p: &step.p[places.clone()], x, momentum: momentum_of },
-            );
-            let u_of =
-                step.window::<H::Usual>(strip, [step.q, momentum], Slopes::BY_MOMENTA, &mut sweeps.sums);
-            let mut follow =
-                Follow::new(&step, &places, u_of, point, &mut u[places.clone()], &mut q[places.clone()]);
-            in_blocks::<L>(places.len(), &mut follow);
+            let (x, momentum) = (&mut part.x[own.clone()], &mut part.momentum[own.clone()]);
+            in_blocks::<L>(p.len(), &mut Guess { past, known, p, x, momentum });
+            let momenta = part.momenta(step.degrees());
+            let velocities =
+                step.window::<H::Usual, _>(strip, &momenta, Slopes::BY_MOMENTA, &mut portion.sums);
+            let (u, next) = (&mut part.u[own.clone()], &mut part.next[own]);
+            in_blocks::<L>(places.len(), &mut Follow::new(&step, &places, velocities, point, u, next));
         }
-        (sweeps.is_ready, sweeps.is_finite) = (true, false);
     }
 }
 
-/// [`Step::sweep`]
+/// [`Step::sweep`], of a portion.
 struct Sweep<'a, 's, H> {
     step: Step<'s, H, f64>,
-    lists: Lists<'a, f64>,
-    sweeps: &'a mut Sweeps,
+    windows: &'a Windows,
+    portion: &'a mut Portion,
+    part: Part<'a>,
+    /// Coordinates at which forces are taken, of all places.
+    now: &'a [f64],
+    /// `u` of the iteration before.
+    before: &'a [f64],
+}
+
+impl<H: Elements> Sweep<'_, '_, H> {
+    #[inline(never)]
+    fn run_in(self, instructions: InstructionSet) -> Found {
+        instructions.run(self)
+    }
 }
 
 impl<H: Elements> Kernel for Sweep<'_, '_, H> {
-    type Output = Swept;
+    type Output = Found;
 
     #[inline(always)]
-    fn run<const L: usize, const HALF: usize>(self) -> Swept {
-        let Self { step, lists, sweeps } = self;
-        let Lists { x, correction, u, by_p: before, momentum, mut stages, .. } = lists;
-        let (now, next) = stages.at_mut(0);
+    fn run<const L: usize, const HALF: usize>(self) -> Found {
+        let Self { step, windows, portion, part, now, before } = self;
         let ([point, weight], mut zeros) = (step.weights(), [0.0; HALF]);
         let factor = match step.scheme.update {
             MomentumUpdate::Multiple(factor) => factor,
@@ -282,51 +316,27 @@ impl<H: Elements> Kernel for Sweep<'_, '_, H> {
         };
         let (mut size, mut corrected, mut seen) =
             (Largest::<HALF>::default(), Largest::<HALF>::default(), Seen::<HALF>::new());
-        for number in 0..sweeps.windows.neighbours().len() {
-            let strip = sweeps.windows.strip(number);
-            let places = strip.start..strip.end;
-            let forces =
-                step.window::<H::Usual>(strip, [now, step.p], Slopes::BY_COORDINATES, &mut sweeps.sums);
-            let mut kick = Kick {
-                forces,
-                weight,
-                p: &step.p[places.clone()],
-                x: &mut x[places.clone()],
-                correction: &mut correction[places.clone()],
-                momentum: &mut momentum[places.clone()],
-                size,
-                corrected,
-            };
+        for number in portion.windows.clone() {
+            let strip = windows.strip(number);
+            let (places, own) = (strip.start..strip.end, part.own(strip));
+            let p = &step.p[places.clone()];
+            let forces = step.window::<H::Usual, _>(strip, now, Slopes::BY_COORDINATES, &mut portion.sums);
+            let (x, correction) = (&mut part.x[own.clone()], &mut part.correction[own.clone()]);
+            let momentum = &mut part.momentum[own.clone()];
+            let mut kick = Kick { forces, weight, p, x, correction, momentum, size, corrected };
             in_blocks::<HALF>(places.len(), &mut kick);
             (size, corrected) = (kick.size, kick.corrected);
+            let momenta = part.momenta(step.degrees());
             let velocities =
-                step.window::<H::Usual>(strip, [step.q, momentum], Slopes::BY_MOMENTA, &mut sweeps.sums);
-            let follow = Follow::new(
-                &step,
-                &places,
-                velocities,
-                point,
-                &mut u[places.clone()],
-                &mut next[places.clone()],
-            );
-            let compared = &mut Compared {
-                p: &step.p[places.clone()],
-                x: &x[places.clone()],
-                factor,
-                zeros,
-                follow,
-                before: &before[places.clone()],
-                seen: &mut seen,
-            };
+                step.window::<H::Usual, _>(strip, &momenta, Slopes::BY_MOMENTA, &mut portion.sums);
+            let (u, next) = (&mut part.u[own.clone()], &mut part.next[own.clone()]);
+            let follow = Follow::new(&step, &places, velocities, point, u, next);
+            let (x, before) = (&part.x[own], &before[places.clone()]);
+            let compared = &mut Compared { p, x, factor, zeros, follow, before, seen: &mut seen };
             in_blocks::<HALF>(places.len(), compared);
             zeros = compared.zeros;
         }
-        (sweeps.is_ready, sweeps.is_finite) = (true, zeros.iter().sum::<f64>() == 0.0);
-        let change = seen.finish();
-        let relative = match change {
-            Change::Unknown => f64::NAN,
-            _ => corrected.get().relative_to(size.get()),
-        };
-        Swept { relative, change: Some(change) }
+        let (size, corrected, change) = (size.get(), corrected.get(), seen.finish());
+        Found { size, corrected, change, is_finite: zeros.iter().sum::<f64>() == 0.0 }
     }
 }
