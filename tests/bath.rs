@@ -10,5 +10,7 @@ mod refusals;
 mod runs;
 #[path = "bath/steps.rs"]
 mod steps;
+#[path = "bath/sweeps.rs"]
+mod sweeps;
 #[path = "bath/systems.rs"]
 mod systems;

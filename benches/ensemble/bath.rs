@@ -16,6 +16,7 @@ use crate::times;
     temperature = kt,
     embedding = Baoab,
 )]
+#[derive(Clone)]
 struct Quartic {
     gamma: f64,
     kt: f64,
@@ -58,6 +59,18 @@ where
     black_box(run.observe("t", |state| state.t).run().unwrap());
 }
 
+/// The same with a bath for each path.
+fn sweep(paths: u64, steps: u64) {
+    let bath = |path: u64| Quartic {
+        gamma: 0.5 + 0.1 * (path % 10) as f64,
+        kt: 0.5 + 0.1 * (path / 10 % 10) as f64,
+    };
+    let first = bath(0);
+    let run = first.ensemble::<Baoab>(0.1).systems(|draw| bath(draw.path())).start(State::new([0.5], [0.5]));
+    let run = run.paths(paths).seed(SEED).steps(steps).threads(1);
+    black_box(run.observe("t", |state| state.t).run().unwrap());
+}
+
 fn normals(processes: u64, paths: u64, steps: u64) {
     for process in 0..processes {
         Normals::new(SEED, process, 0.1).visit(0..paths, 0..steps / 10, InstructionSet::best(), |drawn| {
@@ -75,16 +88,18 @@ pub(crate) fn print(paths: u64, repetitions: usize, only: Option<&str>) {
     if is_wanted("quartic, Baoab") {
         let (quartic, start) =
             (Quartic { gamma: black_box(1.0), kt: black_box(1.0) }, State::new([0.5], [0.5]));
-        let found = times(
+        let [one, own, alone, normals] = times(
             paths,
             repetitions,
             [
                 &|| run::<_, Baoab>(&quartic, 0.1, start, paths, STEPS),
+                &|| sweep(paths, STEPS),
                 &|| run::<_, Verlet>(&QuarticAlone, 0.1, start, paths, STEPS),
                 &|| normals(1, paths, STEPS),
             ],
         );
-        row("quartic, Baoab", found, "ns per path and step");
+        row("quartic, Baoab", [one, alone, normals], "ns per path and step");
+        row("the same, a bath by path", [own, alone, normals], "ns per path and step");
     }
     if is_wanted("sine-Gordon, Baoab") {
         let (chain, still) = (SineGordon { gamma: black_box(1.0), kt: black_box(1.0) }, [0.0; SITES]);

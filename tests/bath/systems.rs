@@ -28,6 +28,7 @@ pub(crate) struct Oscillator {
     friction = gamma,
     embedding = Baoab,
 )]
+#[derive(Clone, Debug)]
 pub(crate) struct Damped {
     pub(crate) m: f64,
     pub(crate) k: f64,

@@ -30,6 +30,7 @@
 //! What drives a step are the increments of the noises that the system lists, and after them `√h` times the standard normals of its O parts: for
 //! each O part, in the order of the step, one for each degree of freedom. A system without temperature has none, which is friction alone.
 
+mod beside;
 mod diagonal;
 mod matrix;
 mod modes;

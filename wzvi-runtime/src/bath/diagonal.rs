@@ -2,20 +2,38 @@
 //!
 //! The heat is summed in blocks, whose sums are added in their order, so that it does not depend on how many places are taken at once.
 
-use std::ops::Range;
+use std::array::from_fn;
+use std::ops::{Mul, Range};
 
 use super::relaxation::{gain, of_normal};
+use crate::lanes::Lanes;
 use crate::scalar::Scalar;
 
 /// Lists of one number per degree of freedom.
 #[derive(Clone, Debug)]
-pub(super) struct Diagonal {
+pub(super) struct Diagonal<N = f64> {
     /// `E`
-    pub(super) decay: Vec<f64>,
+    pub(super) decay: Vec<N>,
     /// `R / √h`
-    pub(super) deviation: Vec<f64>,
+    pub(super) deviation: Vec<N>,
     /// `M⁻¹`
-    pub(super) inverse_mass: Vec<f64>,
+    pub(super) inverse_mass: Vec<N>,
+}
+
+impl<const L: usize> Diagonal<Lanes<L>> {
+    /// Those of systems beside each other.
+    pub(super) fn beside(laws: [&Diagonal; L]) -> Self {
+        let list = |of: fn(&Diagonal) -> &[f64]| {
+            let lists = laws.map(of);
+            let degrees = lists.iter().map(|list| list.len()).min().unwrap_or(0);
+            (0..degrees).map(|i| Lanes::new(from_fn(|lane| lists[lane][i]))).collect()
+        };
+        Self {
+            decay: list(|law| &law.decay),
+            deviation: list(|law| &law.deviation),
+            inverse_mass: list(|law| &law.inverse_mass),
+        }
+    }
 }
 
 /// Places whose heat is one sum.
@@ -24,10 +42,10 @@ pub(super) const BLOCK: usize = crate::elements::BLOCK;
 /// Places that are taken beside each other.
 const BESIDE: usize = 8;
 
-impl Diagonal {
+impl<N: Copy + Mul<f64, Output = N>> Diagonal<N> {
     /// All momenta, between two drifts over a time where there are coordinates; the heat.
     #[inline(always)]
-    pub(super) fn all_blocks<S: Scalar>(
+    pub(super) fn all_blocks<S: Scalar + Mul<N, Output = S>>(
         &self,
         normals: &[S],
         mut drift: Option<(f64, &mut [S])>,
@@ -49,7 +67,12 @@ impl Diagonal {
 
     /// The same.
     #[inline(always)]
-    fn one_by_one<S: Scalar>(&self, normals: &[S], mut drift: Option<(f64, &mut [S])>, p: &mut [S]) -> S {
+    fn one_by_one<S: Scalar + Mul<N, Output = S>>(
+        &self,
+        normals: &[S],
+        mut drift: Option<(f64, &mut [S])>,
+        p: &mut [S],
+    ) -> S {
         let Self { decay, deviation, inverse_mass } = self;
         let mut heat = S::from_f64(0.0);
         let constants = decay.iter().zip(deviation).zip(inverse_mass);
@@ -57,7 +80,7 @@ impl Diagonal {
             let before = *p;
             *p = before * decay + of_normal(normals, i) * deviation;
             if let Some((time, q)) = &mut drift {
-                let drift = *time * inverse;
+                let drift = inverse * *time;
                 q[i] = q[i] + before * drift + *p * drift;
             }
             heat = heat + gain(before, *p, inverse);
@@ -67,7 +90,7 @@ impl Diagonal {
 
     /// The momenta of at most one block, with their coordinates; the heat.
     #[inline(always)]
-    pub(super) fn block<S: Scalar>(
+    pub(super) fn block<S: Scalar + Mul<N, Output = S>>(
         &self,
         places: Range<usize>,
         normals: &[S],
@@ -95,7 +118,7 @@ impl Diagonal {
             Some((time, q)) => {
                 let q = &mut q[..len];
                 for i in 0..len {
-                    let (before, drift) = (p[i], time * inverse_mass[i]);
+                    let (before, drift) = (p[i], inverse_mass[i] * time);
                     p[i] = before * decay[i] + normals[i] * deviation[i];
                     q[i] = q[i] + before * drift + p[i] * drift;
                     gains[i] = gain(before, p[i], inverse_mass[i]);

@@ -127,6 +127,27 @@ pub(super) struct Parts<'m, T, S> {
     blocks: &'m mut Vec<f64>,
 }
 
+/// O parts of a step: of one system, or of several beside each other.
+pub(super) trait Relaxes<S: Scalar> {
+    /// Whether there is no friction, and nothing to do.
+    fn are_still(&self) -> bool;
+
+    /// The first part between two drifts over `time`, and its heat; `None` where that is not done at once.
+    fn apply_between_drifts(&mut self, time: f64, q: &mut [S], p: &mut [S]) -> Option<S>;
+
+    /// Part number `part`, and its heat.
+    ///
+    /// # Errors
+    /// [`StepFailure::Bath`] where friction is negative; `p` is then any.
+    fn apply<C: Carry<S>>(
+        &mut self,
+        part: usize,
+        q: &[S],
+        p: &mut [S],
+        lost: &mut [S],
+    ) -> Result<S, StepFailure>;
+}
+
 impl<'m, T: Damped, S: Scalar> Parts<'m, T, S> {
     /// The parts place by place, of which there are `parts`, where rates and masses are lists and numbers are `f64`.
     #[inline(always)]
@@ -136,25 +157,21 @@ impl<'m, T: Damped, S: Scalar> Parts<'m, T, S> {
         blocks.resize(parts * degrees.div_ceil(BLOCK), 0.0);
         Some(ByPlace { law, normals, per_part, first: 0, blocks, parts })
     }
+}
 
-    /// Whether there is no friction, and nothing to do.
+impl<T: Damped, S: Scalar> Relaxes<S> for Parts<'_, T, S> {
     #[inline(always)]
-    pub(super) fn are_still(&self) -> bool {
+    fn are_still(&self) -> bool {
         self.relaxation.is_still()
     }
 
-    /// The first part between two drifts over `time`, and its heat; `None` where that is not done at once.
     #[inline(always)]
-    pub(super) fn apply_between_drifts(&mut self, time: f64, q: &mut [S], p: &mut [S]) -> Option<S> {
+    fn apply_between_drifts(&mut self, time: f64, q: &mut [S], p: &mut [S]) -> Option<S> {
         self.relaxation.apply_between_drifts(time, &self.normals[..self.per_part], q, p)
     }
 
-    /// Part number `part`, and its heat.
-    ///
-    /// # Errors
-    /// [`StepFailure::Bath`] where friction is negative; `p` is then any.
     #[inline(always)]
-    pub(super) fn apply<C: Carry<S>>(
+    fn apply<C: Carry<S>>(
         &mut self,
         part: usize,
         q: &[S],

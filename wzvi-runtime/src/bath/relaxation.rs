@@ -10,6 +10,8 @@
 //! No difference of nearly equal numbers is in it, neither for small friction nor for large, and degrees of freedom without friction keep their
 //! momenta to the last bit.
 
+use std::ops::Mul;
+
 use super::Damped;
 use super::diagonal::Diagonal;
 use super::modes::{Bath, Factors, Modes, refuse_negative};
@@ -181,7 +183,7 @@ impl<S: Scalar> Momenta<'_, S> {
     #[inline(always)]
     fn with_noise<T: Copy>(&self, number: S, i: usize, row: &[T]) -> S
     where
-        S: std::ops::Mul<T, Output = S>,
+        S: Mul<T, Output = S>,
     {
         (0..=i).fold(number, |sum, j| sum + of_normal(self.normals, j) * row[j])
     }
@@ -231,8 +233,12 @@ impl<S: Scalar> Momenta<'_, S> {
 
 /// What the kinetic energy of one momentum gains.
 #[inline(always)]
-pub(super) fn gain<S: Scalar>(before: S, after: S, inverse_mass: f64) -> S {
-    if S::LANES == 1 { (after - before) * (after + before) * (0.5 * inverse_mass) } else { S::from_f64(0.0) }
+pub(super) fn gain<S, N>(before: S, after: S, inverse_mass: N) -> S
+where
+    S: Scalar + Mul<N, Output = S>,
+    N: Mul<f64, Output = N>,
+{
+    if S::LANES == 1 { (after - before) * (after + before) * (inverse_mass * 0.5) } else { S::from_f64(0.0) }
 }
 
 /// Whether friction and masses are lists by degree of freedom.

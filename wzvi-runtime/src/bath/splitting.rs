@@ -8,18 +8,20 @@
 use std::fmt::Debug;
 use std::marker::PhantomData;
 
-use super::part::{self, Parts};
+use super::beside::Baths;
+use super::part::{self, Relaxes};
 use super::relaxation::is_list;
 use super::windowed::WithBath;
 use super::{Baoab, Damped, Obabo, Relaxation, with_bath};
 use crate::carry::{Carry, Plain};
-use crate::compose::flows::{Flows, FlowsOf, KickDrift};
+use crate::compose::flows::{Flows, FlowsBeside, FlowsOf, KickDrift, Slopes};
 use crate::compose::sequence::{Followed, Half, Sequence, Substep};
 use crate::compose::stages::{self, Rooms, Stage, Stages, Take};
 use crate::compose::windowed::{self, Givens, takes_windows};
 use crate::elements::Taken;
 use crate::error::{ConfigError, StepFailure};
-use crate::gauss::Shape;
+use crate::gauss::{Field, Shape};
+use crate::lanes::Lanes;
 use crate::memory::{StepMemory, Threads};
 use crate::numbers::{Numbers, Tape};
 use crate::plan::Plan;
@@ -174,13 +176,7 @@ where
         }
         let parts = bath.parts(system, &prepared.relaxation, (h, parts, degrees), (dw, noises))?;
         let Stages(list) = if parts.are_still() { &prepared.still } else { &prepared.flows };
-        let mut word = Word::<F, S, W> {
-            flows: FlowsOf { system, t, h, count: list.len() },
-            parts,
-            heat: S::from_f64(0.0),
-            is_done: false,
-            word: PhantomData,
-        };
+        let mut word = Word::<_, _, S, W>::new(FlowsOf { system, t, h, count: list.len() }, parts);
         let effort = stages::advance(system, &mut word, list, q, p, &dw[..noises], memory, carry)?;
         bath.heat = word.heat;
         Ok(effort)
@@ -215,7 +211,34 @@ where
         Self::advance::<f64, C, CAREFUL>(system, prepared, t, h, q, p, dw, memory, carry)
     }
 
-    crate::__apart!(F);
+    type Beside<const L: usize> = Beside<F, L>;
+
+    fn beside<const L: usize>(systems: [&F; L], prepared: [&Prepared; L]) -> Option<Beside<F, L>> {
+        if !is_list::<F>() || F::PER_STATE {
+            return None;
+        }
+        let first = *prepared.first()?;
+        let baths = Baths::new(systems, prepared.map(|prepared| &prepared.relaxation), F::noises)?;
+        let stages = if baths.are_still() { &first.still } else { &first.flows };
+        Some(Beside { flows: FlowsBeside::new(systems, stages)?, baths })
+    }
+
+    #[inline(always)]
+    fn advance_beside<const L: usize>(
+        beside: &Beside<F, L>,
+        t: f64,
+        h: f64,
+        q: &mut [Lanes<L>],
+        p: &mut [Lanes<L>],
+        dw: &[Lanes<L>],
+        memory: &mut Self::Memory<Lanes<L>>,
+    ) -> Result<Effort, StepFailure> {
+        let Beside { flows: system, baths } = beside;
+        let (Stages(list), (dw, parts)) = (system.stages(), baths.parts(W::RELAXES_BEFORE.len(), dw)?);
+        let flows = FlowsOf { system, t, h, count: list.len() };
+        let mut word = Word::<_, _, _, W>::new(flows, parts);
+        stages::advance(system, &mut word, list, q, p, dw, &mut memory.flows, &mut Plain)
+    }
 
     fn follow(_: &F, _: &Segment<F::Vector>, _: &[f64], _: &[Substep]) -> Option<Followed<F::Vector>> {
         None
@@ -244,17 +267,28 @@ fn in_windows<'m, F: Flows + Damped, S: Scalar, W: Letters>(
     Some(taken.map(|(taken, word)| (taken, word.heat())))
 }
 
+/// What a step of `L` systems beside each other reads of them.
+pub struct Beside<F: Field, const L: usize> {
+    flows: FlowsBeside<F, L>,
+    baths: Baths<L>,
+}
+
 /// The parts of a step.
-struct Word<'m, F, S, W> {
+struct Word<'m, F, B, S, W> {
     flows: FlowsOf<'m, F>,
-    parts: Parts<'m, F, S>,
+    parts: B,
     heat: S,
     /// Whether the O part and the drift behind it have been taken with the drift before it.
     is_done: bool,
     word: PhantomData<W>,
 }
 
-impl<F: Damped, S: Scalar, W: Letters> Word<'_, F, S, W> {
+impl<'m, F, B: Relaxes<S>, S: Scalar, W: Letters> Word<'m, F, B, S, W> {
+    #[inline(always)]
+    fn new(flows: FlowsOf<'m, F>, parts: B) -> Self {
+        Self { flows, parts, heat: S::from_f64(0.0), is_done: false, word: PhantomData }
+    }
+
     /// The O part in front of flow number `index`, if there is one.
     #[inline(always)]
     fn relax<C: Carry<S>, H: Shape>(
@@ -274,9 +308,10 @@ impl<F: Damped, S: Scalar, W: Letters> Word<'_, F, S, W> {
     }
 }
 
-impl<F, S, W> Take<S, F::Shape> for Word<'_, F, S, W>
+impl<F, B, S, W> Take<S, F::Shape> for Word<'_, F, B, S, W>
 where
-    F: Flows + Damped,
+    F: Slopes<S>,
+    B: Relaxes<S>,
     S: Scalar,
     W: Letters,
 {

@@ -6,13 +6,16 @@
 use std::fmt::Debug;
 use std::marker::PhantomData;
 
-use super::part::{self, Parts, normals};
+use super::beside::Baths;
+use super::part::{self, Relaxes, normals};
+use super::relaxation::is_list;
 use super::{Damped, Relaxation, with_bath};
-use crate::carry::Carry;
+use crate::carry::{Carry, Plain};
 use crate::compose::kept;
 use crate::compose::sequence::{Followed, Sequence, Substep};
 use crate::elements::are_finite;
 use crate::error::{ConfigError, StepFailure};
+use crate::lanes::Lanes;
 use crate::memory::{Iteration, Method, StepMemory, Threads};
 use crate::numbers::{Numbers, Tape};
 use crate::plan::Plan;
@@ -158,47 +161,89 @@ impl<T: Damped + Discretized<E>, E> Sequence<T> for Around<E> {
         let noises = Discretized::<E>::increments(system, degrees);
         let size = (h, PARTS, degrees);
         let mut parts = bath.parts(system, &prepared.relaxation, size, (dw, noises))?;
-        kept.save([1, 0], q, p, &[], carry);
-        let mut step = |kept: &mut kept::Memory<S, _, ()>, carry: &mut C| {
-            let before = relax(&mut parts, 0, q, p, lost, carry)?;
-            let (prepared, memory) = (&prepared.step, &mut kept.first[0]);
-            let effort = Discretized::<E>::advance_carrying::<S, C, CAREFUL>(
-                system,
-                prepared,
-                t,
-                h,
-                q,
-                p,
-                &dw[..noises],
-                memory,
-                carry,
-            )?;
-            let after = relax(&mut parts, 1, q, p, lost, carry)?;
-            if are_finite(p) { Ok((effort, before + after)) } else { Err(StepFailure::NonFinite) }
-        };
-        match step(kept, carry) {
-            Ok((effort, heat)) => {
-                bath.heat = heat;
-                Ok(effort)
-            }
-            Err(failure) => {
-                kept.restore(q, p, carry);
-                Err(failure)
-            }
-        }
+        let (effort, heat) = between(&mut parts, [q, p], (kept, lost), carry, |[q, p], memory, carry| {
+            let (prepared, dw) = (&prepared.step, &dw[..noises]);
+            Discretized::<E>::advance_carrying::<S, C, CAREFUL>(
+                system, prepared, t, h, q, p, dw, memory, carry,
+            )
+        })?;
+        bath.heat = heat;
+        Ok(effort)
     }
 
-    crate::__apart!(T);
+    type Beside<const L: usize> = Beside<<T as Discretized<E>>::Beside<L>, L>;
+
+    fn beside<const L: usize>(systems: [&T; L], prepared: [&Self::Prepared; L]) -> Option<Self::Beside<L>> {
+        if !is_list::<T>() || T::PER_STATE {
+            return None;
+        }
+        let relaxations = prepared.map(|prepared| &prepared.relaxation);
+        let noises = |system: &T| Discretized::<E>::increments(system, system.degrees());
+        let baths = Baths::new(systems, relaxations, noises)?;
+        let step = Discretized::<E>::beside(systems, prepared.map(|prepared| &prepared.step))?;
+        Some(Beside { step, baths })
+    }
+
+    #[inline(always)]
+    fn advance_beside<const L: usize>(
+        beside: &Self::Beside<L>,
+        t: f64,
+        h: f64,
+        q: &mut [Lanes<L>],
+        p: &mut [Lanes<L>],
+        dw: &[Lanes<L>],
+        memory: &mut Self::Memory<Lanes<L>>,
+    ) -> Result<Effort, StepFailure> {
+        let (expected, got) = (q.len(), p.len());
+        if got != expected {
+            return Err(StepFailure::Dimension { expected, got });
+        }
+        let (dw, mut parts) = beside.baths.parts(PARTS, dw)?;
+        let Memory { kept, lost, .. } = memory;
+        let taken = between(&mut parts, [q, p], (kept, lost), &mut Plain, |[q, p], memory, _| {
+            <T as Discretized<E>>::advance_beside(&beside.step, t, h, q, p, dw, memory)
+        })?;
+        Ok(taken.0)
+    }
 
     fn follow(_: &T, _: &Segment<T::Vector>, _: &[f64], _: &[Substep]) -> Option<Followed<T::Vector>> {
         None
     }
 }
 
+/// What a step of `L` systems beside each other reads of them.
+pub struct Beside<B, const L: usize> {
+    step: B,
+    baths: Baths<L>,
+}
+
+/// A step between its O parts, and the heat of both; a step that fails changes nothing.
+#[inline(always)]
+fn between<S: Scalar, C: Carry<S>, M: StepMemory>(
+    parts: &mut impl Relaxes<S>,
+    [q, p]: [&mut [S]; 2],
+    (kept, lost): (&mut kept::Memory<S, M, ()>, &mut [Vec<S>; 2]),
+    carry: &mut C,
+    step: impl FnOnce([&mut [S]; 2], &mut M, &mut C) -> Result<Effort, StepFailure>,
+) -> Result<(Effort, S), StepFailure> {
+    kept.save([1, 0], q, p, &[], carry);
+    let all = |kept: &mut kept::Memory<S, M, ()>, carry: &mut C| {
+        let before = relax(parts, 0, q, p, lost, carry)?;
+        let effort = step([&mut *q, &mut *p], &mut kept.first[0], carry)?;
+        let after = relax(parts, 1, q, p, lost, carry)?;
+        if are_finite(p) { Ok((effort, before + after)) } else { Err(StepFailure::NonFinite) }
+    };
+    let taken = all(kept, carry);
+    if taken.is_err() {
+        kept.restore(q, p, carry);
+    }
+    taken
+}
+
 /// An O part of a state, with what is carried for it.
 #[inline(always)]
-fn relax<T: Damped, S: Scalar, C: Carry<S>>(
-    parts: &mut Parts<'_, T, S>,
+fn relax<S: Scalar, C: Carry<S>>(
+    parts: &mut impl Relaxes<S>,
     part: usize,
     q: &[S],
     p: &mut [S],

@@ -136,6 +136,21 @@ pub struct FlowsBeside<F: Field, const L: usize> {
     noises: usize,
 }
 
+impl<F: Flows, const L: usize> FlowsBeside<F, L> {
+    /// Of systems that go so, with stages that are the same for all.
+    pub(crate) fn new(systems: [&F; L], stages: &Stages) -> Option<Self> {
+        let first = *systems.first()?;
+        let (degrees, noises) = (first.degrees(), Hamiltonian::noises(first));
+        let parameters = F::parameters_beside(systems)?;
+        Some(Self { stages: stages.clone(), parameters, degrees, noises })
+    }
+
+    #[inline(always)]
+    pub(crate) fn stages(&self) -> &Stages {
+        &self.stages
+    }
+}
+
 impl<F: Flows, const L: usize> Slopes<Lanes<L>> for FlowsBeside<F, L> {
     type Shape = <F as Field>::Shape;
     const FORCE_READS_TIME: bool = <F as Flows>::FORCE_READS_TIME;
@@ -222,14 +237,7 @@ impl<F: Flows> Sequence<F> for KickDrift {
     type Beside<const L: usize> = FlowsBeside<F, L>;
 
     fn beside<const L: usize>(systems: [&F; L], prepared: [&Stages; L]) -> Option<FlowsBeside<F, L>> {
-        let (first, stages) = (systems.first()?, (*prepared.first()?).clone());
-        let parameters = F::parameters_beside(systems)?;
-        Some(FlowsBeside {
-            stages,
-            parameters,
-            degrees: first.degrees(),
-            noises: Hamiltonian::noises(*first),
-        })
+        FlowsBeside::new(systems, prepared.first()?)
     }
 
     #[inline(always)]
