@@ -377,10 +377,12 @@ const _: () = {
             let ([sigma, inverse_pivot, half_h, half_inverse_pivot], [condition]) = *prepared;
             let dw_sigma = dw * sigma;
             let sum = dw_sigma + (q_k + p_k * half_h) * h;
-            let node_p_k = Scalar::select(
-                <S as Over<K>>::truth(condition),
-                (p_k - (dw_sigma + q_k * h) * 0.5) * inverse_pivot,
-                p_k - sum * half_inverse_pivot,
+            let node_p_k = <S as Over<
+                K,
+            >>::choose(
+                condition,
+                || (p_k - (dw_sigma + q_k * h) * 0.5) * inverse_pivot,
+                || p_k - sum * half_inverse_pivot,
             );
             *next = Solution::new(
                 carry,

@@ -349,6 +349,15 @@ impl<'p> Printer<'p> {
         let (then, otherwise) = (branch(then), branch(otherwise));
         if self.rank(condition) > Rank::Number {
             let is_mask = self.rank(condition) == self.rank(op);
+            if let (false, Rank::Constant, Some((constant, _))) =
+                (is_mask, self.rank(condition), &self.constants)
+            {
+                // One way for all steps: only that is taken.
+                let (ty, value) = (self.ty(self.rank(op)), self.value(condition));
+                let choice =
+                    quote!(<#ty as __wzvi::Over<#constant>>::choose(#value, || #then, || #otherwise));
+                return (choice, Binding::Atom);
+            }
             let value = if is_mask { self.value(condition) } else { self.truth(condition, self.rank(op)) };
             (quote!(__wzvi::Scalar::select(#value, #then, #otherwise)), Binding::Atom)
         } else {

@@ -30,6 +30,9 @@ pub trait Over<K: Constant>:
     fn constant(constant: K) -> Self;
     /// The truth of a comparison of constants.
     fn truth(truth: K::Mask) -> Self::Mask;
+    /// The first number where a comparison of constants is true, else the second: no more than one of them is computed where it is the same for
+    /// all lanes.
+    fn choose(truth: K::Mask, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self;
     /// `A⁻¹ b` for a matrix of constants.
     fn solve_factored<const N: usize>(factor: &K::Factor<N>, b: [Self; N]) -> [Self; N];
 }
@@ -42,6 +45,10 @@ impl<S: Scalar> Over<f64> for S {
     #[inline(always)]
     fn truth(truth: bool) -> S::Mask {
         Mask::from_bool(truth)
+    }
+    #[inline(always)]
+    fn choose(truth: bool, then: impl FnOnce() -> S, otherwise: impl FnOnce() -> S) -> S {
+        if truth { then() } else { otherwise() }
     }
     #[inline(always)]
     fn solve_factored<const N: usize>(factor: &Factor<f64, N>, b: [S; N]) -> [S; N] {
@@ -57,6 +64,10 @@ impl<const L: usize> Over<Lanes<L>> for Lanes<L> {
     #[inline(always)]
     fn truth(truth: LaneMask<L>) -> LaneMask<L> {
         truth
+    }
+    #[inline(always)]
+    fn choose(truth: LaneMask<L>, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
+        Self::select(truth, then(), otherwise())
     }
     #[inline(always)]
     fn solve_factored<const N: usize>(factor: &FactorsByLane<L, N>, b: [Self; N]) -> [Self; N] {
