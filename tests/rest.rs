@@ -134,7 +134,7 @@ fn small_amplitudes_in_a_well() {
         }
     }
     println!("{hard} hard");
-    // The first step of each run, and few where the increment crosses zero: 1 in 200.
+    // Few, where the increment crosses zero: 1 in 200.
     assert!(hard <= 170 * 100, "{hard}");
 }
 

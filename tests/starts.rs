@@ -6,6 +6,7 @@
 
 use std::sync::Mutex;
 
+use allocation_counter::measure;
 use wzvi::ensemble::{Draw, InstructionSet};
 use wzvi::error::{ConfigError, Error, StepFailure};
 use wzvi::increments::{Interval, Noise as _};
@@ -100,6 +101,33 @@ fn paths_of_a_cloud_are_those_of_steppers() {
     paths_are_those_of_steppers::<Verlet>();
     paths_are_those_of_steppers::<Gauss<2>>();
     paths_are_those_of_steppers::<Composed<Midpoint, Yoshida4>>();
+}
+
+/// Nothing leads to the first step of a path, and nothing is hard about it: it is taken in lanes, which allocate what they need for any
+/// number of steps; a path that goes alone would allocate lists of its own.
+#[test]
+fn first_steps_are_taken_in_lanes() {
+    fn check<E>()
+    where
+        HenonHeiles: Discretized<E, Vector = Plane>,
+    {
+        const PATHS: usize = 300;
+        let run = |steps| {
+            HenonHeiles.ensemble::<E>(0.2).starts(cloud).seed(11).paths(PATHS as u64).threads(1).steps(steps)
+        };
+        let starts = ends!(run(0), PATHS, 0).0;
+        let (ends, _) = ends!(run(1), PATHS, 1);
+        for (start, end) in starts.iter().zip(ends) {
+            let (mut state, mut stepper) = (*start, HenonHeiles.stepper::<E>(0.2).unwrap().plain());
+            assert!(!stepper.step(&mut state, &[]).unwrap().is_hard, "{start:?}");
+            assert_eq!((state.q, state.p), (end.q, end.p), "{start:?}");
+        }
+        let [none, one] =
+            [0, 1].map(|steps| measure(|| assert_eq!(run(steps).run().unwrap().failed(), 0)).count_total);
+        assert!(one - none < PATHS as u64 / 8, "{none} allocations without steps, {one} with one");
+    }
+    check::<Midpoint>();
+    check::<Composed<Midpoint, Yoshida4>>();
 }
 
 /// Steps that the short way does not take come at different times on different paths, and leave different numbers of steps to

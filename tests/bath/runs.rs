@@ -176,7 +176,7 @@ fn check_room<H: Discretized<E>, E>(system: &H, mut state: State<H::Vector>) {
     let degrees = wzvi::state::Vector::components(&state.q).len();
     let dw = vec![0.1; system.increments(degrees)];
     let mut stepper = system.stepper::<E>(0.05).expect("steps");
-    // The first step is solved with care, and of a system whose size the state knows the one that makes room.
+    // The first step may be solved with care, and of a system whose size the state knows it is the one that makes room.
     let mut hard = 0;
     for _ in 0..50 {
         hard += u32::from(stepper.step(&mut state, &dw).expect("a step").is_hard);

@@ -31,8 +31,8 @@ pub struct StepInfo {
     /// How often the step was halved: it is `2^halvings` steps of size `h / 2^halvings`. 0 unless a
     /// [`Retry`](crate::retry::Retry) allows more.
     pub halvings: u32,
-    /// Whether the steps before were no guide to this one, so that it was solved from zero with a line search. Usual for
-    /// the first step of a run; many in a row say that the step is long for the fastest motion.
+    /// Whether the steps before were no guide to this one, so that it was solved from zero with a line search. Many in a row say that the step is
+    /// long for the fastest motion.
     pub is_hard: bool,
     /// Whether the solution could not be followed from the state along the step, so that it is the connected one by the
     /// orientation of its Jacobian only. Where that happens the step is far too long for a stiff force.

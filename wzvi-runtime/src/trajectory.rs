@@ -32,8 +32,7 @@ pub struct Iterations {
     pub total: u64,
     /// The most that one step took.
     pub largest: u32,
-    /// Steps to which the ones before were no guide ([`StepInfo::is_hard`]): one at the start of a run is usual, many say
-    /// that the step is long for the fastest motion.
+    /// Steps to which the ones before were no guide ([`StepInfo::is_hard`]): many say that the step is long for the fastest motion.
     pub hard: u64,
     /// Steps whose solution is the connected one by its orientation only ([`StepInfo::is_doubtful`]).
     pub doubtful: u64,

@@ -4,6 +4,9 @@
 pub(super) const ROUNDING: f64 = f64::EPSILON;
 /// The part of a rounding that the correction after the last one may be.
 pub(super) const UNSEEN: f64 = 0.25;
+/// Relative to what it leads to, the first correction from zero is 1, whatever the equations are. The second is at most half as long as the first
+/// where it is at most a third of what it leads to: half of this.
+pub(super) const FROM_ZERO: f64 = 2.0 / 3.0;
 /// A start that is extrapolated from three solutions, `3a - 3b + c`, has their roundings, and one of its own.
 const ROUNDING_OF_GUESS: f64 = 8.0;
 
@@ -38,6 +41,21 @@ impl Convergence {
         let last = if is_guess { 2.0 } else { f64::INFINITY };
         let enough = ROUNDING * ROUNDING * ROUNDING;
         Self { last, enough, unseen: UNSEEN, iterations: 0, is_guess, is_beyond_rounding: is_guess }
+    }
+
+    /// A start that turned out to be zero claims nothing: there was no solution to extrapolate.
+    pub(super) fn claim_nothing(&mut self) {
+        (self.last, self.is_beyond_rounding) = (f64::INFINITY, false);
+    }
+
+    /// After the first correction from there.
+    pub(super) fn expect_half(&mut self) {
+        self.last = self.last.min(FROM_ZERO);
+    }
+
+    /// Whether this is a guess that no correction has been made to.
+    pub(super) fn is_fresh_guess(&self) -> bool {
+        self.is_guess && self.iterations == 0
     }
 
     /// The same until the correction after the last one is this part of a rounding.

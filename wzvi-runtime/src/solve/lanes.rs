@@ -5,7 +5,7 @@
 //! way finds, gets NaN, which the end of the step reports for all; whoever runs lanes then takes them one by one.
 #![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
-use super::convergence::{ROUNDING, UNSEEN, roundings};
+use super::convergence::{FROM_ZERO, ROUNDING, UNSEEN, roundings};
 use super::dense::{
     LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT, eliminate, eliminate_symmetric, substitute, substitute_symmetric,
 };
@@ -54,6 +54,21 @@ impl<const L: usize> LaneConvergence<L> {
             is_guess,
             is_beyond_rounding: LaneMask::from_bool(is_guess),
         }
+    }
+
+    /// `convergence::Convergence::claim_nothing` of the lanes of a fresh guess that start from zero.
+    fn claim_nothing<const N: usize>(&mut self, x: &[Lanes<L>; N]) -> LaneMask<L> {
+        let zero = Lanes::from_f64(0.0);
+        let are_zero = |mask: LaneMask<L>, x: &Lanes<L>| mask & x.equal(zero);
+        let from_zero = x.iter().fold(LaneMask::from_bool(self.is_guess && self.iterations == 0), are_zero);
+        self.last = Lanes::select(from_zero, Lanes::from_f64(f64::INFINITY), self.last);
+        self.is_beyond_rounding = self.is_beyond_rounding & !from_zero;
+        from_zero
+    }
+
+    /// `convergence::Convergence::expect_half` of these lanes.
+    fn expect_half(&mut self, from_zero: LaneMask<L>) {
+        self.last = Lanes::select(from_zero, self.last.min(Lanes::from_f64(FROM_ZERO)), self.last);
     }
 
     /// The verdict where it takes no more than the corrections; `false`, and nothing is noted, where a lane's depends on its residuals.
@@ -160,6 +175,7 @@ fn resumed<const L: usize, const N: usize>(
     is_symmetric: bool,
     equations: impl Equations<Lanes<L>, N>,
 ) -> ([Lanes<L>; N], u32) {
+    let mut from_zero = convergence.claim_nothing(&x);
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
         let correction = correction(&jacobian, &residual, is_symmetric);
@@ -175,6 +191,10 @@ fn resumed<const L: usize, const N: usize>(
         if convergence.done.all() {
             let (x, effort) = accepted(x, jacobian[0][0], convergence.iterations);
             return (x, effort.iterations);
+        }
+        if from_zero.any() {
+            convergence.expect_half(from_zero);
+            from_zero = LaneMask::from_bool(false);
         }
     }
 }

@@ -12,7 +12,8 @@
 //! rounding no longer count in the contraction of the others.
 //!
 //! This is the way that nearly every step takes: no damping, and given up as soon as the corrections do not at least
-//! halve. Then the step is solved again with `CAREFUL`, which is [`damped`](super::damped).
+//! halve. Then the step is solved again with `CAREFUL`, which is [`damped`](super::damped). The first step of a run has nothing to extrapolate: it
+//! starts from zero, and its first correction, which is all of what it leads to, is no sign of anything; the second has to be half as long.
 
 use std::ops::Add;
 
@@ -259,6 +260,10 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     mut convergence: Convergence,
     equations: impl Equations<S, N>,
 ) -> Result<([S; N], u32), StepFailure> {
+    let mut is_from_zero = convergence.is_fresh_guess() && x.iter().all(|x| x.magnitude() == 0.0);
+    if is_from_zero {
+        convergence.claim_nothing();
+    }
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
         let correction = match corrected::<S, N, SYMMETRIC>(&jacobian, residual) {
@@ -273,6 +278,9 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
             Verdict::Straying => {
                 return Err(explain::<N>(convergence.iterations, largest, jacobian[0][0].magnitude()));
             }
+        }
+        if std::mem::take(&mut is_from_zero) {
+            convergence.expect_half();
         }
     }
 }
@@ -462,6 +470,23 @@ mod tests {
         assert!(solved::<1, true, false>([0.9], equation).is_ok());
         let outcome = solved::<1, true, false>([-7.0], equation);
         assert!(matches!(outcome, Err(StepFailure::NotConverged { iterations: 1, .. })), "{outcome:?}");
+    }
+
+    /// `x = c + x²` from zero: the second correction is more than half of the first where there is no solution, `4c > 1`. The one with the
+    /// minus sign is connected with `c = 0`.
+    #[test]
+    fn nothing_extrapolated_is_no_guess() {
+        let parabola = |c: f64| one(move |x: f64| (x - c - x * x, 1.0 - 2.0 * x));
+        for c in [1e-300, 1e-3, 0.1, 0.24] {
+            let ([x], _) = solved::<1, true, false>([0.0], parabola(c)).unwrap();
+            let exact = 2.0 * c / (1.0 + (1.0 - 4.0 * c).sqrt());
+            // A rounding of the terms, magnified by the slope.
+            assert!((x - exact).abs() <= 2.0 * f64::EPSILON * exact / (1.0 - 2.0 * exact), "{c}: {x}");
+        }
+        for c in [0.26, 0.4, 10.0] {
+            let outcome = solved::<1, true, false>([0.0], parabola(c));
+            assert!(matches!(outcome, Err(StepFailure::NotConverged { iterations: 2, .. })), "{outcome:?}");
+        }
     }
 
     #[test]

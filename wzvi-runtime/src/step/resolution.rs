@@ -8,8 +8,8 @@
 //! On the way there the energy at the nodes is off by `v² / 8Ω²` of twice the kinetic energy.
 //!
 //! What is watched is therefore: three steps in a row whose unknowns are not what the steps before extrapolate to, not even
-//! in sign and size (each was hard, see [`StepInfo::is_hard`](super::StepInfo)), and an energy that differs from that of the
-//! start by more than a quarter of the largest `|P · Δq / h|` and by more than the rounding of its own terms. It costs
+//! in sign and size (each was hard, see [`StepInfo::is_hard`](super::StepInfo)), and an energy that differs from that where the
+//! first hard step began by more than a quarter of the largest `|P · Δq / h|` and by more than the rounding of its own terms. It costs
 //! nothing until a step is hard.
 
 use crate::carry::Carry;
@@ -32,7 +32,7 @@ pub(crate) struct ResolutionMonitor {
     /// Hard steps in a row, and the number of the last.
     pattern: u64,
     last: u64,
-    /// `H` at the start of the run; NaN before the first hard step, which is the first of all.
+    /// `H` where the first hard step of the run began; NaN before.
     energy: f64,
     /// The largest `|P · Δq / h|` of the hard steps.
     scale: f64,
@@ -102,7 +102,7 @@ impl ResolutionMonitor {
         }
         self.pattern = if self.last + 1 == step { self.pattern + 1 } else { 1 };
         self.last = step;
-        // The first step of a run is hard: nothing is known before it.
+        // Steps that were not hard have kept it.
         if self.energy.is_nan() {
             self.energy = system.energy(from);
         }
