@@ -52,10 +52,10 @@ pub struct HenonHeiles;
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Beside, Block, Carry, Compensation, ConfigError, Conservative,
-        Constant, Discretized, Effort, Err, Extrapolation, Hamiltonian, Knowledge,
-        Labels, LagrangianGradient, Lanes, NoiseClass, Ok, Option, Over, Plain, Plan,
-        Result, Rounded, SVector, Scalar, Segment, Solution, Solver, Some, State,
-        StepFailure, Variables, Vector, bool, f64, str, usize,
+        Constant, Discretized, Effort, Err, Extrapolation, Hamiltonian, InPart,
+        Knowledge, Labels, LagrangianGradient, Lanes, NoiseClass, Ok, Option, Over,
+        Plain, Plan, Result, Rounded, SVector, Scalar, Segment, Solution, Solver, Some,
+        State, StepFailure, Variables, Vector, bool, f64, str, usize,
         compose::{Composes, Equations, General, ROOM, Structure},
         embedding::{Composed, Midpoint},
     };
@@ -214,6 +214,10 @@ const _: () = {
                 effort,
             );
             if !next.is_finite() {
+                if C::GOES_IN_PART && S::IS_BESIDE {
+                    let taken = next.are_finite();
+                    memory.record_in_part::<true>(taken, [delta_px, delta_py]);
+                }
                 return Err(StepFailure::NonFinite);
             }
             memory.record::<true>([delta_px, delta_py]);
@@ -231,6 +235,7 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (py² + px² + x² + y²)/2 + x² y - y³/3\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}² + P_{px}² + x_{i+1/2}² + y_{i+1/2}²)/2 + x_{i+1/2}² y_{i+1/2} - y_{i+1/2}³/3) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (x_{i+1/2} + 2 x_{i+1/2} y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (y_{i+1/2} + x_{i+1/2}² - y_{i+1/2}²)/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: Newton, symmetric Jacobian (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (x + 2 x y)² + (y + x² - y²)²\n    H_qq(H_p,H_p) = px (px (1 + 2 y) + 2 x py) + py (2 x px + py (1 - 2 y))\n";
+            const FAILS_BY_LANE: bool = true;
             type Prepared = Prepared<f64>;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 2>;
@@ -254,13 +259,13 @@ const _: () = {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 wzvi::increments::<_, 0>(dw)?;
                 let mut next = Solution::nowhere();
-                solve::<
+                let solved = solve::<
                     S,
                     f64,
                     C,
                     CAREFUL,
-                >(prepared, h, *q, *p, memory, carry, &mut next)?;
-                Ok(next.store(q, p, carry))
+                >(prepared, h, *q, *p, memory, carry, &mut next);
+                next.arrive(solved, q, p, carry)
             }
             type Beside<const L: usize> = Prepared<Lanes<L>>;
             fn beside<const L: usize>(
@@ -279,17 +284,17 @@ const _: () = {
                 dw: &[Lanes<L>],
                 memory: &mut Self::Memory<Lanes<L>>,
             ) -> Result<Effort, StepFailure> {
-                let (prepared, carry) = (beside, &mut Plain);
+                let (prepared, carry) = (beside, &mut InPart);
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 wzvi::increments::<_, 0>(dw)?;
                 let mut next = Solution::nowhere();
-                solve::<
+                let solved = solve::<
                     Lanes<L>,
                     Lanes<L>,
-                    Plain,
+                    InPart,
                     false,
-                >(prepared, h, *q, *p, memory, carry, &mut next)?;
-                Ok(next.store(q, p, carry))
+                >(prepared, h, *q, *p, memory, carry, &mut next);
+                next.arrive(solved, q, p, carry)
             }
             fn discrete_lagrangian(
                 &self,
@@ -374,10 +379,11 @@ const _: () = {
         binding as product2, binding as product2_squared, binding as product3,
         binding as product4, binding as product_squared, binding as px, binding as py,
         binding as q, binding as quarter_h_squared, binding as segment,
-        binding as stage_x, binding as stage_y, binding as sum, binding as systems,
-        binding as t, binding as term, binding as twice_stage_y, binding as unknowns,
-        binding as x, binding as x_end, binding as x_squared, binding as x_start,
-        binding as y, binding as y_end, binding as y_squared, binding as y_start,
+        binding as solved, binding as stage_x, binding as stage_y, binding as sum,
+        binding as systems, binding as t, binding as taken, binding as term,
+        binding as twice_stage_y, binding as unknowns, binding as x, binding as x_end,
+        binding as x_squared, binding as x_start, binding as y, binding as y_end,
+        binding as y_squared, binding as y_start,
     };
 };
 const _: () = {

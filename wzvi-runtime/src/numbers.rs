@@ -93,6 +93,15 @@ pub enum Tape {
         /// What was taken down.
         words: Vec<u64>,
     },
+    /// Replaces one lane of what it is shown. What is no matter of lanes has to be the same.
+    Placing {
+        /// Which one.
+        lane: usize,
+        /// What was taken down.
+        words: std::vec::IntoIter<u64>,
+        /// As for reading, or whether it differs where it must not.
+        short: bool,
+    },
     /// Replaces every lane of what it is shown. What is no matter of lanes has to be the same in all of them.
     Joining {
         /// What was taken down, by lane.
@@ -110,7 +119,7 @@ impl Tape {
         pass(&mut tape);
         match tape {
             Self::Writing(words) | Self::Splitting { words, .. } => words,
-            Self::Reading { words, .. } => words.collect(),
+            Self::Reading { words, .. } | Self::Placing { words, .. } => words.collect(),
             Self::Joining { .. } => Vec::new(),
         }
     }
@@ -151,6 +160,17 @@ impl Tape {
         }
     }
 
+    /// Replaces one lane of everything that `pass` shows by the words; `None` if they do not fit.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn place(lane: usize, words: Vec<u64>, pass: impl FnOnce(&mut Self)) -> Option<()> {
+        let mut tape = Self::Placing { lane, words: words.into_iter(), short: false };
+        pass(&mut tape);
+        match tape {
+            Self::Placing { words, short, .. } => (!short && words.len() == 0).then_some(()),
+            _ => None,
+        }
+    }
+
     /// Takes down or replaces a word.
     pub fn word(&mut self, word: &mut u64) {
         match self {
@@ -159,6 +179,7 @@ impl Tape {
                 Some(read) => *word = read,
                 None => *short = true,
             },
+            Self::Placing { words, short, .. } => *short |= words.next() != Some(*word),
             Self::Joining { lanes, short } => {
                 let mut read = lanes.iter_mut().map(Iterator::next);
                 match read.next().flatten() {
@@ -180,6 +201,11 @@ impl Tape {
         self.words_of_lanes(flags, |flag| u64::from(*flag), read);
     }
 
+    /// Takes down or replaces a small count of each lane.
+    pub fn counts(&mut self, counts: &mut [u8]) {
+        self.words_of_lanes(counts, |count| u64::from(*count), |word| u8::try_from(word).ok());
+    }
+
     /// Takes down or replaces something of each lane that is a word.
     fn words_of_lanes<T>(
         &mut self,
@@ -197,6 +223,12 @@ impl Tape {
                         Some(read) => *entry = read,
                         None => *short = true,
                     }
+                }
+            }
+            Self::Placing { lane, words, short } => {
+                match (words.next().and_then(&read), list.get_mut(*lane)) {
+                    (Some(read), Some(entry)) => *entry = read,
+                    _ => *short = true,
                 }
             }
             Self::Joining { lanes, short } => {
@@ -217,7 +249,7 @@ impl Tape {
         self.word(&mut word);
         let (left, short) = match self {
             Self::Writing(_) | Self::Splitting { .. } => return length,
-            Self::Reading { words, short } => (words.len(), short),
+            Self::Reading { words, short } | Self::Placing { words, short, .. } => (words.len(), short),
             Self::Joining { lanes, short } => {
                 (lanes.iter().map(ExactSizeIterator::len).min().unwrap_or(0), short)
             }
@@ -229,12 +261,13 @@ impl Tape {
 
     /// Whether it replaces what it is shown.
     pub fn is_reading(&self) -> bool {
-        matches!(self, Self::Reading { .. } | Self::Joining { .. })
+        matches!(self, Self::Reading { .. } | Self::Placing { .. } | Self::Joining { .. })
     }
 
     /// What was read makes no sense: reading gives nothing.
     pub fn refuse(&mut self) {
-        if let Self::Reading { short, .. } | Self::Joining { short, .. } = self {
+        if let Self::Reading { short, .. } | Self::Placing { short, .. } | Self::Joining { short, .. } = self
+        {
             *short = true;
         }
     }
@@ -349,14 +382,22 @@ mod tests {
         for (lane, memory) in alone.iter_mut().enumerate() {
             assert_eq!(Tape::split(lane, |tape| together.pass(tape)), words(memory));
         }
-        let apart = || alone.map(|mut memory| words(&mut memory)).to_vec();
+        let apart = move || alone.map(|mut memory| words(&mut memory)).to_vec();
         let mut joined = Extrapolation::<Lanes<3>, 1>::default();
         assert_eq!(Tape::join(apart(), |tape| joined.pass(tape)), Some(()));
         assert_eq!(words(&mut joined), words(&mut together));
-        // One lane knows fewer steps, or one is missing.
-        let mut fewer = apart();
-        fewer[1] = words(&mut Extrapolation::<Lanes<1>, 1>::default());
-        assert_eq!(Tape::join(fewer, |tape| joined.pass(tape)), None);
+        // One lane knows fewer steps, and goes on as it would alone.
+        let mut fresh = Extrapolation::<Lanes<1>, 1>::default();
+        assert_eq!(Tape::place(1, words(&mut fresh), |tape| joined.pass(tape)), Some(()));
+        for x in [3.0, 1.0, -0.5] {
+            joined.record::<true>([Lanes::new([x, x * x, 1.0])]);
+            fresh.record::<true>([Lanes::new([x * x])]);
+            alone[2].record::<true>([Lanes::new([1.0])]);
+            for (lane, memory) in [(1, &mut fresh), (2, &mut alone[2])] {
+                assert_eq!(Tape::split(lane, |tape| joined.pass(tape)), words(memory));
+            }
+        }
+        // One is missing.
         assert_eq!(Tape::join(apart().split_off(1), |tape| joined.pass(tape)), None);
     }
 

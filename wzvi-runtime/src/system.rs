@@ -292,6 +292,9 @@ pub trait Discretized<E>: Hamiltonian {
     /// Whether paths run in lanes beside each other: not where loops are iterated on, which go for each path as far as it needs.
     const IN_LANES: bool = true;
 
+    /// Whether paths in lanes take a step that others beside them cannot ([`GOES_IN_PART`](Carry::GOES_IN_PART)).
+    const FAILS_BY_LANE: bool = false;
+
     /// From how many degrees of freedom on the step of one path is in vector instructions by itself, and stays in the cache: then paths go one after
     /// the other. `usize::MAX` where there are no such steps.
     const FILLS_REGISTERS_FROM: usize = usize::MAX;

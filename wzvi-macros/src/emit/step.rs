@@ -26,13 +26,15 @@ use prepare::Prepared;
 use solve::Arguments;
 
 /// What a step names besides its letters.
-const LIVE: [&str; 12] = [
+const LIVE: [&str; 14] = [
     "t",
     "h",
     "prepared",
     "memory",
     "carry",
     "next",
+    "taken",
+    "solved",
     "solve",
     "equations",
     "rounded",
@@ -120,6 +122,11 @@ impl Kernel {
         }
     }
 
+    /// Whether there is something to iterate on.
+    fn is_iterated(&self) -> bool {
+        self.reads[3]
+    }
+
     /// A call of `__solve` with arguments of these values, generic parameters first: those of numbers, constants, carry and care.
     pub(crate) fn call(
         &self,
@@ -169,13 +176,18 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
     let d = count(scheme.lagrangian.symbols.u.len());
     let carry =
         if kernel.affords_compensation { quote!(Self::Compensated<__S>) } else { quote!(__wzvi::Plain) };
+    let constants = kernel.is_iterated().then(|| {
+        quote!(
+            const FAILS_BY_LANE: __wzvi::bool = true;
+        )
+    });
     let Kernel { items, prepare, .. } = kernel;
     Discretized {
         item: &model.item,
         embedding: &scheme.embedding,
         text,
         items,
-        constants: TokenStream::new(),
+        constants: constants.unwrap_or_default(),
         plan,
         prepared: quote!(__Prepared<__wzvi::f64>),
         beside: Some(beside),
@@ -205,21 +217,31 @@ fn advance(kernel: &Kernel, scheme: &Scheme, generics: [&TokenStream; 4]) -> Tok
         quote!(#name)
     });
     let solve = kernel.call(generics, [prepared, t, h, quote!(*__q), quote!(*__p), dw, memory, carry]);
+    let store = match kernel.is_iterated() {
+        true => quote! {
+            let __solved = #solve;
+            __next.arrive(__solved, __q, __p, __carry)
+        },
+        false => quote! {
+            #solve?;
+            __wzvi::Ok(__next.store(__q, __p, __carry))
+        },
+    };
     quote! {
         let (__q, __p) = (__wzvi::array_mut(__q)?, __wzvi::array_mut(__p)?);
         #increments
         let mut __next = __wzvi::Solution::nowhere();
-        #solve?;
-        __wzvi::Ok(__next.store(__q, __p, __carry))
+        #store
     }
 }
 
 /// The body of `advance_beside`.
 fn advance_beside(kernel: &Kernel, scheme: &Scheme) -> TokenStream {
     let lanes = quote!(__wzvi::Lanes<__L>);
-    let advance = advance(kernel, scheme, [&lanes, &lanes, &quote!(__wzvi::Plain), &quote!(false)]);
+    let carry = if kernel.is_iterated() { quote!(__wzvi::InPart) } else { quote!(__wzvi::Plain) };
+    let advance = advance(kernel, scheme, [&lanes, &lanes, &carry, &quote!(false)]);
     quote! {
-        let (__prepared, __carry) = (__beside, &mut __wzvi::Plain);
+        let (__prepared, __carry) = (__beside, &mut #carry);
         #advance
     }
 }

@@ -9,7 +9,7 @@ use super::increments::LaneIncrements;
 use super::job::Job;
 use super::starts::Systems;
 use super::statistics::PathFailure;
-use crate::carry::Plain;
+use crate::carry::{InPart, Plain};
 use crate::error::{ConfigError, Error, StepError};
 use crate::increments::Interval;
 use crate::lanes::Lanes;
@@ -227,18 +227,18 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         let dw = self.increments.of(step);
         let outcome = match &self.beside {
             Some(beside) if P::ARE_OWN => H::advance_beside(beside, t, job.h, q, p, dw, memory),
-            _ => job.system.advance_carrying::<Lanes<L>, Plain, false>(
-                &job.prepared,
-                t,
-                job.h,
-                q,
-                p,
-                dw,
-                memory,
-                &mut Plain,
-            ),
+            _ => {
+                let (system, prepared, h) = (job.system, &job.prepared, job.h);
+                if H::FAILS_BY_LANE {
+                    let carry = &mut InPart;
+                    system.advance_carrying::<_, InPart, false>(prepared, t, h, q, p, dw, memory, carry)
+                } else {
+                    let carry = &mut Plain;
+                    system.advance_carrying::<_, Plain, false>(prepared, t, h, q, p, dw, memory, carry)
+                }
+            }
         };
-        if outcome.is_err() { self.one_by_one(step, t) } else { Ok(()) }
+        if outcome.is_err() { self.in_part(step, t) } else { Ok(()) }
     }
 
     #[inline(never)]
@@ -257,7 +257,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
                 let state = &mut self.states[lane];
                 state.t = t;
                 if let Err(error) = stepper.step(state, dw) {
-                    self.halve_or_fail(lane, step, StepError { step, ..error })?;
+                    self.halve_or_fail(lane, step, StepError { step, ..error }, &mut H::Memory::default())?;
                 }
             }
         }

@@ -36,9 +36,9 @@ fn exceeds<const L: usize>(a: Lanes<L>, b: Lanes<L>) -> LaneMask<L> {
 #[derive(Clone, Copy)]
 struct LaneConvergence<const L: usize> {
     last: Lanes<L>,
+    /// Infinite where a lane is done: numbers stay in vector registers from iteration to iteration where truths do not.
     enough: Lanes<L>,
     iterations: u32,
-    done: LaneMask<L>,
     is_guess: bool,
     is_beyond_rounding: LaneMask<L>,
 }
@@ -50,7 +50,6 @@ impl<const L: usize> LaneConvergence<L> {
             last: Lanes::from_f64(if is_guess { 2.0 } else { f64::INFINITY }),
             enough: Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING),
             iterations: 0,
-            done: LaneMask::from_bool(false),
             is_guess,
             is_beyond_rounding: LaneMask::from_bool(is_guess),
         }
@@ -75,23 +74,30 @@ impl<const L: usize> LaneConvergence<L> {
     #[inline(always)]
     fn glance(&mut self, relative: Lanes<L>) -> bool {
         let square = relative * relative;
-        let done = self.done | (square * relative).less_equal(self.enough);
+        // Of a lane that is done, too, unless what follows is not a number.
+        let done = (square * relative).less_equal(self.enough);
         let is_enough = (done | relative.less(self.last * 0.5)).all();
         if is_enough {
             self.iterations += 1;
-            self.done = done;
-            self.expect(relative, square);
+            self.expect(done, relative, square);
         }
         is_enough
     }
 
-    /// Quadratic convergence from corrections of this size, with their squares.
+    /// Quadratic convergence from corrections of this size, with their squares, of lanes that are not done. It is at most a part of 1: the first
+    /// correction from zero is 1, and all others are less.
     #[inline(always)]
-    fn expect(&mut self, relative: Lanes<L>, square: Lanes<L>) {
+    fn expect(&mut self, done: LaneMask<L>, relative: Lanes<L>, square: Lanes<L>) {
         self.last = relative;
         let predicted = square * (UNSEEN * ROUNDING);
         let floor = Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING);
-        self.enough = Lanes::select(exceeds(predicted, floor), predicted, floor);
+        let enough = Lanes::select(exceeds(predicted, floor), predicted, floor);
+        self.enough = Lanes::select(done, Lanes::from_f64(f64::INFINITY), enough);
+    }
+
+    #[inline(always)]
+    fn done(&self) -> LaneMask<L> {
+        self.enough.equal(Lanes::from_f64(f64::INFINITY))
     }
 
     /// The lanes that go astray here. `beyond_rounding` of a lane as for `convergence::Convergence`.
@@ -104,8 +110,8 @@ impl<const L: usize> LaneConvergence<L> {
             return LaneMask::from_bool(false);
         }
         self.iterations += 1;
-        self.done = self.done | (relative * relative * relative).less_equal(self.enough);
-        let mut good = self.done | relative.less(self.last * 0.5);
+        let mut done = self.done() | (relative * relative * relative).less_equal(self.enough);
+        let mut good = done | relative.less(self.last * 0.5);
         let roundings = roundings(self.is_guess && self.iterations == 1);
         for lane in 0..L {
             if good.lane(lane) || relative[lane].is_nan() {
@@ -115,7 +121,7 @@ impl<const L: usize> LaneConvergence<L> {
             let known = self.is_beyond_rounding.lane(lane);
             let last = if known { self.last[lane] } else { self.last[lane].max(relative[lane]) };
             if beyond == 0.0 {
-                self.done.set(lane, true);
+                done.set(lane, true);
                 good.set(lane, true);
             } else if beyond < 0.5 * last {
                 self.is_beyond_rounding.set(lane, true);
@@ -123,8 +129,7 @@ impl<const L: usize> LaneConvergence<L> {
                 good.set(lane, true);
             }
         }
-        self.done = self.done | !good;
-        self.expect(relative, relative * relative);
+        self.expect(done | !good, relative, relative * relative);
         !good
     }
 }
@@ -150,14 +155,14 @@ pub(super) fn iterate<const L: usize, const N: usize>(
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
         let Some(correction) = safe_correction(&jacobian, &residual, is_symmetric) else { break };
-        let (done, (moved, largest)) = (convergence.done, corrected_end(&x, &correction));
+        let (done, (moved, largest)) = (convergence.done(), corrected_end(&x, &correction));
         if !convergence.glance(largest) {
             break;
         }
         for i in 0..N {
             x[i] = Lanes::select(done, x[i], moved[i]);
         }
-        if convergence.done.all() {
+        if convergence.done().all() {
             return accepted(x, jacobian[0][0], convergence.iterations);
         }
     }
@@ -176,21 +181,22 @@ fn resumed<const L: usize, const N: usize>(
     equations: impl Equations<Lanes<L>, N>,
 ) -> ([Lanes<L>; N], u32) {
     let mut from_zero = convergence.claim_nothing(&x);
+    let mut lost = LaneMask::from_bool(false);
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
         let correction = correction(&jacobian, &residual, is_symmetric);
-        let (done, (moved, largest)) = (convergence.done, corrected_end(&x, &correction));
+        let (done, (moved, largest)) = (convergence.done(), corrected_end(&x, &correction));
         let astray = convergence.judge(largest, |lane, roundings| {
             let sizes = std::array::from_fn(|i| correction[i][lane].relative_to(moved[i][lane]));
             beyond(equations.rounded(&x, lane), sizes, roundings)
         });
         for i in 0..N {
-            let next = Lanes::select(done, x[i], moved[i]);
-            x[i] = Lanes::select(astray, poison(), next);
+            x[i] = Lanes::select(done | astray, x[i], moved[i]);
         }
-        if convergence.done.all() {
+        lost = lost | astray;
+        if convergence.done().all() {
             let (x, effort) = accepted(x, jacobian[0][0], convergence.iterations);
-            return (x, effort.iterations);
+            return (x.map(|x| Lanes::select(lost, poison(), x)), effort.iterations);
         }
         if from_zero.any() {
             convergence.expect_half(from_zero);

@@ -21,8 +21,6 @@ use super::convergence::{Convergence, Verdict};
 use super::damped::{Dense, Room, damped};
 use super::dense::{Factor, SymmetricFactor};
 use crate::error::StepFailure;
-use crate::memory::StepMemory;
-use crate::numbers::{Numbers, Tape};
 use crate::scalar::{Mask, Rounded, Scalar};
 
 /// A determinant above this fraction of its two products has lost three digits at most, which Newton's method makes up.
@@ -99,64 +97,6 @@ impl Add for Effort {
             doubtful: self.doubtful | other.doubtful,
             is_reversed: self.is_reversed ^ other.is_reversed,
         }
-    }
-}
-
-/// Unknowns of past steps, extrapolated to start the next one: `3x_n - 3x_{n-1} + x_{n-2}`.
-#[derive(Clone, Copy, Debug)]
-pub struct Extrapolation<S, const N: usize> {
-    past: [[S; N]; 3],
-    known: u8,
-}
-
-impl<S: Scalar, const N: usize> Default for Extrapolation<S, N> {
-    fn default() -> Self {
-        Self { past: [[S::from_f64(0.0); N]; 3], known: 0 }
-    }
-}
-
-impl<S: Scalar, const N: usize> Extrapolation<S, N> {
-    /// The starting value: zero, constant, linear or quadratic, by what is known; zero unless `USED`.
-    #[inline(always)]
-    pub fn guess<const USED: bool>(&self) -> [S; N] {
-        if !USED {
-            return [S::from_f64(0.0); N];
-        }
-        let [a, b, c] = self.past;
-        std::array::from_fn(|i| (a[i] - b[i]) * 3.0 + c[i])
-    }
-
-    /// Takes the solution of a step that succeeded; nothing unless `USED`.
-    #[inline(always)]
-    pub fn record<const USED: bool>(&mut self, solution: [S; N]) {
-        if !USED {
-            return;
-        }
-        self.past = [solution, self.past[0], self.past[1]];
-        if self.known < 2 {
-            self.pretend();
-        }
-    }
-
-    /// Continues the one or two points that are known to the past, as a constant or as a line.
-    #[cold]
-    fn pretend(&mut self) {
-        let [a, b, c] = &mut self.past;
-        if self.known == 0 {
-            *b = *a;
-        }
-        *c = std::array::from_fn(|i| b[i] * 2.0 - a[i]);
-        self.known += 1;
-    }
-}
-
-impl<S: Scalar, const N: usize> StepMemory for Extrapolation<S, N> {}
-
-impl<S: Scalar, const N: usize> Numbers for Extrapolation<S, N> {
-    fn pass(&mut self, tape: &mut Tape) {
-        let Self { past, known } = self;
-        past.pass(tape);
-        tape.count(known);
     }
 }
 
@@ -487,15 +427,5 @@ mod tests {
             let outcome = solved::<1, true, false>([0.0], parabola(c));
             assert!(matches!(outcome, Err(StepFailure::NotConverged { iterations: 2, .. })), "{outcome:?}");
         }
-    }
-
-    #[test]
-    fn extrapolation_is_exact_for_a_parabola() {
-        let mut memory = Extrapolation::<f64, 1>::default();
-        for n in 0..3 {
-            memory.record::<true>([f64::from(n * n)]);
-        }
-        assert_eq!(memory.guess::<true>(), [9.0]);
-        assert_eq!(memory.guess::<false>(), [0.0]);
     }
 }

@@ -23,8 +23,8 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
     /// in vector registers.
     #[inline(always)]
     pub fn nowhere() -> Self {
-        let zero = S::from_f64(0.0);
-        Self { q: [(zero, zero); D], p: [(zero, zero); D], momentum: [zero; D], effort: Effort::fast(0) }
+        let nan = S::from_f64(f64::NAN);
+        Self { q: [(nan, nan); D], p: [(nan, nan); D], momentum: [nan; D], effort: Effort::fast(0) }
     }
 
     /// The nodes that the increments `dq`, `dp` lead to from `q`, `p`.
@@ -50,6 +50,46 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
     #[inline(always)]
     pub fn is_finite(&self) -> bool {
         S::are_finite([self.q, self.p]).all()
+    }
+
+    /// The paths beside each other of which every component is finite.
+    #[inline(always)]
+    pub fn are_finite(&self) -> S::Mask {
+        S::are_finite([self.q, self.p])
+    }
+
+    /// [`Solution::store`] of a step that was solved. If paths beside each other [go in part](Carry::GOES_IN_PART), those that have solved it move
+    /// where others have not.
+    ///
+    /// # Errors
+    /// What the solution says.
+    #[inline(always)]
+    pub fn arrive<C: Carry<S>>(
+        self,
+        solved: Result<(), StepFailure>,
+        q: &mut [S; D],
+        p: &mut [S; D],
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        match solved {
+            Ok(()) => Ok(self.store(q, p, carry)),
+            Err(cause) => {
+                if C::GOES_IN_PART && S::IS_BESIDE {
+                    self.store_in_part(q, p);
+                }
+                Err(cause)
+            }
+        }
+    }
+
+    /// Written out where it is called: the solution has no address, and stays in registers where all is well.
+    #[inline(always)]
+    fn store_in_part(&self, q: &mut [S; D], p: &mut [S; D]) {
+        let are_finite = self.are_finite();
+        for i in 0..D {
+            q[i] = S::select(are_finite, self.q[i].0, q[i]);
+            p[i] = S::select(are_finite, self.p[i].0, p[i]);
+        }
     }
 
     /// Moves the state.

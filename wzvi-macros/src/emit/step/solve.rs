@@ -47,8 +47,15 @@ pub(super) fn solution(
     }
     let uses = flow.program.uses(&flow.roots());
     let factors = prepared.factors.iter().map(|(_, name)| name.clone()).collect();
-    let mut body =
-        SolveBody { flow, uses, printer, factors, records: Vec::new(), functions: TokenStream::new() };
+    let mut body = SolveBody {
+        flow,
+        uses,
+        printer,
+        factors,
+        records: Vec::new(),
+        records_in_part: Vec::new(),
+        functions: TokenStream::new(),
+    };
     let statements = body.emit();
     Solution { functions: body.functions, statements }
 }
@@ -61,6 +68,8 @@ struct SolveBody<'f> {
     factors: Vec<Ident>,
     /// `memory.i.record(solution)`, done only if the whole step succeeds.
     records: Vec<TokenStream>,
+    /// The same where only some of the paths beside each other succeed.
+    records_in_part: Vec<TokenStream>,
     /// The equations of each Newton block.
     functions: TokenStream,
 }
@@ -155,6 +164,7 @@ impl SolveBody<'_> {
         let used = self.uses_memory();
         let memory = part(self.records.len(), self.flow.newton_sizes().len());
         self.records.push(quote!(#memory.record::<#used>([#(#names),*]);));
+        self.records_in_part.push(quote!(#memory.record_in_part::<#used>(__taken, [#(#names),*]);));
         let (n, effort) = (count(names.len()), self.printer.other("effort"));
         let code = quote! {
             #statements
@@ -239,6 +249,15 @@ impl SolveBody<'_> {
             efforts.push(quote!(__wzvi::Effort::fast(0)));
         }
         let records = &self.records;
+        let record_in_part = (!records.is_empty()).then(|| {
+            let records = &self.records_in_part;
+            quote! {
+                if __C::GOES_IN_PART && __S::IS_BESIDE {
+                    let __taken = __next.are_finite();
+                    #(#records)*
+                }
+            }
+        });
         quote! {
             #statements
             *__next = __wzvi::Solution::new(
@@ -249,6 +268,7 @@ impl SolveBody<'_> {
                 #(#efforts)+*,
             );
             if !__next.is_finite() {
+                #record_in_part
                 return __wzvi::Err(__wzvi::StepFailure::NonFinite);
             }
             #(#records)*

@@ -17,7 +17,35 @@ use crate::step::ResolutionMonitor;
 use crate::system::Discretized;
 
 impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P, L> {
-    /// The step that not all lanes can take the short way.
+    /// The step that not all lanes can take the short way: of those that have not taken it, if it is known which these are.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn in_part(&mut self, step: u64, t: f64) -> Result<(), Error> {
+        let mut are_left = [false; L];
+        self.memory.take_failures(&mut are_left);
+        if !are_left.contains(&true) {
+            return self.one_by_one(step, t);
+        }
+        for lane in (0..L).filter(|&lane| are_left[lane]) {
+            if !self.failed[lane] {
+                let mut memory = self.memory_of(lane)?;
+                self.by_itself(lane, step, t, &mut memory)?;
+                self.remember(lane, Tape::write(|tape| memory.pass(tape)))?;
+            }
+        }
+        // Lanes that follow another one remember what it does.
+        let Some(living) = self.living().filter(|_| self.any_failed) else { return Ok(()) };
+        for lane in 0..L {
+            if !self.failed[lane] {
+                continue;
+            }
+            let words = Tape::split(living, |tape| self.memory.pass(tape));
+            self.remember(lane, words)?;
+        }
+        Ok(())
+    }
+
+    /// The step of all lanes, one after the other.
     #[cold]
     #[inline(never)]
     pub(super) fn one_by_one(&mut self, step: u64, t: f64) -> Result<(), Error> {
@@ -26,29 +54,47 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
             if self.failed[lane] {
                 continue;
             }
-            match self.single(lane, step, t) {
-                Ok(()) => {}
-                Err(Error::Step(error)) => self.halve_or_fail(lane, step, error)?,
-                Err(error) => return Err(error),
+            let mut memory = self.apart.get_mut(lane).map(std::mem::take).unwrap_or_default();
+            self.by_itself(lane, step, t, &mut memory)?;
+            if let Some(room) = self.apart.get_mut(lane) {
+                *room = memory;
             }
         }
         self.join();
         Ok(())
     }
 
+    /// The step of one lane.
+    fn by_itself(
+        &mut self,
+        lane: usize,
+        step: u64,
+        t: f64,
+        memory: &mut H::Memory<Lanes<1>>,
+    ) -> Result<(), Error> {
+        match self.single(lane, step, t, memory) {
+            Err(Error::Step(error)) => self.halve_or_fail(lane, step, error, memory),
+            outcome => outcome,
+        }
+    }
+
     /// The step of one path again, in halves, if that is allowed; the path fails if it is not, or does not help.
     ///
     /// # Errors
     /// That of a noise that has no increments.
-    pub(super) fn halve_or_fail(&mut self, lane: usize, step: u64, error: StepError) -> Result<(), Error> {
+    pub(super) fn halve_or_fail(
+        &mut self,
+        lane: usize,
+        step: u64,
+        error: StepError,
+        memory: &mut H::Memory<Lanes<1>>,
+    ) -> Result<(), Error> {
         let is_tried = self.job.retry.most() > 0 && is_curable(error.cause) && self.counts[lane];
         match if is_tried { self.halve(lane, step, error) } else { Err(error.into()) } {
             Ok(state) => {
                 self.put(lane, &state.q, &state.p);
                 self.resolution[lane] = ResolutionMonitor::default();
-                if let Some(memory) = self.apart.get_mut(lane) {
-                    memory.forget();
-                }
+                memory.forget();
             }
             Err(Error::Step(error)) => self.fail(lane, error),
             // A step that is too short to be prepared: the path ends with what made it necessary.
@@ -71,21 +117,19 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     }
 
     /// One lane, as it goes alone: the short way, then the careful one of a [`Stepper`].
-    fn single(&mut self, lane: usize, step: u64, t: f64) -> Result<(), Error> {
+    fn single(
+        &mut self,
+        lane: usize,
+        step: u64,
+        t: f64,
+        memory: &mut H::Memory<Lanes<1>>,
+    ) -> Result<(), Error> {
         let job = self.job;
         let alone = |lanes: &[Lanes<L>]| -> Vec<_> { lanes.iter().map(|x| Lanes::new([x[lane]])).collect() };
         let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(self.increments.of(step)));
-        let mut forgetful = H::Memory::default();
         let (system, prepared) = self.system_of(lane);
         let outcome = system.advance_carrying::<Lanes<1>, Plain, false>(
-            &prepared,
-            t,
-            job.h,
-            &mut q,
-            &mut p,
-            &dw,
-            self.apart.get_mut(lane).unwrap_or(&mut forgetful),
-            &mut Plain,
+            &prepared, t, job.h, &mut q, &mut p, &dw, memory, &mut Plain,
         );
         match outcome {
             Ok(_) => {
@@ -94,7 +138,9 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
                 }
                 Ok(())
             }
-            Err(cause) if matches!(H::PLAN.solver, Solver::Newton) => self.careful(lane, step, &dw, cause),
+            Err(cause) if matches!(H::PLAN.solver, Solver::Newton) => {
+                self.careful(lane, step, &dw, cause, memory)
+            }
             Err(cause) => Err(StepError { step, t, h: job.h, cause }.into()),
         }
     }
@@ -109,7 +155,14 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     }
 
     /// The careful way, of one lane.
-    fn careful(&mut self, lane: usize, step: u64, dw: &[Lanes<1>], cause: StepFailure) -> Result<(), Error> {
+    fn careful(
+        &mut self,
+        lane: usize,
+        step: u64,
+        dw: &[Lanes<1>],
+        cause: StepFailure,
+        memory: &mut H::Memory<Lanes<1>>,
+    ) -> Result<(), Error> {
         let (job, t) = (self.job, self.time(step));
         let State { q, p, t } = self.state_of(lane, t);
         let dw: Vec<f64> = dw.iter().map(|dw| dw[0]).collect();
@@ -120,11 +173,22 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         let (mut solved, watched) = solved.map_err(|cause| StepError { step, t, h, cause })?;
         self.resolution[lane] = watched;
         self.put(lane, &solved.q, &solved.p);
-        if let Some(memory) = self.apart.get_mut(lane) {
-            let words = Tape::write(|tape| solved.memory.pass(tape));
-            Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
-        }
+        let words = Tape::write(|tape| solved.memory.pass(tape));
+        Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
         Ok(())
+    }
+
+    /// What the steps before left of one lane.
+    fn memory_of(&mut self, lane: usize) -> Result<H::Memory<Lanes<1>>, InternalError> {
+        let words = Tape::split(lane, |tape| self.memory.pass(tape));
+        let mut memory = H::Memory::default();
+        Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
+        Ok(memory)
+    }
+
+    /// One lane remembers this.
+    fn remember(&mut self, lane: usize, words: Vec<u64>) -> Result<(), InternalError> {
+        Tape::place(lane, words, |tape| self.memory.pass(tape)).ok_or_else(other_memory)
     }
 
     /// From now on, each lane remembers by itself.
@@ -134,9 +198,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
             return Ok(());
         }
         for lane in 0..L {
-            let words = Tape::split(lane, |tape| self.memory.pass(tape));
-            let mut memory = H::Memory::default();
-            Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
+            let memory = self.memory_of(lane)?;
             self.apart.push(memory);
         }
         Ok(())
