@@ -17,7 +17,7 @@
 use std::ops::Range;
 
 use super::memory::Lists;
-use super::passes::{Block, in_blocks, load};
+use super::passes::{Block, in_blocks, load, poisoned, widened};
 use super::step::Step;
 use super::{Elements, Stage, Unknowns};
 use crate::scalar::Scalar;
@@ -37,32 +37,45 @@ pub(super) enum Change {
     Unknown,
 }
 
-/// Counts the changes that are more than [`UNSEEN`] of a rounding, in lanes, so that none waits for the one before; NaN if any is not
-/// finite.
+/// By how much the changes are above [`UNSEEN`] of a rounding, at most, in lanes, so that none waits for the one before. A largest
+/// number is one instruction where a choice by a comparison may become several of each lane.
 #[derive(Clone, Copy)]
-pub(super) struct Seen<const L: usize>([f64; L]);
+pub(super) struct Seen<const L: usize> {
+    above: [f64; L],
+    poison: [u64; L],
+}
 
 impl<const L: usize> Seen<L> {
     #[inline(always)]
     pub(super) fn new() -> Self {
-        Self([0.0; L])
+        Self { above: [0.0; L], poison: [0; L] }
     }
 
     /// Changes of numbers whose rounding is `ε rounded`.
     #[inline(always)]
     fn take<const N: usize>(&mut self, change: [f64; N], rounded: [f64; N]) {
-        for i in 0..N.min(L) {
-            let bound = UNSEEN * f64::EPSILON * rounded[i];
-            self.0[i] += if change[i] <= bound { 0.0 } else { 1.0 + change[i] * 0.0 };
+        // The difference of two numbers has the sign that it has without rounding.
+        let mut excess = change;
+        for i in 0..N {
+            excess[i] -= UNSEEN * f64::EPSILON * rounded[i];
         }
+        let (excess, change): ([f64; L], [f64; L]) = (widened(excess), widened(change));
+        let Self { mut above, mut poison } = *self;
+        for i in 0..L {
+            above[i] = if excess[i] > above[i] { excess[i] } else { above[i] };
+        }
+        for i in 0..L {
+            poison[i] |= poisoned(change[i]);
+        }
+        *self = Self { above, poison };
     }
 
     #[inline(always)]
     pub(super) fn finish(self) -> Change {
-        let seen = self.0.iter().sum::<f64>();
-        match seen == 0.0 {
+        let Self { above, poison } = self;
+        match above.iter().all(|&above| above == 0.0) {
+            _ if poison.iter().any(|&poison| poison != 0) => Change::Unknown,
             true => Change::Unseen,
-            false if seen.is_nan() => Change::Unknown,
             false => Change::Seen,
         }
     }
@@ -149,6 +162,8 @@ impl<S: Scalar, const L: usize> Block for Moved<'_, S, L> {
         let (mut change, mut rounded) = ([0.0; N], [0.0; N]);
         for i in 0..N {
             change[i] = ((u[i] - before[i]) * self.point).magnitude();
+        }
+        for i in 0..N {
             rounded[i] = moved(q[i], u[i], self.point);
         }
         self.seen.take(change, rounded);
@@ -267,6 +282,22 @@ mod tests {
 
     /// Chains of random masses, springs and states, each site of a scale of its own: the fixed point goes on until nothing is changed any
     /// more, by this bound. By running error analysis, which follows the rounding of every term, each equation is at rounding there.
+    #[test]
+    fn a_quarter_of_a_rounding_is_not_seen_and_what_is_not_finite_is_not_known() {
+        let after = |changes: [f64; 3]| {
+            let mut seen = Seen::<4>::new();
+            changes.into_iter().for_each(|change| seen.take([change], [1.0]));
+            seen.finish()
+        };
+        let bound = UNSEEN * f64::EPSILON;
+        assert_eq!(after([0.0, bound, 0.0]), Change::Unseen);
+        assert_eq!(after([0.0, bound * (1.0 + f64::EPSILON), bound]), Change::Seen);
+        for change in [f64::INFINITY, f64::NAN] {
+            assert_eq!(after([change, 0.0, 0.0]), Change::Unknown);
+            assert_eq!(after([1.0, change, 0.0]), Change::Unknown);
+        }
+    }
+
     #[test]
     fn equations_are_at_their_rounding_where_nothing_changes() {
         let mut seed = 5;

@@ -48,6 +48,9 @@ fn relate<S: Scalar>(x: &[S], correction: &[S], size: f64, change: f64) -> f64 {
 }
 
 /// Work on entries of lists, `N` of them beside each other.
+///
+/// It reads all that it needs, then does one operation on all entries after the other, and stores last: so the compiler keeps lists of
+/// entries in vector registers, where it would take several operations of an entry apart.
 pub(super) trait Block {
     /// The work on those from `first` on.
     fn take<const N: usize>(&mut self, first: usize);
@@ -79,47 +82,64 @@ pub(super) fn store<S: Copy, const N: usize>(list: &mut [S], first: usize, entri
     list[first..first + N].copy_from_slice(&entries);
 }
 
+/// The numbers, and zeros behind them.
+#[inline(always)]
+pub(super) fn widened<const N: usize, const L: usize>(numbers: [f64; N]) -> [f64; L] {
+    std::array::from_fn(|i| if i < N { numbers[i] } else { 0.0 })
+}
+
+/// Zero for a finite magnitude. Bits, as the compiler would else do these sums and others beside them in turns, and part the lanes of both.
+#[inline(always)]
+pub(super) fn poisoned(magnitude: f64) -> u64 {
+    (magnitude * 0.0).to_bits()
+}
+
 /// Numbers that are looked at side by side: few enough for the registers of x86-64.
 const LANES: usize = 4;
 
 /// The largest magnitude, in lanes, so that the search does not wait for itself.
 pub(super) struct Largest<const L: usize> {
     most: [f64; L],
-    /// Zero unless a number was not finite, which a maximum may swallow.
-    poison: [f64; L],
+    /// Of numbers that are not finite, which a maximum may swallow.
+    poison: [u64; L],
 }
 
 impl<const L: usize> Default for Largest<L> {
     #[inline(always)]
     fn default() -> Self {
-        Self { most: [0.0; L], poison: [0.0; L] }
+        Self { most: [0.0; L], poison: [0; L] }
     }
 }
 
 impl<const L: usize> Largest<L> {
     #[inline(always)]
     pub(super) fn take<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
-        for ((most, poison), number) in self.most.iter_mut().zip(&mut self.poison).zip(numbers) {
-            let size = number.magnitude();
-            *most = if size > *most { size } else { *most };
-            *poison += size * 0.0;
+        self.take_finite(numbers);
+        let (numbers, mut poison): ([f64; L], _) = (widened(numbers.map(S::magnitude)), self.poison);
+        for i in 0..L {
+            poison[i] |= poisoned(numbers[i]);
         }
+        self.poison = poison;
     }
 
     /// The same of numbers that need no check.
     #[inline(always)]
     pub(super) fn take_finite<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
-        for (most, number) in self.most.iter_mut().zip(numbers) {
-            let size = number.magnitude();
-            *most = if size > *most { size } else { *most };
+        let (sizes, mut most): ([f64; L], _) = (widened(numbers.map(S::magnitude)), self.most);
+        for i in 0..L {
+            most[i] = if sizes[i] > most[i] { sizes[i] } else { most[i] };
         }
+        self.most = most;
     }
 
     /// NaN if any was NaN or infinite.
     #[inline(always)]
     pub(super) fn get(self) -> f64 {
         let larger = |a: f64, b: f64| if a > b { a } else { b };
-        self.most.into_iter().fold(0.0, larger) + self.poison.iter().sum::<f64>()
+        match self.poison.iter().all(|&poison| poison == 0) {
+            true => self.most.into_iter().fold(0.0, larger),
+            false => f64::NAN,
+        }
     }
 }
 

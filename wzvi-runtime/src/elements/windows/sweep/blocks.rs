@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::parts::Parted;
 use crate::elements::Elements;
 use crate::elements::change::{Moved, Seen};
-use crate::elements::passes::{Block, Largest, in_blocks, load, store};
+use crate::elements::passes::{Block, Largest, in_blocks, load, store, widened};
 use crate::elements::step::Step;
 use crate::lanes::instructions::Kernel;
 
@@ -57,9 +57,7 @@ impl Block for Store<'_> {
     fn take<const N: usize>(&mut self, first: usize) {
         let (mut q, mut p) = (load::<_, N>(self.q, first), load::<_, N>(self.p, first));
         let (u, x) = (load::<_, N>(self.u, first), load::<_, N>(self.x, first));
-        for i in 0..N {
-            (q[i], p[i]) = after([q[i], p[i]], u[i], x[i], self.factor);
-        }
+        move_on([&mut q, &mut p], &u, &x, self.factor);
         store(self.q, first, q);
         store(self.p, first, p);
         if !self.past.is_empty() {
@@ -70,8 +68,13 @@ impl Block for Store<'_> {
 
 /// The state after a step.
 #[inline(always)]
-fn after([q, p]: [f64; 2], u: f64, v: f64, factor: f64) -> (f64, f64) {
-    (q + u, p + v * factor)
+fn move_on<const N: usize>([q, p]: [&mut [f64; N]; 2], u: &[f64; N], v: &[f64; N], factor: f64) {
+    for i in 0..N {
+        q[i] += u[i];
+    }
+    for i in 0..N {
+        p[i] += v[i] * factor;
+    }
 }
 
 /// The start from the steps before, and `P` there.
@@ -133,14 +136,18 @@ impl<const L: usize> Block for Kick<'_, L> {
         let mut correction = [0.0; N];
         for i in 0..N {
             correction[i] = x[i] + forces[i] * self.weight;
+        }
+        for i in 0..N {
             x[i] -= correction[i];
+        }
+        for i in 0..N {
             momentum[i] += x[i];
         }
+        self.size.take_finite(&x);
+        self.corrected.take(&correction);
         store(self.correction, first, correction);
         store(self.x, first, x);
         store(self.momentum, first, momentum);
-        self.size.take_finite(&x);
-        self.corrected.take(&correction);
     }
 }
 
@@ -194,14 +201,19 @@ pub(super) struct Compared<'a, const L: usize> {
 impl<const L: usize> Block for Compared<'_, L> {
     #[inline(always)]
     fn take<const N: usize>(&mut self, first: usize) {
-        self.follow.take::<N>(first);
         let Follow { velocities: u, q, point, .. } = self.follow;
         Moved { q, u, before: self.before, point, seen: self.seen }.take::<N>(first);
-        let (q, u) = (load::<_, N>(q, first), load::<_, N>(u, first));
-        let (p, x) = (load::<_, N>(self.p, first), load::<_, N>(self.x, first));
-        for i in 0..N.min(L) {
-            let (q, p) = after([q[i], p[i]], u[i], x[i], self.factor);
-            self.zeros[i] += q * 0.0 + p * 0.0;
+        let (mut q, u) = (load::<_, N>(q, first), load::<_, N>(u, first));
+        let (mut p, x) = (load::<_, N>(self.p, first), load::<_, N>(self.x, first));
+        move_on([&mut q, &mut p], &u, &x, self.factor);
+        for i in 0..N {
+            q[i] = q[i] * 0.0 + p[i] * 0.0;
         }
+        let (terms, mut zeros): ([f64; L], _) = (widened(q), self.zeros);
+        for i in 0..L {
+            zeros[i] += terms[i];
+        }
+        self.zeros = zeros;
+        self.follow.take::<N>(first);
     }
 }
