@@ -280,8 +280,6 @@ mod tests {
         (*seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
     }
 
-    /// Chains of random masses, springs and states, each site of a scale of its own: the fixed point goes on until nothing is changed any
-    /// more, by this bound. By running error analysis, which follows the rounding of every term, each equation is at rounding there.
     #[test]
     fn a_quarter_of_a_rounding_is_not_seen_and_what_is_not_finite_is_not_known() {
         let after = |changes: [f64; 3]| {
@@ -298,6 +296,8 @@ mod tests {
         }
     }
 
+    /// Chains of random masses, springs and states, each site of a scale of its own: the fixed point goes on until nothing is changed any
+    /// more, by this bound. By running error analysis, which follows the rounding of every term, each equation is at rounding there.
     #[test]
     fn equations_are_at_their_rounding_where_nothing_changes() {
         let mut seed = 5;
