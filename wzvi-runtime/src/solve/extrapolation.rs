@@ -132,18 +132,22 @@ mod tests {
     #[test]
     fn a_lane_remembers_the_steps_that_it_took() {
         let solution = |step: u32, lane: usize| f64::from(step * step) + 0.3 * lane as f64;
-        // Which of the six steps each lane takes.
-        let took =
-            [[true; 6], [true, false, true, false, true, true], [false, false, false, true, false, true]];
+        // Which lanes take each of six steps.
+        let steps = [
+            [true, true, false],
+            [true, false, false],
+            [true, true, false],
+            [true, false, true],
+            [true, true, false],
+            [true, true, true],
+        ];
         let mut together = Extrapolation::<Lanes<3>, 1>::default();
         let mut alone = [Extrapolation::<f64, 1>::default(); 3];
-        for step in 0..6 {
+        for (step, took) in (0..).zip(steps) {
             let numbers =
-                std::array::from_fn(
-                    |lane| if took[lane][step] { solution(step as u32, lane) } else { f64::NAN },
-                );
+                std::array::from_fn(|lane| if took[lane] { solution(step, lane) } else { f64::NAN });
             let mut taken = LaneMask::<3>::from_bool(true);
-            (0..3).for_each(|lane| taken.set(lane, took[lane][step]));
+            (0..3).for_each(|lane| taken.set(lane, took[lane]));
             if taken.all() {
                 together.record::<true>([Lanes::new(numbers)]);
             } else {
@@ -152,8 +156,8 @@ mod tests {
             let mut failed = [false; 3];
             together.take_failures(&mut failed);
             for lane in 0..3 {
-                assert_eq!(failed[lane], !took[lane][step]);
-                if took[lane][step] {
+                assert_eq!(failed[lane], !took[lane]);
+                if took[lane] {
                     alone[lane].record::<true>([numbers[lane]]);
                 }
                 assert_eq!(
