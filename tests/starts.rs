@@ -469,6 +469,7 @@ fn hard_steps_of_a_sweep_are_those_of_steppers() {
     let hard = hard_sweep::<Midpoint>(0.6);
     assert!(hard > 50, "{hard} hard steps: too few to test anything");
     hard_sweep::<Gauss<2>>(0.9);
+    hard_sweep::<Composed<Midpoint, Yoshida4>>(0.6);
 }
 
 fn hard_sweep<E>(h: f64) -> u32

@@ -23,8 +23,8 @@ fn oscillator(path: u64) -> Oscillator {
     Oscillator { m, k, b, gamma, kt: 0.5 * digit(path, 3) }
 }
 
-/// Every path is the one that a stepper takes of its system, to the last bit, whatever the width and the threads.
-fn check<E, H>(system: fn(u64) -> H, [q, p]: [f64; 2], goes_in_lanes: bool)
+/// Every path is the one that a stepper takes of its system, to the last bit, whatever the width and the threads; how many steps are hard.
+fn check<E, H>(system: fn(u64) -> H, [q, p]: [f64; 2], goes_in_lanes: bool) -> u32
 where
     H: Discretized<E, Vector = SVector<f64, 1>> + Clone + Send + Sync,
     H::Prepared: Send + Sync,
@@ -38,6 +38,7 @@ where
     let run = || list[0].ensemble::<E>(self::H).systems_from(list.clone()).start(start).seed(9);
     let run = || run().keep_paths(1 << 20).allow_losses(1.0).steps(STEPS);
     let reference = run().run().expect("a run");
+    let mut hard = 0;
     for (path, system) in list.iter().enumerate() {
         let mut noise = StepNormals::seed(9).path(path as u64);
         let mut dw = vec![0.0; system.increments(1)];
@@ -45,7 +46,7 @@ where
         let (mut stepper, mut state) = (system.stepper::<E>(self::H).expect("steps").plain(), start);
         let error = (0..STEPS).find_map(|step| {
             noise.increments(&Interval { start: 0.0, h: self::H, step }, &mut dw).expect("increments");
-            stepper.step(&mut state, &dw).err()
+            stepper.step(&mut state, &dw).map(|info| hard += u32::from(info.is_hard)).err()
         });
         let failure = reference.failures().iter().find(|failure| failure.path == path as u64);
         assert_eq!(failure.map(|failure| failure.error), error, "{what}: path {path}");
@@ -59,6 +60,18 @@ where
         // As text: of paths that failed there are NaN.
         assert_eq!(format!("{other:?}"), format!("{reference:?}"), "{what}: {set:?}");
     }
+    hard
+}
+
+/// Steps that some of the paths beside each other cannot take the short way: what a part of the step has done for the others is undone with it.
+#[test]
+fn hard_steps_between_the_bath_are_those_of_steppers() {
+    let well = |path| {
+        let stiffness = 40.0 * (path % 20) as f64;
+        Oscillator { m: 1.0, k: -stiffness, b: stiffness, gamma: 0.2, kt: 0.5 + digit(path, 3) }
+    };
+    let hard = check::<Thermostat<Midpoint>, _>(well, [0.7, 0.2], true);
+    assert!(hard > 50, "{hard} hard steps: too few to test anything");
 }
 
 #[test]

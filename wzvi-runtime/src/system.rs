@@ -374,7 +374,8 @@ pub trait Discretized<E>: Hamiltonian {
     /// [`Discretized::advance_carrying`] with plain sums, of `L` systems, each in its lane.
     ///
     /// # Errors
-    /// Those of [`Discretized::advance_carrying`].
+    /// Those of [`Discretized::advance_carrying`]. Where paths [fail by lane](Discretized::FAILS_BY_LANE), those that could take the step have taken it
+    /// all the same, and the memory says [which could not](StepMemory::take_failures).
     fn advance_beside<const L: usize>(
         beside: &Self::Beside<L>,
         t: f64,
