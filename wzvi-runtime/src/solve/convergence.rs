@@ -53,6 +53,13 @@ impl Convergence {
         self.last = self.last.min(FROM_ZERO);
     }
 
+    /// The first correction from zero is 1, relative to what it leads to.
+    #[inline(always)]
+    pub(super) fn begin_from_zero(&mut self) {
+        self.iterations = 1;
+        self.expect(1.0, 1.0);
+    }
+
     /// Whether this is a guess that no correction has been made to.
     pub(super) fn is_fresh_guess(&self) -> bool {
         self.is_guess && self.iterations == 0

@@ -172,23 +172,51 @@ pub(super) fn newton<
         return Ok(effort);
     }
     let mut convergence = Convergence::new(GUESS);
-    loop {
-        let (residual, jacobian) = equations.evaluate(x);
-        let Some(correction) = corrected::<S, N, SYMMETRIC>(&jacobian, residual) else { break };
-        let (end, largest) = corrected_end(x, &correction);
-        match convergence.glance(largest) {
-            Some(Verdict::Contracting) => *x = end,
-            Some(_) => {
-                *x = end;
-                return accepted(&jacobian, convergence);
+    if GUESS || N > 2 || begun::<S, N, SYMMETRIC>(x, &mut convergence, equations) {
+        loop {
+            let (residual, jacobian) = equations.evaluate(x);
+            let Some(correction) = corrected::<S, N, SYMMETRIC>(&jacobian, residual) else { break };
+            let (end, largest) = corrected_end(x, &correction);
+            match convergence.glance(largest) {
+                Some(Verdict::Contracting) => *x = end,
+                Some(_) => {
+                    *x = end;
+                    return accepted(&jacobian, convergence);
+                }
+                None => break,
             }
-            None => break,
         }
     }
     // Taken apart: the common way writes to no memory that the call knows.
     let (end, iterations) = resumed::<S, N, SYMMETRIC>(*x, convergence, equations)?;
     *x = end;
     Ok(Effort::fast(iterations))
+}
+
+/// The first iteration from zero, of few unknowns. Its correction is all of what it leads to, so that nothing has to be divided: 1, relative to that.
+/// `false`, and nothing is done, where that would not be the bits of [`corrected_end`].
+#[inline(always)]
+fn begun<S: Scalar, const N: usize, const SYMMETRIC: bool>(
+    x: &mut [S; N],
+    convergence: &mut Convergence,
+    equations: impl Equations<S, N>,
+) -> bool {
+    // The number that `relative_to` adds is lost in the rounding of anything larger.
+    const LEAST: f64 = f64::MIN_POSITIVE / (f64::EPSILON * f64::EPSILON);
+    let (residual, jacobian) = equations.evaluate(x);
+    let Some(correction) = corrected::<S, N, SYMMETRIC>(&jacobian, residual) else { return false };
+    let mut size = 0.0;
+    for part in correction {
+        size += part.magnitude();
+    }
+    let is_all = size > LEAST;
+    if is_all {
+        for i in 0..N {
+            x[i] = x[i] - correction[i];
+        }
+        convergence.begin_from_zero();
+    }
+    is_all
 }
 
 /// The iteration from `x` on, where it needs a pivot or a look at the residuals. A call by value, and the last thing that the caller does: in
@@ -320,6 +348,8 @@ fn factored_symmetric<S: Scalar, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::Lanes;
+    use crate::solve::Solve as _;
 
     /// An equation and its slope, with the rounding of a value of the size of 1.
     fn one(equation: impl Fn(f64) -> (f64, f64) + Copy) -> impl Equations<f64, 1> {
@@ -426,6 +456,49 @@ mod tests {
         for c in [0.26, 0.4, 10.0] {
             let outcome = solved::<1, true, false>([0.0], parabola(c));
             assert!(matches!(outcome, Err(StepFailure::NotConverged { iterations: 2, .. })), "{outcome:?}");
+        }
+    }
+
+    /// `x = c + k c (x/c)²/4` of any size: one number and two lanes go the same way, though only the one knows the size of its first correction.
+    #[test]
+    fn the_first_correction_from_zero_is_all_of_it() {
+        fn parabola<S: Scalar>(c: S, k: S) -> impl Equations<S, 1> {
+            let residual = move |x: S| x - c - k * x * (x / c) * 0.25;
+            Block {
+                evaluate: move |&[x]: &[S; 1]| ([residual(x)], [[S::from_f64(1.0) - k * (x / c) * 0.5]]),
+                rounded: move |&[x]: &[S; 1], lane| {
+                    [Rounded { value: residual(x).lane(lane), error: f64::EPSILON * c.lane(lane).abs() }]
+                },
+            }
+        }
+        let sizes = [
+            0.0,
+            5e-324,
+            1e-310,
+            f64::MIN_POSITIVE,
+            1e-292,
+            1e-277,
+            4e-277,
+            5e-277,
+            1e-100,
+            1.0,
+            -3.0,
+            1e300,
+        ];
+        for (c, k) in sizes.iter().flat_map(|&c| [(c, 0.0), (c, 1e-9), (c, 0.5), (c, 0.999)]) {
+            let mut x = [Lanes::<2>::from_f64(0.0)];
+            let lanes = <Lanes<2> as Scalar>::Solver::newton::<1, false, false, false>(
+                &mut x,
+                parabola(Lanes::new([c, 1.0]), Lanes::new([k, 0.999])),
+            );
+            let alone = solved::<1, false, false>([0.0], parabola(c, k));
+            match alone {
+                Ok(([x_alone], effort)) => {
+                    assert_eq!(x[0].lane(0).to_bits(), x_alone.to_bits(), "{c} {k}");
+                    assert!(effort.iterations <= lanes.unwrap().iterations, "{c} {k}");
+                }
+                Err(_) => assert!(x[0].lane(0).is_nan(), "{c} {k}"),
+            }
         }
     }
 }
