@@ -3,6 +3,7 @@
 //! `cargo bench --bench ensemble` measures everything in one run, on one core, and once on two. The C programs
 //! (`hand_sde.c`, 8 lanes and a cheaper generator) are compiled with `gcc -O3 -march=native`, and left out where there is no
 //! gcc. Times are the shortest of many short repetitions, which alternate: what else the machine does, shows least in them.
+//! `-- Heiles 100000` takes so many starts of Hénon and Heiles, three times.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark stops at the first error")]
 
@@ -43,7 +44,8 @@ fn times<const N: usize>(paths: u64, repetitions: usize, runs: [&dyn Fn(); N]) -
 
 fn main() {
     // `cargo bench` adds a flag of its own.
-    let only = std::env::args().skip(1).find(|argument| !argument.starts_with("--"));
+    let mut words = std::env::args().skip(1).filter(|argument| !argument.starts_with("--"));
+    let (only, starts) = (words.next(), words.next().map(|number| number.parse().unwrap()));
     let c = c::measure();
     println!(
         "ns per path and step; {:?}; {PATHS} paths of {STEPS} steps",
@@ -93,6 +95,9 @@ fn main() {
             single / double,
         );
     }
-    starts::print(PATHS, REPETITIONS, only.as_deref());
+    match starts {
+        Some(paths) => starts::print(paths, 3, only.as_deref()),
+        None => starts::print(PATHS, REPETITIONS, only.as_deref()),
+    }
     bath::print(PATHS, REPETITIONS, only.as_deref());
 }
