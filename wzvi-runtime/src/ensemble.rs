@@ -50,12 +50,11 @@ mod table;
 
 use std::marker::PhantomData;
 
-use crate::lanes::instructions as dispatch;
+pub use crate::lanes::instructions::{InstructionSet, Kernel};
 use account::Account;
 use block::Block;
 use control::Control;
 pub use crossings::{Crossings, PathCrossing};
-pub use dispatch::{InstructionSet, Kernel};
 pub use draws::Normals;
 pub use error::{LossError, StatisticsError};
 pub use histogram::Histogram;

@@ -3,13 +3,13 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::dispatch::{InstructionSet, Kernel};
 use super::group::Group;
 use super::halt::Halt;
 use super::job::Job;
 use super::observation::Observation;
 use super::piece::Piece;
 use super::starts::Systems;
+use crate::lanes::instructions::{InstructionSet, Kernel};
 use crate::steps::take_steps;
 use crate::system::Discretized;
 

@@ -32,7 +32,6 @@ pub use estimate::{Level, LevelError, LevelFailure, MultilevelEstimate};
 use estimate::{Samples, bias, variance_bounds, variance_slope};
 use pairs::{Pairs, block_size};
 
-use super::dispatch::InstructionSet;
 use super::halt::Halt;
 use super::job::{Job, Stop};
 use super::source::Source;
@@ -40,6 +39,7 @@ use crate::error::{ConfigError, Error, InternalError};
 use crate::execution::Execution;
 use crate::increments::Noise as _;
 use crate::interrupt::Interrupt;
+use crate::lanes::instructions::InstructionSet;
 use crate::noise::{Paths as _, StepNormals, Truncation};
 use crate::options::{Observable, Observables, options};
 use crate::plan::NoiseClass;

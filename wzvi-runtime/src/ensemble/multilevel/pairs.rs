@@ -2,7 +2,6 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use super::super::dispatch::Kernel;
 use super::super::group::Group;
 use super::super::halt::Halt;
 use super::super::job::Job;
@@ -11,6 +10,7 @@ use super::super::starts::OneSystem;
 use super::estimate::{LevelError, LevelFailure, Samples};
 use crate::error::Error;
 use crate::lanes::Lanes;
+use crate::lanes::instructions::Kernel;
 use crate::options::Observable;
 use crate::scalar::Scalar;
 use crate::steps::{Advance, Monitor, take_steps};
