@@ -52,13 +52,13 @@ impl Vector for DVector<f64> {
 }
 
 /// What coordinates and momenta are given as: arrays with one number for each degree of freedom, `Vec`s for systems of any
-/// size, vectors of nalgebra.
+/// size, vectors of nalgebra; arrays and `Vec`s of points, whose components come point by point.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` are not the coordinates or momenta of this system",
     label = "the system has as many degrees of freedom as `{V}` has components",
-    note = "a state holds one number for each degree of freedom: `State::new([q1, q2], [p1, p2])` for two; for points in the \
-            plane or in space, the components of the first point come first",
-    note = "systems of any size (`&[f64]`) take a `Vec<f64>` or an array of any length"
+    note = "a state holds one number for each degree of freedom: `State::new([q1, q2], [p1, p2])` for two; points in the plane or \
+            in space are arrays of their own, `[[x1, y1], [x2, y2]]`, or follow one another, `[x1, y1, x2, y2]`",
+    note = "systems of any size (`&[f64]`, `&[[f64; 3]]`) take a `Vec` of numbers or of points, or an array of any length"
 )]
 pub trait Components<V> {
     /// The same numbers as a vector.
@@ -91,6 +91,26 @@ impl Components<DVector<f64>> for Vec<f64> {
     }
 }
 
+/// Another number of components than the system has is an error when the call is compiled.
+impl<const D: usize, const N: usize, const M: usize> Components<SVector<f64, M>> for [[f64; D]; N] {
+    fn into_vector(self) -> SVector<f64, M> {
+        const { assert!(N * D == M, "the system has another number of degrees of freedom than these points") };
+        SVector::from_fn(|i, _| self[i / D][i % D])
+    }
+}
+
+impl<const D: usize, const N: usize> Components<DVector<f64>> for [[f64; D]; N] {
+    fn into_vector(self) -> DVector<f64> {
+        self.as_flattened().to_vec().into()
+    }
+}
+
+impl<const D: usize> Components<DVector<f64>> for Vec<[f64; D]> {
+    fn into_vector(self) -> DVector<f64> {
+        self.into_flattened().into()
+    }
+}
+
 /// A state: coordinates `q`, canonical momenta `p` and time `t`, in the units of the Hamiltonian.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -104,7 +124,18 @@ pub struct State<V> {
 }
 
 impl<V: Vector> State<V> {
-    /// The state with coordinates `q` and momenta `p` at `t = 0`, from arrays, `Vec`s or nalgebra vectors.
+    /// The state with coordinates `q` and momenta `p` at `t = 0`, from arrays or `Vec`s of numbers or of points, or nalgebra vectors.
+    ///
+    /// ```
+    /// use wzvi_runtime::nalgebra::{DVector, SVector};
+    /// use wzvi_runtime::state::State;
+    ///
+    /// let points: State<SVector<f64, 4>> = State::new([[1.0, 2.0], [3.0, 4.0]], [0.0; 4]);
+    /// assert_eq!(points.q.as_slice(), [1.0, 2.0, 3.0, 4.0]);
+    /// let any_number: State<DVector<f64>> = State::new(vec![[1.0, 2.0], [3.0, 4.0]], [[0.0; 2]; 2]);
+    /// assert_eq!(any_number.q.as_slice(), points.q.as_slice());
+    /// assert_eq!(any_number.p.as_slice(), points.p.as_slice());
+    /// ```
     pub fn new(q: impl Components<V>, p: impl Components<V>) -> Self {
         Self { q: q.into_vector(), p: p.into_vector(), t: 0.0 }
     }

@@ -222,7 +222,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self.before + self.clock.ticks
     }
 
-    /// The energy that its successful steps so far took from forces and bath, in units of energy.
+    /// The energy that its successful steps so far took from forces and bath, in units of energy: [work](crate::trajectory::Trajectory::work) and
+    /// [heat](crate::trajectory::Trajectory::heat). The energy changes by both and by the error of the scheme.
     pub fn exchanged(&self) -> Exchange {
         self.exchanged
     }
