@@ -249,7 +249,7 @@ fn starts_that_are_none_are_refused() {
     let short = HenonHeiles.ensemble::<Verlet>(0.1).starts_from(list).paths(5).steps(1).run().unwrap_err();
     assert!(short.to_string().contains("a start for each path"), "{short}");
     let none = HenonHeiles.ensemble::<Verlet>(0.1).starts_from([]).steps(1).run().unwrap_err();
-    assert!(matches!(none, Error::Config(ConfigError::Missing(_) | ConfigError::Setting(_))), "{none}");
+    assert!(none.to_string().contains("a start for each path"), "{none}");
 }
 
 #[hamiltonian(
@@ -315,6 +315,18 @@ fn systems_that_are_none_are_refused() {
     let few = base.ensemble::<Midpoint>(0.1).systems_from(vec![base.clone(); 3]);
     let few = few.start(State::new([1.0], [0.0])).paths(4).seed(1).steps(1).run().unwrap_err();
     assert!(few.to_string().contains("a system for each path"), "{few}");
+    // Which of two lists of different length is meant has to be said.
+    let start = State::new([1.0], [0.0]);
+    let both = |starts, systems| {
+        let run = base.ensemble::<Midpoint>(0.1).starts_from(vec![start; starts]);
+        run.systems_from(vec![base.clone(); systems]).seed(1).steps(1)
+    };
+    for (starts, systems) in [(2, 3), (3, 2)] {
+        let error = both(starts, systems).run().unwrap_err().to_string();
+        assert!(error.contains(&format!("{starts} starts and {systems} systems")), "{error}");
+        assert_eq!(both(starts, systems).paths(2).run().unwrap().last().unwrap().count(), 2);
+    }
+    assert_eq!(both(3, 3).run().unwrap().last().unwrap().count(), 3);
 }
 
 /// What is drawn for starts and for systems is independent.

@@ -3,7 +3,7 @@
 use wzvi::error::{BathError, ConfigError, StepFailure};
 use wzvi::prelude::*;
 
-use crate::systems::{Chain, Coupled, Oscillator, Rough};
+use crate::systems::{Chain, Coupled, Oscillator, Rated, Rough};
 
 const OSCILLATOR: Oscillator = Oscillator { m: 0.8, k: 1.3, b: 0.4, gamma: 0.5, kt: 0.7 };
 
@@ -70,6 +70,34 @@ fn the_number_of_increments_is_that_of_the_parts() {
     let outcome = cause(chain.stepper::<Baoab>(0.1).expect("steps").step(&mut state, &[0.1; 3]));
     assert_eq!(outcome, Err(StepFailure::Bath(BathError::Friction { rate: -0.5 })));
     assert_eq!(state, start);
+}
+
+/// The size of the state shows in the first step, and with it that a list of rates is too short.
+#[test]
+fn lists_of_rates_that_are_too_short_are_refused() {
+    fn outcome<E>(rates: usize, parts: usize) -> Result<(), StepFailure>
+    where
+        Rated: Discretized<E, Vector = wzvi::nalgebra::DVector<f64>>,
+    {
+        let system = Rated { rates: vec![0.1; rates], kt: 1.0 };
+        let start = State::new(vec![0.1; 5], vec![0.2; 5]);
+        let mut state = start.clone();
+        let taken = system.stepper::<E>(0.1).expect("steps").step(&mut state, &vec![0.1; 5 * parts]);
+        assert!(taken.is_ok() || state == start);
+        taken.map(|_| ()).map_err(|error| error.cause)
+    }
+    for rates in [0, 4] {
+        for outcome in [
+            outcome::<Baoab>(rates, 1),
+            outcome::<Obabo>(rates, 2),
+            outcome::<Thermostat<Midpoint>>(rates, 2),
+        ] {
+            assert!(matches!(outcome, Err(StepFailure::Index { .. })), "{outcome:?}");
+        }
+    }
+    for outcome in [outcome::<Baoab>(5, 1), outcome::<Obabo>(5, 2), outcome::<Thermostat<Midpoint>>(6, 2)] {
+        assert_eq!(outcome, Ok(()));
+    }
 }
 
 #[test]

@@ -183,3 +183,18 @@ pub(crate) struct Kicked {
     pub(crate) gamma: f64,
     pub(crate) kt: f64,
 }
+
+/// Sites with a rate each, from a list that may be too short.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        (0..q.len()).map(|i| 0.5 * p[i] * p[i]).sum::<f64>() + (0..q.len()).map(|i| 0.5 * q[i] * q[i]).sum::<f64>()
+    },
+    friction = |q: &[f64]| (0..q.len()).map(|i| self.rates[i]),
+    temperature = kt,
+    embedding = [Baoab, Obabo, Thermostat<Midpoint>],
+)]
+#[derive(Clone, Debug)]
+pub(crate) struct Rated {
+    pub(crate) rates: Vec<f64>,
+    pub(crate) kt: f64,
+}

@@ -203,7 +203,7 @@ impl<'a, H: Discretized<E>, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     }
 
     /// The first state of each path, in the order of their numbers, at one time for all. There are as many paths as states, unless
-    /// [`Ensemble::paths`] says fewer.
+    /// [`Ensemble::paths`] says fewer; systems that are listed, too, have to be as many.
     pub fn starts_from(mut self, states: impl IntoIterator<Item = State<H::Vector>>) -> Self {
         let states = ByPath::Listed(states.into_iter().collect());
         (self.setup.span.start, self.setup.starts) = (None, Some(states));
@@ -229,7 +229,7 @@ impl<'a, H: Discretized<E>, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     }
 
     /// The system of each path, in the order of their numbers, as with [`Ensemble::systems`]. There are as many paths as systems, unless
-    /// [`Ensemble::paths`] says fewer.
+    /// [`Ensemble::paths`] says fewer; starts that are listed, too, have to be as many.
     pub fn systems_from(
         mut self,
         systems: impl IntoIterator<Item = H>,

@@ -258,11 +258,18 @@ pub(crate) fn family_count(found: impl ToTokens) -> Error {
 /// A covector, or a part of it, with another number of entries.
 pub(crate) fn entries(found: impl ToTokens, expected: &str, length: Option<&str>) -> Error {
     let has = length.unwrap_or("of a number that is not known");
+    // The length of a list of fields is not that of the state.
+    let advice = match expected.parse::<u64>() {
+        Ok(_) => String::new(),
+        Err(_) => {
+            format!("; entries of a field are read one by one, as in `(0..{expected}).map(|i| list[i])`")
+        }
+    };
     at(
         found,
         format!(
             "this has one entry for each degree of freedom, arranged as the coordinates are: {expected} entries are expected here, and these are \
-             {has}"
+             {has}{advice}"
         ),
     )
 }

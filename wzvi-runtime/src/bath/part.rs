@@ -39,6 +39,15 @@ struct Own {
     relaxation: Relaxation,
 }
 
+impl Own {
+    #[cold]
+    fn new<T: Damped>(system: &T, degrees: usize, h: f64, parts: usize) -> Result<Self, StepFailure> {
+        system.check(degrees)?;
+        let relaxation = Relaxation::new(system, degrees, h, share(parts)).map_err(StepFailure::Bath)?;
+        Ok(Self { h, degrees, relaxation })
+    }
+}
+
 /// What O parts need besides, and what they leave.
 #[derive(Debug)]
 pub(super) struct Memory<S> {
@@ -76,7 +85,7 @@ impl<S: Scalar> Memory<S> {
     ///
     /// # Errors
     /// [`StepFailure::Increments`] unless there is one normal for each part and degree of freedom, or none without temperature;
-    /// [`StepFailure::Bath`] as [`prepare`].
+    /// [`StepFailure::Bath`] as [`prepare`]; what [`Hamiltonian::check`](crate::system::Hamiltonian::check) says in the first step.
     #[inline(always)]
     pub(super) fn parts<'m, T: Damped>(
         &'m mut self,
@@ -96,12 +105,7 @@ impl<S: Scalar> Memory<S> {
                 let own = self.own.take().filter(|own| own.h == h && own.degrees == degrees);
                 let own = match own {
                     Some(own) => own,
-                    None => Own {
-                        h,
-                        degrees,
-                        relaxation: Relaxation::new(system, degrees, h, share(parts))
-                            .map_err(StepFailure::Bath)?,
-                    },
+                    None => Own::new(system, degrees, h, parts)?,
                 };
                 &self.own.insert(own).relaxation
             }

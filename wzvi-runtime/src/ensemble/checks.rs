@@ -30,6 +30,30 @@ fn wrong<T>(what: impl Into<String>) -> Result<T, ConfigError> {
     Err(ConfigError::Setting(what.into()))
 }
 
+/// How many paths there are: so many as were asked for, or as there are listed starts and systems.
+///
+/// # Errors
+/// [`ConfigError::Missing`] and [`ConfigError::Setting`].
+fn number_of_paths(asked: Option<u64>, listed: [Option<u64>; 2]) -> Result<u64, ConfigError> {
+    if let (None, [Some(starts), Some(systems)]) = (asked, listed)
+        && starts != systems
+    {
+        let both = format!("{starts} starts and {systems} systems");
+        return wrong(format!(
+            "{both}: list as many of both, or say how many paths there are, `.paths(number)`"
+        ));
+    }
+    let paths = asked.or(listed[0]).or(listed[1]).ok_or(ConfigError::Missing(PATHS))?;
+    if paths == 0 {
+        return wrong("0 paths: take at least 1");
+    }
+    match listed.map(|number| number.is_some_and(|number| number < paths)) {
+        [true, _] => Err(ConfigError::Missing(STARTS)),
+        [_, true] => Err(ConfigError::Missing(SYSTEMS)),
+        _ => Ok(paths),
+    }
+}
+
 impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// The run, checked.
     ///
@@ -48,22 +72,15 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         let starts = setup.starts.filter(|_| setup.span.start.is_none());
         if let Some(starts) = &starts {
             setup.span.start = starts.of(Drawn::Start, seed, 0);
+            if setup.span.start.is_none() {
+                return Err(ConfigError::Missing(STARTS).into());
+            }
         }
         let (start, grid) = setup.span.checked::<H, E>(system, h)?;
         let steps = grid.steps;
-        let listed = [
-            (starts.as_ref().and_then(ByPath::listed), STARTS),
-            (setup.systems.as_ref().and_then(ByPath::listed), SYSTEMS),
-        ];
-        let fewest = listed.iter().filter_map(|(number, _)| *number).min();
-        let paths = setup.paths.or(fewest).ok_or(ConfigError::Missing(PATHS))?;
-        if paths == 0 {
-            return Err(ConfigError::Setting("0 paths: take at least 1".into()).into());
-        }
-        if let Some((_, what)) = listed.iter().find(|(number, _)| number.is_some_and(|number| number < paths))
-        {
-            return Err(ConfigError::Missing(what).into());
-        }
+        let listed =
+            [starts.as_ref().and_then(ByPath::listed), setup.systems.as_ref().and_then(ByPath::listed)];
+        let paths = number_of_paths(setup.paths, listed)?;
         let systems = setup.systems.map(|systems| systems.into_list(Drawn::System, seed, paths));
         let systems = systems.unwrap_or_default();
         starts::check_systems::<H, E>(&systems, system, start.q.components().len())?;

@@ -15,7 +15,7 @@ pub(super) const LARGEST_PIVOT: f64 = 1.0 / f64::EPSILON;
 /// `1 / pivot`, for the matrix `1 - c` of one unknown.
 ///
 /// # Errors
-/// [`StepFailure::Singular`] where `1 - c` cancels to rounding, or `c` is so large that the 1 does.
+/// [`StepFailure::Singular`] where `1 - c` cancels to rounding, or `c` is so large that the 1 does; [`StepFailure::NonFinite`] where it is not finite.
 #[inline(always)]
 pub(super) fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
     let size = pivot.magnitude();
@@ -58,7 +58,7 @@ pub fn prepared<T>(h: f64, outcome: Result<T, StepFailure>) -> Result<T, ConfigE
 
 #[cold]
 fn singular(pivot: f64, scale: f64) -> StepFailure {
-    if pivot.is_nan() || scale.is_nan() {
+    if !(pivot.is_finite() && scale.is_finite()) {
         StepFailure::NonFinite
     } else {
         StepFailure::Singular { pivot, scale }
@@ -77,7 +77,7 @@ impl<S: Scalar, const N: usize> Factor<S, N> {
     /// Factors `matrix`, given by rows.
     ///
     /// # Errors
-    /// [`StepFailure::Singular`] if a pivot is at the rounding level of its row.
+    /// [`StepFailure::Singular`] if a pivot is at the rounding level of its row; [`StepFailure::NonFinite`].
     #[inline(always)]
     pub fn new(matrix: [[S; N]; N]) -> Result<Self, StepFailure> {
         let mut lu = matrix;
@@ -320,7 +320,11 @@ mod tests {
         assert!(matches!(Factor::new([[f64::NAN, 2.0], [2.0, 4.0]]), Err(StepFailure::NonFinite)));
         assert!(matches!(reciprocal(1e-17), Err(StepFailure::Singular { .. })));
         assert!(matches!(reciprocal(1e17), Err(StepFailure::Singular { .. })));
-        assert!(matches!(quotient(1.0, f64::INFINITY), Err(StepFailure::Singular { .. })));
+        assert_eq!(quotient(1.0, f64::INFINITY), Err(StepFailure::NonFinite));
+        // A slope that overflows is no pole of the scheme.
+        let infinite = [[f64::INFINITY, 1.0], [1.0, 1.0]];
+        assert!(matches!(Factor::new(infinite), Err(StepFailure::NonFinite)));
+        assert!(matches!(SymmetricFactor::new(infinite), Err(StepFailure::NonFinite)));
         assert!(reciprocal_above_one(f64::INFINITY).is_nan() && reciprocal_above_one(1e17).is_nan());
         assert!(reciprocal_above_one(f64::NAN).is_nan());
     }
