@@ -296,6 +296,16 @@ impl<const L: usize> Scalar for Lanes<L> {
         }
         zero.equal(zero)
     }
+    /// Lane by lane: a loop over the numbers would become one over vectors of as many numbers, each gathered from one lane and scattered.
+    #[inline(always)]
+    fn weighted<const N: usize>(mut numbers: [Self; N], weights: &[f64; N]) -> [Self; N] {
+        for lane in 0..L {
+            for i in 0..N {
+                numbers[i].0[lane] *= weights[i];
+            }
+        }
+        numbers
+    }
     #[inline(always)]
     fn less(self, other: Self) -> LaneMask<L> {
         self.compare(other, |a, b| a < b)

@@ -100,7 +100,8 @@ pub trait Scalar:
     /// that vanishes; NaN if any part is. `f64::MIN_POSITIVE` is added to what is divided by: a number that is nearest to
     /// another differs from it by `ε (|x| + MIN_POSITIVE)` at most, subnormal or not.
     fn relative_to(self, other: Self) -> f64;
-    /// `|self| / size` of a size that is not negative, within an eighth, by lane and without derivatives; infinite for NaN.
+    /// `|self| / size` of a size that is not negative, within an eighth, by lane and without derivatives; `f64::MAX` for what is larger, and
+    /// for NaN.
     #[inline(always)]
     fn nearly_over(self, size: Self) -> Self {
         Self::from_f64(self.magnitude().nearly_over(size.magnitude()))
@@ -130,6 +131,14 @@ pub trait Scalar:
             }
         }
         all
+    }
+    /// Each of several numbers times a constant of its own.
+    #[inline(always)]
+    fn weighted<const N: usize>(mut numbers: [Self; N], weights: &[f64; N]) -> [Self; N] {
+        for (number, weight) in numbers.iter_mut().zip(weights) {
+            *number = *number * *weight;
+        }
+        numbers
     }
     /// `self < other`
     fn less(self, other: Self) -> Self::Mask;
@@ -258,12 +267,13 @@ impl Scalar for f64 {
     fn relative_to(self, other: Self) -> f64 {
         self.abs() / (other.abs() + f64::MIN_POSITIVE)
     }
-    /// By the bits of the size, which are nearly its logarithm.
+    /// By the bits of the size, which are nearly its logarithm. The smaller of two is one instruction, but not of one and infinity: compilers make a
+    /// test of bits of that.
     #[inline(always)]
     fn nearly_over(self, size: Self) -> Self {
         const TWICE_ONE: u64 = 0x7fde_6238_22fc_16e6;
         let relative = (self * Self::from_bits(TWICE_ONE.wrapping_sub(size.to_bits()))).abs();
-        if relative < Self::INFINITY { relative } else { Self::INFINITY }
+        if relative < Self::MAX { relative } else { Self::MAX }
     }
     #[inline(always)]
     fn is_identical(self, other: Self) -> bool {

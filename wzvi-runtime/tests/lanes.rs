@@ -178,3 +178,41 @@ fn arithmetic_and_masks() {
     let (s, c) = Lanes::new([0.3, 2.0]).sin_cos();
     assert_eq!((s, c), (Lanes::new([0.3, 2.0]).sin(), Lanes::new([0.3, 2.0]).cos()));
 }
+
+/// A list times its weights, in few lanes and in many.
+#[test]
+fn weights_are_those_of_the_numbers() {
+    fn holds<const L: usize>() {
+        let number = |i: usize, lane: usize| mixed(40 * i + lane);
+        let numbers: [Lanes<L>; 5] =
+            std::array::from_fn(|i| Lanes::new(std::array::from_fn(|lane| number(i, lane))));
+        let weights: [f64; 5] = std::array::from_fn(|i| 0.1 + i as f64 / 3.0);
+        for (i, products) in Scalar::weighted(numbers, &weights).into_iter().enumerate() {
+            for lane in 0..L {
+                assert!(agrees(products[lane], number(i, lane) * weights[i]), "{L}: {i}, {lane}");
+            }
+        }
+    }
+    holds::<1>();
+    holds::<4>();
+    holds::<8>();
+    holds::<16>();
+    holds::<32>();
+}
+
+/// What is no number is as far as it can be, and so it stays whatever it is compared with.
+#[test]
+fn quotients_that_are_near_end_at_the_largest_number() {
+    let near = |x: f64, size: f64| {
+        let alone = x.nearly_over(size);
+        assert!(agrees(Lanes::<16>::new([x; 16]).nearly_over(Lanes::new([size; 16]))[3], alone));
+        alone
+    };
+    for (x, size) in [(1.0, 3.0), (-2.5, 7e10), (1e-300, 2.0), (3e8, 1e-9)] {
+        assert!((near(x, size) / (x / size).abs() - 1.0).abs() <= 0.125, "{x} / {size}");
+    }
+    for (x, size) in [(f64::NAN, 1.0), (INF, 1.0), (1e300, 1e-300), (-1e300, 1e-300)] {
+        assert_eq!(near(x, size), f64::MAX, "{x} / {size}");
+    }
+    assert_eq!(near(0.0, 1.0), 0.0);
+}

@@ -382,6 +382,10 @@ impl<S: Scalar, const N: usize> Stages<S, N> for [S; N] {
     fn product(&self, matrix: &[[f64; N]; N], part: usize) -> S {
         row(self, matrix, part)
     }
+    #[inline(always)]
+    fn times(self, factors: &[f64; N]) -> Self {
+        S::weighted(self, factors)
+    }
 
     #[inline(always)]
     fn slopes<F: Field, const BY_Q: bool, const BY_P: bool>(

@@ -92,7 +92,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
             self.sweep(are_settled, lists, scratch, modal, &mut relative);
             // Stored stage beside stage, they are found in lanes.
             lists.changes = relative.changes;
-            let change = S::Stages::largest(lists.changes);
+            let change = unbounded(S::Stages::largest(lists.changes));
             if sweeps == 1 {
                 let is_far = going & !change.less(S::from_f64(f64::INFINITY));
                 if is_far.any() {
@@ -218,6 +218,12 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
             }
         }
     }
+}
+
+/// Infinite where it is the largest number, at which [`Scalar::nearly_over`] ends.
+#[inline(always)]
+fn unbounded<S: Scalar>(change: S) -> S {
+    S::select(change.less(S::from_f64(f64::MAX)), change, S::from_f64(f64::INFINITY))
 }
 
 /// Numbers of all stages of one path, each as near as it can be.
