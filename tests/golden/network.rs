@@ -383,35 +383,70 @@ const _: () = {
                                     (self.strength.len() as isize),
                                 ),
                             );
-                            if low < end {
-                                let i1 = low;
-                                let len = (end - low) as usize;
-                                let s0 = i1 as usize;
-                                let s0 = &self.strength[s0..s0 + len];
-                                let mut first = 0;
-                                while first < len {
-                                    let few = block.few(len - first);
-                                    let place = first;
-                                    let i1 = low + place as isize;
+                            if by_q.gathers(low, end) {
+                                let (low, end): (isize, isize) = (
+                                    0,
+                                    Ord::min(
+                                        (self.bonds.len() as isize),
+                                        (self.strength.len() as isize),
+                                    ),
+                                );
+                                if low < end {
+                                    let i1 = low;
+                                    let len = (end - low) as usize;
                                     let list0 = i1 as usize;
-                                    let list0 = &self.strength[list0..list0 + few];
+                                    let list0 = &self.strength[list0..list0 + len];
                                     let list1 = i1 as usize;
-                                    let list1 = &self.bonds[list1..list1 + few];
-                                    for lane in 0..few {
-                                        let place = first + lane;
+                                    let list1 = &self.bonds[list1..list1 + len];
+                                    let mut first = 0;
+                                    while first < len {
+                                        let few = block.few(len - first);
+                                        let list0 = &list0[first..first + few];
+                                        let list1 = &list1[first..first + few];
+                                        for lane in 0..few {
+                                            let place = first + lane;
+                                            let strength_i = T::from_f64(list0[lane]);
+                                            let q_bonds_i_0 = T::of(at.q[list1[lane][0] as usize]);
+                                            let q_bonds_i_1 = T::of(at.q[list1[lane][1] as usize]);
+                                            block.read(lane, [strength_i, q_bonds_i_0, q_bonds_i_1]);
+                                        }
+                                        block.take::<Interaction, 1, 0>(few, [factor], []);
+                                        for lane in 0..few {
+                                            let place = first + lane;
+                                            let [slope0, slope1] = block.slopes(lane);
+                                            by_q.add(list1[lane][0] as usize, slope0);
+                                            by_q.add(list1[lane][1] as usize, slope1);
+                                        }
+                                        first += few;
+                                    }
+                                }
+                            } else {
+                                let (low, end): (isize, isize) = (
+                                    0,
+                                    Ord::min(
+                                        (self.bonds.len() as isize),
+                                        (self.strength.len() as isize),
+                                    ),
+                                );
+                                if low < end {
+                                    let i1 = low;
+                                    let len = (end - low) as usize;
+                                    let s0 = i1 as usize;
+                                    let s0 = &self.strength[s0..s0 + len];
+                                    for place in 0..len {
+                                        let i1 = low + place as isize;
                                         let strength_i = T::from_f64(s0[place]);
-                                        let q_bonds_i_0 = T::of(at.q[list1[lane][0] as usize]);
-                                        let q_bonds_i_1 = T::of(at.q[list1[lane][1] as usize]);
-                                        block.read(lane, [strength_i, q_bonds_i_0, q_bonds_i_1]);
+                                        let q_bonds_i_0 = T::of(
+                                            at.q[self.bonds[i1 as usize][0] as usize],
+                                        );
+                                        let q_bonds_i_1 = T::of(
+                                            at.q[self.bonds[i1 as usize][1] as usize],
+                                        );
+                                        let product = (q_bonds_i_0 - q_bonds_i_1).sin()
+                                            * (strength_i * factor);
+                                        by_q.add(self.bonds[i1 as usize][0] as usize, product);
+                                        by_q.add(self.bonds[i1 as usize][1] as usize, -product);
                                     }
-                                    block.take::<Interaction, 1, 0>(few, [factor], []);
-                                    for lane in 0..few {
-                                        let place = first + lane;
-                                        let [slope0, slope1] = block.slopes(lane);
-                                        by_q.add(list1[lane][0] as usize, slope0);
-                                        by_q.add(list1[lane][1] as usize, slope1);
-                                    }
-                                    first += few;
                                 }
                             }
                         }

@@ -20,6 +20,12 @@ use crate::scalar::{Number, Scalar};
 /// Placements whose slopes are computed in one loop: registers of the widest kind twice, so that one does not wait for the other.
 const AT_ONCE: usize = 16;
 
+/// Placements of a loop from which it pays.
+pub(super) const LEAST_BESIDE: isize = 4;
+
+/// Where there are no more, no more are computed.
+const HALF: usize = AT_ONCE / 2;
+
 /// Less than so many are computed one by one.
 const FEW: usize = 3;
 
@@ -120,8 +126,10 @@ impl<T: Number<f64>, U: Number<f64>, const M: usize, const F: usize> Placements<
         let numbers = self.numbers.0.each_ref();
         if few < FEW {
             self.block.fill_one_by_one::<T, K, O, P, M>(few, own, constants, [], numbers);
+        } else if few > HALF {
+            self.block.fill::<T, U, K, O, P, M>(AT_ONCE, few, own, constants, [], numbers);
         } else {
-            self.block.fill::<T, U, K, O, P, M>(few, own, constants, [], numbers);
+            self.block.fill::<T, U, K, O, P, M>(HALF, few, own, constants, [], numbers);
         }
     }
     #[inline(always)]

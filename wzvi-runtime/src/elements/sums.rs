@@ -53,6 +53,12 @@ pub trait Sums<S> {
     /// Adds to a place.
     fn add<T: Number<S>>(&mut self, place: usize, value: T);
 
+    /// Whether the placements of a loop from `low` to `end` are taken beside each other.
+    #[inline(always)]
+    fn gathers(&self, _low: isize, _end: isize) -> bool {
+        false
+    }
+
     /// Room for placements beside each other.
     #[inline(always)]
     fn beside<T: Number<S>, const M: usize, const F: usize>(&self) -> Self::Beside<T, M, F> {

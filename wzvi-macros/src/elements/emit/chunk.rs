@@ -37,8 +37,6 @@ const CHUNK: usize = 256;
 /// The innermost loop.
 pub(super) struct Chunk<'a> {
     pub(super) indices: Indices<'a>,
-    /// In the loop over placements.
-    pub(super) inside: Indices<'a>,
     pub(super) element: &'a Element,
     /// The variable of the innermost loop, its start and its end.
     pub(super) inner: Option<(u32, [TokenStream; 2])>,
@@ -138,7 +136,7 @@ impl Chunk<'_> {
                 }
             }
         };
-        let items = block.map(|block| block.items);
+        let (items, lists) = block.map(|block| (block.items, block.opening)).unzip();
         let buffers = quote!(#items #buffers);
         let limited = quote! {
             let #is_limited __len = #most;
@@ -147,6 +145,7 @@ impl Chunk<'_> {
         };
         let pass = quote! {
             #opening
+            #lists
             #each
             #release
             #closing
@@ -341,7 +340,7 @@ impl Chunk<'_> {
                 code.reads.extend(quote!(let #own = #value;));
             }
             Motion::Free => {
-                let value = self.read_by(self.inside, &local.slot);
+                let value = self.read_by(self.in_loop(), &local.slot);
                 code.reads.extend(quote!(let #own = #value;));
             }
         }
@@ -399,6 +398,8 @@ impl Chunk<'_> {
                 Motion::Fixed
             }
             Slot::Entry(table, indices) => match indices.as_slice() {
+                // Parts of lists are open where placements are taken beside each other.
+                [index] if self.beside.is_some() && index.slope(inner) == Some(1) => Motion::Free,
                 [index] if runs(index, inner) && self.indices.is_plain(*table) => Motion::Run,
                 _ => Motion::Free,
             },
@@ -418,6 +419,12 @@ impl Chunk<'_> {
             // No derivative reads displacements.
             Slot::Number(_) | Slot::Displacement(_) => TokenStream::new(),
         }
+    }
+
+    /// The indices in the loop over placements.
+    fn in_loop(&self) -> Indices<'_> {
+        let lists = self.beside.as_ref().map_or(&[][..], |beside| beside.lists);
+        Indices { lists, ..self.indices }
     }
 
     fn read(&self, slot: &Slot) -> TokenStream {

@@ -165,10 +165,9 @@ pub(super) fn emit(
         && pairs.is_none()
         && gathers(context.graph, element, context.components);
     let lists = if is_gathered { lists(element, context.tables) } else { Vec::new() };
-    let beside = is_gathered.then_some(Beside { constants: &constants, weight: &own_weight });
-    let chunk = Chunk {
+    let beside = is_gathered.then_some(Beside { constants: &constants, weight: &own_weight, lists: &lists });
+    let mut chunk = Chunk {
         indices,
-        inside: Indices { lists: &lists, ..indices },
         element,
         inner,
         outputs,
@@ -179,7 +178,12 @@ pub(super) fn emit(
     };
     let Emitted { buffers, body, after } = match pairs {
         Some(first) => chunk.row(&first, &constants, &inside, &values),
-        None if is_gathered => chunk.emit(&inside, &values),
+        None if is_gathered => {
+            let beside = chunk.emit(&inside, &values);
+            chunk.beside = None;
+            let one_by_one = chunk.emit(&quote!(#own_weight #inside), &values);
+            either(&chunk, &written(outputs), beside, &one_by_one.body)
+        }
         None => chunk.emit(&quote!(#own_weight #inside), &values),
     };
     let mut nest = quote! { #fixed_weight #body };
@@ -202,6 +206,21 @@ pub(super) fn emit(
         };
     }
     quote! {{ #before #buffers #nest #after }}
+}
+
+/// A loop whose placements are taken beside each other if the sums say so, else one by one.
+fn either(chunk: &Chunk<'_>, sums: &TokenStream, beside: Emitted, one_by_one: &TokenStream) -> Emitted {
+    let (_, [start, end]) = chunk.inner.clone().promised("what is gathered has a loop");
+    let Emitted { buffers, body, after } = beside;
+    let body = quote! {
+        let (__low, __end): (__wzvi::isize, __wzvi::isize) = (#start, #end);
+        if #sums.gathers(__low, __end) {
+            #body
+        } else {
+            #one_by_one
+        }
+    };
+    Emitted { buffers, body, after }
 }
 
 /// The vector of slopes that an element adds to; where it adds to both, either.

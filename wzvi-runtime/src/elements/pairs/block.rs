@@ -57,11 +57,12 @@ pub(in crate::elements) struct Block<const B: usize, const D: usize, const F: us
 }
 
 impl<const B: usize, const D: usize, const F: usize> Block<B, D, F> {
-    /// Those of a block of partners, of which the first `few` are of interest, computed in numbers `U`; in numbers `T` where these do not
+    /// Those of the first `most` of a block of partners, of which the first `few` are of interest, computed in numbers `U`; in numbers `T` where these do not
     /// know the result.
     #[inline(always)]
     pub(in crate::elements) fn fill<T, U, K, const O: usize, const P: usize, const M: usize>(
         &mut self,
+        most: usize,
         few: usize,
         own: [T; O],
         constants: [f64; P],
@@ -77,7 +78,7 @@ impl<const B: usize, const D: usize, const F: usize> Block<B, D, F> {
             usual[k] = U::of(own[k].kept());
         }
         let Self { by_own, by_partner } = self;
-        fill::<U, K, O, P, D, M, F, B>(B, usual, constants, points, entries, by_own, by_partner);
+        fill::<U, K, O, P, D, M, F, B>(most, usual, constants, points, entries, by_own, by_partner);
         if TypeId::of::<T>() != TypeId::of::<U>()
             && !(if few == B { self.is_finite(B) } else { self.is_finite(few) })
         {

@@ -7,7 +7,7 @@ use std::ops::Range;
 use super::block::BLOCK;
 use super::partners::Partners;
 use super::{Pair, Row};
-use crate::elements::beside::InBlocks;
+use crate::elements::beside::{InBlocks, LEAST_BESIDE};
 use crate::elements::sums::{Given, Places, Points, Sums};
 use crate::elements::{Elements, Point, Slopes};
 use crate::lanes::instructions::{InstructionSet, Kernel};
@@ -72,6 +72,11 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
     #[inline(always)]
     fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
         self.sums.add(place, value);
+    }
+
+    #[inline(always)]
+    fn gathers(&self, low: isize, end: isize) -> bool {
+        end - low >= LEAST_BESIDE
     }
 
     #[inline(always)]

@@ -20,6 +20,8 @@ pub(in crate::elements::emit) struct Beside<'a> {
     pub(in crate::elements::emit) constants: &'a [Ident],
     /// The weight of a placement, where each has its own.
     pub(in crate::elements::emit) weight: &'a TokenStream,
+    /// What [`lists`] found.
+    pub(in crate::elements::emit) lists: &'a [OpenList],
 }
 
 /// The parts of lists that the innermost loop of an element goes through entry by entry.
@@ -82,7 +84,9 @@ pub(super) struct Block {
     pub(super) items: TokenStream,
     /// The names of their slopes.
     pub(super) values: Vec<TokenStream>,
-    /// Opens lists at the first of `__few` placements.
+    /// Opens lists for a chunk.
+    pub(super) opening: TokenStream,
+    /// Those of `__few` placements.
     lists: TokenStream,
     /// What they read, and the computation of all.
     read: TokenStream,
@@ -109,11 +113,9 @@ pub(in crate::elements::emit) fn gathers(graph: &Graph, element: &Element, compo
                 matches!(function, Function::Abs | Function::Signum | Function::Min | Function::Max);
             !is_short && arguments.iter().any(|argument| graph.depends_on(*argument, &state))
         }
-        // Roots and quotients.
-        Node::Product(factors) => factors.iter().any(|(base, exponent)| {
-            let is_long = exponent.denominator() != 1 || exponent.numerator() < 0;
-            is_long && graph.depends_on(*base, &state)
-        }),
+        Node::Product(factors) => factors
+            .iter()
+            .any(|(base, exponent)| exponent.denominator() != 1 && graph.depends_on(*base, &state)),
         _ => false,
     };
     element.locals.iter().any(|local| is_free(&local.slot))
@@ -159,14 +161,19 @@ impl Chunk<'_> {
         let sums = super::written(self.outputs);
         let [of_own, of_constants, of_entries, of_values] =
             [own.len(), constants.len(), entries.len(), values.len()].map(count);
-        let lists = self.inside.lists.iter().map(|OpenList { tokens, first, name }| {
+        let opened = beside.lists.iter().map(|OpenList { tokens, first, name }| {
             let first = self.indices.position(first);
             quote! {
                 let #name = #first;
-                let #name = &#tokens[#name..#name + __few];
+                let #name = &#tokens[#name..#name + __len];
             }
         });
+        let lists = beside
+            .lists
+            .iter()
+            .map(|OpenList { name, .. }| quote!(let #name = &#name[__first..__first + __few];));
         Block {
+            opening: quote!(#(#opened)*),
             lists: quote!(#(#lists)*),
             items: quote! {
                 use __wzvi::elements::Placements as _;
@@ -197,12 +204,10 @@ impl Block {
         let Self { lists, read, compute, open, .. } = self;
         let (read, store) = (quote!(#reads #read), quote!(#open #stores));
         let [at_read, at_store] = [&read, &store].map(place);
-        let at_first = place(lists).map(|place| quote!(let __place = __first; #place));
         quote! {
             let mut __first = 0;
             while __first < __len {
                 let __few = __block.few(__len - __first);
-                #at_first
                 #lists
                 for __lane in 0..__few {
                     let __place = __first + __lane;
