@@ -56,7 +56,7 @@ struct Plain {
                 .iter()
                 .map(|&[i, j, k]| {
                     let dot = (q[i][0] - q[j][0]) * (q[k][0] - q[j][0]) + (q[i][2] - q[j][2]) * (q[k][2] - q[j][2]);
-                    0.1 / (2.0 + dot * dot)
+                    0.1 * (-dot * dot).exp()
                 })
                 .sum::<f64>()
     },
@@ -93,7 +93,7 @@ struct Neighbours {
 #[hamiltonian(
     drift = |q: &[f64], p: &[f64]| {
         p.iter().map(|p| 0.5 * p * p).sum::<f64>()
-            + bonds.iter().map(|&[a, b]| k * (1.0 + (p[a] - p[b]).powi(2)).sqrt()).sum::<f64>()
+            + bonds.iter().map(|&[a, b]| k * (1.0 + (p[a] - p[b]).powi(2)).ln()).sum::<f64>()
             + bonds.iter().map(|&[a, b]| k * (q[a] - q[b]).tanh()).sum::<f64>()
     },
     noise = [|q, p, b| sigma * (q[bonds[b][0]] - 0.5 * q[bonds[b][1]]).sin(); bonds.len()],

@@ -78,6 +78,9 @@ fn main() {
     if wanted("chain") {
         c_program::report("The chain", "hand_ode.c", &[(32, 4_000), (1024, 100), (1_000_000, 1)], USUAL);
     }
+    if wanted("network") {
+        c_program::report("The network", "hand_network.c", &[(network::N, 40)], USUAL);
+    }
     if wanted("lattice") || wanted("ring") {
         c_program::report("Fields", "hand_field.c", &[(1024, 200), (65_536, 4)], USUAL);
     }

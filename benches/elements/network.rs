@@ -19,7 +19,7 @@ struct Network {
 }
 
 const H: f64 = 0.05;
-const N: usize = 4096;
+pub(crate) const N: usize = 4096;
 /// Bonds of a site.
 const DEGREE: usize = 3;
 

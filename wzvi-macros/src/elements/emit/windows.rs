@@ -132,7 +132,7 @@ pub(super) fn numbers(model: &System, parts: &[PartElements]) -> [TokenStream; 2
 const SPELLED_OUT: i64 = 12;
 
 /// Whether the operation, and its derivatives, are made of correctly rounded ones.
-fn is_correctly_rounded(node: &Node) -> bool {
+pub(super) fn is_correctly_rounded(node: &Node) -> bool {
     match node {
         Node::Apply(function, _) => matches!(
             function,

@@ -8,11 +8,12 @@ use quote::{format_ident, quote};
 use super::motion::{Motion, motion};
 use super::{Chunk, rows};
 use crate::elements::emit::indices::{Indices, OpenList};
+use crate::elements::emit::windows::is_correctly_rounded;
 use crate::emit::count;
 use crate::emit::step::mentions;
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, Slot, Table};
-use crate::symbolic::{Function, Graph, Node, Symbol};
+use crate::symbolic::{Expr, Graph, Symbol};
 
 /// What a chunk needs to know for that.
 pub(in crate::elements::emit) struct Beside<'a> {
@@ -95,8 +96,8 @@ pub(super) struct Block {
     open: TokenStream,
 }
 
-/// Whether the innermost loop of an element reads the state at places that are not next to each other, and computes enough for it that it pays to
-/// gather these numbers.
+/// Whether the innermost loop of an element reads the state at places that are not next to each other, and computes enough for it that it
+/// pays to gather them: functions. Products and quotients take less time than to gather what they are made of.
 pub(in crate::elements::emit) fn gathers(graph: &Graph, element: &Element, components: i128) -> bool {
     let Some(inner) = element.loops.last() else { return false };
     let is_free = |slot: &Slot| match slot {
@@ -107,19 +108,13 @@ pub(in crate::elements::emit) fn gathers(graph: &Graph, element: &Element, compo
     };
     let state: Vec<Symbol> =
         element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol).collect();
-    let is_long = |node: &Node| match node {
-        Node::Apply(function, arguments) => {
-            let is_short =
-                matches!(function, Function::Abs | Function::Signum | Function::Min | Function::Max);
-            !is_short && arguments.iter().any(|argument| graph.depends_on(*argument, &state))
-        }
-        Node::Product(factors) => factors
-            .iter()
-            .any(|(base, exponent)| exponent.denominator() != 1 && graph.depends_on(*base, &state)),
-        _ => false,
+    let is_long = |part: Expr| {
+        let (mut reads_state, node) = (false, graph.node(part));
+        node.for_each_operand(|operand| reads_state |= graph.depends_on(operand, &state));
+        reads_state && !is_correctly_rounded(node)
     };
     element.locals.iter().any(|local| is_free(&local.slot))
-        && graph.reachable(&[element.value]).into_iter().any(|part| is_long(graph.node(part)))
+        && graph.reachable(&[element.value]).into_iter().any(is_long)
 }
 
 impl Chunk<'_> {
