@@ -16,6 +16,7 @@ mod golden {
         index_table,
         lattice,
         linear,
+        network,
         newton_block,
         newton_scalar,
         noise,
@@ -56,6 +57,8 @@ fn golden_expansions_step() {
     steps!(bodies, DeltaPlus, vec![0.3, 0.1, 1.4, -0.7], vec![0.2, 0.1, -0.1, 0.0], []);
     let bonds = index_table::Bonds { bonds: vec![(0, 2, 1.0), (1, 2, 0.5)] };
     steps!(bonds, DeltaPlus, vec![0.3, 0.1, 1.4], vec![0.2, 0.1, -0.1], []);
+    let network = network::Network { bonds: vec![[0, 2], [1, 2]], strength: vec![1.0, 0.5] };
+    steps!(network, DeltaPlus, vec![0.3, 0.1, 1.4], vec![0.2, 0.1, -0.1], []);
     let bath = noise_family::Bath { sigma: 0.5, sites: 2 };
     steps!(bath, Midpoint, vec![0.3, 0.1], vec![0.2, 0.1], [0.05, -0.03]);
 }

@@ -9,6 +9,7 @@
 //! * `bodies`: gravity between all pairs, softened, h = 0.01; also in C with `omp simd` (`hand_bodies.c`), and per pair.
 //! * `lattice`: the field φ⁴ on a torus of N = n² sites, h = 0.05; also in C (`hand_field.c`).
 //! * `ring`: coupled pendulums around a ring, h = 0.05; also in C; `Baoab` with increments that are there.
+//! * `network`: oscillators on a random graph with a table of 3 bonds per site, N = 4096, h = 0.05; also in C (`hand_network.c`).
 //! * `polymer`: a chain of points in space, per point.
 //! * `stiff`: `Midpoint` where the fixed point does not contract: FPUT-alpha-beta at h = 3, and the field φ⁴ on 256² sites with `k h²` from 1 to 10⁶.
 //!
@@ -22,6 +23,7 @@ mod chain;
 mod lattice;
 mod measure;
 mod memory;
+mod network;
 mod ring;
 mod stiff;
 
@@ -34,6 +36,7 @@ fn cases() -> Vec<Case> {
     cases.extend(bodies::cases());
     cases.extend(lattice::cases());
     cases.extend(ring::cases());
+    cases.extend(network::cases());
     cases.extend(stiff::cases());
     cases
 }
@@ -74,6 +77,9 @@ fn main() {
     }
     if wanted("chain") {
         c_program::report("The chain", "hand_ode.c", &[(32, 4_000), (1024, 100), (1_000_000, 1)], USUAL);
+    }
+    if wanted("network") {
+        c_program::report("The network", "hand_network.c", &[(network::N, 40)], USUAL);
     }
     if wanted("lattice") || wanted("ring") {
         c_program::report("Fields", "hand_field.c", &[(1024, 200), (65_536, 4)], USUAL);

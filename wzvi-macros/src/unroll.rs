@@ -243,7 +243,7 @@ pub(crate) fn written_out(system: &mut System) -> Option<Model> {
         ..
     } = &mut *system;
     let displacements = if has_covectors { symbols.displacements(graph) } else { Vec::new() };
-    let indices = Indices { tables, checked: true };
+    let indices = Indices { tables, checked: true, lists: &[] };
     let mut parameters: Vec<Parameter> = parameters
         .iter()
         .map(|known| Parameter { symbol: known.symbol, tokens: known.tokens.clone() })

@@ -25,6 +25,7 @@
 //! nested dissection, so that one product does at any stiffness.
 
 mod bath;
+mod beside;
 mod careful;
 mod change;
 mod explicit;
@@ -49,6 +50,7 @@ mod sums;
 mod windows;
 
 pub use bath::{damping, rates};
+pub use beside::Placements;
 pub use explicit::{advance_explicit, advance_explicit_vectors};
 pub use hamiltonian::{differentiate, differentiate_noises, evaluate, force, invariant};
 pub use iterate::advance;
@@ -173,6 +175,10 @@ pub trait Elements: Hamiltonian + Sync {
     /// instructions.
     const HAS_PAIRS: bool = false;
 
+    /// By what there are slopes of elements whose [`Placements`] are taken beside each other: those of large systems by `f64` in vector
+    /// instructions.
+    const GATHERS: Slopes = Slopes { by_q: false, by_p: false };
+
     /// Whether one element in one loop adds to every place what follows from momenta, and no other does.
     const HAS_ONE_VELOCITY: bool;
 
@@ -245,8 +251,7 @@ fn slopes_as<H: Elements, S: Scalar, T: Number<S>>(
     by_q: &mut [S],
     by_p: &mut [S],
 ) {
-    if H::HAS_PAIRS
-        && pairs::takes_columns(wanted, at.q.len())
+    if pairs::takes_vectors::<H>(wanted, at.q.len())
         && let Some(at) = at.plain()
         && let (Some(by_q), Some(by_p)) = (S::plain_mut(&mut *by_q), S::plain_mut(&mut *by_p))
     {

@@ -12,7 +12,7 @@ use super::expand;
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden");
 
 /// Name, the attribute's arguments, the struct.
-const SCENES: [(&str, &str, &str); 13] = [
+const SCENES: [(&str, &str, &str); 14] = [
     (
         "explicit",
         "drift = |q, p| 0.5 * p * p - omega * omega * q.cos(), embedding = DeltaPlus",
@@ -95,6 +95,14 @@ const SCENES: [(&str, &str, &str); 13] = [
                 + bonds.iter().map(|&(a, b, k)| 0.5 * k * (q[a] - q[b]).powi(2)).sum::<f64>() \
          }, embedding = DeltaPlus",
         "pub struct Bonds { pub bonds: Vec<(usize, usize, f64)> }",
+    ),
+    (
+        "network",
+        "drift = |q: &[f64], p: &[f64]| { \
+            p.iter().map(|p| 0.5 * p * p).sum::<f64>() \
+                + bonds.iter().zip(strength).map(|(&[a, b], k)| k * (1.0 - (q[a] - q[b]).cos())).sum::<f64>() \
+         }, embedding = DeltaPlus",
+        "pub struct Network { pub bonds: Vec<[usize; 2]>, pub strength: Vec<f64> }",
     ),
     (
         "noise_family",

@@ -22,13 +22,14 @@ mod partners;
 use super::sums::{Given, Run, Sums};
 use crate::scalar::{Number, Scalar};
 
-pub(super) use columns::{slopes, takes_columns};
+pub(super) use block::Block;
+pub(super) use columns::{slopes, takes_vectors};
 
 /// Partners whose slopes are computed beside each other, on every machine.
 pub(super) const LANES: usize = 8;
 
 /// The slopes of an element by two points: by `F` degrees of freedom of a body that is the same in a row, and by the `D` components of a
-/// partner.
+/// partner. Where an element has no partners in a row, but placements [beside each other](super::Placements), all that it reads are entries.
 pub trait Pair<const O: usize, const P: usize, const D: usize, const M: usize, const F: usize> {
     /// From numbers of the body, constants, the partner, and entries of tables beside it.
     fn slopes<T: Scalar>(

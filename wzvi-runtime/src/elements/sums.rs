@@ -5,6 +5,7 @@
 
 use std::ops::{Index, Range};
 
+use super::beside::{OneByOne, Placements};
 use super::pairs::{Pair, Row, add_row};
 use crate::scalar::{Number, Scalar};
 
@@ -33,6 +34,8 @@ pub trait Sums<S> {
     type Points<'r, const D: usize>: Run<S>
     where
         Self: 'r;
+    /// Placements of an element that are taken beside each other, where they are not in a run.
+    type Beside<T: Number<S>, const M: usize, const F: usize>: Placements<T, M, F>;
 
     /// Those `values` of an outermost loop, by its number, whose placements add to any of the sums.
     fn outer(&self, variable: usize, values: Range<isize>) -> Self::Outer;
@@ -49,6 +52,18 @@ pub trait Sums<S> {
 
     /// Adds to a place.
     fn add<T: Number<S>>(&mut self, place: usize, value: T);
+
+    /// Whether the placements of a loop from `low` to `end` are taken beside each other.
+    #[inline(always)]
+    fn gathers(&self, _low: isize, _end: isize) -> bool {
+        false
+    }
+
+    /// Room for placements beside each other.
+    #[inline(always)]
+    fn beside<T: Number<S>, const M: usize, const F: usize>(&self) -> Self::Beside<T, M, F> {
+        Placements::new()
+    }
 
     /// Before the rows of an element, whose partners are points of `D` in the coordinates `q`.
     #[inline(always)]
@@ -106,6 +121,7 @@ impl<S: Scalar> Sums<S> for [S] {
     type Outer = Range<isize>;
     type Run<'r> = Places<'r, S>;
     type Points<'r, const D: usize> = Points<'r, S, D>;
+    type Beside<T: Number<S>, const M: usize, const F: usize> = OneByOne<T, M, F>;
 
     #[inline(always)]
     fn outer(&self, _variable: usize, values: Range<isize>) -> Range<isize> {

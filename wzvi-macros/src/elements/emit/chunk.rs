@@ -7,6 +7,7 @@
 //! Every place gets its terms in the order of the placements, wherever chunks begin: the slice that is furthest ahead is added to
 //! at once, those behind it after the chunk, which ends before it would reach a slice that is further ahead than an earlier one.
 
+mod beside;
 mod motion;
 mod rows;
 mod stores;
@@ -16,6 +17,7 @@ use quote::{format_ident, quote};
 
 use motion::{Motion, motion, runs, wrap};
 
+pub(super) use beside::{Beside, gathers, lists};
 pub(super) use motion::stretch;
 pub(super) use rows::partners;
 
@@ -34,7 +36,7 @@ const CHUNK: usize = 256;
 
 /// The innermost loop.
 pub(super) struct Chunk<'a> {
-    pub(super) indices: &'a Indices<'a>,
+    pub(super) indices: Indices<'a>,
     pub(super) element: &'a Element,
     /// The variable of the innermost loop, its start and its end.
     pub(super) inner: Option<(u32, [TokenStream; 2])>,
@@ -44,6 +46,8 @@ pub(super) struct Chunk<'a> {
     /// Components of a point.
     pub(super) components: i128,
     pub(super) wanted: Wanted,
+    /// Where placements are taken beside each other that are not next to each other.
+    pub(super) beside: Option<Beside<'a>>,
 }
 
 /// The loop as it is put together.
@@ -101,7 +105,8 @@ impl Chunk<'_> {
         for (k, local) in self.read_locals(inside, values) {
             self.open(&mut code, inner, k, local);
         }
-        self.store(&mut code, inner, values);
+        let block = self.beside.as_ref().map(|beside| self.beside(inner, beside, inside, values));
+        self.store(&mut code, inner, block.as_ref().map_or(values, |block| &block.values));
         let has_all = code.limits.is_empty() && code.ordering.is_empty() && !code.has_buffers;
         let most = count(CHUNK);
         let most = match code.has_buffers {
@@ -115,9 +120,24 @@ impl Chunk<'_> {
         let release = (!closing.is_empty()).then_some(release);
         let mutable = |limits: &TokenStream| if limits.is_empty() { quote!() } else { quote!(mut) };
         let is_limited = mutable(&quote!(#limits #ordering));
-        let body = quote!(#reads #inside #stores);
-        let place =
-            mentions(&body, &name.to_string()).then(|| quote!(let #name = __low + __place as #isize;));
+        let place_in = |body: &TokenStream| {
+            mentions(body, &name.to_string()).then(|| quote!(let #name = __low + __place as #isize;))
+        };
+        let each = match &block {
+            Some(block) => block.over_chunk(&place_in, &reads, &stores),
+            None => {
+                let body = quote!(#reads #inside #stores);
+                let place = place_in(&body);
+                quote! {
+                    for __place in 0..__len {
+                        #place
+                        #body
+                    }
+                }
+            }
+        };
+        let (items, lists) = block.map(|block| (block.items, block.opening)).unzip();
+        let buffers = quote!(#items #buffers);
         let limited = quote! {
             let #is_limited __len = #most;
             #limits
@@ -125,10 +145,8 @@ impl Chunk<'_> {
         };
         let pass = quote! {
             #opening
-            for __place in 0..__len {
-                #place
-                #body
-            }
+            #lists
+            #each
             #release
             #closing
         };
@@ -322,7 +340,7 @@ impl Chunk<'_> {
                 code.reads.extend(quote!(let #own = #value;));
             }
             Motion::Free => {
-                let value = self.read(&local.slot);
+                let value = self.read_by(self.in_loop(), &local.slot);
                 code.reads.extend(quote!(let #own = #value;));
             }
         }
@@ -380,6 +398,8 @@ impl Chunk<'_> {
                 Motion::Fixed
             }
             Slot::Entry(table, indices) => match indices.as_slice() {
+                // Parts of lists are open where placements are taken beside each other.
+                [index] if self.beside.is_some() && index.slope(inner) == Some(1) => Motion::Free,
                 [index] if runs(index, inner) && self.indices.is_plain(*table) => Motion::Run,
                 _ => Motion::Free,
             },
@@ -401,36 +421,50 @@ impl Chunk<'_> {
         }
     }
 
+    /// The indices in the loop over placements.
+    fn in_loop(&self) -> Indices<'_> {
+        let lists = self.beside.as_ref().map_or(&[][..], |beside| beside.lists);
+        Indices { lists, ..self.indices }
+    }
+
     fn read(&self, slot: &Slot) -> TokenStream {
+        self.read_by(self.indices, slot)
+    }
+
+    fn read_by(&self, indices: Indices<'_>, slot: &Slot) -> TokenStream {
         match slot {
             Slot::Coordinate(index) => {
-                let position = self.indices.position(index);
+                let position = indices.position(index);
                 self.wanted.lifted(quote!(__at.q[#position]))
             }
             Slot::Momentum(index) => {
-                let position = self.indices.position(index);
+                let position = indices.position(index);
                 self.wanted.lifted(quote!(__at.p[#position]))
             }
-            Slot::Entry(table, indices) => {
-                let (entry, number) = (self.indices.entry(*table, indices), self.wanted.number());
+            Slot::Entry(table, at) => {
+                let (entry, number) = (indices.entry(*table, at), self.wanted.number());
                 quote!(#number::from_f64(#entry))
             }
             Slot::Number(index) | Slot::Displacement(index) => {
-                let (value, number) = (self.indices.value(index), self.wanted.number());
+                let (value, number) = (indices.value(index), self.wanted.number());
                 quote!(#number::from_f64(#value as __wzvi::f64))
             }
         }
     }
 
     fn add(&self, target: &Target, value: &TokenStream) -> TokenStream {
+        self.add_by(self.indices, target, value)
+    }
+
+    fn add_by(&self, indices: Indices<'_>, target: &Target, value: &TokenStream) -> TokenStream {
         match target {
             Target::Total => quote!(__total = __total + #value;),
             Target::Slope { vector, index } => {
-                let position = self.indices.position(index);
+                let position = indices.position(index);
                 quote!(#vector.add(#position, #value);)
             }
             Target::Curvature { method, row, column, is_diagonal } => {
-                let (row, column) = (self.indices.position(row), self.indices.position(column));
+                let (row, column) = (indices.position(row), indices.position(column));
                 let is_diagonal = is_diagonal.map(|is_diagonal| quote!(#is_diagonal,));
                 quote!(__into.#method(#row, #column, #is_diagonal #value);)
             }

@@ -11,10 +11,26 @@ pub(crate) fn variable(id: u32) -> Ident {
     format_ident!("__i{id}")
 }
 
+/// A part of a list that is open under a name: the list as it is read, the index of its first entry.
+pub(crate) struct OpenList {
+    pub(super) tokens: TokenStream,
+    pub(super) first: Index,
+    pub(super) name: Ident,
+}
+
 /// Prints indices. `checked` ones stand in a function that returns an `Option`.
+#[derive(Clone, Copy)]
 pub(crate) struct Indices<'a> {
     pub(crate) tables: &'a [Table],
     pub(crate) checked: bool,
+    /// Parts of lists whose entry at `__lane` is read.
+    pub(crate) lists: &'a [OpenList],
+}
+
+impl<'a> Indices<'a> {
+    pub(crate) fn unchecked(tables: &'a [Table]) -> Self {
+        Self { tables, checked: false, lists: &[] }
+    }
 }
 
 impl Indices<'_> {
@@ -88,17 +104,32 @@ impl Indices<'_> {
 
     /// The list `table` at `indices`, as it is read.
     pub(crate) fn entry(&self, table: u32, indices: &[Index]) -> TokenStream {
-        let known = self.tables.get(table as usize);
-        let mut tokens = known.map_or_else(TokenStream::new, |table| table.tokens.clone());
-        for index in indices {
-            let position = self.position(index);
-            tokens = if self.checked { quote!(#tokens.get(#position)?) } else { quote!(#tokens[#position]) };
-        }
-        if let Some(table) = known.filter(|table| !table.suffix.is_empty()) {
+        let tokens = self.list(table, indices);
+        if let Some(table) = self.tables.get(table as usize).filter(|table| !table.suffix.is_empty()) {
             let suffix = &table.suffix;
             return quote!(#tokens #suffix);
         }
         if self.checked && !indices.is_empty() { quote!((*#tokens)) } else { tokens }
+    }
+
+    /// The same without what follows the indices.
+    pub(crate) fn list(&self, table: u32, indices: &[Index]) -> TokenStream {
+        let known = self.tables.get(table as usize);
+        let mut tokens = known.map_or_else(TokenStream::new, |table| table.tokens.clone());
+        for index in indices {
+            if let Some(name) = self.open_list(&tokens, index) {
+                tokens = quote!(#name[__lane]);
+                continue;
+            }
+            let position = self.position(index);
+            tokens = if self.checked { quote!(#tokens.get(#position)?) } else { quote!(#tokens[#position]) };
+        }
+        tokens
+    }
+
+    fn open_list(&self, tokens: &TokenStream, index: &Index) -> Option<&Ident> {
+        let mut same = self.lists.iter().filter(|list| list.first == *index);
+        same.find(|list| list.tokens.to_string() == tokens.to_string()).map(|list| &list.name)
     }
 
     /// An entry at known indices as an `f64`; not a number if it is not there, which the making of a stepper reports.
@@ -109,7 +140,7 @@ impl Indices<'_> {
             index.as_integer().filter(|index| (0..length as i128).contains(index))
         };
         let lengths = (0..indices.len()).map(|dimension| lengths.get(dimension));
-        let unchecked = Self { tables: self.tables, checked: false };
+        let unchecked = Indices::unchecked(self.tables);
         match indices.iter().zip(lengths).all(|both| is_there(both).is_some()) {
             true => unchecked.entry(table, indices),
             false => self.or_nan(&self.entry(table, indices)),

@@ -6,7 +6,7 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::Wanted;
-use super::chunk::{Chunk, Emitted, partners};
+use super::chunk::{Beside, Chunk, Emitted, gathers, lists, partners};
 use super::indices::{Indices, variable};
 use crate::diagnostics::internal::Promised;
 use crate::discretise::sums::Weighted;
@@ -47,14 +47,14 @@ pub(super) struct Context<'a> {
 }
 
 /// What the code around an element names.
-const LIVE: [&str; 29] = [
-    "after", "ahead", "at", "base", "by_p", "by_q", "end", "factor", "into", "len", "low", "most", "nan",
-    "next", "p", "part", "place", "q", "run", "scale", "size", "skipped", "t", "taken", "total", "until",
-    "value", "wanted", "weight",
+const LIVE: [&str; 33] = [
+    "after", "ahead", "at", "base", "block", "by_p", "by_q", "end", "factor", "few", "first", "into", "lane",
+    "len", "low", "most", "nan", "next", "p", "part", "place", "q", "run", "scale", "size", "skipped", "t",
+    "taken", "total", "until", "value", "wanted", "weight",
 ];
 
 /// Loop variables, slices, buffers, and what is carried from one place to another.
-const NUMBERED: [&str; 6] = ["at", "b", "carried", "i", "points", "s"];
+const NUMBERED: [&str; 8] = ["at", "b", "carried", "i", "list", "points", "s", "slope"];
 
 /// What parameters are called.
 pub(super) fn parameters(graph: &Graph, parameters: &[Parameter]) -> Vec<Ident> {
@@ -75,7 +75,7 @@ pub(super) fn emit(
     if outputs.is_empty() {
         return TokenStream::new();
     }
-    let indices = Indices { tables: context.tables, checked: false };
+    let indices = Indices::unchecked(context.tables);
     let (outer, inner) = match element.loops.split_last() {
         Some((inner, outer)) => (outer, Some(inner)),
         None => (&[][..], None),
@@ -157,21 +157,33 @@ pub(super) fn emit(
         _ => [indices.sum(&known.start), indices.sum(&known.end)],
     };
     let inner = inner.map(|known| (known.variable, range_of(known)));
-    let chunk = Chunk {
-        indices: &indices,
+    let pairs = match context.wanted {
+        Wanted::Slopes => partners(weighted, &indices, context.components),
+        Wanted::Value | Wanted::Curvature => None,
+    };
+    let is_gathered = context.wanted == Wanted::Slopes
+        && pairs.is_none()
+        && gathers(context.graph, element, context.components);
+    let lists = if is_gathered { lists(element, context.tables) } else { Vec::new() };
+    let beside = is_gathered.then_some(Beside { constants: &constants, weight: &own_weight, lists: &lists });
+    let mut chunk = Chunk {
+        indices,
         element,
         inner,
         outputs,
         locals: &locals,
         components: context.components,
         wanted: context.wanted,
-    };
-    let pairs = match context.wanted {
-        Wanted::Slopes => partners(weighted, &indices, context.components),
-        Wanted::Value | Wanted::Curvature => None,
+        beside,
     };
     let Emitted { buffers, body, after } = match pairs {
         Some(first) => chunk.row(&first, &constants, &inside, &values),
+        None if is_gathered => {
+            let beside = chunk.emit(&inside, &values);
+            chunk.beside = None;
+            let one_by_one = chunk.emit(&quote!(#own_weight #inside), &values);
+            either(&chunk, &written(outputs), beside, &one_by_one.body)
+        }
         None => chunk.emit(&quote!(#own_weight #inside), &values),
     };
     let mut nest = quote! { #fixed_weight #body };
@@ -194,6 +206,21 @@ pub(super) fn emit(
         };
     }
     quote! {{ #before #buffers #nest #after }}
+}
+
+/// A loop whose placements are taken beside each other if the sums say so, else one by one.
+fn either(chunk: &Chunk<'_>, sums: &TokenStream, beside: Emitted, one_by_one: &TokenStream) -> Emitted {
+    let (_, [start, end]) = chunk.inner.clone().promised("what is gathered has a loop");
+    let Emitted { buffers, body, after } = beside;
+    let body = quote! {
+        let (__low, __end): (__wzvi::isize, __wzvi::isize) = (#start, #end);
+        if #sums.gathers(__low, __end) {
+            #body
+        } else {
+            #one_by_one
+        }
+    };
+    Emitted { buffers, body, after }
 }
 
 /// The vector of slopes that an element adds to; where it adds to both, either.

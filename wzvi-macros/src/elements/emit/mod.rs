@@ -129,7 +129,7 @@ fn degrees(model: &System) -> TokenStream {
     if model.size == Index::atom(Atom::Size) {
         return quote!(0);
     }
-    let indices = Indices { tables: &model.tables, checked: false };
+    let indices = Indices::unchecked(&model.tables);
     let (size, components) = (indices.value(&model.size), usize::try_from(model.components).unwrap_or(1));
     match components {
         1 => quote!(#size as __wzvi::usize),
@@ -148,7 +148,7 @@ fn noise_count(model: &System) -> TokenStream {
             quote!(#known)
         }
         None => {
-            let count = Indices { tables: &model.tables, checked: false }.value(&all);
+            let count = Indices::unchecked(&model.tables).value(&all);
             quote!(#count as __wzvi::usize)
         }
     }
@@ -361,6 +361,7 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
             const HAS_PAIRS: __wzvi::bool = true;
         )
     });
+    let gathers = windows::gathered(model, &parts);
     let [exact, usual] = windows::numbers(model, &parts);
     quote! {
         #[automatically_derived]
@@ -387,6 +388,7 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
 
             const HAS_WINDOWS: __wzvi::bool = #has_windows;
             #has_pairs
+            #gathers
             const HAS_ONE_VELOCITY: __wzvi::bool = #has_one_velocity;
             type Exact = #exact;
             type Usual = #usual;

@@ -19,7 +19,7 @@ use crate::symbolic::{Expr, Graph, Node};
 
 /// How an entry of a field is read at a site: that of the nearest site where it is not there.
 pub(crate) fn site_entry(system: &System, site: &Site, entry: &Entry) -> TokenStream {
-    let (indices, f64) = (Indices { tables: &system.tables, checked: false }, f64_type());
+    let (indices, f64) = (Indices::unchecked(&system.tables), f64_type());
     let value = match &entry.slot {
         Slot::Entry(table, at) => indices.entry(*table, at),
         Slot::Number(index) | Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => {
@@ -60,7 +60,7 @@ fn is_exact_in_lanes(graph: &Graph, scheme: &Scheme) -> bool {
 
 pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Scheme) -> Road {
     let kernel = site.with_model(system, site_entry, |model| Kernel::new(model, facts, scheme));
-    let indices = Indices { tables: &system.tables, checked: false };
+    let indices = Indices::unchecked(&system.tables);
     let own = variable(site.variable);
     let option = quote!(__wzvi::Option);
     let increments = site.increments().map(|Increment { number, acts }| {

@@ -69,7 +69,7 @@ fn weight(
     Weighted { increments, .. }: &Weighted,
     wanted: Wanted,
 ) -> TokenStream {
-    let indices = Indices { tables: &model.tables, checked: false };
+    let indices = Indices::unchecked(&model.tables);
     let factor = part.is_weighted.then(|| quote!(*__weight));
     let increments = increments.iter().map(|number| {
         let position = indices.position(number);
@@ -90,6 +90,6 @@ fn condition(model: &System, weighted: &Weighted, wanted: Wanted) -> Option<Toke
     if wanted == Wanted::Curvature || family_of(weighted).is_some() {
         return None;
     }
-    let position = Indices { tables: &model.tables, checked: false }.position(number);
+    let position = Indices::unchecked(&model.tables).position(number);
     Some(quote!(__at.acting.contains(&#position)))
 }

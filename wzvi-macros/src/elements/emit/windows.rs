@@ -3,7 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::chunk::{partners, stretch};
+use super::chunk::{gathers, partners, stretch};
 use super::indices::Indices;
 use crate::elements::parts::{PartElements, unweighted};
 use crate::emit::count;
@@ -81,10 +81,27 @@ fn move_what_they_read(model: &mut System, parts: &[PartElements]) -> bool {
 
 /// Whether slopes of some elements are taken in rows of pairs.
 pub(super) fn have_pairs(model: &System, parts: &[PartElements]) -> bool {
-    let indices = Indices { tables: &model.tables, checked: false };
+    let indices = Indices::unchecked(&model.tables);
     let of_parts = parts.iter().flat_map(|part| part.elements.iter().cloned());
     let of_drift = model.parts.iter().flat_map(|term| unweighted(&term.elements));
     of_parts.chain(of_drift).any(|weighted| partners(&weighted, &indices, model.components).is_some())
+}
+
+/// By what there are slopes of elements whose placements are gathered, if there are any.
+pub(super) fn gathered(model: &System, parts: &[PartElements]) -> Option<TokenStream> {
+    let gathered = elements(model, parts).filter(|element| gathers(&model.graph, element, model.components));
+    let (mut by_q, mut by_p) = (false, false);
+    for element in gathered {
+        let is_force = element.displacements().next().is_some();
+        by_q |= is_force || element.coordinates().next().is_some();
+        by_p |= !is_force && element.momenta().next().is_some();
+    }
+    (by_q || by_p).then(|| {
+        let slopes = quote!(__wzvi::elements::Slopes);
+        quote!(
+            const GATHERS: #slopes = #slopes { by_q: #by_q, by_p: #by_p };
+        )
+    })
 }
 
 /// Whether the velocity of every degree of freedom is the slope of one element, in a loop over all places or points.
@@ -115,7 +132,7 @@ pub(super) fn numbers(model: &System, parts: &[PartElements]) -> [TokenStream; 2
 const SPELLED_OUT: i64 = 12;
 
 /// Whether the operation, and its derivatives, are made of correctly rounded ones.
-fn is_correctly_rounded(node: &Node) -> bool {
+pub(super) fn is_correctly_rounded(node: &Node) -> bool {
     match node {
         Node::Apply(function, _) => matches!(
             function,

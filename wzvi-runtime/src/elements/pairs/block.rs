@@ -2,7 +2,7 @@
 
 use std::any::TypeId;
 
-use super::{LANES, Pair, Row};
+use super::{LANES, Pair};
 use crate::scalar::Number;
 
 /// Partners whose slopes are computed in one loop, which the compiler takes for one over neighbours: half as many it would write out.
@@ -11,7 +11,7 @@ pub(super) const BLOCK: usize = 2 * LANES;
 /// The same where a row has as many: sums wait for the loop before.
 pub(super) const LARGE_BLOCK: usize = 2 * BLOCK;
 
-/// Slopes of a body and a block of partners in columns.
+/// Slopes of a body and the first `few` of a block of partners in columns.
 #[inline(always)]
 fn fill<
     T: Number<f64>,
@@ -23,6 +23,7 @@ fn fill<
     const F: usize,
     const B: usize,
 >(
+    few: usize,
     own: [T; O],
     constants: [f64; P],
     points: [&[f64; B]; D],
@@ -30,7 +31,7 @@ fn fill<
     by_own: &mut [[f64; B]; F],
     by_partner: &mut [[f64; B]; D],
 ) {
-    for place in 0..B {
+    for place in 0..few {
         let (mut point, mut entry) = ([T::from_f64(0.0); D], [T::from_f64(0.0); M]);
         for k in 0..D {
             point[k] = T::of(points[k][place]);
@@ -50,19 +51,21 @@ fn fill<
 
 /// The slopes by a body, and those by partners in columns: at the beginning of a line of the cache, which the widest registers fill.
 #[repr(align(64))]
-pub(super) struct Block<const B: usize, const D: usize, const F: usize> {
-    pub(super) by_own: [[f64; B]; F],
-    pub(super) by_partner: [[f64; B]; D],
+pub(in crate::elements) struct Block<const B: usize, const D: usize, const F: usize> {
+    pub(in crate::elements) by_own: [[f64; B]; F],
+    pub(in crate::elements) by_partner: [[f64; B]; D],
 }
 
 impl<const B: usize, const D: usize, const F: usize> Block<B, D, F> {
-    /// Those of a block of partners, of which the first `few` are of interest, computed in numbers `U`; in numbers `T` where these do not
+    /// Those of the first `most` of a block of partners, of which the first `few` are of interest, computed in numbers `U`; in numbers `T` where these do not
     /// know the result.
     #[inline(always)]
-    pub(super) fn fill<T, U, K, const O: usize, const P: usize, const M: usize>(
+    pub(in crate::elements) fn fill<T, U, K, const O: usize, const P: usize, const M: usize>(
         &mut self,
-        row: &Row<'_, T, O, P, M, F>,
+        most: usize,
         few: usize,
+        own: [T; O],
+        constants: [f64; P],
         points: [&[f64; B]; D],
         entries: [&[f64; B]; M],
     ) where
@@ -70,28 +73,27 @@ impl<const B: usize, const D: usize, const F: usize> Block<B, D, F> {
         U: Number<f64>,
         K: Pair<O, P, D, M, F>,
     {
-        let mut own = [U::from_f64(0.0); O];
+        let mut usual = [U::from_f64(0.0); O];
         for k in 0..O {
-            own[k] = U::of(row.own[k].kept());
+            usual[k] = U::of(own[k].kept());
         }
-        fill::<U, K, O, P, D, M, F, B>(
-            own,
-            row.constants,
-            points,
-            entries,
-            &mut self.by_own,
-            &mut self.by_partner,
-        );
-        if TypeId::of::<T>() != TypeId::of::<U>() && !self.is_finite(few) {
-            self.fill_exactly::<T, K, O, P, M>(row, points, entries);
+        let Self { by_own, by_partner } = self;
+        fill::<U, K, O, P, D, M, F, B>(most, usual, constants, points, entries, by_own, by_partner);
+        if TypeId::of::<T>() != TypeId::of::<U>()
+            && !(if few == B { self.is_finite(B) } else { self.is_finite(few) })
+        {
+            self.fill_one_by_one::<T, K, O, P, M>(few, own, constants, points, entries);
         }
     }
 
+    /// The same in numbers `T`.
     #[cold]
     #[inline(never)]
-    fn fill_exactly<T, K, const O: usize, const P: usize, const M: usize>(
+    pub(in crate::elements) fn fill_one_by_one<T, K, const O: usize, const P: usize, const M: usize>(
         &mut self,
-        row: &Row<'_, T, O, P, M, F>,
+        few: usize,
+        own: [T; O],
+        constants: [f64; P],
         points: [&[f64; B]; D],
         entries: [&[f64; B]; M],
     ) where
@@ -99,18 +101,19 @@ impl<const B: usize, const D: usize, const F: usize> Block<B, D, F> {
         K: Pair<O, P, D, M, F>,
     {
         let Self { by_own, by_partner } = self;
-        fill::<T, K, O, P, D, M, F, B>(row.own, row.constants, points, entries, by_own, by_partner);
+        fill::<T, K, O, P, D, M, F, B>(few, own, constants, points, entries, by_own, by_partner);
     }
 
+    /// Whether the first `few` of all slopes are finite. By bits without signs: no sum waits for another one.
     #[inline(always)]
     fn is_finite(&self, few: usize) -> bool {
-        let mut zeros = [0.0; B];
+        let mut poison = 0;
         for numbers in self.by_own.iter().chain(&self.by_partner) {
-            for (zero, number) in zeros.iter_mut().zip(&numbers[..few]) {
-                *zero += number * 0.0;
+            for number in &numbers[..few] {
+                poison |= (number * 0.0).to_bits() << 1;
             }
         }
-        zeros.iter().sum::<f64>() == 0.0
+        poison == 0
     }
 }
 

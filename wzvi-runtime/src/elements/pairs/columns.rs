@@ -7,6 +7,7 @@ use std::ops::Range;
 use super::block::BLOCK;
 use super::partners::Partners;
 use super::{Pair, Row};
+use crate::elements::beside::{InBlocks, LEAST_BESIDE};
 use crate::elements::sums::{Given, Places, Points, Sums};
 use crate::elements::{Elements, Point, Slopes};
 use crate::lanes::instructions::{InstructionSet, Kernel};
@@ -50,6 +51,7 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
         = Points<'r, f64, D>
     where
         Self: 'r;
+    type Beside<T: Number<f64>, const M: usize, const F: usize> = InBlocks<T, U, M, F>;
 
     #[inline(always)]
     fn outer(&self, variable: usize, values: Range<isize>) -> Range<isize> {
@@ -70,6 +72,11 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
     #[inline(always)]
     fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
         self.sums.add(place, value);
+    }
+
+    #[inline(always)]
+    fn gathers(&self, low: isize, end: isize) -> bool {
+        end - low >= LEAST_BESIDE
     }
 
     #[inline(always)]
@@ -128,13 +135,15 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
     }
 }
 
-/// Whether slopes of so many degrees of freedom are taken in columns, if the system [has pairs](Elements::HAS_PAIRS).
+/// Whether slopes of so many degrees of freedom are taken in vector instructions: [rows](Elements::HAS_PAIRS) in columns, and what
+/// [gathers](Elements::GATHERS) in blocks.
 #[inline(always)]
-pub(in crate::elements) fn takes_columns(wanted: Slopes, degrees: usize) -> bool {
-    wanted.by_q && degrees >= LEAST_IN_COLUMNS
+pub(in crate::elements) fn takes_vectors<H: Elements>(wanted: Slopes, degrees: usize) -> bool {
+    let by_q = wanted.by_q && (H::HAS_PAIRS || H::GATHERS.by_q);
+    (by_q || (wanted.by_p && H::GATHERS.by_p)) && degrees >= LEAST_IN_COLUMNS
 }
 
-/// [`Elements::slopes`] with rows in columns.
+/// [`Elements::slopes`] with rows in columns and blocks of placements.
 struct InColumns<'a, H: Elements> {
     system: &'a H,
     part: usize,
@@ -142,7 +151,7 @@ struct InColumns<'a, H: Elements> {
     at: &'a Point<'a, f64>,
     wanted: Slopes,
     by_q: Columns<'a, H::Usual>,
-    by_p: &'a mut [f64],
+    by_p: Columns<'a, H::Usual>,
 }
 
 impl<H: Elements> Kernel for InColumns<'_, H> {
@@ -150,8 +159,8 @@ impl<H: Elements> Kernel for InColumns<'_, H> {
 
     #[inline(always)]
     fn run<const L: usize, const HALF: usize>(self) {
-        let Self { system, part, weight, at, wanted, mut by_q, by_p } = self;
-        system.slopes::<f64, H::Exact, [f64], _, [f64]>(part, weight, at, wanted, &mut by_q, by_p);
+        let Self { system, part, weight, at, wanted, mut by_q, mut by_p } = self;
+        system.slopes::<f64, H::Exact, [f64], _, _>(part, weight, at, wanted, &mut by_q, &mut by_p);
     }
 }
 
@@ -174,6 +183,8 @@ pub(in crate::elements) fn slopes<H: Elements>(
     // A thread that ends has no room any more.
     let mut room = ROOM.try_with(Cell::take).unwrap_or_default();
     let by_q = Columns { sums: by_q, room: &mut room, number: PhantomData };
+    // No rows add to these.
+    let by_p = Columns { sums: by_p, room: &mut Vec::new(), number: PhantomData };
     InstructionSet::best().run(InColumns { system, part, weight, at, wanted, by_q, by_p });
     ROOM.try_with(|kept| kept.set(room)).unwrap_or_default();
 }

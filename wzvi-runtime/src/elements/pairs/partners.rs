@@ -63,10 +63,17 @@ impl<const D: usize, const M: usize> Partners<'_, D, M> {
         let mut block = Block { by_own: [[0.0; B]; F], by_partner: [[0.0; B]; D] };
         let points = heads(&self.points, first);
         if few == B || M == 0 {
-            block.fill::<T, U, K, O, P, M>(row, few, points, heads(&self.entries, first));
+            block.fill::<T, U, K, O, P, M>(
+                B,
+                few,
+                row.own,
+                row.constants,
+                points,
+                heads(&self.entries, first),
+            );
         } else {
             let entries = filled(&self.entries, first);
-            block.fill::<T, U, K, O, P, M>(row, few, points, entries.each_ref());
+            block.fill::<T, U, K, O, P, M>(B, few, row.own, row.constants, points, entries.each_ref());
         }
         // As lists in memory: taken from the registers that they were computed in they would be added one by one.
         let by_own = black_box(&block.by_own);

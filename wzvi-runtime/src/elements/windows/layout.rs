@@ -10,6 +10,7 @@ use std::iter::{Cloned, Flatten};
 use std::ops::Range;
 use std::slice;
 
+use super::super::beside::OneByOne;
 use super::super::sums::{Run, Sums};
 use super::BLOCK;
 use crate::scalar::Number;
@@ -127,6 +128,7 @@ impl<'a> Sums<f64> for &'a Recorder {
         = Unkept
     where
         Self: 'r;
+    type Beside<T: Number<f64>, const M: usize, const F: usize> = OneByOne<T, M, F>;
 
     fn outer(&self, variable: usize, values: Range<isize>) -> Told<'a> {
         Told { variable, values, recorder: self }

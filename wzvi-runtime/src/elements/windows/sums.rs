@@ -2,6 +2,7 @@
 
 use std::ops::{Index, Range};
 
+use super::super::beside::OneByOne;
 use super::super::step::nothing;
 use super::super::sums::{Given, Points, Run, Sums};
 use super::layout::{Strip, Values};
@@ -101,6 +102,7 @@ impl<'a> Sums<f64> for Window<'a> {
         = Points<'r, f64, D>
     where
         Self: 'r;
+    type Beside<T: Number<f64>, const M: usize, const F: usize> = OneByOne<T, M, F>;
 
     #[inline(always)]
     fn outer(&self, variable: usize, _values: Range<isize>) -> Values<'a> {
@@ -167,6 +169,7 @@ impl<'a> Sums<f64> for Moved<'a> {
         = MovedRun<'r, D>
     where
         Self: 'r;
+    type Beside<T: Number<f64>, const M: usize, const F: usize> = OneByOne<T, M, F>;
 
     #[inline(always)]
     fn outer(&self, variable: usize, _values: Range<isize>) -> Values<'a> {

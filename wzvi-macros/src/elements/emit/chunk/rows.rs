@@ -1,7 +1,7 @@
 //! Pairs: an element whose innermost loop goes through partners of a body that is the same in it. The run time has the loop; what is
 //! emitted is the arithmetic of one pair, whatever numbers it is done in.
 
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::motion::{Motion, motion, runs, wrap};
@@ -73,6 +73,52 @@ fn moves(slot: &Slot, inner: u32, components: i128) -> Motion {
     }
 }
 
+/// The arithmetic of one placement: of a pair, or beside others.
+pub(super) struct Interaction<'a> {
+    /// The type that it is done in.
+    pub(super) number: TokenStream,
+    /// The names of what is the same for all.
+    pub(super) own: &'a [Ident],
+    pub(super) constants: &'a [&'a Ident],
+    /// Patterns of the components of a partner.
+    pub(super) partner: &'a [TokenStream],
+    /// The names of what each placement has besides.
+    pub(super) entries: &'a [Ident],
+    pub(super) inside: &'a TokenStream,
+    /// What it ends in.
+    pub(super) by_own: &'a [TokenStream],
+    pub(super) by_partner: &'a [TokenStream],
+}
+
+impl Interaction<'_> {
+    pub(super) fn sizes(&self) -> [Literal; 5] {
+        let Self { own, constants, partner, entries, by_own, .. } = self;
+        [own.len(), constants.len(), partner.len(), entries.len(), by_own.len()].map(count)
+    }
+
+    /// What implements it.
+    pub(super) fn emit(&self) -> TokenStream {
+        let Self { number, own, constants, partner, entries, inside, by_own, by_partner } = self;
+        let (elements, sizes, f64) = (quote!(__wzvi::elements), self.sizes(), quote!(__wzvi::f64));
+        let [of_own, of_constants, of_partner, of_entries, of_places] = &sizes;
+        quote! {
+            struct __Interaction;
+            impl #elements::Pair<#(#sizes),*> for __Interaction {
+                #[inline(always)]
+                fn slopes<#number: __wzvi::Scalar>(
+                    [#(#own),*]: [#number; #of_own],
+                    [#(#constants),*]: [#f64; #of_constants],
+                    [#(#partner),*]: [#number; #of_partner],
+                    [#(#entries),*]: [#number; #of_entries],
+                ) -> ([#number; #of_places], [#number; #of_partner]) {
+                    #inside
+                    ([#(#by_own),*], [#(#by_partner),*])
+                }
+            }
+        }
+    }
+}
+
 impl Chunk<'_> {
     /// The innermost loop as a row of pairs; `constants` are the names of numbers that no loop changes.
     pub(in crate::elements::emit) fn row(
@@ -121,30 +167,28 @@ impl Chunk<'_> {
             match motion(index, inner, self.components) {
                 Motion::Fixed => {
                     places.push(self.indices.position(index));
-                    by_own.push(value);
+                    by_own.push(value.clone());
                 }
                 Motion::Points { part, .. } => by_partner[part] = value.clone(),
                 Motion::Run | Motion::Free => by_partner[0] = value.clone(),
             }
         }
         let elements = quote!(__wzvi::elements);
-        let sizes = [own.len(), constants.len(), partner.len(), entries.len(), places.len()].map(count);
-        let [of_own, of_constants, of_partner, of_entries, of_places] = &sizes;
-        let (first, f64) = (self.indices.position(first), quote!(__wzvi::f64));
+        let interaction = Interaction {
+            number: number.clone(),
+            own: &own,
+            constants: &constants,
+            partner: &partner,
+            entries: &entries,
+            inside,
+            by_own: &by_own,
+            by_partner: &by_partner,
+        };
+        let (items, sizes) = (interaction.emit(), interaction.sizes());
+        let of_partner = &sizes[2];
+        let first = self.indices.position(first);
         let buffers = quote! {
-            struct __Interaction;
-            impl #elements::Pair<#(#sizes),*> for __Interaction {
-                #[inline(always)]
-                fn slopes<#number: __wzvi::Scalar>(
-                    [#(#own),*]: [#number; #of_own],
-                    [#(#constants),*]: [#f64; #of_constants],
-                    [#(#partner),*]: [#number; #of_partner],
-                    [#(#entries),*]: [#number; #of_entries],
-                ) -> ([#number; #of_places], [#number; #of_partner]) {
-                    #inside
-                    ([#(#by_own),*], [#(#by_partner),*])
-                }
-            }
+            #items
             __by_q.begin_rows::<#of_partner>(&__at.q[0..__at.degrees()]);
         };
         let mentioned = quote!(#first #(#lists)* #(#places)*);

@@ -246,7 +246,7 @@ impl Chunk<'_> {
                 }
             });
         } else {
-            code.stores.extend(self.add(target, value));
+            code.stores.extend(self.add_by(self.in_loop(), target, value));
         }
     }
 }

@@ -1,0 +1,222 @@
+//! Placements beside each other that are not next to each other in the state: they read where a table says, or places that are far
+//! apart. What they read is gathered one by one, and what they compute is added one by one, in their order; the arithmetic between these
+//! is that of a block of placements, whatever numbers it is done in.
+
+use proc_macro2::{Ident, TokenStream};
+use quote::{format_ident, quote};
+
+use super::motion::{Motion, motion};
+use super::{Chunk, rows};
+use crate::elements::emit::indices::{Indices, OpenList};
+use crate::elements::emit::windows::is_correctly_rounded;
+use crate::emit::count;
+use crate::emit::step::mentions;
+use crate::model::index::{Atom, Index};
+use crate::model::{Element, Slot, Table};
+use crate::symbolic::{Expr, Graph, Symbol};
+
+/// What a chunk needs to know for that.
+pub(in crate::elements::emit) struct Beside<'a> {
+    /// Names of numbers that no loop changes.
+    pub(in crate::elements::emit) constants: &'a [Ident],
+    /// The weight of a placement, where each has its own.
+    pub(in crate::elements::emit) weight: &'a TokenStream,
+    /// What [`lists`] found.
+    pub(in crate::elements::emit) lists: &'a [OpenList],
+}
+
+/// The parts of lists that the innermost loop of an element goes through entry by entry.
+pub(in crate::elements::emit) fn lists(element: &Element, tables: &[Table]) -> Vec<OpenList> {
+    let mut open = Vec::new();
+    let Some(inner) = element.loops.last() else { return open };
+    for local in &element.locals {
+        match &local.slot {
+            Slot::Coordinate(index)
+            | Slot::Momentum(index)
+            | Slot::Displacement(index)
+            | Slot::Number(index) => {
+                open_lists_of(index, inner.variable, tables, &mut open);
+            }
+            Slot::Entry(table, indices) => open_list(*table, indices, inner.variable, tables, &mut open),
+        }
+    }
+    open
+}
+
+fn open_lists_of(index: &Index, inner: u32, tables: &[Table], open: &mut Vec<OpenList>) {
+    for (atom, _) in &index.terms {
+        match atom {
+            Atom::Given(table, indices) => open_list(*table, indices, inner, tables, open),
+            Atom::Loop(_) | Atom::Size => {}
+            Atom::Product(both)
+            | Atom::Quotient(both)
+            | Atom::Remainder(both)
+            | Atom::Minimum(both)
+            | Atom::Maximum(both) => {
+                for index in [&both.0, &both.1] {
+                    open_lists_of(index, inner, tables, open);
+                }
+            }
+        }
+    }
+}
+
+/// That of the first index that changes with the loop.
+fn open_list(table: u32, indices: &[Index], inner: u32, tables: &[Table], open: &mut Vec<OpenList>) {
+    for index in indices {
+        open_lists_of(index, inner, tables, open);
+    }
+    let Some(place) = indices.iter().position(|index| index.loops().contains(&inner)) else { return };
+    let first = &indices[place];
+    if first.slope(inner) != Some(1) {
+        return;
+    }
+    let tokens = Indices::unchecked(tables).list(table, &indices[..place]);
+    let is_same = |known: &OpenList| known.first == *first && known.tokens.to_string() == tokens.to_string();
+    if !open.iter().any(is_same) {
+        let name = format_ident!("__list{}", open.len());
+        open.push(OpenList { tokens, first: first.clone(), name });
+    }
+}
+
+/// The code of placements beside each other.
+pub(super) struct Block {
+    /// Before the loop over their chunks.
+    pub(super) items: TokenStream,
+    /// The names of their slopes.
+    pub(super) values: Vec<TokenStream>,
+    /// Opens lists for a chunk.
+    pub(super) opening: TokenStream,
+    /// Those of `__few` placements.
+    lists: TokenStream,
+    /// What they read, and the computation of all.
+    read: TokenStream,
+    compute: TokenStream,
+    /// Binds the names to the slopes of one of them.
+    open: TokenStream,
+}
+
+/// Whether the innermost loop of an element reads the state at places that are not next to each other, and computes enough for it that it
+/// pays to gather them: functions. Products and quotients take less time than to gather what they are made of.
+pub(in crate::elements::emit) fn gathers(graph: &Graph, element: &Element, components: i128) -> bool {
+    let Some(inner) = element.loops.last() else { return false };
+    let is_free = |slot: &Slot| match slot {
+        Slot::Coordinate(index) | Slot::Momentum(index) => {
+            matches!(motion(index, inner.variable, components), Motion::Free)
+        }
+        Slot::Displacement(_) | Slot::Number(_) | Slot::Entry(..) => false,
+    };
+    let state: Vec<Symbol> =
+        element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol).collect();
+    let is_long = |part: Expr| {
+        let (mut reads_state, node) = (false, graph.node(part));
+        node.for_each_operand(|operand| reads_state |= graph.depends_on(operand, &state));
+        reads_state && !is_correctly_rounded(node)
+    };
+    element.locals.iter().any(|local| is_free(&local.slot))
+        && graph.reachable(&[element.value]).into_iter().any(is_long)
+}
+
+impl Chunk<'_> {
+    /// The arithmetic `inside` that ends in `values`, of placements beside each other.
+    pub(super) fn beside(
+        &self,
+        inner: u32,
+        beside: &Beside<'_>,
+        inside: &TokenStream,
+        values: &[TokenStream],
+    ) -> Block {
+        let code = quote!(#inside #(#values)*);
+        let (mut own, mut entries): (Vec<Ident>, Vec<Ident>) = Default::default();
+        for (k, local) in self.read_locals(inside, values) {
+            let name = self.locals[k].clone();
+            match self.motion(&local.slot, inner) {
+                Motion::Fixed => own.push(name),
+                Motion::Run | Motion::Points { .. } | Motion::Free => entries.push(name),
+            }
+        }
+        if mentions(&code, "__factor") {
+            let all = if beside.weight.is_empty() { &mut own } else { &mut entries };
+            all.push(format_ident!("__factor"));
+        }
+        let constants = beside.constants.iter().filter(|name| mentions(&code, &name.to_string()));
+        let constants: Vec<&Ident> = constants.collect();
+        let names: Vec<Ident> = (0..values.len()).map(|j| format_ident!("__slope{j}")).collect();
+        let interaction = rows::Interaction {
+            number: self.wanted.number(),
+            own: &own,
+            constants: &constants,
+            partner: &[],
+            entries: &entries,
+            inside,
+            by_own: values,
+            by_partner: &[],
+        };
+        let (number, items) = (self.wanted.number(), interaction.emit());
+        let sums = super::written(self.outputs);
+        let [of_own, of_constants, of_entries, of_values] =
+            [own.len(), constants.len(), entries.len(), values.len()].map(count);
+        let opened = beside.lists.iter().map(|OpenList { tokens, first, name }| {
+            let first = self.indices.position(first);
+            quote! {
+                let #name = #first;
+                let #name = &#tokens[#name..#name + __len];
+            }
+        });
+        let lists = beside
+            .lists
+            .iter()
+            .map(|OpenList { name, .. }| quote!(let #name = &#name[__first..__first + __few];));
+        Block {
+            opening: quote!(#(#opened)*),
+            lists: quote!(#(#lists)*),
+            items: quote! {
+                use __wzvi::elements::Placements as _;
+                #items
+                let mut __block = #sums.beside::<#number, #of_entries, #of_values>();
+            },
+            values: names.iter().map(|name| quote!(#name)).collect(),
+            read: {
+                let weight = beside.weight;
+                quote!(#weight __block.read(__lane, [#(#entries),*]);)
+            },
+            compute: quote! {
+                __block.take::<__Interaction, #of_own, #of_constants>(__few, [#(#own),*], [#(#constants),*]);
+            },
+            open: quote!(let [#(#names),*] = __block.slopes(__lane);),
+        }
+    }
+}
+
+impl Block {
+    /// The loop over the placements of a chunk; `place` binds the variable of the loop, if some code mentions it.
+    pub(super) fn over_chunk(
+        &self,
+        place: &dyn Fn(&TokenStream) -> Option<TokenStream>,
+        reads: &TokenStream,
+        stores: &TokenStream,
+    ) -> TokenStream {
+        let Self { lists, read, compute, open, .. } = self;
+        let (read, store) = (quote!(#reads #read), quote!(#open #stores));
+        let [at_read, at_store] = [&read, &store].map(place);
+        quote! {
+            let mut __first = 0;
+            while __first < __len {
+                let __few = __block.few(__len - __first);
+                #lists
+                for __lane in 0..__few {
+                    let __place = __first + __lane;
+                    #at_read
+                    #read
+                }
+                #compute
+                for __lane in 0..__few {
+                    let __place = __first + __lane;
+                    #at_store
+                    #store
+                }
+                __first += __few;
+            }
+        }
+    }
+}
