@@ -234,13 +234,13 @@ const _: () = {
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
-                            let points0 = (2 * i0) as usize;
+                            let first0 = (2 * i0) as usize;
+                            let first1 = i0 as usize;
                             let points0 = &at
-                                .p[points0..points0 + 2 * len]
+                                .p[first0..first0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            let s2 = i0 as usize;
-                            let s2 = &self.mass[s2..s2 + len];
+                            let s2 = &self.mass[first1..first1 + len];
                             for place in 0..len {
                                 let p_2i = points0[place][0];
                                 let p_2i_plus_1 = points0[place][1];
@@ -261,13 +261,13 @@ const _: () = {
                             if low < end {
                                 let i2 = low;
                                 let len = (end - low) as usize;
-                                let points0 = (2 * i2) as usize;
+                                let first0 = (2 * i2) as usize;
+                                let first1 = i2 as usize;
                                 let points0 = &at
-                                    .q[points0..points0 + 2 * len]
+                                    .q[first0..first0 + 2 * len]
                                     .as_chunks::<2>()
                                     .0[..len];
-                                let s5 = i2 as usize;
-                                let s5 = &self.mass[s5..s5 + len];
+                                let s5 = &self.mass[first1..first1 + len];
                                 for place in 0..len {
                                     let q_2j = points0[place][0];
                                     let q_2j_plus_1 = points0[place][1];
@@ -327,14 +327,14 @@ const _: () = {
                                 if len > 0 {
                                     let low = low + skipped as isize;
                                     let i0 = low;
-                                    let points0 = (2 * i0) as usize;
+                                    let first0 = (2 * i0) as usize;
+                                    let first1 = i0 as usize;
                                     let points0 = &at
-                                        .p[points0..points0 + 2 * len]
+                                        .p[first0..first0 + 2 * len]
                                         .as_chunks::<2>()
                                         .0[..len];
-                                    let s2 = i0 as usize;
-                                    let s2 = &self.mass[s2..s2 + len];
-                                    let mut points1 = by_p.points::<2>((2 * i0) as usize, len);
+                                    let s2 = &self.mass[first1..first1 + len];
+                                    let mut points1 = by_p.points::<2>(first0, len);
                                     for place in 0..len {
                                         let p_2i = T::of(points0[place][0]);
                                         let p_2i_plus_1 = T::of(points0[place][1]);
@@ -434,8 +434,8 @@ const _: () = {
                             if low < end {
                                 let i0 = low;
                                 let len = (end - low) as usize;
-                                let s2 = i0 as usize;
-                                let s2 = &self.mass[s2..s2 + len];
+                                let first0 = i0 as usize;
+                                let s2 = &self.mass[first0..first0 + len];
                                 for place in 0..len {
                                     let i0 = low + place as isize;
                                     let mass_i = S::from_f64(s2[place]);
@@ -471,13 +471,13 @@ const _: () = {
                                 if low < end {
                                     let i2 = low;
                                     let len = (end - low) as usize;
-                                    let points0 = (2 * i2) as usize;
+                                    let first0 = (2 * i2) as usize;
+                                    let first1 = i2 as usize;
                                     let points0 = &at
-                                        .q[points0..points0 + 2 * len]
+                                        .q[first0..first0 + 2 * len]
                                         .as_chunks::<2>()
                                         .0[..len];
-                                    let s5 = i2 as usize;
-                                    let s5 = &self.mass[s5..s5 + len];
+                                    let s5 = &self.mass[first1..first1 + len];
                                     for place in 0..len {
                                         let i2 = low + place as isize;
                                         let q_2j = points0[place][0];
@@ -687,19 +687,20 @@ const _: () = {
         binding as carry, binding as degrees, binding as difference,
         binding as difference2, binding as difference2_squared,
         binding as difference_squared, binding as dw, binding as end, binding as factor,
-        binding as g, binding as h, binding as i0, binding as i1, binding as i2,
-        binding as index, binding as into, binding as inverse, binding as len,
-        binding as list, binding as low, binding as mass_i, binding as mass_j,
-        binding as memory, binding as minus, binding as outer, binding as p,
-        binding as p_2i, binding as p_2i_plus_1, binding as part, binding as place,
-        binding as points0, binding as points1, binding as prepared, binding as product,
-        binding as product2, binding as product3, binding as product4,
-        binding as product5, binding as product6, binding as q, binding as q_2i,
-        binding as q_2i_plus_1, binding as q_2j, binding as q_2j_plus_1,
-        binding as quotient, binding as range, binding as s2, binding as s5,
-        binding as segment, binding as size, binding as skipped, binding as sum,
-        binding as t, binding as table, binding as term, binding as three_g,
-        binding as total, binding as value, binding as wanted, binding as weight,
+        binding as first0, binding as first1, binding as g, binding as h, binding as i0,
+        binding as i1, binding as i2, binding as index, binding as into,
+        binding as inverse, binding as len, binding as list, binding as low,
+        binding as mass_i, binding as mass_j, binding as memory, binding as minus,
+        binding as outer, binding as p, binding as p_2i, binding as p_2i_plus_1,
+        binding as part, binding as place, binding as points0, binding as points1,
+        binding as prepared, binding as product, binding as product2,
+        binding as product3, binding as product4, binding as product5,
+        binding as product6, binding as q, binding as q_2i, binding as q_2i_plus_1,
+        binding as q_2j, binding as q_2j_plus_1, binding as quotient, binding as range,
+        binding as s2, binding as s5, binding as segment, binding as size,
+        binding as skipped, binding as sum, binding as t, binding as table,
+        binding as term, binding as three_g, binding as total, binding as value,
+        binding as wanted, binding as weight,
     };
 };
 const _: () = {

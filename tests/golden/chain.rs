@@ -137,8 +137,8 @@ const _: () = {
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = i0 as usize;
-                            let s0 = &at.p[s0..s0 + len];
+                            let first0 = i0 as usize;
+                            let s0 = &at.p[first0..first0 + len];
                             for place in 0..len {
                                 let p_i = s0[place];
                                 b0 = b0 + p_i * p_i * 0.5;
@@ -153,10 +153,10 @@ const _: () = {
                         if low < end {
                             let i1 = low;
                             let len = (end - low) as usize;
-                            let s0 = (i1 + 1) as usize;
-                            let s0 = &at.q[s0..s0 + len];
-                            let s1 = i1 as usize;
-                            let s1 = &at.q[s1..s1 + len];
+                            let first0 = (i1 + 1) as usize;
+                            let first1 = i1 as usize;
+                            let s0 = &at.q[first0..first0 + len];
+                            let s1 = &at.q[first1..first1 + len];
                             for place in 0..len {
                                 let q_i_plus_1 = s0[place];
                                 let q_i = s1[place];
@@ -217,9 +217,9 @@ const _: () = {
                                 if len > 0 {
                                     let low = low + skipped as isize;
                                     let i0 = low;
-                                    let s0 = i0 as usize;
-                                    let s0 = &at.p[s0..s0 + len];
-                                    let mut b0 = by_p.run(i0 as usize, len);
+                                    let first0 = i0 as usize;
+                                    let s0 = &at.p[first0..first0 + len];
+                                    let mut b0 = by_p.run(first0, len);
                                     for place in 0..len {
                                         let p_i = T::of(s0[place]);
                                         b0.add(place, p_i * factor);
@@ -240,13 +240,13 @@ const _: () = {
                                 if len > 0 {
                                     let low = low + skipped as isize;
                                     let i1 = low;
-                                    let s0 = (i1 + 1) as usize;
-                                    let s0 = &at.q[s0..s0 + len];
-                                    let s1 = i1 as usize;
-                                    let s1 = &at.q[s1..s1 + len];
-                                    let at1 = (i1 + 1) as usize + (len - 1);
+                                    let first0 = (i1 + 1) as usize;
+                                    let first1 = i1 as usize;
+                                    let s0 = &at.q[first0..first0 + len];
+                                    let s1 = &at.q[first1..first1 + len];
+                                    let at1 = first0 + (len - 1);
                                     let mut carried1 = T::from_f64(0.0);
-                                    let mut b1 = by_q.run(i1 as usize, len);
+                                    let mut b1 = by_q.run(first1, len);
                                     for place in 0..len {
                                         let q_i_plus_1 = T::of(s0[place]);
                                         let q_i = T::of(s1[place]);
@@ -310,10 +310,10 @@ const _: () = {
                             if low < end {
                                 let i1 = low;
                                 let len = (end - low) as usize;
-                                let s0 = (i1 + 1) as usize;
-                                let s0 = &at.q[s0..s0 + len];
-                                let s1 = i1 as usize;
-                                let s1 = &at.q[s1..s1 + len];
+                                let first0 = (i1 + 1) as usize;
+                                let first1 = i1 as usize;
+                                let s0 = &at.q[first0..first0 + len];
+                                let s1 = &at.q[first1..first1 + len];
                                 for place in 0..len {
                                     let i1 = low + place as isize;
                                     let q_i_plus_1 = s0[place];
@@ -457,15 +457,16 @@ const _: () = {
         binding as b0, binding as b1, binding as before, binding as beta,
         binding as by_p, binding as by_q, binding as carried1, binding as carry,
         binding as degrees, binding as difference, binding as difference_squared,
-        binding as dw, binding as end, binding as factor, binding as h, binding as i0,
-        binding as i1, binding as index, binding as into, binding as len, binding as low,
-        binding as memory, binding as outer, binding as p, binding as p_i,
-        binding as part, binding as place, binding as prepared, binding as product,
-        binding as q, binding as q0, binding as q0_squared, binding as q_i,
-        binding as q_i_plus_1, binding as quarter_beta, binding as range, binding as s0,
-        binding as s1, binding as segment, binding as size, binding as skipped,
-        binding as t, binding as table, binding as term, binding as three_beta,
-        binding as total, binding as value, binding as wanted, binding as weight,
+        binding as dw, binding as end, binding as factor, binding as first0,
+        binding as first1, binding as h, binding as i0, binding as i1, binding as index,
+        binding as into, binding as len, binding as low, binding as memory,
+        binding as outer, binding as p, binding as p_i, binding as part,
+        binding as place, binding as prepared, binding as product, binding as q,
+        binding as q0, binding as q0_squared, binding as q_i, binding as q_i_plus_1,
+        binding as quarter_beta, binding as range, binding as s0, binding as s1,
+        binding as segment, binding as size, binding as skipped, binding as t,
+        binding as table, binding as term, binding as three_beta, binding as total,
+        binding as value, binding as wanted, binding as weight,
     };
 };
 const _: () = {

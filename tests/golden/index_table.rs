@@ -230,8 +230,8 @@ const _: () = {
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = i0 as usize;
-                            let s0 = &at.p[s0..s0 + len];
+                            let first0 = i0 as usize;
+                            let s0 = &at.p[first0..first0 + len];
                             for place in 0..len {
                                 let p_i = s0[place];
                                 b0 = b0 + p_i * p_i * 0.5;
@@ -297,9 +297,9 @@ const _: () = {
                                 if len > 0 {
                                     let low = low + skipped as isize;
                                     let i0 = low;
-                                    let s0 = i0 as usize;
-                                    let s0 = &at.p[s0..s0 + len];
-                                    let mut b0 = by_p.run(i0 as usize, len);
+                                    let first0 = i0 as usize;
+                                    let s0 = &at.p[first0..first0 + len];
+                                    let mut b0 = by_p.run(first0, len);
                                     for place in 0..len {
                                         let p_i = T::of(s0[place]);
                                         b0.add(place, p_i * factor);
@@ -519,15 +519,15 @@ const _: () = {
         binding as V, binding as after, binding as at, binding as b0, binding as before,
         binding as bonds_2_i, binding as bonds_2_i_factor, binding as by_p,
         binding as by_q, binding as carry, binding as degrees, binding as difference,
-        binding as dw, binding as end, binding as entry, binding as factor, binding as h,
-        binding as i0, binding as i1, binding as integer, binding as into,
-        binding as len, binding as list, binding as low, binding as memory,
-        binding as outer, binding as p, binding as p_i, binding as part,
-        binding as place, binding as prepared, binding as product, binding as q,
-        binding as q_bonds_0_i, binding as q_bonds_1_i, binding as range, binding as s0,
-        binding as segment, binding as size, binding as skipped, binding as t,
-        binding as table, binding as term, binding as total, binding as value,
-        binding as wanted, binding as weight,
+        binding as dw, binding as end, binding as entry, binding as factor,
+        binding as first0, binding as h, binding as i0, binding as i1,
+        binding as integer, binding as into, binding as len, binding as list,
+        binding as low, binding as memory, binding as outer, binding as p,
+        binding as p_i, binding as part, binding as place, binding as prepared,
+        binding as product, binding as q, binding as q_bonds_0_i, binding as q_bonds_1_i,
+        binding as range, binding as s0, binding as segment, binding as size,
+        binding as skipped, binding as t, binding as table, binding as term,
+        binding as total, binding as value, binding as wanted, binding as weight,
     };
 };
 const _: () = {

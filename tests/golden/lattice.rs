@@ -136,9 +136,9 @@ const _: () = {
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
-                            let points0 = (2 * i0) as usize;
+                            let first0 = (2 * i0) as usize;
                             let points0 = &at
-                                .p[points0..points0 + 2 * len]
+                                .p[first0..first0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
                             for place in 0..len {
@@ -161,14 +161,14 @@ const _: () = {
                                 len,
                                 ((N as isize) - (i1 + 1) % (N as isize)) as usize,
                             );
-                            let points0 = (2 * ((i1 + 1) % (N as isize))) as usize;
+                            let first0 = (2 * ((i1 + 1) % (N as isize))) as usize;
+                            let first1 = (2 * i1) as usize;
                             let points0 = &at
-                                .q[points0..points0 + 2 * len]
+                                .q[first0..first0 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
-                            let points1 = (2 * i1) as usize;
                             let points1 = &at
-                                .q[points1..points1 + 2 * len]
+                                .q[first1..first1 + 2 * len]
                                 .as_chunks::<2>()
                                 .0[..len];
                             for place in 0..len {
@@ -226,12 +226,12 @@ const _: () = {
                                 if len > 0 {
                                     let low = low + skipped as isize;
                                     let i0 = low;
-                                    let points0 = (2 * i0) as usize;
+                                    let first0 = (2 * i0) as usize;
                                     let points0 = &at
-                                        .p[points0..points0 + 2 * len]
+                                        .p[first0..first0 + 2 * len]
                                         .as_chunks::<2>()
                                         .0[..len];
-                                    let mut points1 = by_p.points::<2>((2 * i0) as usize, len);
+                                    let mut points1 = by_p.points::<2>(first0, len);
                                     for place in 0..len {
                                         let p_2i = T::of(points0[place][0]);
                                         let p_2i_plus_1 = T::of(points0[place][1]);
@@ -267,7 +267,7 @@ const _: () = {
                                             (2 * i1) as usize,
                                         ],
                                     );
-                                let until = i1 + (skipped + taken) as isize;
+                                let until = skipped + taken;
                                 let mut len: usize = 256;
                                 len = wzvi::elements::apart(
                                     len,
@@ -275,63 +275,52 @@ const _: () = {
                                     (2 * i1) as usize / 2,
                                 );
                                 let most = len;
-                                i1 += (skipped / most * most) as isize;
-                                while i1 < until {
-                                    let low = i1;
-                                    let len = Ord::min((next - low) as usize, most);
-                                    let after = low + len as isize;
-                                    let (skipped, len) = by_q
-                                        .clip::<
-                                            2,
-                                            _,
-                                        >(
-                                            len,
-                                            [
-                                                (2 * ((i1 + 1) % (N as isize))) as usize,
-                                                (2 * i1) as usize,
-                                            ],
-                                        );
-                                    if len > 0 {
-                                        let low = low + skipped as isize;
-                                        i1 = low;
-                                        let points0 = (2 * ((i1 + 1) % (N as isize))) as usize;
-                                        let points0 = &at
-                                            .q[points0..points0 + 2 * len]
-                                            .as_chunks::<2>()
-                                            .0[..len];
-                                        let points1 = (2 * i1) as usize;
-                                        let points1 = &at
-                                            .q[points1..points1 + 2 * len]
-                                            .as_chunks::<2>()
-                                            .0[..len];
-                                        let mut points2 = by_q
-                                            .points::<2>((2 * ((i1 + 1) % (N as isize))) as usize, len);
-                                        let b3 = &mut b3[..len];
-                                        let b1 = &mut b1[..len];
+                                let first0 = (2 * ((i1 + 1) % (N as isize))) as usize;
+                                let first1 = (2 * i1) as usize;
+                                let mut from = if skipped < most {
+                                    0
+                                } else {
+                                    skipped / most * most
+                                };
+                                while from < until {
+                                    let skip = Ord::max(from, skipped);
+                                    from += most;
+                                    let len = Ord::min(from, until) - skip;
+                                    let first0 = first0 + 2 * skip;
+                                    let first1 = first1 + 2 * skip;
+                                    let points0 = &at
+                                        .q[first0..first0 + 2 * len]
+                                        .as_chunks::<2>()
+                                        .0[..len];
+                                    let points1 = &at
+                                        .q[first1..first1 + 2 * len]
+                                        .as_chunks::<2>()
+                                        .0[..len];
+                                    let mut points2 = by_q.points::<2>(first0, len);
+                                    let b3 = &mut b3[..len];
+                                    let b1 = &mut b1[..len];
+                                    for place in 0..len {
+                                        let q_2_i_plus_1_mod_N = T::of(points0[place][0]);
+                                        let q_2i = T::of(points1[place][0]);
+                                        let q_2_i_plus_1_mod_N_plus_1 = T::of(points0[place][1]);
+                                        let q_2i_plus_1 = T::of(points1[place][1]);
+                                        let product = factor
+                                            * ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
+                                        let product2 = factor
+                                            * (q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1);
+                                        points2.add_part(place, 1, product2);
+                                        points2.add_part(place, 0, product);
+                                        b3[place] = -product2;
+                                        b1[place] = -product;
+                                    }
+                                    wzvi::drop(points2);
+                                    {
+                                        let mut run = by_q.points::<2>(first1, len);
                                         for place in 0..len {
-                                            let q_2_i_plus_1_mod_N = T::of(points0[place][0]);
-                                            let q_2i = T::of(points1[place][0]);
-                                            let q_2_i_plus_1_mod_N_plus_1 = T::of(points0[place][1]);
-                                            let q_2i_plus_1 = T::of(points1[place][1]);
-                                            let product = factor
-                                                * ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
-                                            let product2 = factor
-                                                * (q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1);
-                                            points2.add_part(place, 1, product2);
-                                            points2.add_part(place, 0, product);
-                                            b3[place] = -product2;
-                                            b1[place] = -product;
-                                        }
-                                        wzvi::drop(points2);
-                                        {
-                                            let mut run = by_q.points::<2>((2 * i1) as usize, len);
-                                            for place in 0..len {
-                                                run.add_part(place, 1, b3[place]);
-                                                run.add_part(place, 0, b1[place]);
-                                            }
+                                            run.add_part(place, 1, b3[place]);
+                                            run.add_part(place, 0, b1[place]);
                                         }
                                     }
-                                    i1 = after;
                                 }
                                 i1 = next;
                             }
@@ -390,14 +379,14 @@ const _: () = {
                                     len,
                                     ((N as isize) - (i1 + 1) % (N as isize)) as usize,
                                 );
-                                let points0 = (2 * ((i1 + 1) % (N as isize))) as usize;
+                                let first0 = (2 * ((i1 + 1) % (N as isize))) as usize;
+                                let first1 = (2 * i1) as usize;
                                 let points0 = &at
-                                    .q[points0..points0 + 2 * len]
+                                    .q[first0..first0 + 2 * len]
                                     .as_chunks::<2>()
                                     .0[..len];
-                                let points1 = (2 * i1) as usize;
                                 let points1 = &at
-                                    .q[points1..points1 + 2 * len]
+                                    .q[first1..first1 + 2 * len]
                                     .as_chunks::<2>()
                                     .0[..len];
                                 for place in 0..len {
@@ -569,18 +558,19 @@ const _: () = {
         binding as V, binding as after, binding as at, binding as b0, binding as b1,
         binding as b3, binding as before, binding as by_p, binding as by_q,
         binding as carry, binding as degrees, binding as difference, binding as dw,
-        binding as end, binding as factor, binding as h, binding as half_k,
-        binding as i0, binding as i1, binding as index, binding as into, binding as k,
-        binding as k_squared, binding as len, binding as low, binding as memory,
-        binding as most, binding as next, binding as outer, binding as p,
-        binding as p_2i, binding as p_2i_plus_1, binding as part, binding as place,
-        binding as points0, binding as points1, binding as points2, binding as prepared,
-        binding as product, binding as product2, binding as q,
-        binding as q_2_i_plus_1_mod_N, binding as q_2_i_plus_1_mod_N_plus_1,
-        binding as q_2i, binding as q_2i_plus_1, binding as range, binding as run,
-        binding as segment, binding as sin, binding as skipped, binding as t,
-        binding as table, binding as taken, binding as term, binding as total,
-        binding as until, binding as value, binding as wanted, binding as weight,
+        binding as end, binding as factor, binding as first0, binding as first1,
+        binding as from, binding as h, binding as half_k, binding as i0, binding as i1,
+        binding as index, binding as into, binding as k, binding as k_squared,
+        binding as len, binding as low, binding as memory, binding as most,
+        binding as next, binding as outer, binding as p, binding as p_2i,
+        binding as p_2i_plus_1, binding as part, binding as place, binding as points0,
+        binding as points1, binding as points2, binding as prepared, binding as product,
+        binding as product2, binding as q, binding as q_2_i_plus_1_mod_N,
+        binding as q_2_i_plus_1_mod_N_plus_1, binding as q_2i, binding as q_2i_plus_1,
+        binding as range, binding as run, binding as segment, binding as sin,
+        binding as skip, binding as skipped, binding as t, binding as table,
+        binding as taken, binding as term, binding as total, binding as until,
+        binding as value, binding as wanted, binding as weight,
     };
 };
 const _: () = {

@@ -161,10 +161,9 @@ const _: () = {
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = i0 as usize;
-                            let s0 = &at.p[s0..s0 + len];
-                            let s1 = i0 as usize;
-                            let s1 = &at.q[s1..s1 + len];
+                            let first0 = i0 as usize;
+                            let s0 = &at.p[first0..first0 + len];
+                            let s1 = &at.q[first0..first0 + len];
                             for place in 0..len {
                                 let p_i = s0[place];
                                 let q_i = s1[place];
@@ -186,8 +185,8 @@ const _: () = {
                         if low < end {
                             let i1 = low;
                             let len = (end - low) as usize;
-                            let s0 = i1 as usize;
-                            let s0 = &at.q[s0..s0 + len];
+                            let first0 = i1 as usize;
+                            let s0 = &at.q[first0..first0 + len];
                             for place in 0..len {
                                 let i1 = low + place as isize;
                                 let q_i = s0[place];
@@ -239,9 +238,9 @@ const _: () = {
                                 if len > 0 {
                                     let low = low + skipped as isize;
                                     let i0 = low;
-                                    let s0 = i0 as usize;
-                                    let s0 = &at.q[s0..s0 + len];
-                                    let mut b0 = by_q.run(i0 as usize, len);
+                                    let first0 = i0 as usize;
+                                    let s0 = &at.q[first0..first0 + len];
+                                    let mut b0 = by_q.run(first0, len);
                                     for place in 0..len {
                                         let q_i = T::of(s0[place]);
                                         b0.add(place, q_i * factor);
@@ -261,9 +260,9 @@ const _: () = {
                                 if len > 0 {
                                     let low = low + skipped as isize;
                                     let i0 = low;
-                                    let s0 = i0 as usize;
-                                    let s0 = &at.p[s0..s0 + len];
-                                    let mut b0 = by_p.run(i0 as usize, len);
+                                    let first0 = i0 as usize;
+                                    let s0 = &at.p[first0..first0 + len];
+                                    let mut b0 = by_p.run(first0, len);
                                     for place in 0..len {
                                         let p_i = T::of(s0[place]);
                                         b0.add(place, p_i * factor);
@@ -287,7 +286,8 @@ const _: () = {
                                 if len > 0 {
                                     let low = low + skipped as isize;
                                     let i1 = low;
-                                    let mut b0 = by_q.run(i1 as usize, len);
+                                    let first0 = i1 as usize;
+                                    let mut b0 = by_q.run(first0, len);
                                     for place in 0..len {
                                         let i1 = low + place as isize;
                                         let factor = T::of(at.increment(i1 as usize));
@@ -531,7 +531,7 @@ const _: () = {
         binding as V, binding as after, binding as at, binding as b0, binding as before,
         binding as by_p, binding as by_q, binding as carry, binding as condition,
         binding as degrees, binding as dw, binding as dw_sigma, binding as end,
-        binding as factor, binding as h, binding as half_h,
+        binding as factor, binding as first0, binding as h, binding as half_h,
         binding as half_inverse_pivot, binding as i0, binding as i1, binding as i2,
         binding as index, binding as into, binding as inverse_pivot, binding as len,
         binding as low, binding as memory, binding as next, binding as node_p_k,

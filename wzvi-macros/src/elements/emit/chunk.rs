@@ -63,6 +63,8 @@ struct Code {
     ordering: TokenStream,
     /// Indices that have their limit.
     limited: Vec<Index>,
+    /// Where the stretches that the loop goes through begin, by `__first` and a number: of the piece, and then of the chunk.
+    firsts: Vec<Stretch>,
     /// Slices of this chunk.
     opening: TokenStream,
     reads: TokenStream,
@@ -79,6 +81,13 @@ struct Code {
     has_buffers: bool,
     /// Outputs of slices, in the order in which they are added.
     added: Vec<usize>,
+}
+
+/// A stretch of a list, from the place `index` on.
+struct Stretch {
+    index: Index,
+    stride: i128,
+    name: Ident,
 }
 
 /// A loop, and what stands before and after the outermost one around it.
@@ -115,8 +124,26 @@ impl Chunk<'_> {
         };
         let has_buffers = code.has_buffers;
         let Code {
-            buffers, before, limits, ordering, opening, reads, stores, release, closing, after, ..
+            buffers,
+            before,
+            limits,
+            ordering,
+            firsts,
+            opening,
+            reads,
+            stores,
+            release,
+            closing,
+            after,
+            ..
         } = code;
+        let opened: TokenStream = firsts
+            .iter()
+            .map(|Stretch { index, name, .. }| {
+                let position = self.indices.position(index);
+                quote!(let #name = #position;)
+            })
+            .collect();
         let release = (!closing.is_empty()).then_some(release);
         let mutable = |limits: &TokenStream| if limits.is_empty() { quote!() } else { quote!(mut) };
         let is_limited = mutable(&quote!(#limits #ordering));
@@ -143,13 +170,14 @@ impl Chunk<'_> {
             #limits
             #ordering
         };
-        let pass = quote! {
+        let chunk = quote! {
             #opening
             #lists
             #each
             #release
             #closing
         };
+        let pass = quote!(#opened #chunk);
         let (places, sums) = (self.places(inner), written(self.outputs));
         if has_all {
             let positions = places.as_ref().map(|(_, places)| places);
@@ -182,9 +210,23 @@ impl Chunk<'_> {
             return Emitted::new(buffers, body);
         }
         if let (true, Some((stride, places))) = (has_buffers, &places) {
-            // What a stretch without wrapping around leaves out is left out at once: chunks would look one by one. Chunks
-            // begin where they do without that, because sums are parted there.
+            // What a stretch without wrapping around leaves out is left out at once, and where its slices begin is found once.
+            // Chunks begin where they do without that, because sums are parted there.
             let (mutable_piece, mutable_chunk, most) = (mutable(&limits), mutable(&ordering), count(CHUNK));
+            let moved: TokenStream = firsts
+                .iter()
+                .map(|Stretch { stride, name, .. }| {
+                    let moved = match stride {
+                        1 => quote!(__skip),
+                        _ => {
+                            let stride = Literal::i128_unsuffixed(*stride);
+                            quote!(#stride * __skip)
+                        }
+                    };
+                    quote!(let #name = #name + #moved;)
+                })
+                .collect();
+            let low = mentions(&chunk, "__low").then(|| quote!(let __low = #name + __skip as #isize;));
             let body = quote! {
                 #before
                 let mut #name: #isize = #start;
@@ -194,22 +236,19 @@ impl Chunk<'_> {
                     #limits
                     let __next = #name + __len as #isize;
                     let (__skipped, __taken) = #sums.clip::<#stride, _>(__len, #places);
-                    let __until = #name + (__skipped + __taken) as #isize;
+                    let __until = __skipped + __taken;
                     let #mutable_chunk __len: #usize = #most;
                     #ordering
                     let __most = __len;
-                    #name += (__skipped / __most * __most) as #isize;
-                    while #name < __until {
-                        let __low = #name;
-                        let __len = __wzvi::Ord::min((__next - __low) as #usize, __most);
-                        let __after = __low + __len as #isize;
-                        let (__skipped, __len) = #sums.clip::<#stride, _>(__len, #places);
-                        if __len > 0 {
-                            let __low = __low + __skipped as #isize;
-                            #name = __low;
-                            #pass
-                        }
-                        #name = __after;
+                    #opened
+                    let mut __from = if __skipped < __most { 0 } else { __skipped / __most * __most };
+                    while __from < __until {
+                        let __skip = __wzvi::Ord::max(__from, __skipped);
+                        __from += __most;
+                        let __len = __wzvi::Ord::min(__from, __until) - __skip;
+                        #low
+                        #moved
+                        #chunk
                     }
                     #name = __next;
                 }
@@ -316,12 +355,9 @@ impl Chunk<'_> {
             }
             Motion::Run => {
                 let (slice, index) = (format_ident!("__s{k}"), slot_index(&local.slot));
-                let base = self.indices.position(&index);
+                let first = self.first(code, &index, 1);
                 self.limit(code, &index, inner);
-                code.opening.extend(quote! {
-                    let #slice = #base;
-                    let #slice = &#list[#slice..#slice + __len];
-                });
+                code.opening.extend(quote!(let #slice = &#list[#first..#first + __len];));
                 let is_state = matches!(local.slot, Slot::Coordinate(_) | Slot::Momentum(_));
                 code.reads.extend(match is_state {
                     true => {
@@ -361,11 +397,11 @@ impl Chunk<'_> {
         }
         self.limit(code, base, inner);
         let name = format_ident!("__points{}", code.points.len());
-        let (at, components) = (self.indices.position(base), Literal::i128_unsuffixed(self.components));
+        let (at, components) =
+            (self.first(code, base, self.components), Literal::i128_unsuffixed(self.components));
         code.opening.extend(match is_written {
             false => quote! {
-                let #name = #at;
-                let #name = &#list[#name..#name + #components * __len].as_chunks::<#components>().0[..__len];
+                let #name = &#list[#at..#at + #components * __len].as_chunks::<#components>().0[..__len];
             },
             true => quote!(let mut #name = #list.points::<#components>(#at, __len);),
         });
@@ -373,6 +409,17 @@ impl Chunk<'_> {
             code.release.extend(quote!(__wzvi::drop(#name);));
         }
         code.points.push((key, base.clone(), name.clone()));
+        name
+    }
+
+    /// The name of where a stretch begins.
+    fn first(&self, code: &mut Code, index: &Index, stride: i128) -> Ident {
+        if let Some(known) = code.firsts.iter().find(|known| known.index == *index && known.stride == stride)
+        {
+            return known.name.clone();
+        }
+        let name = format_ident!("__first{}", code.firsts.len());
+        code.firsts.push(Stretch { index: index.clone(), stride, name: name.clone() });
         name
     }
 

@@ -73,6 +73,10 @@ impl<'a> Strip<'a> {
 /// As [`Sums::clip`], to what writes into `places`.
 #[inline(always)]
 fn clip<const N: usize>(places: Range<usize>, len: usize, first: [usize; N]) -> (usize, usize) {
+    // Rows of a lattice mostly lie in a window: looking at one stretch of them is enough. Chains, with one or two stretches, do not.
+    if N > 2 && first.iter().any(|&first| places.start <= first && first + len <= places.end) {
+        return (0, len);
+    }
     let (mut start, mut end) = (len, 0);
     for first in first {
         let (from, to) = (places.start.saturating_sub(first), places.end.saturating_sub(first).min(len));

@@ -138,17 +138,18 @@ impl Chunk<'_> {
         let Some((_, Target::Slope { vector, index })) = self.outputs.get(j) else { return };
         let (slice, at, value) = (format_ident!("__b{j}"), format_ident!("__at{j}"), &values[j]);
         let carried = format_ident!("__carried{j}");
-        let base = self.indices.position(index);
+        let first = self.first(code, index, 1);
         self.limit(code, index, inner);
         self.keep_order(code, inner, j);
         if let Some((next, (_, Target::Slope { index: ahead, .. }))) =
             next.and_then(|next| Some((next, self.outputs.get(next)?)))
         {
             self.limit(code, ahead, inner);
-            let (base_ahead, value_ahead) = (self.indices.position(ahead), &values[next]);
+            let (first_ahead, value_ahead) = (self.first(code, ahead, 1), &values[next]);
             let zero = self.zero();
             // One by one where the next place is another one after all.
             if wrap(index, inner, 1).is_some() || wrap(ahead, inner, 1).is_some() {
+                let [base, base_ahead] = [index, ahead].map(|index| self.indices.position(index));
                 code.limits.extend(quote! {
                     if #base_ahead != #base + 1 {
                         __len = 1;
@@ -156,7 +157,7 @@ impl Chunk<'_> {
                 });
             }
             code.opening.extend(quote! {
-                let #at = #base_ahead + (__len - 1);
+                let #at = #first_ahead + (__len - 1);
                 let mut #carried = #zero;
             });
             // Computed first: only then can the compiler keep what is carried in a vector register.
@@ -169,7 +170,7 @@ impl Chunk<'_> {
         } else {
             code.stores.extend(quote!(#slice.add(__place, #value);));
         }
-        code.opening.extend(quote!(let mut #slice = #vector.run(#base, __len);));
+        code.opening.extend(quote!(let mut #slice = #vector.run(#first, __len);));
         code.release.extend(quote!(__wzvi::drop(#slice);));
     }
 
@@ -208,7 +209,7 @@ impl Chunk<'_> {
                 _ => quote!(__run.add(__place, #buffer[__place]);),
             });
         }
-        let at = self.indices.position(&base);
+        let at = self.first(code, &base, stride);
         code.closing.extend(quote! {{
             let mut __run = #vector.#run(#at, __len);
             for __place in 0..__len {
