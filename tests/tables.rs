@@ -284,9 +284,9 @@ fn fixed_points_are_those_of_the_equations() {
             force[a] -= pull;
             force[b] += pull;
         }
-        for i in 0..n {
+        for (i, force) in force.iter().enumerate() {
             // A dozen terms of order one, and three roundings of the state.
-            let residual = state.p[i] - before.p[i] - h * force[i];
+            let residual = state.p[i] - before.p[i] - h * force;
             assert!(residual.abs() < 1e-14, "site {i}: {residual:e}");
         }
     }

@@ -266,8 +266,8 @@ const _: () = {
                         if low < end {
                             let i0 = low;
                             let len = (end - low) as usize;
-                            let s0 = i0 as usize;
-                            let s0 = &at.p[s0..s0 + len];
+                            let first0 = i0 as usize;
+                            let s0 = &at.p[first0..first0 + len];
                             for place in 0..len {
                                 let p_i = s0[place];
                                 b0 = b0 + p_i * p_i * 0.5;
@@ -287,8 +287,8 @@ const _: () = {
                         if low < end {
                             let i1 = low;
                             let len = (end - low) as usize;
-                            let s0 = i1 as usize;
-                            let s0 = &self.strength[s0..s0 + len];
+                            let first0 = i1 as usize;
+                            let s0 = &self.strength[first0..first0 + len];
                             for place in 0..len {
                                 let i1 = low + place as isize;
                                 let strength_i = S::from_f64(s0[place]);
@@ -342,9 +342,9 @@ const _: () = {
                                 if len > 0 {
                                     let low = low + skipped as isize;
                                     let i0 = low;
-                                    let s0 = i0 as usize;
-                                    let s0 = &at.p[s0..s0 + len];
-                                    let mut b0 = by_p.run(i0 as usize, len);
+                                    let first0 = i0 as usize;
+                                    let s0 = &at.p[first0..first0 + len];
+                                    let mut b0 = by_p.run(first0, len);
                                     for place in 0..len {
                                         let p_i = T::of(s0[place]);
                                         b0.add(place, p_i * factor);
@@ -431,8 +431,8 @@ const _: () = {
                                 if low < end {
                                     let i1 = low;
                                     let len = (end - low) as usize;
-                                    let s0 = i1 as usize;
-                                    let s0 = &self.strength[s0..s0 + len];
+                                    let first0 = i1 as usize;
+                                    let s0 = &self.strength[first0..first0 + len];
                                     for place in 0..len {
                                         let i1 = low + place as isize;
                                         let strength_i = T::from_f64(s0[place]);
@@ -493,8 +493,8 @@ const _: () = {
                             if low < end {
                                 let i1 = low;
                                 let len = (end - low) as usize;
-                                let s0 = i1 as usize;
-                                let s0 = &self.strength[s0..s0 + len];
+                                let first0 = i1 as usize;
+                                let s0 = &self.strength[first0..first0 + len];
                                 for place in 0..len {
                                     let i1 = low + place as isize;
                                     let strength_i = S::from_f64(s0[place]);
@@ -643,11 +643,11 @@ const _: () = {
         binding as V, binding as after, binding as at, binding as b0, binding as before,
         binding as block, binding as by_p, binding as by_q, binding as carry,
         binding as degrees, binding as dw, binding as end, binding as entry,
-        binding as factor, binding as few, binding as first, binding as h, binding as i0,
-        binding as i1, binding as inner, binding as integer, binding as into,
-        binding as lane, binding as len, binding as list, binding as list0,
-        binding as list1, binding as low, binding as memory, binding as o0,
-        binding as outer, binding as p, binding as p_i, binding as part,
+        binding as factor, binding as few, binding as first, binding as first0,
+        binding as h, binding as i0, binding as i1, binding as inner, binding as integer,
+        binding as into, binding as lane, binding as len, binding as list,
+        binding as list0, binding as list1, binding as low, binding as memory,
+        binding as o0, binding as outer, binding as p, binding as p_i, binding as part,
         binding as place, binding as prepared, binding as product, binding as q,
         binding as q_bonds_i_0, binding as q_bonds_i_1, binding as range, binding as s0,
         binding as segment, binding as sin, binding as size, binding as skipped,
