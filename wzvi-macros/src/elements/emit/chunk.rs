@@ -9,6 +9,7 @@
 
 mod beside;
 mod motion;
+mod nest;
 mod rows;
 mod stores;
 
@@ -16,6 +17,7 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use motion::{Motion, motion, runs, wrap};
+use nest::Nest;
 
 pub(super) use beside::{Beside, gathers, lists};
 pub(super) use motion::stretch;
@@ -30,9 +32,6 @@ use crate::emit::step::mentions;
 use crate::model::index::Index;
 use crate::model::{Element, Local, Slot};
 use crate::symbolic::Expr;
-
-/// Placements in one chunk, if there are buffers.
-const CHUNK: usize = 256;
 
 /// The innermost loop.
 pub(super) struct Chunk<'a> {
@@ -109,49 +108,18 @@ impl Chunk<'_> {
             return Emitted::new(TokenStream::new(), self.single(inside, values));
         };
         let (inner, name) = (*inner, variable(*inner));
-        let (isize, usize) = (quote!(__wzvi::isize), quote!(__wzvi::usize));
         let mut code = Code::default();
         for (k, local) in self.read_locals(inside, values) {
             self.open(&mut code, inner, k, local);
         }
         let block = self.beside.as_ref().map(|beside| self.beside(inner, beside, inside, values));
         self.store(&mut code, inner, block.as_ref().map_or(values, |block| &block.values));
-        let has_all = code.limits.is_empty() && code.ordering.is_empty() && !code.has_buffers;
-        let most = count(CHUNK);
-        let most = match code.has_buffers {
-            true => quote!(__wzvi::Ord::min((__end - __low) as #usize, #most)),
-            false => quote!((__end - __low) as #usize),
-        };
-        let has_buffers = code.has_buffers;
-        let Code {
-            buffers,
-            before,
-            limits,
-            ordering,
-            firsts,
-            opening,
-            reads,
-            stores,
-            release,
-            closing,
-            after,
-            ..
-        } = code;
-        let opened: TokenStream = firsts
-            .iter()
-            .map(|Stretch { index, name, .. }| {
-                let position = self.indices.position(index);
-                quote!(let #name = #position;)
-            })
-            .collect();
-        let release = (!closing.is_empty()).then_some(release);
-        let mutable = |limits: &TokenStream| if limits.is_empty() { quote!() } else { quote!(mut) };
-        let is_limited = mutable(&quote!(#limits #ordering));
         let place_in = |body: &TokenStream| {
-            mentions(body, &name.to_string()).then(|| quote!(let #name = __low + __place as #isize;))
+            mentions(body, &name.to_string()).then(|| quote!(let #name = __low + __place as __wzvi::isize;))
         };
+        let Code { reads, stores, opening, closing, .. } = &code;
         let each = match &block {
-            Some(block) => block.over_chunk(&place_in, &reads, &stores),
+            Some(block) => block.over_chunk(&place_in, reads, stores),
             None => {
                 let body = quote!(#reads #inside #stores);
                 let place = place_in(&body);
@@ -164,12 +132,7 @@ impl Chunk<'_> {
             }
         };
         let (items, lists) = block.map(|block| (block.items, block.opening)).unzip();
-        let buffers = quote!(#items #buffers);
-        let limited = quote! {
-            let #is_limited __len = #most;
-            #limits
-            #ordering
-        };
+        let release = (!closing.is_empty()).then_some(&code.release);
         let chunk = quote! {
             #opening
             #lists
@@ -177,113 +140,11 @@ impl Chunk<'_> {
             #release
             #closing
         };
-        let pass = quote!(#opened #chunk);
+        let buffers = &code.buffers;
+        let buffers = quote!(#items #buffers);
         let (places, sums) = (self.places(inner), written(self.outputs));
-        if has_all {
-            let positions = places.as_ref().map(|(_, places)| places);
-            let mentioned = quote!(#limited #pass #positions);
-            let opens_at_low = mentions(&mentioned, &name.to_string()).then(|| quote!(let #name = __low;));
-            let pass = match &places {
-                None => pass,
-                Some((stride, places)) => {
-                    let moves = opens_at_low.as_ref().map(|_| quote!(let #name = __low;));
-                    quote! {
-                        let (__skipped, __len) = #sums.clip::<#stride, _>(__len, #places);
-                        if __len > 0 {
-                            let __low = __low + __skipped as #isize;
-                            #moves
-                            #pass
-                        }
-                    }
-                }
-            };
-            let body = quote! {
-                #before
-                let (__low, __end): (#isize, #isize) = (#start, #end);
-                if __low < __end {
-                    #opens_at_low
-                    #limited
-                    #pass
-                }
-                #after
-            };
-            return Emitted::new(buffers, body);
-        }
-        if let (true, Some((stride, places))) = (has_buffers, &places) {
-            // What a stretch without wrapping around leaves out is left out at once, and where its slices begin is found once.
-            // Chunks begin where they do without that, because sums are parted there.
-            let (mutable_piece, mutable_chunk, most) = (mutable(&limits), mutable(&ordering), count(CHUNK));
-            let moved: TokenStream = firsts
-                .iter()
-                .map(|Stretch { stride, name, .. }| {
-                    let moved = match stride {
-                        1 => quote!(__skip),
-                        _ => {
-                            let stride = Literal::i128_unsuffixed(*stride);
-                            quote!(#stride * __skip)
-                        }
-                    };
-                    quote!(let #name = #name + #moved;)
-                })
-                .collect();
-            let low = mentions(&chunk, "__low").then(|| quote!(let __low = #name + __skip as #isize;));
-            let body = quote! {
-                #before
-                let mut #name: #isize = #start;
-                let __end: #isize = #end;
-                while #name < __end {
-                    let #mutable_piece __len = (__end - #name) as #usize;
-                    #limits
-                    let __next = #name + __len as #isize;
-                    let (__skipped, __taken) = #sums.clip::<#stride, _>(__len, #places);
-                    let __until = __skipped + __taken;
-                    let #mutable_chunk __len: #usize = #most;
-                    #ordering
-                    let __most = __len;
-                    #opened
-                    let mut __from = if __skipped < __most { 0 } else { __skipped / __most * __most };
-                    while __from < __until {
-                        let __skip = __wzvi::Ord::max(__from, __skipped);
-                        __from += __most;
-                        let __len = __wzvi::Ord::min(__from, __until) - __skip;
-                        #low
-                        #moved
-                        #chunk
-                    }
-                    #name = __next;
-                }
-                #after
-            };
-            return Emitted::new(buffers, body);
-        }
-        let pass = match places {
-            None => quote! {
-                #pass
-                #name += __len as #isize;
-            },
-            Some((stride, places)) => quote! {
-                let __next = #name + __len as #isize;
-                let (__skipped, __len) = #sums.clip::<#stride, _>(__len, #places);
-                if __len > 0 {
-                    let __low = __low + __skipped as #isize;
-                    #name = __low;
-                    #pass
-                }
-                #name = __next;
-            },
-        };
-        let body = quote! {
-            #before
-            let mut #name: #isize = #start;
-            let __end: #isize = #end;
-            while #name < __end {
-                let __low = #name;
-                #limited
-                #pass
-            }
-            #after
-        };
-        Emitted::new(buffers, body)
+        let nest = Nest { indices: self.indices, name, start, end, code: &code, chunk, places, sums };
+        Emitted::new(buffers, nest.emit())
     }
 
     /// The arguments of `clip`: where the first placement of a chunk writes, if that of each one after it is the place after, or the

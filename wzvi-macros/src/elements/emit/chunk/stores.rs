@@ -4,7 +4,8 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::motion::{Motion, follows, motion, stretch, unwrapped, wrap};
-use super::{CHUNK, Chunk, Code};
+use super::nest::CHUNK;
+use super::{Chunk, Code};
 use crate::elements::emit::indices::variable;
 use crate::elements::emit::kernel::Target;
 use crate::emit::count;

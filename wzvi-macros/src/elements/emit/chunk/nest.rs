@@ -1,0 +1,192 @@
+//! The loop over the chunks of an innermost loop: as many placements as no index wraps around in and no place gets its terms in
+//! another order, and of them those that write to what is wanted.
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::quote;
+
+use super::{Code, Stretch};
+use crate::elements::emit::indices::Indices;
+use crate::emit::count;
+use crate::emit::step::mentions;
+
+/// Placements in one chunk, if there are buffers.
+pub(super) const CHUNK: usize = 256;
+
+/// What the loop is put together from.
+pub(super) struct Nest<'n> {
+    pub(super) indices: Indices<'n>,
+    /// The loop variable, its start and its end.
+    pub(super) name: Ident,
+    pub(super) start: &'n TokenStream,
+    pub(super) end: &'n TokenStream,
+    pub(super) code: &'n Code,
+    /// A chunk, whose stretches are known to begin at their `__first`.
+    pub(super) chunk: TokenStream,
+    /// The arguments of `clip`, and what it is asked of.
+    pub(super) places: Option<(Literal, TokenStream)>,
+    pub(super) sums: TokenStream,
+}
+
+impl Nest<'_> {
+    pub(super) fn emit(&self) -> TokenStream {
+        let Code { limits, ordering, has_buffers, .. } = self.code;
+        match &self.places {
+            _ if limits.is_empty() && ordering.is_empty() && !has_buffers => self.at_once(),
+            Some((stride, places)) if *has_buffers => self.in_pieces(stride, places),
+            _ => self.in_chunks(),
+        }
+    }
+
+    /// All placements are one chunk.
+    fn at_once(&self) -> TokenStream {
+        let Self { name, start, end, code: Code { before, after, .. }, sums, .. } = self;
+        let isize = quote!(__wzvi::isize);
+        let (limited, pass) = (self.limited(), self.pass());
+        let positions = self.places.as_ref().map(|(_, places)| places);
+        let mentioned = quote!(#limited #pass #positions);
+        let opens_at_low = mentions(&mentioned, &name.to_string()).then(|| quote!(let #name = __low;));
+        let pass = match &self.places {
+            None => pass,
+            Some((stride, places)) => {
+                let moves = opens_at_low.as_ref().map(|_| quote!(let #name = __low;));
+                quote! {
+                    let (__skipped, __len) = #sums.clip::<#stride, _>(__len, #places);
+                    if __len > 0 {
+                        let __low = __low + __skipped as #isize;
+                        #moves
+                        #pass
+                    }
+                }
+            }
+        };
+        quote! {
+            #before
+            let (__low, __end): (#isize, #isize) = (#start, #end);
+            if __low < __end {
+                #opens_at_low
+                #limited
+                #pass
+            }
+            #after
+        }
+    }
+
+    /// Pieces in which no index wraps around: what a stretch of such a piece leaves out is left out at once, and where its slices begin is
+    /// found once. Chunks begin where they do without that, because sums are parted there.
+    fn in_pieces(&self, stride: &Literal, places: &TokenStream) -> TokenStream {
+        let Self { name, start, end, code, chunk, sums, .. } = self;
+        let Code { before, limits, ordering, after, firsts, .. } = code;
+        let (isize, usize) = (quote!(__wzvi::isize), quote!(__wzvi::usize));
+        let (mutable_piece, mutable_chunk, most) = (mutable(limits), mutable(ordering), count(CHUNK));
+        let moved: TokenStream = firsts
+            .iter()
+            .map(|Stretch { stride, name, .. }| {
+                let moved = match stride {
+                    1 => quote!(__skip),
+                    _ => {
+                        let stride = Literal::i128_unsuffixed(*stride);
+                        quote!(#stride * __skip)
+                    }
+                };
+                quote!(let #name = #name + #moved;)
+            })
+            .collect();
+        let low = mentions(chunk, "__low").then(|| quote!(let __low = #name + __skip as #isize;));
+        let opened = self.opened();
+        quote! {
+            #before
+            let mut #name: #isize = #start;
+            let __end: #isize = #end;
+            while #name < __end {
+                let #mutable_piece __len = (__end - #name) as #usize;
+                #limits
+                let __next = #name + __len as #isize;
+                let (__skipped, __taken) = #sums.clip::<#stride, _>(__len, #places);
+                let __until = __skipped + __taken;
+                let #mutable_chunk __len: #usize = #most;
+                #ordering
+                let __most = __len;
+                #opened
+                let mut __from = if __skipped < __most { 0 } else { __skipped / __most * __most };
+                while __from < __until {
+                    let __skip = __wzvi::Ord::max(__from, __skipped);
+                    __from += __most;
+                    let __len = __wzvi::Ord::min(__from, __until) - __skip;
+                    #low
+                    #moved
+                    #chunk
+                }
+                #name = __next;
+            }
+            #after
+        }
+    }
+
+    /// Each chunk finds out where it ends.
+    fn in_chunks(&self) -> TokenStream {
+        let Self { name, start, end, code: Code { before, after, .. }, sums, .. } = self;
+        let (isize, limited, pass) = (quote!(__wzvi::isize), self.limited(), self.pass());
+        let pass = match &self.places {
+            None => quote! {
+                #pass
+                #name += __len as #isize;
+            },
+            Some((stride, places)) => quote! {
+                let __next = #name + __len as #isize;
+                let (__skipped, __len) = #sums.clip::<#stride, _>(__len, #places);
+                if __len > 0 {
+                    let __low = __low + __skipped as #isize;
+                    #name = __low;
+                    #pass
+                }
+                #name = __next;
+            },
+        };
+        quote! {
+            #before
+            let mut #name: #isize = #start;
+            let __end: #isize = #end;
+            while #name < __end {
+                let __low = #name;
+                #limited
+                #pass
+            }
+            #after
+        }
+    }
+
+    /// How many placements the chunk from `__low` on has.
+    fn limited(&self) -> TokenStream {
+        let Code { limits, ordering, has_buffers, .. } = self.code;
+        let (usize, is_limited) = (quote!(__wzvi::usize), mutable(&quote!(#limits #ordering)));
+        let most = count(CHUNK);
+        let most = match has_buffers {
+            true => quote!(__wzvi::Ord::min((__end - __low) as #usize, #most)),
+            false => quote!((__end - __low) as #usize),
+        };
+        quote! {
+            let #is_limited __len = #most;
+            #limits
+            #ordering
+        }
+    }
+
+    /// Where stretches begin.
+    fn opened(&self) -> TokenStream {
+        let opened = self.code.firsts.iter().map(|Stretch { index, name, .. }| {
+            let position = self.indices.position(index);
+            quote!(let #name = #position;)
+        });
+        opened.collect()
+    }
+
+    fn pass(&self) -> TokenStream {
+        let (opened, chunk) = (self.opened(), &self.chunk);
+        quote!(#opened #chunk)
+    }
+}
+
+/// Of a number that may become less.
+fn mutable(limits: &TokenStream) -> TokenStream {
+    if limits.is_empty() { quote!() } else { quote!(mut) }
+}
