@@ -187,7 +187,7 @@ where
         let [x, y, u, v] = start(draw.path());
         State::new([x, y], [u, v])
     };
-    let run = HenonHeiles.ensemble::<E>(H).starts(starts).paths(paths).steps(STEPS).keep_paths(1 << 20);
+    let run = HenonHeiles.ensemble::<E>(H).starts(starts).paths(paths).steps(STEPS).keep_paths(1 << 24);
     let run = run.observe("x", |state| state.q[0]).observe("y", |state| state.q[1]).run().unwrap();
     let kept = run.paths().unwrap();
     (0..kept.count()).flat_map(|path| kept.at(path, 1).unwrap().to_vec()).collect()
