@@ -3,6 +3,7 @@
 use super::memory::Lists;
 use super::passes::{add, are_finite};
 use super::step::{Step, nothing};
+use super::sums::Onto;
 use super::windows::takes_windows;
 use super::{Elements, Memory, MomentumUpdate, Scheme, Slopes};
 use crate::carry::Carry;
@@ -89,16 +90,16 @@ impl<H: Elements, S: Scalar> Givens<'_, H, S> {
         }
         let step = Step { system, scheme, t, h, q, p, dw, increment: None };
         let mut lists = memory.work.lists(scheme, step.degrees());
-        step.assign(&mut lists);
         if !C::CARRIES && !H::IS_CONFORMAL && scheme.update == MomentumUpdate::Multiple(1.0) {
             // `P` is the new momentum.
-            let Lists { u, momentum, .. } = lists;
-            if !(add(u, step.q) && are_finite(momentum)) {
+            if !step.go_on(&mut lists) {
                 return Err(StepFailure::NonFinite);
             }
+            let Lists { u, momentum, .. } = lists;
             q.copy_from_slice(u);
             p.copy_from_slice(momentum);
         } else {
+            step.assign(&mut lists);
             step.finish(&mut lists);
             lists.store(q, p, carry)?;
         }
@@ -159,10 +160,16 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// `P` from the slopes that `D_1 L_d` has, all of them at `q_i`, then `u`.
     #[inline(always)]
     pub(super) fn assign(&self, lists: &mut Lists<'_, S>) {
-        let Lists { u, momentum, stages, by_p, .. } = lists;
+        self.kick(lists);
+        self.drift(lists);
+    }
+
+    /// `P`
+    #[inline(always)]
+    fn kick(&self, lists: &mut Lists<'_, S>) {
+        let Lists { momentum, stages, by_p, .. } = lists;
         let (_, by_q) = stages.at_mut(0);
         by_q.fill(nothing());
-        u.fill(nothing());
         for stage in self.scheme.stages {
             if stage.start != 0.0 {
                 self.slopes(stage, self.q, self.p, Slopes::BY_COORDINATES, by_q, by_p);
@@ -171,6 +178,46 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         for (momentum, (&p, &force)) in momentum.iter_mut().zip(self.p.iter().zip(&*by_q)) {
             *momentum = p - force;
         }
+    }
+
+    /// `u`
+    #[inline(always)]
+    fn drift(&self, lists: &mut Lists<'_, S>) {
+        let Lists { u, momentum, by_p, .. } = lists;
+        u.fill(nothing());
         self.velocities(momentum, by_p, u);
+    }
+
+    /// `P` and, in the place of `u`, the new coordinates; whether both are finite.
+    #[inline(always)]
+    fn go_on(&self, lists: &mut Lists<'_, S>) -> bool {
+        self.kick(lists);
+        let has_one_velocity = H::HAS_ONE_VELOCITY && self.scheme.takes_parts_once();
+        if has_one_velocity && size_of::<S>() == size_of::<f64>() {
+            let Lists { u, momentum, .. } = lists;
+            self.drift_onto(momentum, Onto { base: self.q, next: u });
+            return are_finite(u) && are_finite(momentum);
+        }
+        self.drift(lists);
+        let Lists { u, momentum, .. } = lists;
+        add(u, self.q) && are_finite(momentum)
+    }
+
+    /// Adds the velocities at once to the coordinates.
+    #[inline(always)]
+    fn drift_onto(&self, momentum: &[S], mut coordinates: Onto<'_, S>) {
+        for stage in self.scheme.stages {
+            let (at, none) = (self.at(stage, self.q, momentum), &mut [][..]);
+            for &(part, weight) in stage.parts {
+                self.system.slopes::<S, S::OfElements<H::Exact>, [S], [S], _>(
+                    part,
+                    weight,
+                    &at,
+                    Slopes::BY_MOMENTA,
+                    none,
+                    &mut coordinates,
+                );
+            }
+        }
     }
 }

@@ -145,6 +145,74 @@ impl<S: Scalar> Sums<S> for [S] {
     }
 }
 
+/// Sums of one term each and a number that is known before, of all of a vector: `next[i] = base[i] + term`.
+pub(super) struct Onto<'a, S> {
+    pub(super) base: &'a [S],
+    pub(super) next: &'a mut [S],
+}
+
+impl<S: Scalar> Sums<S> for Onto<'_, S> {
+    type Outer = Range<isize>;
+    type Run<'r>
+        = OntoRun<'r, S, 1>
+    where
+        Self: 'r;
+    type Points<'r, const D: usize>
+        = OntoRun<'r, S, D>
+    where
+        Self: 'r;
+    type Beside<T: Number<S>, const M: usize, const F: usize> = OneByOne<T, M, F>;
+
+    #[inline(always)]
+    fn outer(&self, _variable: usize, values: Range<isize>) -> Range<isize> {
+        values
+    }
+    #[inline(always)]
+    fn clip<const D: usize, const N: usize>(&self, len: usize, _first: [usize; N]) -> (usize, usize) {
+        (0, len)
+    }
+    #[inline(always)]
+    fn run(&mut self, first: usize, len: usize) -> OntoRun<'_, S, 1> {
+        self.points::<1>(first, len)
+    }
+    #[inline(always)]
+    fn points<const D: usize>(&mut self, first: usize, len: usize) -> OntoRun<'_, S, D> {
+        let places = first..first + D * len;
+        OntoRun::new(&self.base[places.clone()], &mut self.next[places])
+    }
+    #[inline(always)]
+    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
+        self.run(place, 1).add(0, value);
+    }
+}
+
+/// A stretch of such sums, in points.
+pub(super) struct OntoRun<'r, S, const D: usize> {
+    base: &'r [[S; D]],
+    next: &'r mut [[S; D]],
+}
+
+impl<'r, S, const D: usize> OntoRun<'r, S, D> {
+    /// Of two lists of one length.
+    #[inline(always)]
+    pub(super) fn new(base: &'r [S], next: &'r mut [S]) -> Self {
+        let (base, next) = (base.as_chunks().0, next.as_chunks_mut().0);
+        let len = base.len().min(next.len());
+        Self { base: &base[..len], next: &mut next[..len] }
+    }
+}
+
+impl<S: Scalar, const D: usize> Run<S> for OntoRun<'_, S, D> {
+    #[inline(always)]
+    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
+        self.add_part(place, 0, value);
+    }
+    #[inline(always)]
+    fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T) {
+        self.next[place][part] = (T::of(self.base[place][part]) + value).kept();
+    }
+}
+
 /// A stretch of a vector.
 #[derive(Debug)]
 pub struct Places<'r, S>(pub(super) &'r mut [S]);

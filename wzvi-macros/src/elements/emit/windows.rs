@@ -104,9 +104,10 @@ pub(super) fn gathered(model: &System, parts: &[PartElements]) -> Option<TokenSt
     })
 }
 
-/// Whether the velocity of every degree of freedom is the slope of one element, in a loop over all places or points.
+/// Whether the velocity of every degree of freedom is the slope of one element, in a loop over all places or points, and nothing else.
 pub(super) fn have_one_velocity(model: &System, parts: &[PartElements]) -> bool {
-    let mut read = elements(model, parts).filter(|element| matches!(element.reads(), Reads::Momenta));
+    let moves = |element: &&Element| matches!(element.reads(), Reads::Momenta | Reads::Both);
+    let mut read = elements(model, parts).filter(moves);
     let (Some(element), None) = (read.next(), read.next()) else { return false };
     let [only] = element.loops.as_slice() else { return false };
     let is_all = only.start == Index::default() && only.end == model.size;
@@ -114,7 +115,8 @@ pub(super) fn have_one_velocity(model: &System, parts: &[PartElements]) -> bool 
     let first = Index::atom(Atom::Loop(only.variable)).multiply(&Index::integer(model.components));
     let read: Vec<&Index> = element.momenta().map(|(_, index)| index).collect();
     let is_each = i128::try_from(read.len()) == Ok(model.components);
-    is_all && is_each && first.is_some() && read.into_iter().all(|index| point(index) == first)
+    let is_kinetic = matches!(element.reads(), Reads::Momenta);
+    is_kinetic && is_all && is_each && first.is_some() && read.into_iter().all(|index| point(index) == first)
 }
 
 /// The types that slopes are computed with where numbers are kept as `f64`: one by one, and in loops over neighbours. Where

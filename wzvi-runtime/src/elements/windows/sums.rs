@@ -4,7 +4,7 @@ use std::ops::{Index, Range};
 
 use super::super::beside::OneByOne;
 use super::super::step::nothing;
-use super::super::sums::{Given, Points, Run, Sums};
+use super::super::sums::{Given, OntoRun, Points, Run, Sums};
 use super::layout::{Strip, Values};
 use crate::scalar::Number;
 
@@ -162,11 +162,11 @@ pub(super) struct Moved<'a> {
 impl<'a> Sums<f64> for Moved<'a> {
     type Outer = Values<'a>;
     type Run<'r>
-        = MovedRun<'r, 1>
+        = OntoRun<'r, f64, 1>
     where
         Self: 'r;
     type Points<'r, const D: usize>
-        = MovedRun<'r, D>
+        = OntoRun<'r, f64, D>
     where
         Self: 'r;
     type Beside<T: Number<f64>, const M: usize, const F: usize> = OneByOne<T, M, F>;
@@ -180,36 +180,19 @@ impl<'a> Sums<f64> for Moved<'a> {
         self.strip.clip::<D, N>(len, first)
     }
     #[inline(always)]
-    fn run(&mut self, first: usize, len: usize) -> MovedRun<'_, 1> {
+    fn run(&mut self, first: usize, len: usize) -> OntoRun<'_, f64, 1> {
         self.points::<1>(first, len)
     }
     #[inline(always)]
-    fn points<const D: usize>(&mut self, first: usize, len: usize) -> MovedRun<'_, D> {
+    fn points<const D: usize>(&mut self, first: usize, len: usize) -> OntoRun<'_, f64, D> {
         let places = first..first + D * len;
         let next = &mut self.next[places.start - self.first..places.end - self.first];
-        MovedRun { base: &self.base[places].as_chunks().0[..len], next: &mut next.as_chunks_mut().0[..len] }
+        OntoRun::new(&self.base[places], next)
     }
     #[inline(always)]
     fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
         if (self.strip.start..self.strip.end).contains(&place) {
             self.run(place, 1).add(0, value);
         }
-    }
-}
-
-/// A stretch of [`Moved`], in points.
-pub(super) struct MovedRun<'r, const D: usize> {
-    base: &'r [[f64; D]],
-    next: &'r mut [[f64; D]],
-}
-
-impl<const D: usize> Run<f64> for MovedRun<'_, D> {
-    #[inline(always)]
-    fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
-        self.add_part(place, 0, value);
-    }
-    #[inline(always)]
-    fn add_part<T: Number<f64>>(&mut self, place: usize, part: usize, value: T) {
-        self.next[place][part] = (T::of(self.base[place][part]) + value).kept();
     }
 }
