@@ -57,7 +57,7 @@ impl<const L: usize> Lanes<L> {
     }
 
     #[inline(always)]
-    fn map(self, f: impl Fn(f64) -> f64) -> Self {
+    pub(crate) fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self(each(|i| f(self.0[i])))
     }
 
@@ -261,6 +261,14 @@ impl<const L: usize> Scalar for Lanes<L> {
         let mut largest = 0.0;
         for i in 0..L {
             largest = larger(largest, self.0[i].relative_to(other.0[i]));
+        }
+        largest
+    }
+    #[inline(always)]
+    fn nearly_relative_to(self, other: Self) -> f64 {
+        let mut largest = 0.0;
+        for i in 0..L {
+            largest = larger(largest, self.0[i].nearly_relative_to(other.0[i]));
         }
         largest
     }

@@ -100,6 +100,11 @@ pub trait Scalar:
     /// that vanishes; NaN if any part is. `f64::MIN_POSITIVE` is added to what is divided by: a number that is nearest to
     /// another differs from it by `ε (|x| + MIN_POSITIVE)` at most, subnormal or not.
     fn relative_to(self, other: Self) -> f64;
+    /// The same without a division: within a nineteenth, and not finite where that is larger than all numbers.
+    #[inline(always)]
+    fn nearly_relative_to(self, other: Self) -> f64 {
+        self.relative_to(other)
+    }
     /// `|self| / size` of a size that is not negative, within an eighth, by lane and without derivatives; `f64::MAX` for what is larger, and
     /// for NaN.
     #[inline(always)]
@@ -236,6 +241,14 @@ macro_rules! forward {
     ($($function:ident)*) => { $(#[inline(always)] fn $function(self) -> Self { f64::$function(self) })* };
 }
 
+/// `1 / size` within a nineteenth: the bits of a number are nearly its logarithm. At most `1.9 / f64::MIN_POSITIVE`, for zero; and no number for
+/// sizes above `8.5e307`.
+#[inline(always)]
+pub(crate) fn nearly_inverse(size: f64) -> f64 {
+    const TWICE_ONE: u64 = 0x7fde_6238_22fc_16e6;
+    f64::from_bits(TWICE_ONE.wrapping_sub(size.to_bits()))
+}
+
 impl Scalar for f64 {
     type Mask = bool;
     type Stages<const N: usize> = Lanes<N>;
@@ -267,12 +280,14 @@ impl Scalar for f64 {
     fn relative_to(self, other: Self) -> f64 {
         self.abs() / (other.abs() + f64::MIN_POSITIVE)
     }
-    /// By the bits of the size, which are nearly its logarithm. The smaller of two is one instruction, but not of one and infinity: compilers make a
-    /// test of bits of that.
+    #[inline(always)]
+    fn nearly_relative_to(self, other: Self) -> f64 {
+        (self * nearly_inverse(other)).abs()
+    }
+    /// The smaller of two is one instruction, but not of one and infinity: compilers make a test of bits of that.
     #[inline(always)]
     fn nearly_over(self, size: Self) -> Self {
-        const TWICE_ONE: u64 = 0x7fde_6238_22fc_16e6;
-        let relative = (self * Self::from_bits(TWICE_ONE.wrapping_sub(size.to_bits()))).abs();
+        let relative = (self * nearly_inverse(size)).abs();
         if relative < Self::MAX { relative } else { Self::MAX }
     }
     #[inline(always)]
@@ -340,5 +355,38 @@ impl Scalar for f64 {
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         f64::max(self, other)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Between two powers of two the error does not depend on the power.
+    #[test]
+    fn sizes_are_nearly_right() {
+        let mantissas = || (0..=1000).map(|k| 1.0 + f64::from(k) / 1000.0);
+        for power in [-900, -500, -1, 0, 1, 500, 1000, 1020] {
+            for mantissa in mantissas() {
+                let size = mantissa * 2f64.powi(power);
+                for number in [size, -0.3 * size, 1e-16 * size] {
+                    let (near, exact) = (number.nearly_relative_to(-size), number.abs() / size);
+                    assert!((near - exact).abs() <= exact / 19.0, "{number:e} {size:e}");
+                    assert_eq!(near.to_bits(), number.nearly_over(size).to_bits());
+                }
+            }
+        }
+    }
+
+    /// Where numbers have fewer digits, roundings are of one size, and so are errors of two and a half.
+    #[test]
+    fn what_is_subnormal_is_small() {
+        for size in (0..52).map(|power| f64::from_bits(1 << power)) {
+            let (near, exact) = (5e-324_f64.nearly_relative_to(size), 5e-324_f64.relative_to(size));
+            assert!(near > 0.0 && near <= 2.5 * exact, "{size:e}: {near:e} {exact:e}");
+        }
+        assert_eq!(0.0_f64.nearly_relative_to(0.0), 0.0);
+        assert!(!f64::INFINITY.nearly_relative_to(f64::INFINITY).is_finite());
+        assert!(!f64::NAN.nearly_relative_to(1.0).is_finite());
     }
 }

@@ -183,6 +183,10 @@ impl<const STANDS_ALONE: bool> Scalar for Single<STANDS_ALONE> {
         self.0.relative_to(other.0)
     }
     #[inline(always)]
+    fn nearly_relative_to(self, other: Self) -> f64 {
+        self.0.nearly_relative_to(other.0)
+    }
+    #[inline(always)]
     fn is_identical(self, other: Self) -> bool {
         self.0.is_identical(other.0)
     }

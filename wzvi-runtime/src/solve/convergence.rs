@@ -1,9 +1,14 @@
 //! When an iteration has converged: see [`newton`](super::newton).
+//!
+//! Relative corrections may be a nineteenth too large or too small ([`Scalar::nearly_relative_to`](crate::scalar::Scalar::nearly_relative_to)).
 
 /// Corrections below this fraction of an unknown change nothing.
 pub(super) const ROUNDING: f64 = f64::EPSILON;
-/// The part of a rounding that the correction after the last one may be.
+/// The part of a rounding that the correction after the last one may be: a third of one, where the corrections that it follows from are not exact.
 pub(super) const UNSEEN: f64 = 0.25;
+/// A start other than zero claims to be near the solution: its first correction has to be smaller than the solution itself, by what sizes may be wrong.
+/// From zero it never is.
+pub(super) const FROM_GUESS: f64 = 2.0 * (1.0 - 1.0 / 19.0);
 /// Relative to what it leads to, the first correction from zero is 1, whatever the equations are. The second is at most half as long as the first
 /// where it is at most a third of what it leads to: half of this.
 pub(super) const FROM_ZERO: f64 = 2.0 / 3.0;
@@ -34,11 +39,9 @@ pub(crate) enum Verdict {
 }
 
 impl Convergence {
-    /// A start other than zero claims to be near the solution: its first correction has to be smaller than the
-    /// solution itself.
     #[inline(always)]
     pub(crate) fn new(is_guess: bool) -> Self {
-        let last = if is_guess { 2.0 } else { f64::INFINITY };
+        let last = if is_guess { FROM_GUESS } else { f64::INFINITY };
         let enough = ROUNDING * ROUNDING * ROUNDING;
         Self { last, enough, unseen: UNSEEN, iterations: 0, is_guess, is_beyond_rounding: is_guess }
     }
@@ -53,11 +56,11 @@ impl Convergence {
         self.last = self.last.min(FROM_ZERO);
     }
 
-    /// The first correction from zero is 1, relative to what it leads to.
+    /// The first correction from zero.
     #[inline(always)]
-    pub(super) fn begin_from_zero(&mut self) {
+    pub(super) fn begin(&mut self, relative: f64) {
         self.iterations = 1;
-        self.expect(1.0, 1.0);
+        self.expect(relative, relative * relative);
     }
 
     /// Whether this is a guess that no correction has been made to.
@@ -97,7 +100,7 @@ impl Convergence {
             return verdict;
         }
         self.iterations += 1;
-        if relative.is_nan() {
+        if !relative.is_finite() {
             return Verdict::Straying;
         }
         let beyond = beyond_rounding(roundings(self.is_guess && self.iterations == 1));

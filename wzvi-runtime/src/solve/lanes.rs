@@ -5,7 +5,7 @@
 //! way finds, gets NaN, which the end of the step reports for all; whoever runs lanes then takes them one by one.
 #![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
-use super::convergence::{FROM_ZERO, ROUNDING, UNSEEN, roundings};
+use super::convergence::{FROM_GUESS, FROM_ZERO, ROUNDING, UNSEEN, roundings};
 use super::dense::{
     LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT, eliminate, eliminate_symmetric, substitute, substitute_symmetric,
 };
@@ -13,7 +13,7 @@ use super::newton::{Effort, Equations, SAFE_DETERMINANT, beyond};
 use super::{Solve, Together};
 use crate::error::StepFailure;
 use crate::lanes::{LaneMask, Lanes};
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::{Mask, Scalar, nearly_inverse};
 
 type Matrix<const L: usize, const N: usize> = [[Lanes<L>; N]; N];
 
@@ -47,7 +47,7 @@ impl<const L: usize> LaneConvergence<L> {
     #[inline(always)]
     fn new(is_guess: bool) -> Self {
         Self {
-            last: Lanes::from_f64(if is_guess { 2.0 } else { f64::INFINITY }),
+            last: Lanes::from_f64(if is_guess { FROM_GUESS } else { f64::INFINITY }),
             enough: Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING),
             iterations: 0,
             is_guess,
@@ -114,7 +114,7 @@ impl<const L: usize> LaneConvergence<L> {
         let mut good = done | relative.less(self.last * 0.5);
         let roundings = roundings(self.is_guess && self.iterations == 1);
         for lane in 0..L {
-            if good.lane(lane) || relative[lane].is_nan() {
+            if good.lane(lane) || !relative[lane].is_finite() {
                 continue;
             }
             let beyond = beyond_rounding(lane, roundings);
@@ -134,10 +134,11 @@ impl<const L: usize> LaneConvergence<L> {
     }
 }
 
-/// `relative_to` of `f64`, by lane.
+/// `nearly_relative_to` of `f64`, by lane.
 #[inline(always)]
 fn ratio<const L: usize>(correction: Lanes<L>, unknown: Lanes<L>) -> Lanes<L> {
-    correction.abs() / (unknown.abs() + f64::MIN_POSITIVE)
+    // One operation of all lanes after the other: compilers take the lanes of several at once apart.
+    (correction * unknown.map(nearly_inverse)).abs()
 }
 
 /// `newton::newton`, by lane.

@@ -193,30 +193,23 @@ pub(super) fn newton<
     Ok(Effort::fast(iterations))
 }
 
-/// The first iteration from zero, of few unknowns. Its correction is all of what it leads to, so that nothing has to be divided: 1, relative to that.
-/// `false`, and nothing is done, where that would not be the bits of [`corrected_end`].
+/// The first iteration from zero, of few unknowns, by what is known of it: nothing was before, and its correction is all of what it leads to.
+/// `false`, and nothing is done, where it says more.
 #[inline(always)]
 fn begun<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     x: &mut [S; N],
     convergence: &mut Convergence,
     equations: impl Equations<S, N>,
 ) -> bool {
-    // The number that `relative_to` adds is lost in the rounding of anything larger.
-    const LEAST: f64 = f64::MIN_POSITIVE / (f64::EPSILON * f64::EPSILON);
     let (residual, jacobian) = equations.evaluate(x);
     let Some(correction) = corrected::<S, N, SYMMETRIC>(&jacobian, residual) else { return false };
-    let mut size = 0.0;
-    for part in correction {
-        size += part.magnitude();
+    let (end, largest) = corrected_end(x, &correction);
+    let is_first = (largest - 1.0).abs() < 0.5;
+    if is_first {
+        *x = end;
+        convergence.begin(largest);
     }
-    let is_all = size > LEAST;
-    if is_all {
-        for i in 0..N {
-            x[i] = x[i] - correction[i];
-        }
-        convergence.begin_from_zero();
-    }
-    is_all
+    is_first
 }
 
 /// The iteration from `x` on, where it needs a pivot or a look at the residuals. A call by value, and the last thing that the caller does: in
@@ -244,7 +237,8 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
             Verdict::Converged => return Ok((end, accepted(&jacobian, convergence)?.iterations)),
             Verdict::Contracting => x = end,
             Verdict::Straying => {
-                return Err(explain::<N>(convergence.iterations, largest, jacobian[0][0].magnitude()));
+                let size = (0..N).fold(0.0, |most, i| larger(most, relative(correction[i], end[i])));
+                return Err(explain::<N>(convergence.iterations, size, jacobian[0][0].magnitude()));
             }
         }
         if std::mem::take(&mut is_from_zero) {
@@ -253,13 +247,13 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     }
 }
 
-/// `x - c`, and the largest part of `c` relative to it; NaN of an unknown may be lost in that: no step returns it.
+/// `x - c`, and the largest part of `c` relative to it, nearly; NaN of an unknown may be lost in that: no step returns it.
 #[inline(always)]
 fn corrected_end<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N]) -> ([S; N], f64) {
     let (mut end, mut largest) = (*x, 0.0_f64);
     for i in 0..N {
         end[i] = x[i] - correction[i];
-        let size = relative(correction[i], end[i]);
+        let size = correction[i].nearly_relative_to(end[i]);
         largest = if i > 0 && largest > size { largest } else { size };
     }
     (end, largest)
@@ -459,7 +453,7 @@ mod tests {
         }
     }
 
-    /// `x = c + k c (x/c)²/4` of any size: one number and two lanes go the same way, though only the one knows the size of its first correction.
+    /// `x = c + k c (x/c)²/4` of any size: one number and two lanes go the same way, though only the one begins with an iteration of its own.
     #[test]
     fn the_first_correction_from_zero_is_all_of_it() {
         fn parabola<S: Scalar>(c: S, k: S) -> impl Equations<S, 1> {
