@@ -337,6 +337,19 @@ fn files_are_read_back() {
     std::fs::remove_file(&folder).unwrap();
 }
 
+/// Where nothing is drawn, no table says that it was.
+#[test]
+fn a_run_without_noise_has_none() {
+    let folder = std::env::temp_dir().join(format!("wzvi-ensemble-quiet-{}", std::process::id()));
+    let run = Oscillator.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(2).steps(3);
+    run.run().unwrap().write_csv(&folder).unwrap();
+    let table = std::fs::read_to_string(folder.join("run.csv")).unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    let mut lines = table.lines().map(|line| line.split(','));
+    let column = lines.next().unwrap().position(|name| name == "noise").unwrap();
+    assert_eq!(lines.next().unwrap().nth(column), Some("none"));
+}
+
 /// What a folder had of another run goes, and the new set says what it is of.
 #[test]
 fn tables_of_two_runs_do_not_lie_beside_each_other() {

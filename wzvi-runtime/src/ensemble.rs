@@ -275,7 +275,7 @@ impl<'a, H: Discretized<E>, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     }
 
     /// How many paths may fail, as a fraction of all; 0.01 if this is not called. More are an error ([`LossError`]), which has the
-    /// statistics of the others.
+    /// statistics of the others. Where all fail, there are none, and the run returns the error of the first, whatever is allowed.
     pub fn allow_losses(mut self, fraction: f64) -> Self {
         self.setup.control.losses = Some(fraction);
         self

@@ -15,7 +15,7 @@ pub(super) struct Origin {
     pub(super) steps: u64,
     /// 0 for a noise without one.
     pub(super) seed: u64,
-    /// What the increments are of, in words.
+    /// What the increments are of, in words; `none` where the steps take none.
     pub(super) noise: String,
     /// Paths that were asked for, at most.
     pub(super) paths: u64,
@@ -30,7 +30,7 @@ impl Origin {
             start: job.start.t,
             steps: job.steps,
             seed: job.seed,
-            noise: job.source.in_words(),
+            noise: if job.processes() == 0 { "none".into() } else { job.source.in_words() },
             paths: job.paths,
         }
     }
