@@ -203,4 +203,21 @@ mod tests {
             assert!((sum - 1.0).abs() < 1e-15, "{s}: {sum}");
         }
     }
+
+    /// Then a step back undoes a step, by `i' = s + 1 - i`: `c_i' = 1 - c_i`, `b_i' = b_i`, `μ_i'j' = 1 - μ_ij` and `η_i'j' = η_ji`.
+    #[test]
+    fn coefficients_are_symmetric_to_the_last_bit() {
+        for s in 1..=MOST_STAGES {
+            let Coefficients { b, c, matrices: [mu, eta, ..] } = Coefficients::new(s);
+            let opposite = |i: usize| s - 1 - i;
+            for i in 0..s {
+                assert_eq!(c[opposite(i)], 1.0 - c[i], "{s}: {i}");
+                assert_eq!(b[opposite(i)], b[i], "{s}: {i}");
+                for j in 0..s {
+                    assert_eq!(mu[opposite(j)][opposite(i)], 1.0 - mu[j][i], "{s}: {i}, {j}");
+                    assert_eq!(eta[opposite(j)][opposite(i)], eta[i][j], "{s}: {i}, {j}");
+                }
+            }
+        }
+    }
 }

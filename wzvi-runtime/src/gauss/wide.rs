@@ -19,7 +19,11 @@ impl Wide {
     /// The nearest multiple of `2^-bits`, below `2^(53 - bits)`: sums and differences of such numbers do not round.
     pub(super) fn on_grid(self, bits: i32) -> f64 {
         let scale = 2.0_f64.powi(bits);
-        (self.high * scale + self.low * scale).round_ties_even() / scale
+        let high = self.high * scale;
+        let near = high.round_ties_even();
+        // The rest apart: the sum of both would be rounded twice, and `1 - x` then not be opposite to `x`.
+        let rest = (high - near) + self.low * scale;
+        (near + rest.round_ties_even()) / scale
     }
 
     /// The sum without loss.
