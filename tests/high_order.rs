@@ -24,10 +24,10 @@ struct Galaxy {
 )]
 struct Walled;
 
-/// A pendulum in a field that shakes.
+/// A particle between two wells that shake, without functions: in those of lanes and of one number last bits differ.
 #[hamiltonian(
-    drift = |q, p| 0.5 * p * p - q.cos(),
-    noise = [|q, _| sigma * q.sin(), |q, _| 0.1 * q],
+    drift = |q, p| 0.5 * p * p + 0.25 * q.powi(4) - 0.5 * q * q,
+    noise = [|q, _| 0.5 * sigma * q * q / (1.0 + q * q), |q, _| 0.1 * q],
     embedding = [Midpoint, Verlet, Gauss<2>, Gauss<8>],
 )]
 struct Shaken {
@@ -205,7 +205,7 @@ fn one_seed_has_one_meaning() {
         let ensemble =
             system.ensemble::<E>(0.05).start(start).paths(19).seed(7).steps(20).keep_paths(1 << 16);
         let ensemble = ensemble.run().unwrap();
-        for path in [0, 7, 18] {
+        for path in 0..19 {
             let alone = || system.simulate::<E>(0.05).start(start).steps(20);
             let drawn = alone().noise(StepNormals::seed(7).path(path)).run().unwrap();
             let rows: Vec<[f64; 2]> = drawn.increments().map(|dw| [dw[0], dw[1]]).collect();
