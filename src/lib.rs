@@ -216,7 +216,7 @@ pub mod __private {
     pub use wzvi_macros::__continue;
 
     pub use wzvi_runtime::bath;
-    pub use wzvi_runtime::carry::{Carry, Compensation, InPart, Plain};
+    pub use wzvi_runtime::carry::{Carry, Compensation, Plain};
     pub use wzvi_runtime::compose;
     pub use wzvi_runtime::elements;
     pub use wzvi_runtime::embedding;

@@ -2,6 +2,8 @@
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test may stop")]
 
+#[path = "starts/beside.rs"]
+mod beside;
 #[path = "bath/large.rs"]
 mod large;
 #[path = "bath/refusals.rs"]

@@ -1,7 +1,12 @@
 //! Ensembles whose paths start at states of their own, with noise and without: each path is the one that it is alone.
 
 #![cfg(feature = "ensemble")]
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that unwraps says what it expects")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that unwraps says what it expects"
+)]
 #![allow(missing_docs, reason = "test systems")]
 
 use std::sync::Mutex;
@@ -13,6 +18,8 @@ use wzvi::memory::Iteration;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 use wzvi::system::Discretized;
+
+use beside::{numbers, steps_in_part};
 
 /// Hénon and Heiles: arithmetic only, so that lanes and a stepper agree to the last bit.
 #[hamiltonian(
@@ -42,6 +49,16 @@ pub struct Edge;
 
 type Plane = SVector<f64, 2>;
 
+/// In a composition, too, and what its parts remember is that of the steps that were taken.
+#[test]
+fn a_hard_step_leaves_those_beside_it_in_lanes() {
+    let mut number = numbers();
+    let mut start = || [1.2 * number(), 2.0 * number()];
+    let simple = steps_in_part::<Midpoint, _>(&Well { k: 2.0 }, 0.6, &mut start, || 0.0);
+    let composed = steps_in_part::<Composed<Midpoint, Yoshida4>, _>(&Well { k: 2.0 }, 0.4, start, || 0.0);
+    assert!(simple > 10 && composed > 10, "{simple} and {composed} steps in part: too few to test anything");
+}
+
 fn cloud(draw: &mut Draw) -> State<Plane> {
     let mut number = || 0.12 * draw.normal();
     State::new([number(), number()], [number(), number()])
@@ -62,6 +79,8 @@ macro_rules! ends {
     }};
 }
 
+#[path = "starts/beside.rs"]
+mod beside;
 #[path = "starts/stages.rs"]
 mod stages;
 #[path = "starts/sweeps.rs"]

@@ -5,6 +5,7 @@ use wzvi::nalgebra::SVector;
 use wzvi::noise::Interval;
 use wzvi::prelude::*;
 
+use crate::beside::{numbers, steps_in_part};
 use crate::systems::{Damped, Driven, Oscillator, Wall};
 
 const PATHS: u64 = 75;
@@ -72,6 +73,16 @@ fn hard_steps_between_the_bath_are_those_of_steppers() {
     };
     let hard = check::<Thermostat<Midpoint>, _>(well, [0.7, 0.2], true);
     assert!(hard > 50, "{hard} hard steps: too few to test anything");
+}
+
+/// Only the lanes that cannot take the step between the bath go alone.
+#[test]
+fn a_hard_step_between_the_bath_leaves_those_beside_it_in_lanes() {
+    let (mut number, mut normal) = (numbers(), numbers());
+    let well = Oscillator { m: 1.0, k: -400.0, b: 400.0, gamma: 0.2, kt: 0.5 };
+    let start = || [1.5 * number(), 6.0 * number()];
+    let in_part = steps_in_part::<Thermostat<Midpoint>, _>(&well, H, start, || 0.5 * normal());
+    assert!(in_part > 20, "{in_part} steps in part: too few to test anything");
 }
 
 #[test]

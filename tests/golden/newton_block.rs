@@ -52,10 +52,10 @@ pub struct HenonHeiles;
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Beside, Block, Carry, Compensation, ConfigError, Conservative,
-        Constant, Discretized, Effort, Err, Extrapolation, Hamiltonian, InPart,
-        Knowledge, Labels, LagrangianGradient, Lanes, NoiseClass, Ok, Option, Over,
-        Plain, Plan, Result, Rounded, SVector, Scalar, Segment, Solution, Solver, Some,
-        State, StepFailure, Variables, Vector, bool, f64, str, usize,
+        Constant, Discretized, Effort, Err, Extrapolation, Hamiltonian, Knowledge,
+        Labels, LagrangianGradient, Lanes, NoiseClass, Ok, Option, Over, Plain, Plan,
+        Result, Rounded, SVector, Scalar, Segment, Solution, Solver, Some, State,
+        StepFailure, Variables, Vector, bool, f64, str, usize,
         compose::{Composes, Equations, General, ROOM, Structure},
         embedding::{Composed, Midpoint},
     };
@@ -214,11 +214,11 @@ const _: () = {
                 effort,
             );
             if !next.is_finite() {
-                if C::GOES_IN_PART && S::IS_BESIDE {
+                if S::GOES_IN_PART {
                     let taken = next.are_finite();
                     memory.record_in_part::<true>(taken, [delta_px, delta_py]);
                 }
-                return Err(StepFailure::NonFinite);
+                return Err(next.failure());
             }
             memory.record::<true>([delta_px, delta_py]);
             Ok(())
@@ -235,7 +235,6 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (py² + px² + x² + y²)/2 + x² y - y³/3\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}² + P_{px}² + x_{i+1/2}² + y_{i+1/2}²)/2 + x_{i+1/2}² y_{i+1/2} - y_{i+1/2}³/3) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (x_{i+1/2} + 2 x_{i+1/2} y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (y_{i+1/2} + x_{i+1/2}² - y_{i+1/2}²)/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: Newton, symmetric Jacobian (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (x + 2 x y)² + (y + x² - y²)²\n    H_qq(H_p,H_p) = px (px (1 + 2 y) + 2 x py) + py (2 x px + py (1 - 2 y))\n";
-            const FAILS_BY_LANE: bool = true;
             type Prepared = Prepared<f64>;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 2>;
@@ -284,14 +283,14 @@ const _: () = {
                 dw: &[Lanes<L>],
                 memory: &mut Self::Memory<Lanes<L>>,
             ) -> Result<Effort, StepFailure> {
-                let (prepared, carry) = (beside, &mut InPart);
+                let (prepared, carry) = (beside, &mut Plain);
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 wzvi::increments::<_, 0>(dw)?;
                 let mut next = Solution::nowhere();
                 let solved = solve::<
                     Lanes<L>,
                     Lanes<L>,
-                    InPart,
+                    Plain,
                     false,
                 >(prepared, h, *q, *p, memory, carry, &mut next);
                 next.arrive(solved, q, p, carry)

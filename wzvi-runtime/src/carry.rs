@@ -14,9 +14,6 @@ use crate::scalar::Scalar;
 pub trait Carry<S>: Clone + Debug + Default + Numbers {
     /// Whether it holds anything.
     const CARRIES: bool;
-    /// Whether a step that some of the paths beside each other cannot take is taken by the others all the same: the caller knows what a step that
-    /// fails then means ([`StepMemory::take_failures`](crate::memory::StepMemory::take_failures)).
-    const GOES_IN_PART: bool = false;
     /// What is still to be added to coordinate `i`, which is less than the degrees of freedom.
     fn of_coordinate(&self, i: usize) -> S;
     /// What is still to be added to momentum `i`, likewise.
@@ -35,45 +32,33 @@ pub trait Carry<S>: Clone + Debug + Default + Numbers {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Plain;
 
-/// Plain sums of paths beside each other, each of which takes its step or does not.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct InPart;
+impl<S: Scalar> Carry<S> for Plain {
+    const CARRIES: bool = false;
 
-/// Sums that carry nothing.
-macro_rules! plain {
-    ($($sums:ty: $goes_in_part:literal),+) => {$(
-        impl<S: Scalar> Carry<S> for $sums {
-            const CARRIES: bool = false;
-            const GOES_IN_PART: bool = $goes_in_part;
-
-            #[inline(always)]
-            fn of_coordinate(&self, _i: usize) -> S {
-                S::from_f64(0.0)
-            }
-            #[inline(always)]
-            fn of_momentum(&self, _i: usize) -> S {
-                S::from_f64(0.0)
-            }
-            #[inline(always)]
-            fn add(base: S, increment: S, _carried: S) -> (S, S) {
-                (base + increment, S::from_f64(0.0))
-            }
-            #[inline(always)]
-            fn keep(&mut self, _coordinates: &[S], _momenta: &[S]) {}
-            type Part<const D: usize> = Self;
-            #[inline(always)]
-            fn part<const D: usize>(&self, _first: usize) -> Self {
-                Self
-            }
-        }
-
-        impl Numbers for $sums {
-            fn pass(&mut self, _tape: &mut Tape) {}
-        }
-    )+};
+    #[inline(always)]
+    fn of_coordinate(&self, _i: usize) -> S {
+        S::from_f64(0.0)
+    }
+    #[inline(always)]
+    fn of_momentum(&self, _i: usize) -> S {
+        S::from_f64(0.0)
+    }
+    #[inline(always)]
+    fn add(base: S, increment: S, _carried: S) -> (S, S) {
+        (base + increment, S::from_f64(0.0))
+    }
+    #[inline(always)]
+    fn keep(&mut self, _coordinates: &[S], _momenta: &[S]) {}
+    type Part<const D: usize> = Self;
+    #[inline(always)]
+    fn part<const D: usize>(&self, _first: usize) -> Self {
+        Self
+    }
 }
 
-plain!(Plain: false, InPart: true);
+impl Numbers for Plain {
+    fn pass(&mut self, _tape: &mut Tape) {}
+}
 
 /// Sums that carry what rounding takes, for `D` degrees of freedom.
 #[derive(Clone, Copy, Debug, PartialEq)]

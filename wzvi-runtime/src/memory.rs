@@ -58,10 +58,6 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
         *self = left;
     }
 
-    /// Marks the paths beside each other that could not take the last step, which the others took ([`GOES_IN_PART`](crate::carry::Carry::GOES_IN_PART)). It is
-    /// asked once: the answer is forgotten.
-    fn take_failures(&mut self, _lanes: &mut [bool]) {}
-
     /// Pins how implicit steps are iterated, where there is a choice.
     fn pin(&mut self, _iteration: Iteration) {}
 
@@ -91,13 +87,7 @@ impl<S> StepMemory for PhantomData<S> {}
 /// As for [`Numbers`].
 macro_rules! tuples {
     ($(($($part:ident)+))+) => {$(
-        impl<$($part: StepMemory),+> StepMemory for ($($part,)+) {
-            fn take_failures(&mut self, lanes: &mut [bool]) {
-                #[allow(non_snake_case, reason = "each part is named like its type")]
-                let ($($part,)+) = self;
-                $($part.take_failures(lanes);)+
-            }
-        }
+        impl<$($part: StepMemory),+> StepMemory for ($($part,)+) {}
     )+};
 }
 

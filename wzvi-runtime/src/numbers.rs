@@ -136,7 +136,6 @@ impl Tape {
     }
 
     /// The words of one lane of everything that `pass` shows.
-    #[cfg(feature = "ensemble")]
     pub(crate) fn split(lane: usize, pass: impl FnOnce(&mut Self)) -> Vec<u64> {
         let mut tape = Self::Splitting { lane, words: Vec::new() };
         pass(&mut tape);
@@ -161,7 +160,6 @@ impl Tape {
     }
 
     /// Replaces one lane of everything that `pass` shows by the words; `None` if they do not fit.
-    #[cfg(feature = "ensemble")]
     pub(crate) fn place(lane: usize, words: Vec<u64>, pass: impl FnOnce(&mut Self)) -> Option<()> {
         let mut tape = Self::Placing { lane, words: words.into_iter(), short: false };
         pass(&mut tape);

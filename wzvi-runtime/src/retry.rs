@@ -348,6 +348,7 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         | StepFailure::Dimension { .. }
         | StepFailure::Index(_)
         | StepFailure::Bath(_)
+        | StepFailure::Lanes(_)
         | StepFailure::NonFiniteInput => false,
     }
 }

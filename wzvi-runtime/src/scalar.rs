@@ -4,6 +4,7 @@
 
 mod constant;
 mod dual;
+mod failed;
 mod rounded;
 
 use std::fmt::Debug;
@@ -11,6 +12,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 pub use constant::{Apart, Beside, Constant, Over};
 pub use dual::Dual;
+pub use failed::FailedLanes;
 pub use rounded::Rounded;
 
 use crate::gauss::Stages;
@@ -93,6 +95,8 @@ pub trait Scalar:
     const LANES: usize = 1;
     /// Whether each of them is a matter of its own: paths beside each other.
     const IS_BESIDE: bool = false;
+    /// Whether some of them take a step that others cannot: a [set](FailedLanes) says which.
+    const GOES_IN_PART: bool = Self::IS_BESIDE && 1 < Self::LANES && Self::LANES <= FailedLanes::MOST;
 
     /// The number of one lane, without derivatives.
     fn lane(self, lane: usize) -> f64;

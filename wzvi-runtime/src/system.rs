@@ -292,9 +292,6 @@ pub trait Discretized<E>: Hamiltonian {
     /// Whether paths run in lanes beside each other: not where loops are iterated on, which go for each path as far as it needs.
     const IN_LANES: bool = true;
 
-    /// Whether paths in lanes take a step that others beside them cannot ([`GOES_IN_PART`](Carry::GOES_IN_PART)).
-    const FAILS_BY_LANE: bool = false;
-
     /// From how many degrees of freedom on the step of one path is in vector instructions by itself, and stays in the cache: then paths go one after
     /// the other. `usize::MAX` where there are no such steps.
     const FILLS_REGISTERS_FROM: usize = usize::MAX;
@@ -343,7 +340,8 @@ pub trait Discretized<E>: Hamiltonian {
     fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError>;
 
     /// One step from `(q, p)` at `t` in place. Slices have [`Hamiltonian::degrees`] and [`Discretized::increments`]
-    /// elements. On `Err`, `q`, `p`, `memory` and `carry` are as they were.
+    /// elements. On `Err`, `q`, `p`, `memory` and `carry` are as they were; where it is that of some [lanes](StepFailure::Lanes), those of these lanes,
+    /// and the others have taken the step.
     ///
     /// Unless `CAREFUL`, an iteration that does not converge fast is given up; what then follows is the
     /// business of the [`Stepper`](crate::step::Stepper).
@@ -374,8 +372,7 @@ pub trait Discretized<E>: Hamiltonian {
     /// [`Discretized::advance_carrying`] with plain sums, of `L` systems, each in its lane.
     ///
     /// # Errors
-    /// Those of [`Discretized::advance_carrying`]. Where paths [fail by lane](Discretized::FAILS_BY_LANE), those that could take the step have taken it
-    /// all the same, and the memory says [which could not](StepMemory::take_failures).
+    /// Those of [`Discretized::advance_carrying`].
     fn advance_beside<const L: usize>(
         beside: &Self::Beside<L>,
         t: f64,
@@ -424,6 +421,9 @@ pub trait Discretized<E>: Hamiltonian {
         dw: &[S],
         memory: &mut Self::Memory<S>,
     ) -> Result<Effort, StepFailure> {
+        if S::GOES_IN_PART {
+            return anew::all_or_none::<Self, E, S>(self, prepared, t, h, q, p, dw, memory);
+        }
         match self.advance_carrying::<S, Plain, false>(prepared, t, h, q, p, dw, memory, &mut Plain) {
             Ok(effort) => Ok(effort),
             // What is not iterated fails with care, too.

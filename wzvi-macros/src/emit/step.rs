@@ -176,18 +176,13 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
     let d = count(scheme.lagrangian.symbols.u.len());
     let carry =
         if kernel.affords_compensation { quote!(Self::Compensated<__S>) } else { quote!(__wzvi::Plain) };
-    let constants = kernel.is_iterated().then(|| {
-        quote!(
-            const FAILS_BY_LANE: __wzvi::bool = true;
-        )
-    });
     let Kernel { items, prepare, .. } = kernel;
     Discretized {
         item: &model.item,
         embedding: &scheme.embedding,
         text,
         items,
-        constants: constants.unwrap_or_default(),
+        constants: TokenStream::new(),
         plan,
         prepared: quote!(__Prepared<__wzvi::f64>),
         beside: Some(beside),
@@ -238,10 +233,9 @@ fn advance(kernel: &Kernel, scheme: &Scheme, generics: [&TokenStream; 4]) -> Tok
 /// The body of `advance_beside`.
 fn advance_beside(kernel: &Kernel, scheme: &Scheme) -> TokenStream {
     let lanes = quote!(__wzvi::Lanes<__L>);
-    let carry = if kernel.is_iterated() { quote!(__wzvi::InPart) } else { quote!(__wzvi::Plain) };
-    let advance = advance(kernel, scheme, [&lanes, &lanes, &carry, &quote!(false)]);
+    let advance = advance(kernel, scheme, [&lanes, &lanes, &quote!(__wzvi::Plain), &quote!(false)]);
     quote! {
-        let (__prepared, __carry) = (__beside, &mut #carry);
+        let (__prepared, __carry) = (__beside, &mut __wzvi::Plain);
         #advance
     }
 }

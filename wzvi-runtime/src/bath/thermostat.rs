@@ -14,7 +14,7 @@ use crate::carry::{Carry, Plain};
 use crate::compose::kept;
 use crate::compose::sequence::{Followed, Sequence, Substep};
 use crate::elements::are_finite;
-use crate::error::{ConfigError, StepFailure};
+use crate::error::{ConfigError, FailedLanes, StepFailure};
 use crate::lanes::Lanes;
 use crate::memory::{Iteration, Method, StepMemory, Threads};
 use crate::numbers::{Numbers, Tape};
@@ -229,15 +229,22 @@ fn between<S: Scalar, C: Carry<S>, M: StepMemory>(
     kept.save([1, 0], q, p, &[], carry);
     let all = |kept: &mut kept::Memory<S, M, ()>, carry: &mut C| {
         let before = relax(parts, 0, q, p, lost, carry)?;
-        let effort = step([&mut *q, &mut *p], &mut kept.first[0], carry)?;
+        let (effort, failed) = match step([&mut *q, &mut *p], &mut kept.first[0], carry) {
+            Ok(effort) => (effort, FailedLanes::default()),
+            Err(StepFailure::Lanes(failed)) => (Effort::fast(0), failed),
+            Err(failure) => return Err(failure),
+        };
         let after = relax(parts, 1, q, p, lost, carry)?;
-        if are_finite(p) { Ok((effort, before + after)) } else { Err(StepFailure::NonFinite) }
+        if are_finite(p) { Ok((effort, before + after, failed)) } else { Err(StepFailure::NonFinite) }
     };
-    let taken = all(kept, carry);
-    if taken.is_err() {
-        kept.restore(q, p, carry);
+    match all(kept, carry) {
+        Ok((effort, heat, failed)) if failed.is_empty() => Ok((effort, heat)),
+        Ok((_, _, failed)) => Err(kept.end_in_part(failed, q, p, carry)),
+        Err(failure) => {
+            kept.restore(q, p, carry);
+            Err(failure)
+        }
     }
-    taken
 }
 
 /// An O part of a state, with what is carried for it.

@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 
 use crate::carry::Carry;
+use crate::error::{FailedLanes, StepFailure};
 use crate::memory::{Iteration, Method, StepMemory, Threads};
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
@@ -98,6 +99,17 @@ fn adopt<M: StepMemory>(memories: &mut Vec<M>, left: Vec<M>) {
     }
 }
 
+/// One lane of each memory as it was saved; `None` where they differ in what is no matter of lanes.
+fn restore_lane<M: StepMemory>(memories: &mut [M], saved: &mut [M], lane: usize) -> Option<()> {
+    if size_of::<M>() == 0 {
+        return Some(());
+    }
+    memories.iter_mut().zip(saved).try_for_each(|(memory, saved)| {
+        let words = Tape::split(lane, |tape| saved.pass(tape));
+        Tape::place(lane, words, |tape| memory.pass(tape))
+    })
+}
+
 impl<S, A, B> Memory<S, A, B> {
     pub(crate) fn of(first: Vec<A>, second: Vec<B>) -> Self {
         Self {
@@ -142,6 +154,39 @@ impl<S: Scalar, A: StepMemory, B: StepMemory> Memory<S, A, B> {
         if C::CARRIES {
             list_carried(carry, q.len(), [lost_q, lost_p]);
         }
+    }
+
+    /// The end of a step that has come to the last of its parts, with the lanes that could not take one of them: they get back what
+    /// [`Memory::save`] has seen.
+    ///
+    /// # Errors
+    /// Which lanes these are; something else, and then nothing has moved, if what is remembered is no matter of lanes.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn end_in_part<C: Carry<S>>(
+        &mut self,
+        failed: FailedLanes,
+        q: &mut [S],
+        p: &mut [S],
+        carry: &mut C,
+    ) -> StepFailure {
+        // What is carried is no list of lanes that can be put together again.
+        if C::CARRIES || !failed.lanes().all(|lane| self.restore_lane(lane).is_some()) {
+            self.restore(q, p, carry);
+            return StepFailure::NonFinite;
+        }
+        let is_failed = failed.mask::<S>();
+        let [start_q, start_p, ..] = &self.start;
+        for (now, start) in q.iter_mut().chain(p).zip(start_q.iter().chain(start_p)) {
+            *now = S::select(is_failed, *start, *now);
+        }
+        StepFailure::Lanes(failed)
+    }
+
+    /// What one lane remembered before the step.
+    fn restore_lane(&mut self, lane: usize) -> Option<()> {
+        restore_lane(&mut self.first, &mut self.saved.0, lane)?;
+        restore_lane(&mut self.second, &mut self.saved.1, lane)
     }
 
     /// Gives back what [`Memory::save`] has seen.

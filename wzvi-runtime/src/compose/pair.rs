@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::kept::Memory;
 use super::sequence::{Followed, Half, Sequence, Substep, joint_plan};
 use crate::carry::{Carry, Plain};
-use crate::error::{ConfigError, StepFailure};
+use crate::error::{ConfigError, FailedLanes, StepFailure};
 use crate::lanes::Lanes;
 use crate::memory::StepMemory;
 use crate::plan::Plan;
@@ -90,7 +90,7 @@ impl<A, B> Prepared<A, B> {
     ) -> Result<Effort, StepFailure> {
         memory.save(self.counts, q, p, dw, carry);
         let mut effort = Effort::fast(0);
-        let (mut first, mut second) = (0, 0);
+        let (mut first, mut second, mut failed) = (0, 0, FailedLanes::default());
         for part in &self.parts {
             let Memory { first: firsts, second: seconds, dw: scaled, .. } = &mut *memory;
             for (scaled, dw) in scaled.iter_mut().zip(dw) {
@@ -109,13 +109,15 @@ impl<A, B> Prepared<A, B> {
             };
             match taken {
                 Ok(taken) => effort = effort + taken,
+                // Lanes that could not take a part go on from where they are, and end where they started.
+                Err(StepFailure::Lanes(lanes)) => failed = failed.or(lanes),
                 Err(failure) => {
                     memory.restore(q, p, carry);
                     return Err(failure);
                 }
             }
         }
-        Ok(effort)
+        if failed.is_empty() { Ok(effort) } else { Err(memory.end_in_part(failed, q, p, carry)) }
     }
 }
 

@@ -160,7 +160,9 @@ where
     } else if remembers {
         std::mem::swap(&mut memory.saved, &mut memory.sites);
     }
+    // Lanes that one site stops are stopped at all of them, and none has moved.
     solved
+        .map_err(|cause| if matches!(cause, StepFailure::Lanes(_)) { StepFailure::NonFinite } else { cause })
 }
 
 /// [`prepare`], where only the state knows how many sites there are.

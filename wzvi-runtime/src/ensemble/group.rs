@@ -9,8 +9,8 @@ use super::increments::LaneIncrements;
 use super::job::Job;
 use super::starts::Systems;
 use super::statistics::PathFailure;
-use crate::carry::{InPart, Plain};
-use crate::error::{ConfigError, Error, StepError};
+use crate::carry::Plain;
+use crate::error::{ConfigError, Error, StepError, StepFailure};
 use crate::increments::Interval;
 use crate::lanes::Lanes;
 use crate::memory::StepMemory;
@@ -229,16 +229,15 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             Some(beside) if P::ARE_OWN => H::advance_beside(beside, t, job.h, q, p, dw, memory),
             _ => {
                 let (system, prepared, h) = (job.system, &job.prepared, job.h);
-                if H::FAILS_BY_LANE {
-                    let carry = &mut InPart;
-                    system.advance_carrying::<_, InPart, false>(prepared, t, h, q, p, dw, memory, carry)
-                } else {
-                    let carry = &mut Plain;
-                    system.advance_carrying::<_, Plain, false>(prepared, t, h, q, p, dw, memory, carry)
-                }
+                let carry = &mut Plain;
+                system.advance_carrying::<_, Plain, false>(prepared, t, h, q, p, dw, memory, carry)
             }
         };
-        if outcome.is_err() { self.in_part(step, t) } else { Ok(()) }
+        match outcome {
+            Ok(_) => Ok(()),
+            Err(StepFailure::Lanes(failed)) => self.in_part(failed, step, t),
+            Err(_) => self.one_by_one(step, t),
+        }
     }
 
     #[inline(never)]

@@ -1,10 +1,13 @@
 //! Why a step failed, as words: for checkpoints and messages.
 
-use super::{BathError, IndexError, IndexLimit, Name, StepFailure};
+use super::{BathError, FailedLanes, IndexError, IndexLimit, Name, StepFailure};
 use crate::numbers::Tape;
 
 /// Where those of a bath begin.
 const BATH: u64 = 9;
+
+/// Lanes, behind all of them.
+const LANES: u64 = u64::MAX;
 
 impl StepFailure {
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
@@ -27,6 +30,7 @@ impl StepFailure {
             Self::Increments { expected, got } => [5, expected as u64, got as u64],
             Self::Dimension { expected, got } => [6, expected as u64, got as u64],
             Self::NonFiniteInput => [7, 0, 0],
+            Self::Lanes(FailedLanes(lanes)) => [LANES, lanes, 0],
             // Runs find it before their first step; here the name is lost.
             Self::Index(error) => [8, error.value() as u64, 0],
             Self::Bath(error) => {
@@ -44,6 +48,7 @@ impl StepFailure {
             2 => Self::NoSolution { reached: x },
             3 => Self::Unresolved { energy_error: x, scale: y },
             4 => Self::NonFinite,
+            LANES if a != 0 => Self::Lanes(FailedLanes(a)),
             5 => Self::Increments { expected: usize::try_from(a).ok()?, got: usize::try_from(b).ok()? },
             6 => Self::Dimension { expected: usize::try_from(a).ok()?, got: usize::try_from(b).ok()? },
             7 => Self::NonFiniteInput,
@@ -72,6 +77,7 @@ mod tests {
             StepFailure::Increments { expected: 3, got: usize::MAX },
             StepFailure::Dimension { expected: 0, got: 2 },
             StepFailure::NonFiniteInput,
+            StepFailure::Lanes(FailedLanes(1 << 63 | 5)),
             StepFailure::Bath(BathError::Temperature { temperature: -1.0 }),
             StepFailure::Bath(BathError::Friction { rate: f64::INFINITY }),
             StepFailure::Bath(BathError::Asymmetric { entry: [1, usize::MAX] }),

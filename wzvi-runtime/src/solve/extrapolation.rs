@@ -12,14 +12,12 @@ pub struct Extrapolation<S: Scalar, const N: usize> {
     known: [S::Mask; 2],
     /// Whether two are everywhere.
     is_full: bool,
-    /// The paths that could not take the last step.
-    failed: S::Mask,
 }
 
 impl<S: Scalar, const N: usize> Default for Extrapolation<S, N> {
     fn default() -> Self {
         let none = S::Mask::from_bool(false);
-        Self { past: [[S::from_f64(0.0); N]; 3], known: [none; 2], is_full: false, failed: none }
+        Self { past: [[S::from_f64(0.0); N]; 3], known: [none; 2], is_full: false }
     }
 }
 
@@ -56,10 +54,16 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
     }
 
     /// The same of the paths that have taken a step, and which have not; those remember what they did.
+    #[inline(always)]
+    pub fn record_in_part<const USED: bool>(&mut self, taken: S::Mask, solution: [S; N]) {
+        *self = self.recorded_in_part::<USED>(taken, solution);
+    }
+
+    /// By value: what the caller has stays in registers.
     #[cold]
     #[inline(never)]
-    pub fn record_in_part<const USED: bool>(&mut self, taken: S::Mask, solution: [S; N]) {
-        let mut next = *self;
+    fn recorded_in_part<const USED: bool>(mut self, taken: S::Mask, solution: [S; N]) -> Self {
+        let mut next = self;
         next.record::<USED>(solution);
         for (old, new) in self.past.iter_mut().flatten().zip(next.past.iter().flatten()) {
             *old = S::select(taken, *new, *old);
@@ -68,7 +72,7 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
             *old = (*old & !taken) | (new & taken);
         }
         self.is_full = self.known[1].all();
-        self.failed = !taken;
+        self
     }
 
     /// Continues the one or two points that are known to the past, as a constant or as a line.
@@ -90,12 +94,7 @@ fn mask<S: Scalar>(mut holds: impl FnMut(usize) -> bool) -> S::Mask {
     lanes.fold(S::Mask::from_bool(false), |all, lane| all | lane)
 }
 
-impl<S: Scalar, const N: usize> StepMemory for Extrapolation<S, N> {
-    fn take_failures(&mut self, lanes: &mut [bool]) {
-        lanes.iter_mut().enumerate().for_each(|(lane, has_failed)| *has_failed |= self.failed.lane(lane));
-        self.failed = S::Mask::from_bool(false);
-    }
-}
+impl<S: Scalar, const N: usize> StepMemory for Extrapolation<S, N> {}
 
 impl<S: Scalar, const N: usize> Numbers for Extrapolation<S, N> {
     fn pass(&mut self, tape: &mut Tape) {
@@ -115,7 +114,6 @@ impl<S: Scalar, const N: usize> Numbers for Extrapolation<S, N> {
 mod tests {
     use super::Extrapolation;
     use crate::lanes::{LaneMask, Lanes};
-    use crate::memory::StepMemory as _;
     use crate::scalar::Mask as _;
 
     #[test]
@@ -153,10 +151,7 @@ mod tests {
             } else {
                 together.record_in_part::<true>(taken, [Lanes::new(numbers)]);
             }
-            let mut failed = [false; 3];
-            together.take_failures(&mut failed);
             for lane in 0..3 {
-                assert_eq!(failed[lane], !took[lane]);
                 if took[lane] {
                     alone[lane].record::<true>([numbers[lane]]);
                 }
@@ -165,9 +160,6 @@ mod tests {
                     alone[lane].guess::<true>()[0].to_bits()
                 );
             }
-            let mut again = [false; 3];
-            together.take_failures(&mut again);
-            assert_eq!(again, [false; 3]);
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Each lane goes the way that it would go alone, operation by operation: it has its own verdict after each iteration,
 //! keeps its bits once it has converged, and pivots for itself. A lane whose step has no solution, or none that the short
-//! way finds, gets NaN, which the end of the step reports for all; whoever runs lanes then takes them one by one.
+//! way finds, gets NaN, by which the end of the step knows it; whoever runs lanes then takes it alone.
 #![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
 use super::convergence::{FROM_GUESS, FROM_ZERO, ROUNDING, UNSEEN, roundings};

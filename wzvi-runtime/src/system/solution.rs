@@ -58,8 +58,13 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
         S::are_finite([self.q, self.p])
     }
 
-    /// [`Solution::store`] of a step that was solved. If paths beside each other [go in part](Carry::GOES_IN_PART), those that have solved it move
-    /// where others have not.
+    /// Why a step has no finite end: paths beside each other whose end is finite have taken it.
+    #[inline(always)]
+    pub fn failure(&self) -> StepFailure {
+        StepFailure::but_of::<S>(self.are_finite())
+    }
+
+    /// [`Solution::store`] of a step that was solved; of paths beside each other, those that have solved it move where others have not.
     ///
     /// # Errors
     /// What the solution says.
@@ -74,8 +79,8 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
         match solved {
             Ok(()) => Ok(self.store(q, p, carry)),
             Err(cause) => {
-                if C::GOES_IN_PART && S::IS_BESIDE {
-                    self.store_in_part(q, p);
+                if S::GOES_IN_PART {
+                    self.store_in_part(q, p, carry);
                 }
                 Err(cause)
             }
@@ -84,12 +89,16 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
 
     /// Written out where it is called: the solution has no address, and stays in registers where all is well.
     #[inline(always)]
-    fn store_in_part(&self, q: &mut [S; D], p: &mut [S; D]) {
+    fn store_in_part<C: Carry<S>>(&self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) {
         let are_finite = self.are_finite();
+        let mut lost = [[S::from_f64(0.0); D]; 2];
         for i in 0..D {
             q[i] = S::select(are_finite, self.q[i].0, q[i]);
             p[i] = S::select(are_finite, self.p[i].0, p[i]);
+            lost[0][i] = S::select(are_finite, self.q[i].1, carry.of_coordinate(i));
+            lost[1][i] = S::select(are_finite, self.p[i].1, carry.of_momentum(i));
         }
+        carry.keep(&lost[0], &lost[1]);
     }
 
     /// Moves the state.

@@ -252,12 +252,16 @@ impl SolveBody<'_> {
         let record_in_part = (!records.is_empty()).then(|| {
             let records = &self.records_in_part;
             quote! {
-                if __C::GOES_IN_PART && __S::IS_BESIDE {
+                if __S::GOES_IN_PART {
                     let __taken = __next.are_finite();
                     #(#records)*
                 }
             }
         });
+        let failure = match records.is_empty() {
+            true => quote!(__wzvi::StepFailure::NonFinite),
+            false => quote!(__next.failure()),
+        };
         quote! {
             #statements
             *__next = __wzvi::Solution::new(
@@ -269,7 +273,7 @@ impl SolveBody<'_> {
             );
             if !__next.is_finite() {
                 #record_in_part
-                return __wzvi::Err(__wzvi::StepFailure::NonFinite);
+                return __wzvi::Err(#failure);
             }
             #(#records)*
             __wzvi::Ok(())

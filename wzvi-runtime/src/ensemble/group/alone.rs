@@ -4,7 +4,7 @@ use super::{Group, Systems};
 use crate::carry::Plain;
 use crate::continuation::Hard;
 use crate::ensemble::job::Job;
-use crate::error::{ConfigError, Error, InternalError, StepError, StepFailure};
+use crate::error::{ConfigError, Error, FailedLanes, InternalError, StepError, StepFailure};
 use crate::few::List;
 use crate::increments::Interval;
 use crate::lanes::Lanes;
@@ -17,16 +17,11 @@ use crate::step::ResolutionMonitor;
 use crate::system::Discretized;
 
 impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P, L> {
-    /// The step that not all lanes can take the short way: of those that have not taken it, if it is known which these are.
+    /// The step of those lanes that could not take it the short way.
     #[cold]
     #[inline(never)]
-    pub(super) fn in_part(&mut self, step: u64, t: f64) -> Result<(), Error> {
-        let mut are_left = [false; L];
-        self.memory.take_failures(&mut are_left);
-        if !are_left.contains(&true) {
-            return self.one_by_one(step, t);
-        }
-        for lane in (0..L).filter(|&lane| are_left[lane]) {
+    pub(super) fn in_part(&mut self, are_left: FailedLanes, step: u64, t: f64) -> Result<(), Error> {
+        for lane in are_left.lanes() {
             if !self.failed[lane] {
                 let mut memory = self.memory_of(lane)?;
                 self.by_itself(lane, step, t, &mut memory)?;

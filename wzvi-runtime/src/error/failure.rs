@@ -1,0 +1,125 @@
+//! Why a step failed.
+
+use std::fmt;
+
+use super::{BathError, FailedLanes, IndexError};
+use crate::scalar::Scalar;
+
+/// Why the equations of one step have no (usable) solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StepFailure {
+    /// Newton's method, or a pinned fixed point, neither converged nor stagnated at rounding level.
+    NotConverged {
+        /// Iterations spent.
+        iterations: u32,
+        /// The last correction relative to the unknown, largest component.
+        correction: f64,
+    },
+    /// The matrix of the step is singular to working precision: its smallest pivot against its largest entry.
+    Singular {
+        /// Absolute value of the pivot.
+        pivot: f64,
+        /// Largest absolute value in the matrix.
+        scale: f64,
+    },
+    /// The equations have no solution that is connected with the state: followed from no step at all, it ends.
+    NoSolution {
+        /// Fraction of the step, of `h` and of the increments, up to which there is one.
+        reached: f64,
+    },
+    /// The step is too long for the fastest motion: that alternates from step to step, and has taken or given more energy
+    /// than an exact solution would exchange.
+    Unresolved {
+        /// `|H - H(start)|` at the end of the step, in units of energy.
+        energy_error: f64,
+        /// The largest `|P · Δq / h|` so far, twice the kinetic energy of a mechanical system.
+        scale: f64,
+    },
+    /// The new state (or an intermediate value) overflowed or is undefined.
+    NonFinite,
+    /// The number of increments is not the number of those that drive a step.
+    Increments {
+        /// Number of noises, and of the normals of a bath.
+        expected: usize,
+        /// Number of increments given.
+        got: usize,
+    },
+    /// The state does not have the degrees of freedom of the system.
+    Dimension {
+        /// Degrees of freedom.
+        expected: usize,
+        /// Components given.
+        got: usize,
+    },
+    /// An integer of the system is out of range.
+    Index(IndexError),
+    /// Friction, temperature or masses make no sense at this state.
+    Bath(BathError),
+    /// The state or an increment that was given is NaN or infinite.
+    NonFiniteInput,
+    /// Of a step of paths beside each other: those of these lanes could not take it, and are as they were; the others have taken it. Why, each
+    /// of them says alone.
+    Lanes(FailedLanes),
+}
+
+impl StepFailure {
+    /// Of a step that the paths of some lanes have taken: those of the others could not. Nothing but
+    /// [`StepFailure::NonFinite`] for numbers that are not beside each other, of which none has moved.
+    #[inline(always)]
+    #[must_use]
+    pub fn but_of<S: Scalar>(taken: S::Mask) -> Self {
+        if S::GOES_IN_PART { Self::Lanes(FailedLanes::of::<S>(!taken)) } else { Self::NonFinite }
+    }
+
+    /// Whether no way to solve the step would change it: the system, the state and the increments do not belong together.
+    pub(crate) fn is_of_arguments(&self) -> bool {
+        matches!(self, Self::Increments { .. } | Self::Dimension { .. } | Self::Index(_) | Self::Bath(_))
+    }
+}
+
+impl fmt::Display for StepFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotConverged { iterations, correction } => write!(
+                f,
+                "the iteration did not converge in {iterations} steps (last correction {correction:.1e}); \
+                 take a smaller step"
+            ),
+            Self::Singular { pivot, scale } => write!(
+                f,
+                "the matrix of the step is singular (pivot {pivot:.1e} at scale {scale:.1e}); \
+                 the scheme has a pole here: take a smaller step or truncate the increments"
+            ),
+            Self::NoSolution { reached } => write!(
+                f,
+                "the step has no solution that continues the state: followed as the step grows, it ends at {:.0} % of \
+                 it; take a smaller step, or subdivide with `.retry(Retry::halving(n))`",
+                100.0 * reached
+            ),
+            Self::Unresolved { energy_error, scale } => write!(
+                f,
+                "the step is too long for the fastest motion, which alternates and has changed the energy by \
+                 {energy_error:.1e} (the motion itself has {scale:.1e}); subdivide with `.retry(Retry::halving(n))`, \
+                 take a smaller step, or choose coordinates in which the stiff direction does not turn"
+            ),
+            Self::NonFinite => {
+                write!(f, "the new state is not finite; take a smaller step or check the domain of H")
+            }
+            Self::Increments { expected, got } => {
+                write!(
+                    f,
+                    "the system has {expected} noise{}, but {got} increment{} given",
+                    if *expected == 1 { "" } else { "s" },
+                    if *got == 1 { " was" } else { "s were" },
+                )
+            }
+            Self::Dimension { expected, got } => {
+                write!(f, "the system has {expected} degrees of freedom, but the state has {got}")
+            }
+            Self::Index(error) => error.fmt(f),
+            Self::Bath(error) => error.fmt(f),
+            Self::Lanes(_) => write!(f, "some of the paths beside each other could not take the step"),
+            Self::NonFiniteInput => write!(f, "the state or an increment is NaN or infinite before the step"),
+        }
+    }
+}
