@@ -4,6 +4,8 @@
 //! Derivatives are taken of elements that are parted by what of the state they read, values of those that are not: taken
 //! apart, `k (1 - cos d)` would be the difference of two sums of large numbers.
 
+use std::collections::HashMap;
+
 use crate::diagnostics::{Diagnostics, expressions};
 use crate::model::index::Loop;
 use crate::model::symbols::{Sum, Symbols};
@@ -103,7 +105,7 @@ impl Parts<'_> {
             if nonlinear.is_empty() {
                 return Ok((expr, present));
             }
-            let mut images = std::collections::HashMap::new();
+            let mut images = HashMap::new();
             for (symbol, sum) in nonlinear {
                 let written = Writer::new(self.graph, self.symbols, self.tables).written_out(sum)?;
                 images.insert(*symbol, written);
@@ -120,7 +122,8 @@ impl Parts<'_> {
     /// One element for the terms that read coordinates, one for those that read momenta, one for those that read both.
     fn parted(&mut self, element: &Element) -> Vec<Element> {
         let mut groups: Vec<(Reads, Vec<(Expr, Rational)>)> = Vec::new();
-        for (term, coefficient) in self.split(element.value) {
+        let mut opened = Opened { terms: HashMap::new(), most: self.graph.reachable(&[element.value]).len() };
+        for (term, coefficient) in self.split(element.value, &mut opened) {
             let reads = self.reads(term);
             match groups.iter_mut().find(|(known, _)| *known == reads) {
                 Some((_, terms)) => terms.push((term, coefficient)),
@@ -142,36 +145,55 @@ impl Parts<'_> {
         self.element(value, &[]).reads()
     }
 
-    /// The terms of a sum; a factor that reads no state is multiplied out.
-    fn split(&mut self, expr: Expr) -> Vec<(Expr, Rational)> {
-        match self.graph.node(expr).clone() {
+    /// The terms of a sum, each once; a factor that reads no state is multiplied out.
+    fn split(&mut self, expr: Expr, opened: &mut Opened) -> Vec<(Expr, Rational)> {
+        if let Some(terms) = opened.terms.get(&expr) {
+            return terms.clone();
+        }
+        let all = match self.graph.node(expr).clone() {
             Node::Sum { terms, constant } => {
-                let mut all = Vec::new();
+                let mut all = Merged::default();
                 for (term, coefficient) in terms {
-                    for (inner, weight) in self.split(term) {
+                    for (inner, weight) in self.split(term, opened) {
                         match weight.multiply(coefficient) {
-                            Some(weight) => all.push((inner, weight)),
-                            None => all.push((self.graph.scale(inner, weight), coefficient)),
+                            Some(weight) => all.add(self.graph, inner, weight),
+                            None => {
+                                let inner = self.graph.scale(inner, weight);
+                                all.add(self.graph, inner, coefficient);
+                            }
                         }
                     }
                 }
                 if !constant.is_zero() {
-                    all.push((self.graph.integer(1), constant));
+                    let one = self.graph.integer(1);
+                    all.add(self.graph, one, constant);
                 }
-                all
+                all.terms
             }
-            Node::Product(factors) => self.multiply_out(expr, &factors),
+            Node::Product(factors) => self.multiply_out(expr, &factors, opened),
             _ => vec![(expr, Rational::ONE)],
-        }
+        };
+        opened.terms.insert(expr, all.clone());
+        all
     }
 
-    fn multiply_out(&mut self, expr: Expr, factors: &[(Expr, Rational)]) -> Vec<(Expr, Rational)> {
+    fn multiply_out(
+        &mut self,
+        expr: Expr,
+        factors: &[(Expr, Rational)],
+        opened: &mut Opened,
+    ) -> Vec<(Expr, Rational)> {
+        let whole = vec![(expr, Rational::ONE)];
         let reads_state = |part: Expr| self.reads(part) != Reads::Nothing;
         let moving: Vec<usize> = (0..factors.len()).filter(|&i| reads_state(factors[i].0)).collect();
-        let &[only] = moving.as_slice() else { return vec![(expr, Rational::ONE)] };
+        let &[only] = moving.as_slice() else { return whole };
         let (base, exponent) = factors[only];
         if !exponent.is_one() || !matches!(self.graph.node(base), Node::Sum { .. }) {
-            return vec![(expr, Rational::ONE)];
+            return whole;
+        }
+        let terms = self.split(base, opened);
+        if terms.len() > opened.most {
+            return whole;
         }
         let others: Vec<Expr> = factors
             .iter()
@@ -180,7 +202,37 @@ impl Parts<'_> {
             .map(|(_, &(base, exponent))| self.graph.power(base, exponent))
             .collect();
         let factor = self.graph.product(&others);
-        let terms = self.split(base);
         terms.into_iter().map(|(term, weight)| (self.graph.multiply(factor, term), weight)).collect()
+    }
+}
+
+/// What is known while an expression is split.
+struct Opened {
+    terms: HashMap<Expr, Vec<(Expr, Rational)>>,
+    /// A sum of more terms is not multiplied out: of a tower of sums that are shared, the terms would be more than its text has characters.
+    most: usize,
+}
+
+/// Terms and their coefficients, in the order in which they came.
+#[derive(Default)]
+struct Merged {
+    terms: Vec<(Expr, Rational)>,
+    places: HashMap<Expr, usize>,
+}
+
+impl Merged {
+    fn add(&mut self, graph: &mut Graph, term: Expr, coefficient: Rational) {
+        let place = *self.places.entry(term).or_insert(self.terms.len());
+        match self.terms.get_mut(place) {
+            None => self.terms.push((term, coefficient)),
+            Some((_, total)) => match total.add(coefficient) {
+                Some(sum) => *total = sum,
+                // The coefficient leaves the exact range.
+                None => {
+                    let scaled = graph.scale(term, coefficient);
+                    self.add(graph, scaled, Rational::ONE);
+                }
+            },
+        }
     }
 }

@@ -262,6 +262,13 @@ fn towers_of_powers_stay_as_small_as_their_text() {
             ("let u = q; let v = p;", "let w = u * v; let u = v; let v = w;"),
             ("let u = 3.0 * q; let v = 7.0 * p;", "let w = u * v; let u = v; let v = w;"),
             ("let u = q + 1.0; let v = 2.0 * q;", "let w = u * v; let u = v; let v = w;"),
+            ("let v = q + q.cos() * p;", "let v = 3.0 * v + v;"),
+            ("let v = q + q.cos() * p;", "let v = a * v + sigma * v;"),
+            ("let v = q + q.cos() * p;", "let v = a * v + q * v;"),
+            (
+                "let v = q + q.cos() * p; let u = p;",
+                "let w = a * v + sigma * u; let u = sigma * v + a * u; let v = w;",
+            ),
         ] {
             let attribute = format!(
                 "drift = |q, p| {{ {start} {} p * p + v }}, embedding = [Midpoint, DeltaPlus]",
