@@ -9,6 +9,11 @@ use wzvi::lanes::Lanes;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
 
+use one_by_one::{check, check_scheme, numbers};
+
+#[path = "elements/one_by_one.rs"]
+mod one_by_one;
+
 /// Gravity of bodies in space, each pair once, with masses and a field that holds them.
 #[hamiltonian(
     drift = |q: &[[f64; 3]], p: &[[f64; 3]]| {
@@ -73,10 +78,6 @@ struct Vortices {
 
 const H: f64 = 0.01;
 
-fn numbers(n: usize, seed: f64) -> Vec<f64> {
-    (0..n).map(|i| (1.3 * i as f64 + seed).sin() + 0.01 * i as f64).collect()
-}
-
 fn cluster(n: usize) -> Cluster {
     Cluster { k: 0.3, softening: 0.01, mass: (0..n).map(|i| 1.0 / (1.0 + i as f64)).collect() }
 }
@@ -84,43 +85,6 @@ fn cluster(n: usize) -> Cluster {
 /// Below and above the numbers of lanes, of blocks, and of bodies from which there are columns.
 fn sizes() -> impl Iterator<Item = usize> {
     (2..52).chain([63, 64, 65, 79, 80, 81, 127, 128, 129])
-}
-
-/// Steps in vector instructions, and number by number.
-fn check_scheme<E, H: Discretized<E, Vector = DVector<f64>>>(system: &H, start: &[Vec<f64>; 2], what: &str) {
-    let alone = |list: &[f64]| -> Vec<Lanes<1>> { list.iter().map(|&x| Lanes::new([x])).collect() };
-    let [mut q, mut p] = start.clone();
-    let (mut own_q, mut own_p) = (alone(&q), alone(&p));
-    let prepared = system.prepare(self::H).unwrap();
-    let (mut memory, mut own_memory) = (system.memory(), Default::default());
-    for step in 0..3 {
-        let t = self::H * f64::from(step);
-        let dw = numbers(system.increments(q.len()), 0.7 * f64::from(step))
-            .iter()
-            .map(|x| 0.1 * x)
-            .collect::<Vec<_>>();
-        system.advance(&prepared, t, self::H, &mut q, &mut p, &dw, &mut memory).unwrap();
-        system.advance(&prepared, t, self::H, &mut own_q, &mut own_p, &alone(&dw), &mut own_memory).unwrap();
-        for (i, (a, b)) in q.iter().chain(&p).zip(own_q.iter().chain(&own_p)).enumerate() {
-            assert_eq!(a.to_bits(), b[0].to_bits(), "{what}: number {i} of {} after step {step}", q.len());
-        }
-    }
-}
-
-/// By every explicit scheme.
-fn check<H>(system: &H, degrees: usize, what: &str)
-where
-    H: Hamiltonian<Vector = DVector<f64>>
-        + Discretized<DeltaPlus>
-        + Discretized<DeltaMinus>
-        + Discretized<Verlet>
-        + Discretized<Composed<Verlet, Yoshida4>>,
-{
-    let start = [numbers(degrees, 0.2), numbers(degrees, 1.1)];
-    check_scheme::<DeltaPlus, H>(system, &start, &format!("{what}, DeltaPlus"));
-    check_scheme::<DeltaMinus, H>(system, &start, &format!("{what}, DeltaMinus"));
-    check_scheme::<Verlet, H>(system, &start, &format!("{what}, Verlet"));
-    check_scheme::<Composed<Verlet, Yoshida4>, H>(system, &start, &format!("{what}, Yoshida4"));
 }
 
 #[test]

@@ -7,9 +7,13 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop")]
 
 use wzvi::lanes::Lanes;
-use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
 use wzvi::scalar::Scalar as _;
+
+use one_by_one::{check, check_scheme, numbers};
+
+#[path = "elements/one_by_one.rs"]
+mod one_by_one;
 
 /// Oscillators on a graph with strengths of the bonds, from one table, and a field that changes in time.
 #[hamiltonian(
@@ -119,10 +123,6 @@ struct Twisted {
 
 const STEP: f64 = 0.0625;
 
-fn numbers(n: usize, seed: f64) -> Vec<f64> {
-    (0..n).map(|i| (1.3 * i as f64 + seed).sin()).collect()
-}
-
 /// Numbers below `n` that repeat irregularly.
 fn draws(n: usize, seed: u64) -> impl FnMut() -> usize {
     let mut state = seed;
@@ -174,41 +174,6 @@ fn neighbours(n: usize, count: usize) -> Neighbours {
     let lengths = (0..n).map(|i| if i == 0 { count } else { (i * i) % 7 });
     let near = lengths.map(|length| (0..length).map(|_| draw()).collect()).collect();
     Neighbours { k: 0.1, near, partner: (0..n).map(|_| draw()).collect() }
-}
-
-/// Steps in vector instructions, and number by number.
-fn check_scheme<E, H: Discretized<E, Vector = DVector<f64>>>(system: &H, start: &[Vec<f64>; 2], what: &str) {
-    let alone = |list: &[f64]| -> Vec<Lanes<1>> { list.iter().map(|&x| Lanes::new([x])).collect() };
-    let [mut q, mut p] = start.clone();
-    let (mut own_q, mut own_p) = (alone(&q), alone(&p));
-    let prepared = system.prepare(STEP).unwrap();
-    let (mut memory, mut own_memory) = (system.memory(), Default::default());
-    for step in 0..3 {
-        let t = STEP * f64::from(step);
-        let dw: Vec<f64> =
-            numbers(system.increments(q.len()), 0.7 * f64::from(step)).iter().map(|x| 0.1 * x).collect();
-        system.advance(&prepared, t, STEP, &mut q, &mut p, &dw, &mut memory).unwrap();
-        system.advance(&prepared, t, STEP, &mut own_q, &mut own_p, &alone(&dw), &mut own_memory).unwrap();
-        for (i, (a, b)) in q.iter().chain(&p).zip(own_q.iter().chain(&own_p)).enumerate() {
-            assert_eq!(a.to_bits(), b[0].to_bits(), "{what}: number {i} of {} after step {step}", q.len());
-        }
-    }
-}
-
-/// By every explicit scheme.
-fn check<H>(system: &H, degrees: usize, what: &str)
-where
-    H: Hamiltonian<Vector = DVector<f64>>
-        + Discretized<DeltaPlus>
-        + Discretized<DeltaMinus>
-        + Discretized<Verlet>
-        + Discretized<Composed<Verlet, Yoshida4>>,
-{
-    let start = [numbers(degrees, 0.2), numbers(degrees, 1.1)];
-    check_scheme::<DeltaPlus, H>(system, &start, &format!("{what}, DeltaPlus"));
-    check_scheme::<DeltaMinus, H>(system, &start, &format!("{what}, DeltaMinus"));
-    check_scheme::<Verlet, H>(system, &start, &format!("{what}, Verlet"));
-    check_scheme::<Composed<Verlet, Yoshida4>, H>(system, &start, &format!("{what}, Yoshida4"));
 }
 
 #[test]
