@@ -19,7 +19,7 @@ use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 use wzvi::system::Discretized;
 
-use beside::{numbers, steps_in_part};
+use beside::{numbers, steps_in_part, steps_together};
 
 /// Hénon and Heiles: arithmetic only, so that lanes and a stepper agree to the last bit.
 #[hamiltonian(
@@ -57,6 +57,14 @@ fn a_hard_step_leaves_those_beside_it_in_lanes() {
     let simple = steps_in_part::<Midpoint, _>(&Well { k: 2.0 }, 0.6, &mut start, || 0.0);
     let composed = steps_in_part::<Composed<Midpoint, Yoshida4>, _>(&Well { k: 2.0 }, 0.4, start, || 0.0);
     assert!(simple > 10 && composed > 10, "{simple} and {composed} steps in part: too few to test anything");
+}
+
+/// Unless the lanes are asked to go in part.
+#[test]
+fn lanes_that_advance_all_move_or_none() {
+    let mut number = numbers();
+    let hard = steps_together::<Midpoint, _>(&Well { k: 100.0 }, 0.6, || [1.2 * number(), 2.0 * number()]);
+    assert!(hard.iter().all(|&steps| steps > 10), "{hard:?}: too few to test anything");
 }
 
 fn cloud(draw: &mut Draw) -> State<Plane> {

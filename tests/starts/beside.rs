@@ -73,3 +73,42 @@ pub(crate) fn steps_in_part<E, H: Discretized<E>>(
     }
     in_part
 }
+
+/// Steps of four paths by [`Discretized::advance`], all of which move or none: how many steps the short way could not take, split into those that
+/// were taken with care and those that were not.
+pub(crate) fn steps_together<E, H: Discretized<E>>(
+    system: &H,
+    h: f64,
+    mut start: impl FnMut() -> [f64; 2],
+) -> [u32; 2] {
+    let prepared = system.prepare(h).expect("a step");
+    let (mut memory, mut hard) = (H::Memory::<Lanes<L>>::default(), [0, 0]);
+    for step in 0..400 {
+        let starts: [[f64; 2]; L] = std::array::from_fn(|_| start());
+        let lanes = |i: usize| [Lanes::new(starts.map(|state| state[i]))];
+        let (mut q, mut p, before) = (lanes(0), lanes(1), format!("{memory:?}"));
+        let short = system.advance_carrying::<_, Plain, false>(
+            &prepared,
+            0.0,
+            h,
+            &mut q,
+            &mut p,
+            &[],
+            &mut memory.clone(),
+            &mut Plain,
+        );
+        (q, p) = (lanes(0), lanes(1));
+        let taken = system.advance(&prepared, 0.0, h, &mut q, &mut p, &[], &mut memory);
+        if taken.is_err() {
+            assert_eq!((q, p, format!("{memory:?}")), (lanes(0), lanes(1), before), "step {step}");
+        } else {
+            let has_moved =
+                |lane: usize| [q[0][lane], p[0][lane]] != starts[lane] && (q[0] + p[0])[lane].is_finite();
+            assert!((0..L).all(has_moved), "step {step}: {starts:?} to {q:?}, {p:?}");
+        }
+        if short.is_err() {
+            hard[usize::from(taken.is_err())] += 1;
+        }
+    }
+    hard
+}

@@ -56,6 +56,16 @@ impl<const L: usize> Lanes<L> {
         self.0[lane] = number;
     }
 
+    /// Of all lanes.
+    #[inline(always)]
+    fn largest_of(self, other: Self, f: impl Fn(f64, f64) -> f64) -> f64 {
+        let mut largest = 0.0;
+        for i in 0..L {
+            largest = larger(largest, f(self.0[i], other.0[i]));
+        }
+        largest
+    }
+
     #[inline(always)]
     pub(crate) fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self(each(|i| f(self.0[i])))
@@ -258,19 +268,11 @@ impl<const L: usize> Scalar for Lanes<L> {
     }
     #[inline(always)]
     fn relative_to(self, other: Self) -> f64 {
-        let mut largest = 0.0;
-        for i in 0..L {
-            largest = larger(largest, self.0[i].relative_to(other.0[i]));
-        }
-        largest
+        self.largest_of(other, f64::relative_to)
     }
     #[inline(always)]
     fn nearly_relative_to(self, other: Self) -> f64 {
-        let mut largest = 0.0;
-        for i in 0..L {
-            largest = larger(largest, self.0[i].nearly_relative_to(other.0[i]));
-        }
-        largest
+        self.largest_of(other, f64::nearly_relative_to)
     }
     #[inline(always)]
     fn nearly_over(self, size: Self) -> Self {

@@ -421,14 +421,20 @@ pub trait Discretized<E>: Hamiltonian {
         dw: &[S],
         memory: &mut Self::Memory<S>,
     ) -> Result<Effort, StepFailure> {
-        if S::GOES_IN_PART {
-            return anew::all_or_none::<Self, E, S>(self, prepared, t, h, q, p, dw, memory);
-        }
+        // Paths beside each other all take the step, or none of them.
+        let before = S::GOES_IN_PART.then(|| (q.to_vec(), p.to_vec(), memory.clone()));
         match self.advance_carrying::<S, Plain, false>(prepared, t, h, q, p, dw, memory, &mut Plain) {
             Ok(effort) => Ok(effort),
             // What is not iterated fails with care, too.
             Err(cause) if !matches!(Self::PLAN.solver, Solver::Newton) => Err(cause),
-            Err(_) => anew::advance::<Self, E, S>(self, prepared, t, h, q, p, dw, memory),
+            Err(_) => {
+                if let Some((start_q, start_p, known)) = before {
+                    q.copy_from_slice(&start_q);
+                    p.copy_from_slice(&start_p);
+                    *memory = known;
+                }
+                anew::advance::<Self, E, S>(self, prepared, t, h, q, p, dw, memory)
+            }
         }
     }
 

@@ -209,7 +209,7 @@ impl Parts<'_> {
 /// What is known while an expression is split.
 struct Opened {
     terms: HashMap<Expr, Vec<(Expr, Rational)>>,
-    /// A sum of more terms is not multiplied out: of a tower of sums that are shared, the terms would be more than its text has characters.
+    /// The nodes of the expression. A sum of more terms is not multiplied out: those of a tower of shared sums double with each of its floors.
     most: usize,
 }
 

@@ -4,7 +4,6 @@ use super::Discretized;
 use crate::carry::Plain;
 use crate::error::StepFailure;
 use crate::few::Few;
-use crate::plan::Solver;
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 
@@ -35,43 +34,6 @@ pub(super) fn advance<H: Discretized<E> + ?Sized, E, S: Scalar>(
         _ => careful::<H, E, S>(system, prepared, t, h, q, p, dw)?,
     };
     *memory = fresh;
-    Ok(effort)
-}
-
-/// [`Discretized::advance`] of paths beside each other, which all take the step or none.
-///
-/// # Errors
-/// Those of [`Discretized::advance_carrying`]; `q`, `p` and `memory` are then as they were.
-#[expect(clippy::too_many_arguments, reason = "those of a step")]
-#[inline(always)]
-pub(super) fn all_or_none<H: Discretized<E> + ?Sized, E, S: Scalar>(
-    system: &H,
-    prepared: &H::Prepared,
-    t: f64,
-    h: f64,
-    q: &mut [S],
-    p: &mut [S],
-    dw: &[S],
-    memory: &mut H::Memory<S>,
-) -> Result<Effort, StepFailure> {
-    let (mut own_q, mut own_p, mut own) = (q.to_vec(), p.to_vec(), memory.clone());
-    let short = system.advance_carrying::<S, Plain, false>(
-        prepared, t, h, &mut own_q, &mut own_p, dw, &mut own, &mut Plain,
-    );
-    let effort = match short {
-        Ok(effort) => effort,
-        Err(cause) if !matches!(H::PLAN.solver, Solver::Newton) => return Err(cause),
-        Err(_) => {
-            own_q.copy_from_slice(q);
-            own_p.copy_from_slice(p);
-            let (effort, fresh) = careful::<H, E, S>(system, prepared, t, h, &mut own_q, &mut own_p, dw)?;
-            own = fresh;
-            effort
-        }
-    };
-    q.copy_from_slice(&own_q);
-    p.copy_from_slice(&own_p);
-    *memory = own;
     Ok(effort)
 }
 
