@@ -1,6 +1,6 @@
 //! What an ensemble finds out, in files for data frames: a particle in a double well that noise pushes over the barrier.
 //!
-//! `cargo run --release --example ensemble_files --features columnar` writes CSV, JSON and Parquet to
+//! `cargo run --release --example ensemble_files` writes CSV, JSON and Parquet to
 //! `target/wzvi/ensemble_files`.
 
 use wzvi::prelude::*;

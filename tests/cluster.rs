@@ -4,10 +4,6 @@
 #![cfg(feature = "mpi")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first error")]
 
-#[path = "ensemble_checkpoint/systems.rs"]
-#[allow(dead_code, reason = "other tests use the rest")]
-mod systems;
-
 mod cluster {
     mod bits;
     mod failures;

@@ -3,10 +3,7 @@
 //! By hand: Newton's method until a correction is rounding, with the tridiagonal matrix of the chain eliminated, and with conjugate
 //! gradients on products with the matrix of the lattice.
 
-#[path = "../../tests/stiff/systems.rs"]
-mod systems;
-
-use systems::{Fput, Torus, field, waves};
+use fixtures::stiff::{Fput, Torus, field, waves};
 use wzvi::prelude::*;
 
 use crate::measure::{Case, Runner, generated};

@@ -12,9 +12,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a benchmark stops at the first error")]
 
-#[macro_use]
-#[path = "../../tests/seam/closures.rs"]
-mod closures;
 mod counts;
 
 use std::hint::black_box;
@@ -73,17 +70,17 @@ macro_rules! spellings {
         $(
             mod $system {
                 use wzvi::prelude::*;
-                $system!(Slices, [], &[f64], sites);
-                $system!(Generic, [<const N: usize>], [f64; N], N);
-                $system!(Sites1, [], [f64; 1], 1);
-                $system!(Sites2, [], [f64; 2], 2);
-                $system!(Sites3, [], [f64; 3], 3);
-                $system!(Sites8, [], [f64; 8], 8);
-                $system!(Sites15, [], [f64; 15], 15);
-                $system!(Sites16, [], [f64; 16], 16);
-                $system!(Sites17, [], [f64; 17], 17);
-                $system!(Sites18, [], [f64; 18], 18);
-                $system!(Sites64, [], [f64; 64], 64);
+                fixtures::$system!(Slices, [], &[f64], sites);
+                fixtures::$system!(Generic, [<const N: usize>], [f64; N], N);
+                fixtures::$system!(Sites1, [], [f64; 1], 1);
+                fixtures::$system!(Sites2, [], [f64; 2], 2);
+                fixtures::$system!(Sites3, [], [f64; 3], 3);
+                fixtures::$system!(Sites8, [], [f64; 8], 8);
+                fixtures::$system!(Sites15, [], [f64; 15], 15);
+                fixtures::$system!(Sites16, [], [f64; 16], 16);
+                fixtures::$system!(Sites17, [], [f64; 17], 17);
+                fixtures::$system!(Sites18, [], [f64; 18], 18);
+                fixtures::$system!(Sites64, [], [f64; 64], 64);
             }
         )*
 

@@ -1,14 +1,15 @@
 //! On any number of ranks, the bits of one process.
 
 use super::ranks::{Plan, STALL, TARGET, blocks, on_ranks, run, run_with_paths, took};
-use crate::systems::{bits, folder};
+use fixtures::edge::bits;
+use fixtures::folder;
 
 /// Many blocks and a part of one.
 const PATHS: u64 = 300 * 512 + 17;
 
 #[test]
 fn of_one_process() {
-    let folder = folder("cluster-bits");
+    let folder = folder!("cluster-bits");
     let expected = bits(&run_with_paths(PATHS).run().unwrap());
     for (ranks, plan) in [(1, Plan::Plain), (2, Plan::Plain), (4, Plan::Plain), (2, Plan::Threads)] {
         assert!(on_ranks(ranks, plan, PATHS, &folder).well() == expected, "{plan:?} on {ranks} ranks");
@@ -18,7 +19,7 @@ fn of_one_process() {
 /// More ranks than blocks: most have nothing to do.
 #[test]
 fn of_a_single_block() {
-    let folder = folder("cluster-few");
+    let folder = folder!("cluster-few");
     for paths in [1, 513] {
         let outcome = run_with_paths(paths).run();
         let expected = outcome.map_or_else(|error| error.to_string(), |statistics| bits(&statistics));
@@ -29,7 +30,7 @@ fn of_a_single_block() {
 /// A checkpoint that ranks wrote is that of one process, and the other way round.
 #[test]
 fn of_a_checkpoint() {
-    let folder = folder("cluster-checkpoint");
+    let folder = folder!("cluster-checkpoint");
     let file = folder.join("checkpoint");
     let kept = |paths| run(paths).checkpoint(wzvi::checkpoint::Checkpoint::to(&file));
     let expected = |paths| bits(&run(paths).run().unwrap());
@@ -42,7 +43,7 @@ fn of_a_checkpoint() {
 /// Where the error is small enough does not depend on who is how far.
 #[test]
 fn until_an_error_is_small_enough() {
-    let folder = folder("cluster-target");
+    let folder = folder!("cluster-target");
     let paths = 1 << 20;
     let expected = run(paths).until_error("q", TARGET).run().unwrap();
     let count = expected.last().unwrap().count();
@@ -53,7 +54,7 @@ fn until_an_error_is_small_enough() {
 /// A rank that sleeps holds up nobody: others do its blocks, and the statistics are those of one process.
 #[test]
 fn of_a_run_in_which_a_rank_stalls() {
-    let folder = folder("cluster-stalls");
+    let folder = folder!("cluster-stalls");
     let paths = 1000 * 512;
     let ended = on_ranks(2, Plan::Stalls, paths, &folder);
     let error = String::from_utf8_lossy(&ended.output.stderr).into_owned();
@@ -70,7 +71,7 @@ fn of_a_run_in_which_a_rank_stalls() {
 /// It does not hold up whoever stops the run either.
 #[test]
 fn of_a_run_that_is_stopped_while_a_rank_stalls() {
-    let folder = folder("cluster-stalls-stops");
+    let folder = folder!("cluster-stalls-stops");
     let ended = on_ranks(2, Plan::StallsAndStops, 100_000 * 512, &folder);
     // Stopped after two seconds, and waited one more for those that are about to answer.
     assert!(took(&folder, 0) < STALL / 2, "rank 0 returned after {:?}", took(&folder, 0));
@@ -80,7 +81,7 @@ fn of_a_run_that_is_stopped_while_a_rank_stalls() {
 /// What is done when one rank stops is that of the first paths, and a restart goes on from there.
 #[test]
 fn of_a_run_that_was_stopped() {
-    let folder = folder("cluster-stops");
+    let folder = folder!("cluster-stops");
     let paths = 1000 * 512;
     let part = on_ranks(2, Plan::Stops, paths, &folder).well();
     let done = blocks(&folder.join("checkpoint"));

@@ -5,7 +5,8 @@ use std::fs;
 use wzvi::checkpoint::Checkpoint;
 
 use super::ranks::{Plan, blocks, on_ranks, run};
-use crate::systems::{bits, folder};
+use fixtures::edge::bits;
+use fixtures::folder;
 
 /// So many that few are begun when the checkpoint has its first blocks.
 const PATHS: u64 = 1000 * 512 + 17;
@@ -13,7 +14,7 @@ const PATHS: u64 = 1000 * 512 + 17;
 /// What is done is in the checkpoint, and a restart goes on from there, on ranks and without.
 #[test]
 fn a_rank_that_dies() {
-    let folder = folder("cluster-dies");
+    let folder = folder!("cluster-dies");
     let (file, copy) = (folder.join("checkpoint"), folder.join("copy"));
     let ended = on_ranks(2, Plan::Dies, PATHS, &folder);
     let error = ended.badly();
@@ -33,7 +34,7 @@ fn a_rank_that_dies() {
 
 #[test]
 fn a_rank_that_panics() {
-    let folder = folder("cluster-panics");
+    let folder = folder!("cluster-panics");
     for (plan, rank) in [(Plan::Panics, 1), (Plan::RootPanics, 0)] {
         let ended = on_ranks(2, plan, PATHS, &folder);
         let error = ended.badly();
@@ -47,7 +48,7 @@ fn a_rank_that_panics() {
 /// Errors are values on every rank; the processes live on.
 #[test]
 fn ranks_that_cannot_run() {
-    let folder = folder("cluster-refused");
+    let folder = folder!("cluster-refused");
     let said = |plan, ranks| {
         let ended = on_ranks(ranks, plan, PATHS, &folder);
         assert!(ended.output.status.success());

@@ -12,7 +12,7 @@ use wzvi::ensemble::Ensemble;
 use wzvi::mpi::{self, Threading, traits::Communicator};
 use wzvi::prelude::*;
 
-use crate::systems::{EDGE, Edge, bits};
+use fixtures::edge::{EDGE, Edge, bits};
 
 /// What ranks are to do: the plan, the folder, the number of paths.
 const ORDERS: &str = "WZVI_TEST_CLUSTER";

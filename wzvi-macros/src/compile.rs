@@ -87,6 +87,6 @@ fn compile(
 }
 
 #[cfg(test)]
-mod golden;
+mod effort_tests;
 #[cfg(test)]
-mod timing;
+mod golden;

@@ -9,14 +9,14 @@ mod compile;
 mod describe;
 mod diagnostics;
 mod discretise;
+#[cfg(test)]
+mod effort;
 mod elements;
 mod emit;
 mod functions;
 mod input;
 mod lower;
 mod model;
-#[cfg(test)]
-mod stopwatch;
 mod symbolic;
 mod unroll;
 

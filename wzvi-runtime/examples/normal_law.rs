@@ -1,11 +1,11 @@
-//! The law of a thousand million normals, as ensembles draw them: `tests/ensemble_law.rs` with more of them. Takes half a
+//! The law of a thousand million normals, as ensembles draw them: `tests/runtime/ensemble_law.rs` with more of them. Takes half a
 //! minute; the first argument is another number of paths.
 //!
 //! `cargo run --release -p wzvi-runtime --example normal_law`
 
 #![allow(clippy::unwrap_used, reason = "an example stops at the first error")]
 
-#[path = "../tests/law/mod.rs"]
+#[path = "../tests/runtime/law.rs"]
 mod law;
 
 fn main() {

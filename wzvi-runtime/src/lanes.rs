@@ -13,7 +13,7 @@
 //! | `tanh` | 2.2 |
 //! | `powi` | half a unit per multiplication |
 //!
-//! Measured at 1.5e5 arguments per range against arithmetic of 256 bits: `tests/lanes_accuracy.rs`. Infinities, NaN,
+//! Measured at 1.5e5 arguments per range against arithmetic of 256 bits: `tests/runtime/lanes_accuracy.rs`. Infinities, NaN,
 //! zeros with their signs, subnormal and huge arguments give what `std` gives.
 #![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
 

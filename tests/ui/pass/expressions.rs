@@ -1,4 +1,4 @@
-//! Every expression, statement and method. Values are in `tests/values.rs`.
+//! Every expression, statement and method. Values are in `tests/steps/values.rs`.
 #![deny(warnings)]
 
 use wzvi::prelude::*;

@@ -1,0 +1,586 @@
+// Made by `GOLDEN=overwrite cargo test -p wzvi-macros golden` from
+//
+// #[hamiltonian(drift = |q, p| 0.5 * p * p - omega * omega * q.cos(), embedding = [DeltaPlus, Midpoint])]
+// pub struct Pendulum { pub omega: f64 }
+
+use wzvi::prelude::*;
+
+/**
+# Discrete equations
+
+```text
+DeltaPlus
+
+Hamiltonians
+  H0 = p²/2 - omega² cos(q)
+
+Discrete Lagrangian of the step from t_i to t_i + h
+  L_d = P Δq - h (P²/2 - omega² cos(q_i))
+  Δq = q_{i+1} - q_i
+
+Discrete Euler-Lagrange equations
+  ∂L_d/∂P = 0:  Δq = P h
+  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_i)
+  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp
+
+Step
+  assign δp
+  assign Δq
+
+Facts
+  H0 is a first integral: kept by the step nearly, within O(h)
+  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)
+    H_p·H_q = p omega² sin(q)
+    H_pp(H_q,H_q) = omega^4 sin(q)²
+    H_qq(H_p,H_p) = p² omega² cos(q)
+
+```
+
+```text
+Midpoint
+
+Hamiltonians
+  H0 = p²/2 - omega² cos(q)
+
+Discrete Lagrangian of the step from t_i to t_i + h
+  L_d = P Δq - h (P²/2 - omega² cos(q_{i+1/2}))
+  Δq = q_{i+1} - q_i
+  q_{i+1/2} = Δq/2 + q_i
+
+Discrete Euler-Lagrange equations
+  ∂L_d/∂P = 0:  Δq = P h
+  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_{i+1/2})/2
+  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp
+
+Step
+  solve for δp: Newton (then Δq)
+
+Facts
+  H0 is a first integral: kept by the step nearly, within O(h²)
+  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)
+    H_pp(H_q,H_q) = omega^4 sin(q)²
+    H_qq(H_p,H_p) = p² omega² cos(q)
+
+```
+*/
+pub struct Pendulum {
+    pub omega: f64,
+}
+#[allow(
+    warnings,
+    clippy::all,
+    clippy::pedantic,
+    clippy::nursery,
+    clippy::restriction,
+    clippy::cargo
+)]
+const _: () = {
+    use ::wzvi::__private::{
+        self as wzvi, Beside, Block, Carry, Compensation, ConfigError, Conservative,
+        Constant, Discretized, Effort, Err, Extrapolation, Hamiltonian, Knowledge,
+        LagrangianGradient, Lanes, NoiseClass, Ok, Option, Over, PhantomData, Plain,
+        Plan, Result, Rounded, SVector, Scalar, Segment, Solution, Solver, Some, State,
+        StepFailure, Vector, bool, f64, str, usize,
+        compose::{Composes, Equations, General, ROOM, Structure},
+        embedding::{Composed, DeltaPlus, Midpoint},
+    };
+    #[automatically_derived]
+    impl Hamiltonian for Pendulum {
+        type Vector = SVector<f64, 1>;
+        fn degrees(&self) -> usize {
+            1
+        }
+        fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+            [("omega", self.omega)].get(index).copied()
+        }
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
+            match (term, q, p) {
+                (0, &[q], &[p]) => {
+                    let omega: f64 = self.omega;
+                    p * p * 0.5 - q.cos() * (omega * omega)
+                }
+                _ => S::from_f64(f64::NAN),
+            }
+        }
+        fn differentiate<S: Scalar>(
+            &self,
+            term: usize,
+            q: &[S],
+            p: &[S],
+            t: f64,
+            by_q: &mut [S],
+            by_p: &mut [S],
+        ) {
+            match (term, q, p) {
+                (0, &[q], &[p]) => {
+                    let omega: f64 = self.omega;
+                    wzvi::gradient(by_q, by_p, [q.sin() * (omega * omega)], [p])
+                }
+                _ => {
+                    by_q.fill(S::from_f64(f64::NAN));
+                    by_p.fill(S::from_f64(f64::NAN));
+                }
+            }
+        }
+    }
+    const _: () = {
+        type Prepared<K> = [K; 1];
+        type Memory<S> = PhantomData<S>;
+        #[inline(always)]
+        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared<K>,
+            h: f64,
+            q: [S; 1],
+            p: [S; 1],
+            carry: &C,
+            next: &mut Solution<S, 1>,
+        ) -> Result<(), StepFailure> {
+            let ([q], [p]) = (q, p);
+            let [product] = *prepared;
+            let product2 = q.sin() * product;
+            let node_p = p - product2;
+            *next = Solution::new(
+                carry,
+                [[q], [p]],
+                [[node_p * h], [-product2]],
+                [node_p],
+                Effort::fast(0),
+            );
+            if !next.is_finite() {
+                return Err(StepFailure::NonFinite);
+            }
+            Ok(())
+        }
+        #[automatically_derived]
+        impl Discretized<DeltaPlus> for Pendulum {
+            const PLAN: Plan = Plan {
+                solver: Solver::Explicit,
+                unknowns: 0,
+                order: 1,
+                noise: NoiseClass::None,
+                consistent: true,
+                conserves_energy: Knowledge::Proven,
+                commuting: Knowledge::Proven,
+            };
+            const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_i))\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_i)\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = p omega² sin(q)\n    H_pp(H_q,H_q) = omega^4 sin(q)²\n    H_qq(H_p,H_p) = p² omega² cos(q)\n";
+            type Prepared = Prepared<f64>;
+            type Memory<S: Scalar> = Memory<S>;
+            type Compensated<S: Scalar> = Compensation<S, 1>;
+            type Carry<S: Scalar> = Plain;
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                let omega: f64 = self.omega;
+                if omega.is_nan() {
+                    return Err(ConfigError::Parameter);
+                }
+                Ok([omega * omega * h])
+            }
+            #[inline(always)]
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+                &self,
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                wzvi::increments::<_, 0>(dw)?;
+                let mut next = Solution::nowhere();
+                solve::<S, f64, C, CAREFUL>(prepared, h, *q, *p, carry, &mut next)?;
+                Ok(next.store(q, p, carry))
+            }
+            type Beside<const L: usize> = Prepared<Lanes<L>>;
+            fn beside<const L: usize>(
+                systems: [&Self; L],
+                prepared: [&Self::Prepared; L],
+            ) -> Option<Self::Beside<L>> {
+                Some(Beside::beside(prepared))
+            }
+            #[inline(always)]
+            fn advance_beside<const L: usize>(
+                beside: &Self::Beside<L>,
+                t: f64,
+                h: f64,
+                q: &mut [Lanes<L>],
+                p: &mut [Lanes<L>],
+                dw: &[Lanes<L>],
+                memory: &mut Self::Memory<Lanes<L>>,
+            ) -> Result<Effort, StepFailure> {
+                let (prepared, carry) = (beside, &mut Plain);
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                wzvi::increments::<_, 0>(dw)?;
+                let mut next = Solution::nowhere();
+                solve::<
+                    Lanes<L>,
+                    Lanes<L>,
+                    Plain,
+                    false,
+                >(prepared, h, *q, *p, carry, &mut next)?;
+                Ok(next.store(q, p, carry))
+            }
+            fn discrete_lagrangian(
+                &self,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                let h = segment.h;
+                let (&[q_start], &[q_end], &[p], &[]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
+                ) else {
+                    return f64::NAN;
+                };
+                let omega: f64 = self.omega;
+                p * (q_end - q_start)
+                    - (p * p * 0.5 - q_start.cos() * (omega * omega)) * h
+            }
+            fn discrete_lagrangian_gradient(
+                &self,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                let h = segment.h;
+                let (&[q_start], &[q_end], &[p], &[]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
+                ) else {
+                    return LagrangianGradient::not_a_number();
+                };
+                let omega: f64 = self.omega;
+                LagrangianGradient::from_components(
+                    [-(p + q_start.sin() * (omega * omega * h))],
+                    [p],
+                    [q_end - q_start - p * h],
+                )
+            }
+            fn step_momentum(
+                &self,
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
+            ) -> Self::Vector {
+                after.p
+            }
+        }
+    };
+    const _: () = {
+        type Prepared<K> = [K; 3];
+        type Memory<S> = Extrapolation<S, 1>;
+        /// The equations of a block, and their Jacobian by rows.
+        #[inline(always)]
+        fn equations<S: Over<K>, K: Constant>(
+            given: [S; 2],
+            constants: [K; 3],
+            iterate: [S; 1],
+        ) -> ([S; 1], [[S; 1]; 1]) {
+            let ([q, p], [half_h, product, product2], [delta_p]) = (
+                given,
+                constants,
+                iterate,
+            );
+            let stage_q = q + (p + delta_p) * half_h;
+            let (sin_stage_q, cos_stage_q) = stage_q.sin_cos();
+            ([delta_p + sin_stage_q * product], [[cos_stage_q * product2 + 1.0]])
+        }
+        /// The equations of a block at all numbers that round to `iterate`.
+        #[cold]
+        #[inline(never)]
+        fn rounded(
+            given: [f64; 2],
+            constants: [f64; 3],
+            iterate: [f64; 1],
+        ) -> [Rounded; 1] {
+            equations(
+                    given.map(Rounded::exact),
+                    constants,
+                    iterate.map(Rounded::nearest),
+                )
+                .0
+        }
+        #[inline(always)]
+        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Prepared<K>,
+            h: f64,
+            q: [S; 1],
+            p: [S; 1],
+            memory: &mut Memory<S>,
+            carry: &C,
+            next: &mut Solution<S, 1>,
+        ) -> Result<(), StepFailure> {
+            let ([q], [p]) = (q, p);
+            let [half_h, product, product2] = *prepared;
+            let mut unknowns = memory.guess::<true>();
+            let effort = wzvi::newton::<
+                S,
+                1,
+                false,
+                true,
+                CAREFUL,
+            >(
+                &mut unknowns,
+                Block {
+                    evaluate: move |iterate: &[S; 1]| equations(
+                        [q, p],
+                        [half_h, product, product2],
+                        *iterate,
+                    ),
+                    rounded: move |iterate: &[S; 1], lane| {
+                        rounded(
+                            [q.lane(lane), p.lane(lane)],
+                            [half_h.lane(lane), product.lane(lane), product2.lane(lane)],
+                            iterate.map(|number| number.lane(lane)),
+                        )
+                    },
+                },
+            )?;
+            let [delta_p] = unknowns;
+            let node_p = p + delta_p;
+            *next = Solution::new(
+                carry,
+                [[q], [p]],
+                [[node_p * h], [delta_p * 2.0]],
+                [node_p],
+                effort,
+            );
+            if !next.is_finite() {
+                if S::GOES_IN_PART {
+                    let taken = next.are_finite();
+                    memory.record_in_part::<true>(taken, [delta_p]);
+                }
+                return Err(next.failure());
+            }
+            memory.record::<true>([delta_p]);
+            Ok(())
+        }
+        #[automatically_derived]
+        impl Discretized<Midpoint> for Pendulum {
+            const PLAN: Plan = Plan {
+                solver: Solver::Newton,
+                unknowns: 1,
+                order: 2,
+                noise: NoiseClass::None,
+                consistent: true,
+                conserves_energy: Knowledge::Proven,
+                commuting: Knowledge::Proven,
+            };
+            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_{i+1/2}))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_{i+1/2})/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = omega^4 sin(q)²\n    H_qq(H_p,H_p) = p² omega² cos(q)\n";
+            type Prepared = Prepared<f64>;
+            type Memory<S: Scalar> = Memory<S>;
+            type Compensated<S: Scalar> = Compensation<S, 1>;
+            type Carry<S: Scalar> = Plain;
+            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+                let omega: f64 = self.omega;
+                if omega.is_nan() {
+                    return Err(ConfigError::Parameter);
+                }
+                let omega_squared = omega * omega;
+                Ok([0.5 * h, omega_squared * 0.5 * h, h * h * (0.25 * omega_squared)])
+            }
+            #[inline(always)]
+            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+                &self,
+                prepared: &Self::Prepared,
+                t: f64,
+                h: f64,
+                q: &mut [S],
+                p: &mut [S],
+                dw: &[S],
+                memory: &mut Self::Memory<S>,
+                carry: &mut C,
+            ) -> Result<Effort, StepFailure> {
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                wzvi::increments::<_, 0>(dw)?;
+                let mut next = Solution::nowhere();
+                let solved = solve::<
+                    S,
+                    f64,
+                    C,
+                    CAREFUL,
+                >(prepared, h, *q, *p, memory, carry, &mut next);
+                next.arrive(solved, q, p, carry)
+            }
+            type Beside<const L: usize> = Prepared<Lanes<L>>;
+            fn beside<const L: usize>(
+                systems: [&Self; L],
+                prepared: [&Self::Prepared; L],
+            ) -> Option<Self::Beside<L>> {
+                Some(Beside::beside(prepared))
+            }
+            #[inline(always)]
+            fn advance_beside<const L: usize>(
+                beside: &Self::Beside<L>,
+                t: f64,
+                h: f64,
+                q: &mut [Lanes<L>],
+                p: &mut [Lanes<L>],
+                dw: &[Lanes<L>],
+                memory: &mut Self::Memory<Lanes<L>>,
+            ) -> Result<Effort, StepFailure> {
+                let (prepared, carry) = (beside, &mut Plain);
+                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
+                wzvi::increments::<_, 0>(dw)?;
+                let mut next = Solution::nowhere();
+                let solved = solve::<
+                    Lanes<L>,
+                    Lanes<L>,
+                    Plain,
+                    false,
+                >(prepared, h, *q, *p, memory, carry, &mut next);
+                next.arrive(solved, q, p, carry)
+            }
+            fn discrete_lagrangian(
+                &self,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> f64 {
+                let h = segment.h;
+                let (&[q_start], &[q_end], &[p], &[]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
+                ) else {
+                    return f64::NAN;
+                };
+                let omega: f64 = self.omega;
+                p * (q_end - q_start)
+                    - (p * p * 0.5 - ((q_start + q_end) * 0.5).cos() * (omega * omega))
+                        * h
+            }
+            fn discrete_lagrangian_gradient(
+                &self,
+                segment: &Segment<Self::Vector>,
+                dw: &[f64],
+            ) -> LagrangianGradient<Self::Vector> {
+                let h = segment.h;
+                let (&[q_start], &[q_end], &[p], &[]) = (
+                    Vector::components(&segment.q0),
+                    Vector::components(&segment.q1),
+                    Vector::components(&segment.p),
+                    dw,
+                ) else {
+                    return LagrangianGradient::not_a_number();
+                };
+                let omega: f64 = self.omega;
+                let product = ((q_start + q_end) * 0.5).sin()
+                    * (omega * omega * 0.5 * h);
+                LagrangianGradient::from_components(
+                    [-(p + product)],
+                    [p - product],
+                    [q_end - q_start - p * h],
+                )
+            }
+            fn step_momentum(
+                &self,
+                before: &State<Self::Vector>,
+                after: &State<Self::Vector>,
+                h: f64,
+                dw: &[f64],
+            ) -> Self::Vector {
+                before.p + (after.p - before.p) * 0.5
+            }
+        }
+    };
+    wzvi::composition! {
+        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
+        > > for Pendulum] Composed < Midpoint, W >, < General as Structure < Midpoint >>
+        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, Equations:: < Self,
+        Midpoint, General, W, { 658 + ROOM } > ::ALL, < W as Composes < Midpoint, General
+        > > ::substeps()
+    }
+    #[automatically_derived]
+    impl Conservative for Pendulum {}
+    /// The names that are bound above, so that no constant around can stand for them.
+    use ::wzvi::__private::{
+        binding as after, binding as before, binding as beside, binding as by_p,
+        binding as by_q, binding as carry, binding as constants, binding as cos_stage_q,
+        binding as delta_p, binding as dw, binding as effort, binding as given,
+        binding as h, binding as half_h, binding as index, binding as iterate,
+        binding as lane, binding as memory, binding as next, binding as node_p,
+        binding as number, binding as omega, binding as omega_squared, binding as p,
+        binding as prepared, binding as product, binding as product2, binding as q,
+        binding as q_end, binding as q_start, binding as segment, binding as sin_stage_q,
+        binding as solved, binding as stage_q, binding as systems, binding as t,
+        binding as taken, binding as term, binding as unknowns,
+    };
+};
+const _: () = {
+    #[allow(
+        warnings,
+        unused,
+        clippy::all,
+        clippy::pedantic,
+        clippy::nursery,
+        clippy::restriction,
+        clippy::cargo
+    )]
+    trait __WzviTypeChecks {
+        fn __wzvi_type_checks(&self);
+    }
+    #[automatically_derived]
+    #[allow(
+        warnings,
+        unused,
+        clippy::all,
+        clippy::pedantic,
+        clippy::nursery,
+        clippy::restriction,
+        clippy::cargo
+    )]
+    impl __WzviTypeChecks for Pendulum {
+        fn __wzvi_type_checks(&self) {
+            fn __wzvi_hamiltonian<
+                F: ::core::ops::Fn(
+                        ::core::primitive::f64,
+                        ::core::primitive::f64,
+                    ) -> ::core::primitive::f64,
+            >(_: F) {}
+            fn __wzvi_hamiltonian_of_time<
+                F: ::core::ops::Fn(
+                        ::core::primitive::f64,
+                        ::core::primitive::f64,
+                        ::core::primitive::f64,
+                    ) -> ::core::primitive::f64,
+            >(_: F) {}
+            fn __wzvi_family<
+                F: ::core::ops::Fn(
+                        ::core::primitive::f64,
+                        ::core::primitive::f64,
+                        ::core::primitive::usize,
+                    ) -> ::core::primitive::f64,
+            >(_: F) {}
+            fn __wzvi_family_of_time<
+                F: ::core::ops::Fn(
+                        ::core::primitive::f64,
+                        ::core::primitive::f64,
+                        ::core::primitive::f64,
+                        ::core::primitive::usize,
+                    ) -> ::core::primitive::f64,
+            >(_: F) {}
+            fn __wzvi_scheme<E>(
+                _: ::core::marker::PhantomData<E>,
+                _: ::core::marker::PhantomData<E>,
+            ) {}
+            __wzvi_scheme(
+                ::core::marker::PhantomData::<::wzvi::embedding::DeltaPlus>,
+                ::core::marker::PhantomData::<DeltaPlus>,
+            );
+            __wzvi_scheme(
+                ::core::marker::PhantomData::<::wzvi::embedding::Midpoint>,
+                ::core::marker::PhantomData::<Midpoint>,
+            );
+            {
+                let omega = self.omega;
+                __wzvi_hamiltonian(|q, p| 0.5 * p * p - omega * omega * q.cos());
+            }
+        }
+    }
+};

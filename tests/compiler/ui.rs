@@ -1,0 +1,13 @@
+//! What the macro accepts and what it says otherwise: `TRYBUILD=overwrite cargo test --test compiler ui -- --ignored` renews the messages.
+
+#[test]
+#[ignore = "calls Cargo, for minutes: part of .ci/run"]
+fn supported_programs_compile_and_run() {
+    trybuild::TestCases::new().pass("tests/ui/pass/*.rs");
+}
+
+#[test]
+#[ignore = "calls Cargo, for minutes: part of .ci/run"]
+fn mistakes_are_reported_where_they_are() {
+    trybuild::TestCases::new().compile_fail("tests/ui/fail/*.rs");
+}

@@ -1,0 +1,120 @@
+//! Files that are not what was written: every one is told apart, and left as it is.
+
+use std::fs;
+use std::path::Path;
+
+use wzvi::checkpoint::{Checkpoint, CheckpointError, Damage};
+use wzvi::prelude::*;
+
+use fixtures::edge::{EDGE, bits, refused};
+use fixtures::{files::contents, folder};
+
+fn go_on(file: &Path) -> Result<wzvi::ensemble::Statistics, wzvi::Error> {
+    let start = State::new([1.0], [0.5]);
+    let run = EDGE.ensemble::<DeltaPlus>(0.05).start(start).paths(600).seed(7).steps(4).threads(1);
+    run.checkpoint(Checkpoint::to(file)).run()
+}
+
+/// The error of going on from `changed` instead of what is in the file, after which the file is as it was.
+fn error_of(file: &Path, good: &[u8], changed: &[u8]) -> CheckpointError {
+    fs::write(file, changed).unwrap();
+    let before = contents(file.parent().unwrap());
+    let error = refused(go_on(file));
+    assert_eq!(contents(file.parent().unwrap()), before, "{error}");
+    fs::write(file, good).unwrap();
+    error
+}
+
+#[test]
+fn a_file_that_was_cut_or_flipped() {
+    let file = folder!("damage").join("run");
+    let expected = bits(&go_on(&file).unwrap());
+    let good = fs::read(&file).unwrap();
+    let line = good.iter().position(|&byte| byte == b'\n').unwrap();
+    // Everywhere near the first line and the end; in between, where nothing is special, now and then.
+    let near = |&i: &usize| i < line + 40 || i + 20 > good.len() || i % 97 == 0;
+    for length in (0..good.len()).filter(near) {
+        let error = error_of(&file, &good, &good[..length]);
+        let is_told = matches!(
+            &error,
+            CheckpointError::Damaged { path, damage: Damage::Header | Damage::Length { .. } } if *path == file
+        );
+        assert!(is_told, "{length}: {error:?}");
+    }
+    let longer = [&good[..], b"\n"].concat();
+    let error = error_of(&file, &good, &longer);
+    assert!(matches!(error, CheckpointError::Damaged { damage: Damage::Length { .. }, .. }), "{error:?}");
+    for i in (0..good.len()).filter(near) {
+        for mask in [1 << (i % 8), 255] {
+            let mut changed = good.clone();
+            changed[i] ^= mask;
+            let error = error_of(&file, &good, &changed);
+            let is_told = matches!(
+                error,
+                CheckpointError::Damaged { .. }
+                    | CheckpointError::Foreign { .. }
+                    | CheckpointError::Version { .. }
+            );
+            assert!(is_told, "byte {i} ^ {mask}: {error:?}");
+        }
+    }
+    assert_eq!(bits(&go_on(&file).unwrap()), expected);
+}
+
+#[test]
+fn files_of_others() {
+    let folder = folder!("foreign");
+    let file = folder.join("run");
+    for content in ["{\"a\": 1}", "wzvi-ensembles 1", "#!/bin/sh\n", "\0\0\0\0"] {
+        fs::write(&file, content).unwrap();
+        assert_eq!(refused(go_on(&file)), CheckpointError::Foreign { path: file.clone() });
+        assert_eq!(fs::read_to_string(&file).unwrap(), content);
+    }
+    fs::remove_file(&file).unwrap();
+
+    // A checkpoint, but not of an ensemble; and the other way round.
+    let path =
+        || EDGE.simulate::<DeltaPlus>(0.1).start(State::new([1.0], [0.0])).noise(Wiener::seed(1)).steps(3);
+    path().checkpoint(Checkpoint::to(&file)).run().unwrap();
+    let error = refused(go_on(&file));
+    assert_eq!(error, CheckpointError::Kind { path: file.clone(), kind: "a single path" });
+    assert!(error.to_string().contains("a checkpoint of a single path"), "{error}");
+    fs::remove_file(&file).unwrap();
+    go_on(&file).unwrap();
+    let error = path().checkpoint(Checkpoint::to(&file)).run().map(|_| ()).unwrap_err();
+    assert_eq!(error, CheckpointError::Kind { path: file.clone(), kind: "an ensemble" }.into());
+
+    let good = fs::read(&file).unwrap();
+    let other = String::from_utf8(good.clone()).unwrap().replacen("wzvi-ensemble 2 ", "wzvi-ensemble 3 ", 1);
+    let version = CheckpointError::Version { path: file.clone(), found: "3".into(), expected: 2 };
+    assert_eq!(error_of(&file, &good, other.as_bytes()), version);
+}
+
+/// What a run that was stopped in the middle of a write leaves behind is no obstacle, and is cleared away.
+#[test]
+fn whatever_a_stopped_write_left() {
+    let folder = folder!("stopped");
+    let file = folder.join("run");
+    let expected = bits(&go_on(&file).unwrap());
+    let good = fs::read(&file).unwrap();
+    for length in [0, 1, 10, 100, good.len()] {
+        // Named by the checksum of `run`.
+        let left = |number: u32| folder.join(format!(".wzvi-9b96d050f4020292-{number:016x}.part"));
+        fs::write(left(4711), &good[..length]).unwrap();
+        fs::write(left(12), "mine").unwrap();
+        fs::write(folder.join("run.4711.part"), &good[..length]).unwrap();
+        assert_eq!(bits(&go_on(&file).unwrap()), expected);
+        let names: Vec<_> = contents(&folder).into_iter().map(|(path, _)| path).collect();
+        assert_eq!(names, [left(12), folder.join("run"), folder.join("run.4711.part")]);
+    }
+}
+
+#[test]
+fn folders_that_cannot_be_written_to() {
+    let folder = folder!("folders");
+    for path in [folder.join("missing/run"), folder.clone()] {
+        let error = refused(go_on(&path));
+        assert!(matches!(&error, CheckpointError::File { .. }), "{error:?}");
+        assert!(error.to_string().contains(path.to_str().unwrap()), "{error}");
+    }
+}

@@ -1,0 +1,171 @@
+//! Runs that go on from a checkpoint are those that never stopped.
+
+use std::fs;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use wzvi::checkpoint::{Checkpoint, CheckpointError};
+use wzvi::error::{ConfigError, Error};
+use wzvi::prelude::*;
+
+use fixtures::edge::{EDGE, Edge, PATHS, bits, refused, whole};
+use fixtures::{files::contents, folder};
+
+/// From the checkpoint after each block, which is found by stopping there: a run of so many blocks.
+#[test]
+fn from_every_block() {
+    let expected = whole();
+    for blocks in 0..=4 {
+        let file = folder!(&format!("block-{blocks}")).join("run");
+        if blocks > 0 {
+            EDGE.kept(&file).paths(512 * blocks).run().unwrap();
+        }
+        assert_eq!(bits(&EDGE.kept(&file).run().unwrap()), expected, "{blocks}");
+    }
+}
+
+/// A finished run that is started again runs the last part of a block, nothing else.
+#[test]
+fn what_is_done_is_not_done_again() {
+    let file = folder!("again").join("run");
+    let calls = AtomicU64::new(0);
+    for paths in [PATHS, 100] {
+        let run = EDGE.run::<Midpoint>().first_passage("event0", |state| {
+            // Once at each node of a path; at the start to tell it from others.
+            calls.fetch_add(u64::from(state.t > 0.0), Ordering::Relaxed);
+            1.0
+        });
+        run.checkpoint(Checkpoint::to(&file)).run().unwrap();
+        let counted = calls.swap(0, Ordering::Relaxed);
+        // Some paths fail before the end.
+        assert!(counted <= 24 * paths && counted > 20 * paths, "{counted} nodes of {paths} paths");
+    }
+}
+
+/// The part of a block that was the last is no longer one.
+#[test]
+fn with_more_paths() {
+    let file = folder!("more").join("run");
+    for paths in [1, 511, 512, 513, 1500, PATHS] {
+        let run = EDGE.kept(&file).paths(paths).run().unwrap();
+        assert_eq!(bits(&run), bits(&EDGE.run::<DeltaPlus>().paths(paths).run().unwrap()), "{paths}");
+    }
+    let error = refused(EDGE.kept(&file).paths(2047).run());
+    assert_eq!(error, CheckpointError::MorePaths { path: file.clone(), done: 2048, paths: 2047 });
+    assert!(error.to_string().contains("ask for at least 2048"), "{error}");
+    assert!(EDGE.kept(&file).paths(2048).run().is_ok());
+}
+
+/// A run until an error is small enough ends where one ends that was never stopped, also if that is at the checkpoint.
+#[test]
+fn until_an_error_is_small_enough() {
+    let file = folder!("target").join("run");
+    let run = |target| EDGE.summed::<DeltaPlus>().paths(1 << 20).until_error("q", target);
+    let mut ends = Vec::new();
+    for target in [1e-2, 4e-3, 2e-3] {
+        let kept = || run(target).checkpoint(Checkpoint::to(&file)).run().unwrap();
+        let expected = run(target).run().unwrap();
+        assert_eq!(expected.met_targets(), Some(true));
+        assert_eq!(bits(&kept()), bits(&expected), "{target}");
+        assert_eq!(bits(&kept()), bits(&expected), "{target}, again");
+        ends.push(expected.last().unwrap().count());
+    }
+    assert!(ends[0] < ends[1] && ends[1] < ends[2], "{ends:?}");
+}
+
+/// A run that is stopped keeps all blocks that it has finished.
+#[test]
+fn a_run_that_was_stopped() {
+    let file = folder!("stopped-run").join("run");
+    let calls = AtomicU64::new(0);
+    let run = || {
+        let run = EDGE.ensemble::<DeltaPlus>(0.05).start(State::new([1.0], [0.5])).seed(7).steps(24);
+        run.paths(20 * 512 + 100).antithetic().quantiles().threads(1).allow_losses(1.0)
+    };
+    let stopped = run().stop_when(|| calls.fetch_add(1, Ordering::Relaxed) > 40);
+    let part = stopped.checkpoint(Checkpoint::to(&file)).run().unwrap();
+    let done = part.last().unwrap().count() + part.failed();
+    assert!(part.is_partial() && done % 512 == 0 && done > 0 && done < 20 * 512, "{done}");
+    let whole = run().checkpoint(Checkpoint::to(&file)).run().unwrap();
+    assert_eq!(bits(&whole), bits(&run().run().unwrap()));
+}
+
+/// Threads, lanes and instructions are no part of what a run is.
+#[test]
+fn on_other_threads() {
+    let file = folder!("threads").join("run");
+    EDGE.kept(&file).paths(1024).threads(3).run().unwrap();
+    let run = EDGE.kept(&file).threads(1).instructions(wzvi::ensemble::InstructionSet::Baseline);
+    assert_eq!(bits(&run.run_in::<1>().unwrap()), whole());
+}
+
+#[test]
+fn a_system_without_failures_and_with_the_standard_observables() {
+    let file = folder!("standard").join("run");
+    let run =
+        |paths| EDGE.ensemble::<Midpoint>(0.01).start(State::new([2.0], [0.0])).paths(paths).seed(1).steps(3);
+    run(1000).checkpoint(Checkpoint::to(&file)).run().unwrap();
+    let on = run(3000).checkpoint(Checkpoint::to(&file)).run().unwrap();
+    assert_eq!(on, run(3000).run().unwrap());
+}
+
+/// All paths fail: so does the run, each time.
+#[test]
+fn a_run_without_a_path_that_arrives() {
+    let file = folder!("failing").join("run");
+    let run = || {
+        let start = State::new([-1.0], [0.0]);
+        EDGE.ensemble::<DeltaPlus>(0.1)
+            .start(start)
+            .paths(1100)
+            .seed(1)
+            .steps(3)
+            .checkpoint(Checkpoint::to(&file))
+    };
+    let first = run().run();
+    assert!(matches!(first, Err(Error::Step(_))), "{first:?}");
+    assert_eq!(run().run(), first);
+}
+
+#[test]
+fn settings_that_make_no_sense() {
+    let folder = folder!("settings");
+    let to = || Checkpoint::to(folder.join("run"));
+    let settings = [
+        (to().every_paths(0), "at least 1"),
+        (to().every_paths(9).every(std::time::Duration::ZERO), "no time at all"),
+    ];
+    for (checkpoint, cause) in settings {
+        let error = EDGE.run::<DeltaPlus>().checkpoint(checkpoint).run().unwrap_err();
+        assert!(
+            matches!(&error, Error::Config(ConfigError::Setting(text)) if text.contains(cause)),
+            "{error}"
+        );
+    }
+    assert!(contents(&folder).is_empty());
+}
+
+/// Another run takes the file while this one goes on: it stops there, and leaves the file alone.
+#[test]
+fn a_checkpoint_that_fails_ends_the_run() {
+    let file = folder!("taken").join("run");
+    let edge = Edge { a: 1.0, sigma: 0.1 };
+    let calls = AtomicU64::new(0);
+    let run = edge
+        .ensemble::<DeltaPlus>(0.05)
+        .start(State::new([1.0], [0.5]))
+        .paths(100 * 512)
+        .seed(7)
+        .steps(2)
+        .threads(1)
+        .observe("observable0", |_| {
+            // Two nodes for each of 512 paths are a block; the tenth or so takes the file.
+            if calls.fetch_add(1, Ordering::Relaxed) == 10_000 {
+                fs::write(&file, "another").unwrap();
+            }
+            0.0
+        })
+        .checkpoint(Checkpoint::to(&file).every_paths(1));
+    assert_eq!(refused(run.run()), CheckpointError::Taken { path: file.clone() });
+    assert_eq!(fs::read_to_string(&file).unwrap(), "another");
+    assert!(calls.into_inner() < 20_000);
+}

@@ -1,0 +1,10 @@
+//! Ensembles: the same bits however they are split, what they find out, how they end, and checkpoints.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test stops at the first error")]
+#![allow(missing_docs, unreachable_pub, reason = "test systems")]
+
+mod checkpoint;
+mod control;
+mod runs;
+mod starts;
+mod statistics;

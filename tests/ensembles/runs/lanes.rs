@@ -1,0 +1,163 @@
+//! What a lane does is what a stepper does: the same bits, and the same errors.
+
+use fixtures::small::Kepler;
+use std::sync::Mutex;
+
+use wzvi::error::Error;
+use wzvi::increments::Interval;
+use wzvi::nalgebra;
+use wzvi::prelude::*;
+
+use super::{DoubleWell, Kubo};
+
+/// Two degrees of freedom, three unknowns or more in one block.
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) * (1.0 + x * x) + 0.25 * (x * x + y * y - 1.0).powi(2),
+    noise = [|[x, y], [u, v]| s * (x * u + y * y * v), |[x, y], [u, v]| s * x * y],
+    embedding = [Midpoint, Corrected<DeltaPlus>],
+)]
+pub(crate) struct Tangled {
+    pub(crate) s: f64,
+}
+
+/// Mechanical: a symmetric Jacobian.
+#[hamiltonian(
+    drift = |[x, y, z], [u, v, w]| 0.5 * (u * u + v * v + w * w) + 0.25 * (x * x + y * y + z * z - 1.0).powi(2),
+    noise = [|[x, y, z], [u, v, w]| s * x * y * z],
+    embedding = [Midpoint],
+)]
+pub(crate) struct Mechanical {
+    pub(crate) s: f64,
+}
+
+/// Every path beside the one of `Stepper::plain` with the same increments: the same bits, and the same errors. How many steps
+/// were hard, and how many paths failed.
+fn as_steppers<H, E>(system: &H, h: f64, start: &State<H::Vector>, paths: u64, steps: u64) -> (u64, u64)
+where
+    H: Discretized<E> + Sync,
+{
+    let seed = 9;
+    let seen = Mutex::new(Vec::new());
+    let run = system
+        .ensemble::<E>(h)
+        .start(start.clone())
+        .paths(paths)
+        .seed(seed)
+        .steps(steps)
+        .threads(1)
+        .allow_losses(1.0)
+        .observe("observable0", |state| {
+            if state.t > 0.0 {
+                seen.lock().unwrap().push((state.q.clone(), state.p.clone()));
+            }
+            0.0
+        })
+        .run();
+    let (run, mut ends) = (run.unwrap(), seen.into_inner().unwrap().into_iter());
+    let mut failures = run.failures().iter();
+    let (mut hard, mut failed) = (0, 0);
+    for path in 0..paths {
+        let mut stepper = system.stepper::<E>(h).unwrap().plain();
+        let mut state = start.clone();
+        let mut noise = StepNormals::seed(seed).path(path);
+        noise.prepare(&H::PLAN, h, system.noises(), start.t).unwrap();
+        let mut dw = vec![0.0; system.noises()];
+        let outcome = (0..steps).try_for_each(|step| {
+            noise.increments(&Interval { start: start.t, h, step }, &mut dw).unwrap();
+            stepper.step(&mut state, &dw).map(|info| hard += u64::from(info.is_hard))
+        });
+        match outcome {
+            Ok(()) => assert_eq!(ends.next().unwrap(), (state.q, state.p), "path {path}"),
+            Err(error) => {
+                let failure = failures.next().unwrap();
+                assert_eq!((failure.path, failure.error), (path, error));
+                failed += 1;
+            }
+        }
+    }
+    assert!(ends.next().is_none() && failures.next().is_none());
+    (hard, failed)
+}
+
+/// Without elementary functions, whose last bits differ, a lane does what a stepper does; where the short way fails, too.
+#[test]
+fn a_lane_is_the_path_of_a_stepper() {
+    let kubo = Kubo { a: 1.5, sigma: 1.0 };
+    as_steppers::<_, Midpoint>(&kubo, 0.1, &State::new([0.0], [1.0]), 40, 50);
+    let well = DoubleWell { sigma: 0.3 };
+    as_steppers::<_, Midpoint>(&well, 0.01, &State::new([0.5], [0.5]), 40, 200);
+    let (hard, failed) =
+        as_steppers::<_, Midpoint>(&DoubleWell { sigma: 1.5 }, 0.5, &State::new([0.5], [2.0]), 600, 60);
+    assert!(hard > 1000 && failed > 0 && failed < 600, "{hard} {failed}");
+    let start = State::new([0.5, 0.3], [0.2, -0.4]);
+    let tangled = Tangled { s: 0.8 };
+    let (hard, failed) = as_steppers::<_, Midpoint>(&tangled, 0.3, &start, 200, 20);
+    assert!(hard > 100 && failed > 0 && failed < 200, "{hard} {failed}");
+    // Most that fail have no solution on any way.
+    let (hard, failed) = as_steppers::<_, Corrected<DeltaPlus>>(&tangled, 0.1, &start, 200, 20);
+    assert!(hard < 10 && failed > 0 && failed < 200, "{hard} {failed}");
+    let start = State::new([0.5, 0.3, 0.1], [0.2, -0.4, 1.0]);
+    let (hard, failed) = as_steppers::<_, Midpoint>(&Mechanical { s: 2.0 }, 0.8, &start, 200, 40);
+    assert!(hard > 100 && failed < 200, "{hard} {failed}");
+}
+
+/// Double wells of a size that the state has: every site is solved for itself.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        (0..q.len()).map(|i| 0.5 * p[i] * p[i] + 0.25 * stiffness[i] * (q[i] * q[i] - 1.0).powi(2)).sum::<f64>()
+    },
+    noise = [|q, p, k| s * q[k] * p[k]; stiffness.len()],
+    embedding = [Midpoint],
+)]
+pub(crate) struct DoubleWells {
+    pub(crate) s: f64,
+    pub(crate) stiffness: Vec<f64>,
+}
+
+/// Explicit steps in loops.
+#[hamiltonian(
+    drift = |q: [f64; N], p: [f64; N]| {
+        (0..N).map(|i| 0.5 * p[i] * p[i] + 0.25 * q[i].powi(4)).sum::<f64>()
+            + (1..N).map(|i| 0.5 * k * (q[i] - q[i - 1]).powi(2)).sum::<f64>()
+    },
+    noise = [|q, p, j| s * q[j] * q[j]; N],
+    embedding = [DeltaPlus, Midpoint],
+)]
+pub(crate) struct Shaken<const N: usize> {
+    pub(crate) k: f64,
+    pub(crate) s: f64,
+}
+
+/// The same of steps that are taken in loops, in lanes or not; where sites are hard to solve, too.
+#[test]
+fn a_lane_of_a_system_in_loops_is_the_path_of_a_stepper() {
+    let wave =
+        |n: usize, phase: f64| -> Vec<f64> { (0..n).map(|i| (1.3 * i as f64 + phase).sin()).collect() };
+    let start = State::new(wave(5, 0.2), wave(5, 1.1));
+    let wells =
+        |s, stiffness: f64| DoubleWells { s, stiffness: (0..5).map(|i| stiffness + i as f64).collect() };
+    let (hard, failed) = as_steppers::<_, Midpoint>(&wells(0.3, 1.0), 0.01, &start, 40, 100);
+    assert_eq!((hard, failed), (0, 0));
+    let (hard, failed) = as_steppers::<_, Midpoint>(&wells(1.5, 1.0), 0.3, &start, 100, 20);
+    assert!(hard > 1000 && failed < 100, "{hard} {failed}");
+    let start = State {
+        q: nalgebra::SVector::from_vec(wave(7, 0.2)),
+        p: nalgebra::SVector::from_vec(wave(7, 1.1)),
+        t: 0.0,
+    };
+    let shaken = Shaken::<7> { k: 1.0, s: 0.5 };
+    as_steppers::<_, DeltaPlus>(&shaken, 0.05, &start, 40, 100);
+    as_steppers::<_, Midpoint>(&shaken, 0.05, &start, 10, 20);
+}
+
+/// Without noise every path is that of a stepper, which remembers its steps; also into a collision.
+#[test]
+fn without_noise_all_paths_are_those_of_a_stepper() {
+    as_steppers::<_, Midpoint>(&Kepler, 0.01, &State::new([1.0, 0.0], [0.0, 0.9]), 20, 1000);
+    let start = State::new([1.0, 0.0], [0.0, 0.0]);
+    let failure = Kepler.ensemble::<Midpoint>(0.01).start(start).paths(3).steps(200).run();
+    let mut state = start;
+    let mut stepper = Kepler.stepper::<Midpoint>(0.01).unwrap().plain();
+    let error = (0..200).find_map(|_| stepper.step(&mut state, &[]).err()).unwrap();
+    assert_eq!(failure, Err(Error::Step(error)));
+}

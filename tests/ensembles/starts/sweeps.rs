@@ -1,0 +1,175 @@
+//! Systems by path in lanes: each path is the one that a stepper of its system takes.
+
+use wzvi::ensemble::InstructionSet;
+use wzvi::error::Error;
+use wzvi::increments::{Interval, Noise as _};
+use wzvi::nalgebra::SVector;
+use wzvi::prelude::*;
+use wzvi::system::Discretized;
+
+use super::Well;
+
+/// Four parameters, of which one chooses between two potentials; arithmetic only.
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) + 0.5 * (a * x * x + b * y * y) + c * x * x * y
+        - d * y * y * y / 3.0 + if a < b { 0.1 * x * y } else { -0.2 * x * y },
+    embedding = [Midpoint, Verlet, Gauss<4>],
+)]
+#[derive(Clone)]
+pub(crate) struct Galaxy {
+    pub(crate) a: f64,
+    pub(crate) b: f64,
+    pub(crate) c: f64,
+    pub(crate) d: f64,
+}
+
+/// A mid-point step is linear, with a matrix whose pivots depend on the parameters.
+#[hamiltonian(
+    drift = |[x, y], [u, v], t| 0.5 * (u * u + v * v) + 0.5 * (a * x * x + b * y * y) + c * x * y - f * t * x,
+    noise = [|[_, y], _| -s * y],
+    embedding = [Midpoint],
+)]
+#[derive(Clone)]
+pub(crate) struct Coupled {
+    pub(crate) a: f64,
+    pub(crate) b: f64,
+    pub(crate) c: f64,
+    pub(crate) f: f64,
+    pub(crate) s: f64,
+}
+
+/// Not separable: a step of two coupled unknowns, which reads the time and what the noise multiplies.
+#[hamiltonian(
+    drift = |q, p, t| 0.5 * p * p / (1.0 + m * q * q) + 0.25 * k * q * q * q * q + f * t * q,
+    noise = [|q, p| s * q * p],
+    embedding = [Midpoint, Gauss<2>],
+)]
+#[derive(Clone)]
+pub(crate) struct Bent {
+    pub(crate) m: f64,
+    pub(crate) k: f64,
+    pub(crate) f: f64,
+    pub(crate) s: f64,
+}
+
+/// Every path of a sweep is the one that a stepper takes of its system, whatever the width, the instructions and the threads.
+macro_rules! sweep_is_that_of_steppers {
+    ($scheme:ty, $system:ty, $of_path:expr, $start:expr) => {{
+        const PATHS: u64 = 75;
+        let (h, steps) = (0.1, 16);
+        let list: Vec<$system> = (0..PATHS).map($of_path).collect();
+        let prepared: Vec<_> =
+            list.iter().map(|system| Discretized::<$scheme>::prepare(system, h).unwrap()).collect();
+        let lanes =
+            <$system as Discretized<$scheme>>::beside([&list[0], &list[1]], [&prepared[0], &prepared[1]]);
+        assert!(lanes.is_some(), "{} goes in lanes", stringify!($scheme));
+        let run = || list[0].ensemble::<$scheme>(h).systems_from(list.clone()).start($start).seed(5);
+        let run = || run().keep_paths(1 << 20).steps(steps);
+        let reference = run().run().unwrap();
+        let kept = reference.paths().unwrap();
+        for (path, system) in list.iter().enumerate() {
+            let mut noise = StepNormals::seed(5).path(path as u64);
+            let mut dw = vec![0.0; system.noises()];
+            noise.prepare(&<$system as Discretized<$scheme>>::PLAN, h, dw.len(), 0.0).unwrap();
+            let mut stepper = system.stepper::<$scheme>(h).unwrap().plain();
+            let mut state = $start;
+            for step in 0..steps {
+                noise.increments(&Interval { start: 0.0, h, step }, &mut dw).unwrap();
+                stepper.step(&mut state, &dw).unwrap();
+            }
+            let end = kept.at(path, 1).unwrap();
+            let alone = state.q.iter().chain(state.p.iter()).copied().chain([system.energy(&state)]);
+            assert_eq!(end, alone.collect::<Vec<f64>>(), "{} path {path}", stringify!($scheme));
+        }
+        for set in [InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512] {
+            assert!(run().instructions(set).threads(2).run().unwrap() == reference, "{set:?}");
+        }
+    }};
+}
+
+fn galaxy(path: u64) -> Galaxy {
+    let digit = |place: u32| (path / 3_u64.pow(place) % 3) as f64;
+    Galaxy { a: 1.0 + 0.5 * digit(0), b: 1.25 - 0.25 * digit(1), c: 0.5 * digit(2), d: 1.0 - 0.4 * digit(3) }
+}
+
+fn coupled(path: u64) -> Coupled {
+    // The step of size 0.1 has the matrix [1 + a/400, c/400; c/400, 1 + b/400].
+    let digit = |place: u32| (path / 5_u64.pow(place) % 5) as f64;
+    Coupled {
+        a: 30.0 * digit(0) - 40.0,
+        b: 20.0 * digit(1),
+        c: 400.0 * (digit(2) - 1.0) + 30.0,
+        f: 0.1 * digit(1),
+        s: 0.2,
+    }
+}
+
+fn bent(path: u64) -> Bent {
+    let digit = |place: u32| (path / 4_u64.pow(place) % 4) as f64;
+    Bent { m: 0.3 * digit(0), k: 0.5 + digit(1), f: 0.1 * digit(2), s: 0.2 + 0.05 * digit(0) }
+}
+
+#[test]
+fn sweeps_go_in_lanes() {
+    let start = State::new([0.1, -0.2], [0.05, 0.3]);
+    sweep_is_that_of_steppers!(Midpoint, Galaxy, galaxy, start);
+    sweep_is_that_of_steppers!(Verlet, Galaxy, galaxy, start);
+    sweep_is_that_of_steppers!(Gauss<4>, Galaxy, galaxy, start);
+    sweep_is_that_of_steppers!(Composed<Midpoint, Yoshida4>, Galaxy, galaxy, start);
+}
+
+#[test]
+fn sweeps_with_noise_go_in_lanes() {
+    let start = State::new([0.1, -0.2], [0.05, 0.3]);
+    sweep_is_that_of_steppers!(Midpoint, Coupled, coupled, start);
+    sweep_is_that_of_steppers!(Midpoint, Bent, bent, State::new([0.4], [0.3]));
+    sweep_is_that_of_steppers!(Gauss<2>, Bent, bent, State::new([0.4], [0.3]));
+}
+
+/// Steps that the short way does not take, and paths that fail, each of its own system: as in
+/// `hard_steps_keep_their_lane_to_themselves`.
+#[test]
+fn hard_steps_of_a_sweep_are_those_of_steppers() {
+    let hard = hard_sweep::<Midpoint>(0.6);
+    assert!(hard > 50, "{hard} hard steps: too few to test anything");
+    hard_sweep::<Gauss<2>>(0.9);
+    hard_sweep::<Composed<Midpoint, Yoshida4>>(0.6);
+}
+
+fn hard_sweep<E>(h: f64) -> u32
+where
+    Well: Discretized<E, Vector = SVector<f64, 1>>,
+    <Well as Discretized<E>>::Prepared: Send + Sync,
+{
+    const PATHS: u64 = 40;
+    let start = State::new([-0.7], [0.2]);
+    let list: Vec<Well> = (0..PATHS).map(|path| Well { k: 0.1 * path as f64 }).collect();
+    let run = || list[0].ensemble::<E>(h).systems(|draw| Well { k: 0.1 * draw.path() as f64 });
+    let run = || run().start(start).paths(PATHS).allow_losses(1.0).keep_paths(1 << 20).steps(200);
+    let reference = run().run().unwrap();
+    let mut hard = 0;
+    for (path, well) in list.iter().enumerate() {
+        let (mut stepper, mut state) = (well.stepper::<E>(h).unwrap().plain(), start);
+        let error = (0..200).find_map(|step| match stepper.step(&mut state, &[]) {
+            Ok(info) => {
+                hard += u32::from(info.is_hard && step > 0);
+                None
+            }
+            Err(error) => Some(error),
+        });
+        let failure = reference.failures().iter().find(|failure| failure.path == path as u64);
+        assert_eq!(failure.map(|failure| failure.error), error, "path {path}");
+        if error.is_none() {
+            assert_eq!(&reference.paths().unwrap().at(path, 1).unwrap()[..2], [state.q[0], state.p[0]]);
+        }
+        let (replayed, other) = run().replay(path as u64).unwrap();
+        assert_eq!(other, error.map(Error::from));
+        assert_eq!((replayed.last().q, replayed.last().p), (state.q, state.p), "path {path}");
+    }
+    assert!((1..PATHS).contains(&reference.failed()), "{} failures", reference.failed());
+    let same = |other: wzvi::ensemble::Statistics| {
+        other.paths().unwrap().count() == PATHS as usize && other.failures() == reference.failures()
+    };
+    assert!(same(run().run_in::<1>().unwrap()) && same(run().run_in::<32>().unwrap()));
+    hard
+}

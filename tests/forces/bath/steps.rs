@@ -1,0 +1,323 @@
+//! Steps against references, and their limits.
+
+use serde_json::Value;
+use wzvi::prelude::*;
+use wzvi::step::StepInfo;
+
+use fixtures::bath::{
+    Chain, Coupled, Damped, Driven, Free, FreeChain, Linked, Oscillator, Rough, RoughLinked, RoughPlane,
+};
+
+fn numbers(value: &Value) -> Vec<f64> {
+    let list = value.as_array().expect("a list");
+    list.iter().map(|number| number.as_str().expect("a text").parse().expect("a number")).collect()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_str().expect("a text").parse().expect("a number")
+}
+
+/// The steps of a scheme with given normals, one list for each O part.
+fn check_reference<E>(case: &Value, parts: usize)
+where
+    Oscillator: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
+{
+    let m = numbers(&case["mass"])[0];
+    let gamma = numbers(&case["friction_matrix"][0])[0] / m;
+    let (kt, h) = (number(&case["kT"]), number(&case["h"]));
+    let system = Oscillator { m, k: 1.0, b: 1.0, gamma, kt };
+    let mut state = State::new([numbers(&case["q0"])[0]], [numbers(&case["p0"])[0]]);
+    let mut stepper = system.stepper::<E>(h).expect("steps");
+    let normals: Vec<f64> =
+        case["normals"].as_array().expect("a list").iter().map(|row| numbers(row)[0]).collect();
+    for (expected, normals) in
+        case["trajectory"].as_array().expect("a list").iter().zip(normals.chunks(parts))
+    {
+        let dw: Vec<f64> = normals.iter().map(|normal| h.sqrt() * normal).collect();
+        stepper.step(&mut state, &dw).expect("a step");
+        let (q, p) = (numbers(&expected["q"])[0], numbers(&expected["p"])[0]);
+        // Some ten roundings of numbers of the size of 1.
+        assert!((state.q[0] - q).abs() < 1e-14 && (state.p[0] - p).abs() < 1e-14, "{state:?} {q} {p}");
+    }
+}
+
+/// Three steps of BAOAB and OBABO with given normals, computed with 40 digits.
+#[test]
+fn steps_are_those_of_the_reference() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/langevin_steps.json");
+    let text = std::fs::read_to_string(file).expect("the reference");
+    let data: Value = serde_json::from_str(&text).expect("the reference");
+    let mut seen = 0;
+    for case in data["cases"].as_array().expect("a list") {
+        match case["scheme"].as_str() {
+            Some("BAOAB") => check_reference::<Baoab>(case, 1),
+            Some("OBABO") => {
+                check_reference::<Obabo>(case, 2);
+                // Its middle is a step of Verlet.
+                check_reference::<Thermostat<Verlet>>(case, 2);
+            }
+            _ => continue,
+        }
+        seen += 1;
+    }
+    assert_eq!(seen, 2);
+}
+
+const OSCILLATOR: Oscillator = Oscillator { m: 0.8, k: 1.3, b: 0.4, gamma: 0.0, kt: 0.7 };
+
+/// The bits of a path with these increments in each step.
+fn bits<H, E>(system: &H, start: &State<H::Vector>, h: f64, dw: &[f64]) -> (Vec<u64>, Vec<StepInfo>)
+where
+    H: Discretized<E> + Hamiltonian,
+    H::Vector: wzvi::state::Vector,
+{
+    use wzvi::state::Vector;
+    let (mut state, mut bits, mut infos) = (start.clone(), vec![], vec![]);
+    let mut stepper = system.stepper::<E>(h).expect("steps");
+    for _ in 0..100 {
+        infos.push(stepper.step(&mut state, dw).expect("a step"));
+        bits.extend(state.q.components().iter().chain(state.p.components()).map(|x| x.to_bits()));
+    }
+    (bits, infos)
+}
+
+#[test]
+fn without_friction_nothing_is_added() {
+    let (start, dw) = (State::new([0.3], [-0.4]), [0.2, -0.1]);
+    let Oscillator { m, k, b, .. } = OSCILLATOR;
+    let free = Free { m, k, b };
+    let verlet = bits::<_, Verlet>(&free, &start, 0.1, &[]);
+    assert_eq!(verlet.0, bits::<_, Obabo>(&OSCILLATOR, &start, 0.1, &dw).0);
+    assert_eq!(verlet.0, bits::<_, Thermostat<Verlet>>(&OSCILLATOR, &start, 0.1, &dw).0);
+    assert_eq!(verlet.0, bits::<_, Baoab>(&OSCILLATOR, &start, 0.1, &dw[..1]).0);
+    let midpoint = bits::<_, Midpoint>(&free, &start, 0.1, &[]);
+    assert_eq!(midpoint, bits::<_, Thermostat<Midpoint>>(&OSCILLATOR, &start, 0.1, &dw));
+    let gauss = bits::<_, Gauss<2>>(&free, &start, 0.1, &[]);
+    assert_eq!(gauss, bits::<_, Thermostat<Gauss<2>>>(&OSCILLATOR, &start, 0.1, &dw));
+    // Backwards, too.
+    let back = bits::<_, Midpoint>(&free, &start, -0.1, &[]);
+    assert_eq!(back, bits::<_, Thermostat<Midpoint>>(&OSCILLATOR, &start, -0.1, &dw));
+    // Any number of degrees of freedom that only the state knows.
+    let chain = Chain { gamma: 0.0, kt: 1.0 };
+    let start = State::new(vec![0.1, 0.4, -0.2], vec![0.3, 0.0, -0.5]);
+    let verlet = bits::<_, Verlet>(&FreeChain, &start, 0.1, &[]);
+    assert_eq!(verlet.0, bits::<_, Obabo>(&chain, &start, 0.1, &[0.3; 6]).0);
+    assert_eq!(verlet.0, bits::<_, Baoab>(&chain, &start, 0.1, &[0.3; 3]).0);
+}
+
+#[test]
+fn at_zero_temperature_there_is_friction_alone() {
+    // A free particle: p decays by exp(-γ h) in each step, whatever drives the bath.
+    let free = Oscillator { m: 0.8, k: 0.0, b: 0.0, gamma: 2.5, kt: 0.0 };
+    let (mut state, h) = (State::new([0.0], [1.0]), 0.1_f64);
+    let mut stepper = free.stepper::<Baoab>(h).expect("steps");
+    for step in 1..=40 {
+        stepper.step(&mut state, &[0.7]).expect("a step");
+        let expected = (-2.5 * h * f64::from(step)).exp();
+        // Two roundings for each step.
+        assert!((state.p[0] / expected - 1.0).abs() < 80.0 * f64::EPSILON, "{step}");
+    }
+    // Without a temperature nothing is drawn, and the path is the same.
+    let Oscillator { m, k, b, gamma, .. } = free;
+    let silent = Damped { m, k, b, gamma };
+    let (mut other, mut stepper) = (State::new([0.0], [1.0]), silent.stepper::<Baoab>(h).expect("steps"));
+    for _ in 0..40 {
+        stepper.step(&mut other, &[]).expect("a step");
+    }
+    assert_eq!(other, state);
+}
+
+#[test]
+fn large_friction_forgets_exactly() {
+    // γ h = 10⁶: momenta are new ones, √(m kT) ξ, whatever they were.
+    let system = Oscillator { m: 0.5, k: 0.0, b: 0.0, gamma: 1e6, kt: 2.0 };
+    let mut state = State::new([0.0], [1e5]);
+    let mut stepper = system.stepper::<Obabo>(1.0).expect("steps");
+    stepper.step(&mut state, &[0.25, -1.5]).expect("a step");
+    assert_eq!((state.q[0], state.p[0]), (0.25 / 0.5, -1.5));
+    // γ h = 10⁻¹²: the noise is √(2 m kT γ h) ξ, with no digit lost.
+    let weak = Oscillator { gamma: 1e-12, ..system };
+    let mut state = State::new([0.0], [0.0]);
+    weak.stepper::<Baoab>(1.0).expect("steps").step(&mut state, &[1.0]).expect("a step");
+    let expected = (2.0 * 0.5 * 2.0 * 1e-12_f64).sqrt() * (1.0 - 0.5e-12);
+    assert!((state.p[0] / expected - 1.0).abs() < 8.0 * f64::EPSILON);
+}
+
+/// `E` and `R √h⁻¹` of the O part of a free system at a place, by its columns: nothing else moves momenta.
+fn map_at<H, const D: usize>(system: &H, h: f64, place: [f64; D], masses: [f64; D]) -> [[[f64; D]; D]; 2]
+where
+    H: Discretized<Baoab> + Hamiltonian<Vector = wzvi::nalgebra::SVector<f64, D>>,
+{
+    map_by(system, h, place, |p| std::array::from_fn(|i| p[i] / masses[i]))
+}
+
+/// The same, of a system with these velocities.
+fn map_by<H, const D: usize>(
+    system: &H,
+    h: f64,
+    place: [f64; D],
+    velocities: impl Fn([f64; D]) -> [f64; D],
+) -> [[[f64; D]; D]; 2]
+where
+    H: Discretized<Baoab> + Hamiltonian<Vector = wzvi::nalgebra::SVector<f64, D>>,
+{
+    let mut stepper = system.stepper::<Baoab>(h).expect("steps");
+    let mut step = |p: [f64; D], dw: [f64; D]| {
+        // It acts in the middle of the step.
+        let q: [f64; D] = std::array::from_fn(|i| place[i] - 0.5 * h * velocities(p)[i]);
+        let mut state = State::new(q, p);
+        stepper.step(&mut state, &dw).expect("a step");
+        state.p
+    };
+    let (mut decay, mut deviation) = ([[0.0; D]; D], [[0.0; D]; D]);
+    for j in 0..D {
+        let unit: [f64; D] = std::array::from_fn(|i| f64::from(u8::from(i == j)));
+        let (of_p, of_dw) = (step(unit, [0.0; D]), step([0.0; D], unit.map(|x| x * h.sqrt())));
+        for i in 0..D {
+            (decay[i][j], deviation[i][j]) = (of_p[i], of_dw[i]);
+        }
+    }
+    [decay, deviation]
+}
+
+/// `|E M Eᵀ kT + R Rᵀ - kT M|`, largest entry relative to `kT` and the root of the masses.
+fn imbalance([decay, deviation]: [[[f64; 2]; 2]; 2], mass: [[f64; 2]; 2], kt: f64) -> f64 {
+    let mut worst = 0.0_f64;
+    for i in 0..2 {
+        for j in 0..2 {
+            let pairs = (0..2).flat_map(|k| (0..2).map(move |l| (k, l)));
+            let kept: f64 = pairs.map(|(k, l)| kt * decay[i][k] * mass[k][l] * decay[j][l]).sum();
+            let new: f64 = (0..2).map(|k| deviation[i][k] * deviation[j][k]).sum();
+            let scale = kt * (mass[i][i] * mass[j][j]).sqrt();
+            worst = worst.max((kept + new - kt * mass[i][j]).abs() / scale);
+        }
+    }
+    worst
+}
+
+#[test]
+fn fluctuations_balance_dissipation() {
+    for (m, n) in [(1.0, 1.0), (0.3, 7.0), (1e-3, 20.0)] {
+        for damping in [
+            [[0.9, 0.2], [0.2, 0.4]],
+            [[1e-9, 0.0], [0.0, 2.0]],
+            // Of rank one.
+            [[1.0, 2.0], [2.0, 4.0]],
+            [[1e4, -3e3], [-3e3, 1e3]],
+        ] {
+            let system = Coupled { m, n, k: 0.0, damping, kt: 1.7 };
+            let [decay, deviation] = map_at(&system, 0.25, [0.0; 2], [m, n]);
+            // Some roundings of numbers of the size of 1.
+            let imbalance = imbalance([decay, deviation], [[m, 0.0], [0.0, n]], 1.7);
+            assert!(imbalance < 30.0 * f64::EPSILON, "{m} {n} {damping:?} {imbalance:e}");
+            // The factor is the lower one, with a diagonal that is not negative.
+            assert!(deviation[0][1] == 0.0 && deviation[0][0] >= 0.0 && deviation[1][1] >= 0.0);
+        }
+    }
+    // M⁻¹ with the rows (a, b), (b, c), and one rate.
+    let (a, b, c, gamma) = (2.0, -0.6, 0.5, 0.8);
+    let determinant = a * c - b * b;
+    let mass = [[c / determinant, -b / determinant], [-b / determinant, a / determinant]];
+    let linked = Linked { a, b, c, k: 0.0, gamma, kt: 1.7 };
+    let velocities = |p: [f64; 2]| [a * p[0] + b * p[1], b * p[0] + c * p[1]];
+    let (constant, place) = (map_by(&linked, 0.25, [0.3, 0.1], velocities), [0.0, 0.1]);
+    assert!(imbalance(constant, mass, 1.7) < 30.0 * f64::EPSILON);
+    let rough = RoughLinked { a, b, c, k: 0.0, gamma, kt: 1.7 };
+    let [at_place, there] = [place, [0.5, 0.1]].map(|place| map_by(&rough, 0.25, place, velocities));
+    assert!(imbalance(there, mass, 1.7) < 30.0 * f64::EPSILON);
+    for (a, b) in at_place.iter().flatten().flatten().zip(constant.iter().flatten().flatten()) {
+        assert!((a - b).abs() < 8.0 * f64::EPSILON);
+    }
+    // Against the series of the exponential function, and of what it leaves, for little friction.
+    let damping = [[0.9e-3, 0.2e-3], [0.2e-3, 0.4e-3]];
+    let (masses, h) = ([0.3, 7.0], 0.25);
+    let system = Coupled { m: masses[0], n: masses[1], k: 0.0, damping, kt: 1.0 };
+    let [decay, _] = map_at(&system, h, [0.0; 2], masses);
+    let rate: [[f64; 2]; 2] =
+        std::array::from_fn(|i| std::array::from_fn(|j| -h * damping[i][j] / masses[j]));
+    let (mut term, mut sum) = ([[1.0, 0.0], [0.0, 1.0]], [[1.0, 0.0], [0.0, 1.0]]);
+    for order in 1..12 {
+        term = std::array::from_fn(|i| {
+            std::array::from_fn(|j| (0..2).map(|k| term[i][k] * rate[k][j]).sum::<f64>() / f64::from(order))
+        });
+        for i in 0..2 {
+            for j in 0..2 {
+                sum[i][j] += term[i][j];
+            }
+        }
+    }
+    for i in 0..2 {
+        for j in 0..2 {
+            assert!((decay[i][j] - sum[i][j]).abs() < 10.0 * f64::EPSILON, "{decay:?} {sum:?}");
+        }
+    }
+}
+
+#[test]
+fn sites_without_friction_are_left_alone() {
+    let chain = Chain { gamma: 1.5, kt: 0.8 };
+    let free = Chain { gamma: 0.0, kt: 0.8 };
+    let start = State::new(vec![0.0, 0.0, 1.0, 0.0], vec![0.3, 0.0, 0.0, -0.5]);
+    let [mut warm, mut cold] = [start.clone(), start];
+    chain.stepper::<Baoab>(0.1).expect("steps").step(&mut warm, &[0.2, 0.3, 0.4, 0.5]).expect("a step");
+    free.stepper::<Baoab>(0.1).expect("steps").step(&mut cold, &[0.0; 4]).expect("a step");
+    assert_ne!(warm.p[0], cold.p[0]);
+    // Its neighbour feels it by the force alone, the others not yet.
+    // (Without any friction two half drifts are one, with other roundings.)
+    for (warm, cold) in [(&warm.q, &cold.q), (&warm.p, &cold.p)] {
+        assert!((2..4).all(|i| (warm[i] - cold[i]).abs() < 4.0 * f64::EPSILON));
+    }
+    assert!((warm.q[1] - cold.q[1]).abs() < 4.0 * f64::EPSILON);
+}
+
+#[test]
+fn friction_of_a_place_is_that_of_a_constant_there() {
+    let (place, masses) = ([0.0, -0.7], [0.6, 2.0]);
+    // Of rank one at the origin of x, if y is 0.
+    for place in [place, [0.4, 0.3], [0.0, 0.0]] {
+        let rough = RoughPlane { m: 0.6, n: 2.0, k: 0.0, kt: 1.1 };
+        let damping = RoughPlane::friction(place[0], place[1]);
+        let flat = Coupled { m: 0.6, n: 2.0, k: 0.0, damping, kt: 1.1 };
+        let maps = [map_at(&rough, 0.2, place, masses), map_at(&flat, 0.2, place, masses)];
+        let [there, here] = maps.map(|map| map.into_iter().flatten().flatten().collect::<Vec<f64>>());
+        for (there, here) in there.iter().zip(&here) {
+            // The place itself is rounded.
+            assert!((there - here).abs() < 10.0 * f64::EPSILON, "{maps:?}");
+        }
+    }
+    let (x, h) = (0.4, 0.2);
+    let rough = Rough { m: 0.6, gamma: 0.5, edge: 9.0, kt: 1.1 };
+    let same = Oscillator { m: 0.6, k: 1.0, b: 0.0, gamma: 0.5 * (1.0 + x * x), kt: 1.1 };
+    let (p, q) = (0.5, x - 0.5 * h * 0.5 / 0.6);
+    let begin = State::new([q], [p + 0.5 * h * q]);
+    let [mut a, mut b] = [begin, begin];
+    rough.stepper::<Baoab>(h).expect("steps").step(&mut a, &[0.3]).expect("a step");
+    same.stepper::<Baoab>(h).expect("steps").step(&mut b, &[0.3]).expect("a step");
+    assert!((a.q[0] - b.q[0]).abs() < 10.0 * f64::EPSILON && (a.p[0] - b.p[0]).abs() < 10.0 * f64::EPSILON);
+}
+
+#[test]
+fn listed_noises_come_before_the_bath() {
+    let system = Driven { sigma: 0.4, gamma: 1.2, kt: 0.9 };
+    let silent = Oscillator { m: 1.0, k: 1.0, b: 0.0, gamma: 1.2, kt: 0.9 };
+    let [mut a, mut b] = [State::new([0.2], [0.1]), State::new([0.2], [0.1])];
+    let (h, dw) = (0.1, 0.3);
+    system.stepper::<Obabo>(h).expect("steps").step(&mut a, &[dw, 0.05, -0.2]).expect("a step");
+    // Half of the kick by σ ΔW with each kick of the step.
+    let mut stepper = silent.stepper::<Obabo>(h).expect("steps");
+    stepper.step(&mut b, &[0.05, -0.2]).expect("a step");
+    let shift = -0.5 * 0.4 * dw;
+    let decay = (-0.5 * 1.2 * h).exp();
+    // The step is linear: the first kick drifts, the second one does not.
+    let moved = h * shift;
+    assert!((a.q[0] - b.q[0] - moved).abs() < 10.0 * f64::EPSILON);
+    let expected = decay * (2.0 * shift - 0.5 * h * moved);
+    assert!((a.p[0] - b.p[0] - expected).abs() < 10.0 * f64::EPSILON);
+    let plan = <Driven as Discretized<Obabo>>::PLAN;
+    assert_eq!((plan.noise, plan.weak_order()), (NoiseClass::Additive, Some(1.0)));
+    let plan = <Oscillator as Discretized<Thermostat<Gauss<3>>>>::PLAN;
+    assert_eq!((plan.noise, plan.order, plan.weak_order()), (NoiseClass::Thermal, 2, Some(2.0)));
+    assert_eq!(plan.strong_order(), Some(1.0));
+    assert_eq!(plan.conserves_energy, Knowledge::Refuted);
+    assert!(!plan.truncates_increments());
+}

@@ -1,0 +1,479 @@
+//! Systems whose sums stay loops: the same steps as the unrolled ones, at any size.
+
+mod corrected;
+mod digits;
+mod integrals;
+mod lagrangian;
+mod long;
+mod lowering;
+mod ranges;
+mod sites;
+mod tables;
+mod wide;
+
+use wzvi::prelude::*;
+use wzvi::scalar::Dual;
+
+/// Every system twice: with sums that stay loops, and unrolled with a literal size of 6 points.
+macro_rules! both_ways {
+    (
+        $sized:ident, $unrolled:ident, $point:ty, { $($field:ident : $ty:ty),* }, [$($embedding:ty),*],
+        |$q:ident, $p:ident, $n:ident| $drift:expr
+        $(, noise |$nq:ident, $np:ident| $noise:expr)?
+    ) => {
+        #[hamiltonian(
+            drift = |$q: &[$point], $p: &[$point]| { let $n = $q.len(); $drift },
+            $(noise = [|$nq, $np| $noise],)?
+            embedding = [$($embedding),*],
+        )]
+        #[derive(Clone)]
+        struct $sized { $($field: $ty),* }
+
+        #[hamiltonian(
+            drift = |$q: [$point; 6], $p: [$point; 6]| { let $n = $q.len(); $drift },
+            $(noise = [|$nq: [$point; 6], $np: [$point; 6]| $noise],)?
+            embedding = [$($embedding),*],
+        )]
+        #[derive(Clone)]
+        struct $unrolled { $($field: $ty),* }
+    };
+}
+
+both_ways!(
+    Chain, ChainUnrolled, f64, { beta: f64, mass: [f64; 6] }, [DeltaPlus, Midpoint, DeltaMinus, Lambda<1, 4>],
+    |q, p, n| {
+        let v = |d: f64| 0.5 * d * d + 0.25 * beta * d.powi(4);
+        (0..n).map(|i| p[i] * p[i] / (2.0 * mass[i])).sum::<f64>()
+            + (0..n - 1).map(|i| v(q[i + 1] - q[i])).sum::<f64>()
+            + v(q[0])
+            + v(q[n - 1])
+    }
+);
+
+both_ways!(
+    Ring, RingUnrolled, f64, { k: f64 }, [DeltaPlus, Midpoint],
+    |q, p, n| {
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (0..n).map(|i| 1.0 - (k * (q[(i + 1) % n] - q[i])).cos()).sum::<f64>()
+    }
+);
+
+both_ways!(
+    Coupled, CoupledUnrolled, f64, { a: f64 }, [DeltaPlus, Midpoint, DeltaMinus, Lambda<1, 3>],
+    |q, p, n| {
+        (0..n).map(|i| 0.5 * p[i] * p[i] * (1.0 + a * q[i] * q[i]) + 0.5 * q[i] * q[i]).sum::<f64>()
+            + (1..n).map(|i| 0.1 * q[i] * p[i - 1]).sum::<f64>()
+    }
+);
+
+both_ways!(
+    Gravity, GravityUnrolled, [f64; 2], { g: f64 }, [DeltaPlus, Midpoint],
+    |q, p, n| {
+        p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum::<f64>()
+            - (0..n).map(|i| (0..i).map(|j| {
+                let [x, y] = [q[i][0] - q[j][0], q[i][1] - q[j][1]];
+                g / (x * x + y * y + 0.1).sqrt()
+            }).sum::<f64>()).sum::<f64>()
+    }
+);
+
+both_ways!(
+    Noisy, NoisyUnrolled, f64, { s: f64 },
+    [Midpoint, Uncorrected<DeltaPlus>, Mixed<DeltaPlus, Midpoint>, Uncorrected<Mixed<Midpoint, DeltaPlus>>],
+    |q, p, n| {
+        (0..n).map(|i| 0.5 * p[i] * p[i] + 0.25 * q[i].powi(4)).sum::<f64>()
+            + (0..n - 1).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2)).sum::<f64>()
+    },
+    noise |q, p| s * q.iter().zip(p.iter()).map(|(q, p)| 0.5 * q * q * p + q).sum::<f64>()
+);
+
+fn wave(n: usize, amplitude: f64, phase: f64) -> Vec<f64> {
+    (0..n).map(|i| amplitude * (1.3 * i as f64 + phase).sin()).collect()
+}
+
+/// The largest difference after `steps` steps, against the largest component.
+fn difference<E, A, B, const D: usize>(sized: &A, unrolled: &B, h: f64, dw: &[f64], steps: usize) -> f64
+where
+    A: Discretized<E, Vector = wzvi::nalgebra::DVector<f64>>,
+    B: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, D>>,
+{
+    let (q, p) = (wave(D, 0.8, 0.2), wave(D, 0.5, 1.1));
+    let mut loops = State::new(q.clone(), p.clone());
+    let mut flat: State<B::Vector> = State::new(
+        wzvi::nalgebra::SVector::<f64, D>::from_vec(q),
+        wzvi::nalgebra::SVector::<f64, D>::from_vec(p),
+    );
+    let mut by_loops = sized.stepper::<E>(h).unwrap().unwatched();
+    let mut by_hand = unrolled.stepper::<E>(h).unwrap().unwatched();
+    let mut worst = 0.0_f64;
+    for _ in 0..steps {
+        by_loops.step(&mut loops, dw).unwrap();
+        by_hand.step(&mut flat, dw).unwrap();
+        for (a, b) in loops.q.iter().chain(&loops.p).zip(flat.q.iter().chain(&flat.p)) {
+            worst = worst.max((a - b).abs());
+        }
+    }
+    assert!(loops.q != State::<A::Vector>::new(wave(D, 0.8, 0.2), wave(D, 0.5, 1.1)).q, "nothing moved");
+    worst
+}
+
+/// Twenty steps of order one each round a few dozen times: 1e-13 is 20 steps of 20 ulp. None of the systems is unstable
+/// on that time.
+const ROUNDING: f64 = 1e-13;
+
+#[test]
+fn loops_and_unrolled_sums_take_the_same_steps() {
+    let chain = (
+        Chain { beta: 0.7, mass: [1.0, 2.0, 0.5, 1.5, 1.0, 3.0] },
+        ChainUnrolled { beta: 0.7, mass: [1.0, 2.0, 0.5, 1.5, 1.0, 3.0] },
+    );
+    assert!(difference::<DeltaPlus, _, _, 6>(&chain.0, &chain.1, 0.1, &[], 20) < ROUNDING);
+    assert!(difference::<Midpoint, _, _, 6>(&chain.0, &chain.1, 0.1, &[], 20) < ROUNDING);
+    assert!(difference::<DeltaMinus, _, _, 6>(&chain.0, &chain.1, 0.1, &[], 20) < ROUNDING);
+    assert!(difference::<Lambda<1, 4>, _, _, 6>(&chain.0, &chain.1, 0.1, &[], 20) < ROUNDING);
+    // So stiff that the fixed point does not contract.
+    assert!(difference::<Midpoint, _, _, 6>(&chain.0, &chain.1, 1.5, &[], 5) < ROUNDING);
+    let ring = (Ring { k: 1.3 }, RingUnrolled { k: 1.3 });
+    assert!(difference::<DeltaPlus, _, _, 6>(&ring.0, &ring.1, 0.1, &[], 20) < ROUNDING);
+    assert!(difference::<Midpoint, _, _, 6>(&ring.0, &ring.1, 0.1, &[], 20) < ROUNDING);
+    assert!(difference::<Midpoint, _, _, 6>(&ring.0, &ring.1, 1.2, &[], 5) < ROUNDING);
+    let coupled = (Coupled { a: 0.4 }, CoupledUnrolled { a: 0.4 });
+    assert!(difference::<DeltaPlus, _, _, 6>(&coupled.0, &coupled.1, 0.05, &[], 20) < ROUNDING);
+    assert!(difference::<Midpoint, _, _, 6>(&coupled.0, &coupled.1, 0.05, &[], 20) < ROUNDING);
+    assert!(difference::<DeltaMinus, _, _, 6>(&coupled.0, &coupled.1, 0.05, &[], 20) < ROUNDING);
+    assert!(difference::<Lambda<1, 3>, _, _, 6>(&coupled.0, &coupled.1, 0.05, &[], 20) < ROUNDING);
+    let gravity = (Gravity { g: 0.2 }, GravityUnrolled { g: 0.2 });
+    assert!(difference::<DeltaPlus, _, _, 12>(&gravity.0, &gravity.1, 0.05, &[], 20) < ROUNDING);
+    assert!(difference::<Midpoint, _, _, 12>(&gravity.0, &gravity.1, 0.05, &[], 20) < ROUNDING);
+    let noisy = (Noisy { s: 0.3 }, NoisyUnrolled { s: 0.3 });
+    assert!(difference::<Midpoint, _, _, 6>(&noisy.0, &noisy.1, 0.05, &[0.13], 20) < ROUNDING);
+    assert!(difference::<Uncorrected<DeltaPlus>, _, _, 6>(&noisy.0, &noisy.1, 0.05, &[0.03], 20) < ROUNDING);
+    assert!(
+        difference::<Mixed<DeltaPlus, Midpoint>, _, _, 6>(&noisy.0, &noisy.1, 0.05, &[-0.1], 20) < ROUNDING
+    );
+    assert!(
+        difference::<Uncorrected<Mixed<Midpoint, DeltaPlus>>, _, _, 6>(
+            &noisy.0,
+            &noisy.1,
+            0.05,
+            &[-0.03],
+            20
+        ) < ROUNDING
+    );
+}
+
+#[hamiltonian(
+    drift = |q: [f64; N], p: [f64; N]| {
+        let v = |d: f64| 0.5 * d * d + 0.25 * beta * d.powi(4);
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (1..N).map(|i| v(q[i] - q[i - 1])).sum::<f64>()
+            + v(q[0]) + v(q[N - 1])
+    },
+    embedding = [DeltaPlus, Midpoint],
+)]
+struct Fput<const N: usize> {
+    beta: f64,
+}
+
+fn first_mode<const N: usize>() -> State<wzvi::nalgebra::SVector<f64, N>> {
+    let q: [f64; N] = std::array::from_fn(|i| (std::f64::consts::PI * (i + 1) as f64 / (N + 1) as f64).sin());
+    State::new(q, [0.0; N])
+}
+
+#[test]
+fn sizes_are_const_generics() {
+    assert_eq!(<Fput<32> as Discretized<Midpoint>>::PLAN.unknowns, 32);
+    assert_eq!(<Fput<32> as Discretized<DeltaPlus>>::PLAN.solver, Solver::Explicit);
+    let fput = Fput::<32> { beta: 0.25 };
+    assert_eq!(fput.degrees(), 32);
+    let mut state = first_mode::<32>();
+    let mut stepper = fput.stepper::<Midpoint>(0.05).unwrap();
+    let start = fput.energy(&state);
+    let mut drift = 0.0_f64;
+    for _ in 0..2000 {
+        stepper.step(&mut state, &[]).unwrap();
+        drift = drift.max((fput.energy(&state) / start - 1.0).abs());
+    }
+    // The modified energy is h²/24 of a third derivative away: below 1e-4 here, and it does not grow.
+    assert!(drift > 0.0 && drift < 1e-4, "{drift}");
+}
+
+#[test]
+fn the_way_to_the_solution_does_not_matter() {
+    let fput = Fput::<32> { beta: 0.25 };
+    let run = |iteration: Iteration| {
+        let mut state = first_mode::<32>();
+        let mut stepper = fput.stepper::<Midpoint>(0.05).unwrap().iteration(iteration);
+        let mut iterations = 0;
+        for _ in 0..100 {
+            iterations += stepper.step(&mut state, &[]).unwrap().iterations;
+        }
+        (state, iterations)
+    };
+    let (automatic, many) = run(Iteration::Automatic);
+    let (fixed, _) = run(Iteration::FixedPoint);
+    let (newton, few) = run(Iteration::Newton);
+    assert_eq!(automatic, fixed);
+    assert!(few < many, "{few} {many}");
+    for (a, b) in newton.q.iter().zip(&automatic.q) {
+        assert!((a - b).abs() < ROUNDING, "{a} {b}");
+    }
+}
+
+#[test]
+fn a_pinned_fixed_point_is_not_replaced() {
+    // The spectral radius of φ' is h²/4 · 4 sin²(π N/(2 (N + 1))) (1 + 3 β d²): above 8 for h = 3, below 1/100 for h = 0.1.
+    let fput = Fput::<32> { beta: 0.25 };
+    let step = |h: f64, iteration: Iteration| {
+        let mut state = first_mode::<32>();
+        // All modes take part.
+        state.q[7] += 0.3;
+        let before = state;
+        let taken = fput.stepper::<Midpoint>(h).unwrap().iteration(iteration).step(&mut state, &[]);
+        assert!(taken.is_ok() || state == before);
+        taken.map_err(|error| error.cause)
+    };
+    let stiff = step(3.0, Iteration::FixedPoint);
+    assert!(matches!(stiff, Err(wzvi::error::StepFailure::NotConverged { .. })), "{stiff:?}");
+    for (h, iteration) in
+        [(3.0, Iteration::Automatic), (3.0, Iteration::Newton), (0.1, Iteration::FixedPoint)]
+    {
+        let taken = step(h, iteration);
+        assert!(taken.is_ok(), "h = {h}, {iteration:?}: {taken:?}");
+    }
+}
+
+#[test]
+fn steps_are_symplectic() {
+    const N: usize = 5;
+    let fput = Fput::<N> { beta: 0.25 };
+    let start = first_mode::<N>();
+    for h in [0.1, 1.5] {
+        let values: [f64; 2 * N] =
+            std::array::from_fn(|k| if k < N { start.q[k] } else { 0.1 * (k - N) as f64 });
+        let z: [Dual<{ 2 * N }>; 2 * N] = Dual::variables(values);
+        let (mut q, mut p) = (z[..N].to_vec(), z[N..].to_vec());
+        let mut memory = wzvi::elements::Memory::default();
+        Discretized::<Midpoint>::advance(&fput, &(), 0.0, h, &mut q, &mut p, &[], &mut memory).unwrap();
+        // Rows of the Jacobian by component; the symplectic form of every pair of columns.
+        for a in 0..2 * N {
+            for b in 0..2 * N {
+                let form: f64 = (0..N)
+                    .map(|i| {
+                        q[i].derivative[a] * p[i].derivative[b] - p[i].derivative[a] * q[i].derivative[b]
+                    })
+                    .sum();
+                let expected = f64::from(i8::from(b == a + N) - i8::from(a == b + N));
+                assert!((form - expected).abs() < 1e-12, "h = {h}: ({a}, {b}): {form}");
+            }
+        }
+    }
+}
+
+/// Oscillators along the edges of a graph.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let kinetic: f64 = p.iter().map(|p| 0.5 * p * p).sum();
+        let edges: f64 = (0..bonds.len())
+            .map(|b| strength[b] * (1.0 - (q[self.bonds[b][0]] - q[self.bonds[b][1]]).cos()))
+            .sum();
+        kinetic + edges
+    },
+    noise = [|q, p, k| sigma * (k as f64 + 1.0) * q[k]; 4],
+    embedding = [Midpoint, DeltaPlus],
+)]
+struct Network {
+    bonds: Vec<[usize; 2]>,
+    strength: Vec<f64>,
+    sigma: f64,
+}
+
+#[hamiltonian(
+    drift = |q: [f64; 4], p: [f64; 4]| {
+        let kinetic: f64 = p.iter().map(|p| 0.5 * p * p).sum();
+        kinetic + 2.0 * (1.0 - (q[0] - q[2]).cos()) + 0.5 * (1.0 - (q[3] - q[2]).cos())
+            + 1.5 * (1.0 - (q[1] - q[0]).cos())
+    },
+    noise = [|q, p, k| sigma * (k as f64 + 1.0) * q[k]; 4],
+    embedding = [Midpoint, DeltaPlus],
+)]
+struct NetworkUnrolled {
+    sigma: f64,
+}
+
+#[test]
+fn tables_place_elements_and_families_drive_them() {
+    let network = Network { bonds: vec![[0, 2], [3, 2], [1, 0]], strength: vec![2.0, 0.5, 1.5], sigma: 0.4 };
+    let unrolled = NetworkUnrolled { sigma: 0.4 };
+    assert_eq!((network.noises(), unrolled.noises()), (4, 4));
+    let dw = [0.1, -0.2, 0.05, 0.3];
+    assert!(difference::<Midpoint, _, _, 4>(&network, &unrolled, 0.1, &dw, 20) < ROUNDING);
+    assert!(difference::<Midpoint, _, _, 4>(&network, &unrolled, 1.5, &dw, 3) < ROUNDING);
+    assert!(difference::<DeltaPlus, _, _, 4>(&network, &unrolled, 0.1, &dw, 20) < ROUNDING);
+    let state = State::new(wave(4, 1.0, 0.0), wave(4, 1.0, 2.0));
+    let flat: State<wzvi::nalgebra::SVector<f64, 4>> = State::new(
+        wzvi::nalgebra::SVector::<f64, 4>::from_vec(wave(4, 1.0, 0.0)),
+        wzvi::nalgebra::SVector::<f64, 4>::from_vec(wave(4, 1.0, 2.0)),
+    );
+    for k in 0..4 {
+        assert!((network.energy_rate(k, &state) - unrolled.energy_rate(k, &flat)).abs() < 1e-15);
+        let energies = [network.noise_energy(k, &state), unrolled.noise_energy(k, &flat)];
+        assert!((energies[0] - energies[1]).abs() < 1e-15, "{energies:?}");
+    }
+    assert!(network.noise_energy(4, &state).is_nan());
+}
+
+#[test]
+fn indices_out_of_range_are_found_before_a_step() {
+    let network = Network { bonds: vec![[0, 9]], strength: vec![1.0], sigma: 0.0 };
+    let mut stepper = network.stepper::<Midpoint>(0.1).unwrap();
+    let mut state = State::new(vec![0.1; 4], vec![0.0; 4]);
+    let before = state.clone();
+    let error = stepper.step(&mut state, &[0.0; 4]).unwrap_err();
+    assert!(error.cause.to_string().starts_with("`bonds[0][1]` is 9, the state has 4;"), "{error}");
+    assert_eq!(state, before);
+    assert!(network.energy(&state).is_nan());
+    let short = Network { bonds: vec![[0, 1], [1, 2]], strength: vec![1.0], sigma: 0.0 };
+    assert!(short.stepper::<Midpoint>(0.1).unwrap().step(&mut state, &[0.0; 4]).is_err());
+    assert_eq!(state, before);
+}
+
+#[test]
+fn discrete_trajectories_satisfy_the_euler_lagrange_equations() {
+    let fput = Fput::<20> { beta: 0.7 };
+    let path = fput.simulate::<Midpoint>(0.1).start(first_mode::<20>()).steps(20).run().unwrap();
+    // Residuals are differences of momenta of order one.
+    assert!(path.euler_lagrange_residual(&fput).unwrap() < 1e-14);
+}
+
+#[test]
+fn steps_allocate_nothing() {
+    let fput = Fput::<64> { beta: 0.25 };
+    let mut state = first_mode::<64>();
+    let mut stepper = fput.stepper::<Midpoint>(0.05).unwrap();
+    stepper.step(&mut state, &[]).unwrap();
+    let counted = allocation_counter::measure(|| {
+        for _ in 0..100 {
+            stepper.step(&mut state, &[]).unwrap();
+        }
+    });
+    assert_eq!(counted.count_total, 0);
+    let chain = Chain { beta: 0.7, mass: [1.0; 6] };
+    let mut state = State::new(wave(6, 1.0, 0.0), wave(6, 1.0, 2.0));
+    for h in [0.05, 1.5] {
+        let mut stepper = chain.stepper::<Midpoint>(h).unwrap();
+        stepper.step(&mut state, &[]).unwrap();
+        let counted = allocation_counter::measure(|| {
+            for _ in 0..10 {
+                stepper.step(&mut state, &[]).unwrap();
+            }
+        });
+        assert_eq!(counted.count_total, 0, "h = {h}");
+    }
+}
+
+const SITES: usize = 20;
+
+/// Ends held by a condition on the index, size from a constant.
+#[hamiltonian(
+    drift = |q: [f64; SITES], p: [f64; SITES]| {
+        let kinetic: f64 = p.iter().map(|p| 0.5 * p * p).sum();
+        let springs: f64 = (0..SITES)
+            .map(|i| {
+                let left = if i == 0 { 0.0 } else { q[i - 1] };
+                0.25 * (q[i] - left).powi(4)
+            })
+            .sum();
+        kinetic + springs + 0.25 * q[SITES - 1].powi(4)
+    },
+    embedding = [Midpoint],
+)]
+struct Held;
+
+/// The same with the ends written apart and a literal size.
+#[hamiltonian(
+    drift = |q: [f64; 20], p: [f64; 20]| {
+        let springs: f64 = q.windows(2).map(|w| 0.25 * (w[1] - w[0]).powi(4)).sum();
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>() + springs + 0.25 * q[0].powi(4) + 0.25 * q[19].powi(4)
+    },
+    embedding = [Midpoint],
+)]
+struct Apart;
+
+#[test]
+fn conditions_on_indices_split_loops() {
+    assert_eq!(<Held as Discretized<Midpoint>>::PLAN.unknowns, 20);
+    let (mut held, mut apart) = (first_mode::<20>(), first_mode::<20>());
+    let mut by_condition = Held.stepper::<Midpoint>(0.1).unwrap();
+    let mut by_windows = Apart.stepper::<Midpoint>(0.1).unwrap();
+    for _ in 0..20 {
+        by_condition.step(&mut held, &[]).unwrap();
+        by_windows.step(&mut apart, &[]).unwrap();
+    }
+    assert!((held.q - apart.q).amax() < ROUNDING && (held.p - apart.p).amax() < ROUNDING);
+    assert!((held.q - first_mode::<20>().q).amax() > 1e-6);
+}
+
+/// A torus of `nx` by `nx` sites, and its energy by hand.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let kinetic: f64 = p.iter().map(|p| 0.5 * p * p).sum();
+        let bonds: f64 = (0..self.nx)
+            .map(|i| {
+                (0..self.nx)
+                    .map(|j| {
+                        let own = q[i * nx + j];
+                        let (down, right) = (q[((i + 1) % nx) * nx + j], q[i * nx + (j + 1) % nx]);
+                        0.5 * (down - own).powi(2) + 0.5 * (right - own).powi(2) + 0.25 * own.powi(4)
+                    })
+                    .sum::<f64>()
+            })
+            .sum();
+        kinetic + bonds
+    },
+    embedding = [DeltaPlus, Midpoint],
+)]
+struct Torus {
+    nx: usize,
+}
+
+#[test]
+fn lattices_in_two_dimensions_run() {
+    let torus = Torus { nx: 7 };
+    let n = torus.nx * torus.nx;
+    let mut state: State<wzvi::nalgebra::DVector<f64>> = State::new(wave(n, 1.0, 0.3), wave(n, 0.4, 0.1));
+    let mut by_hand = state.p.iter().map(|p| 0.5 * p * p).sum::<f64>();
+    for i in 0..7 {
+        for j in 0..7 {
+            let own = state.q[7 * i + j];
+            let (down, right) = (state.q[7 * ((i + 1) % 7) + j], state.q[7 * i + (j + 1) % 7]);
+            by_hand += 0.5 * (down - own).powi(2) + 0.5 * (right - own).powi(2) + 0.25 * own.powi(4);
+        }
+    }
+    // Forty-nine sites, energies of order 100.
+    assert!((torus.energy(&state) - by_hand).abs() < 1e-11, "{} {by_hand}", torus.energy(&state));
+    for h in [0.05, 1.0] {
+        let mut newton = state.clone();
+        torus.stepper::<Midpoint>(h).unwrap().step(&mut state, &[]).unwrap();
+        torus.stepper::<Midpoint>(h).unwrap().iteration(Iteration::Newton).step(&mut newton, &[]).unwrap();
+        assert!((&state.q - &newton.q).amax() < ROUNDING && (&state.p - &newton.p).amax() < ROUNDING);
+    }
+}
+
+#[test]
+fn energies_of_many_sizes_agree_with_the_compensated_step() {
+    // Compensated sums keep the state of a linear chain closer to the plain one than rounding grows.
+    let fput = Fput::<40> { beta: 0.0 };
+    let mut plain = first_mode::<40>();
+    let mut carried = plain;
+    let mut stepper = fput.stepper::<Midpoint>(0.05).unwrap();
+    let mut compensated = fput.stepper::<Midpoint>(0.05).unwrap().compensated();
+    for _ in 0..1000 {
+        stepper.step(&mut plain, &[]).unwrap();
+        compensated.step(&mut carried, &[]).unwrap();
+    }
+    assert!(compensated.is_compensated());
+    // A thousand roundings of numbers of order one at worst.
+    assert!((plain.q - carried.q).amax() < 1000.0 * f64::EPSILON);
+    assert!(plain.q != carried.q);
+}

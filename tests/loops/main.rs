@@ -1,0 +1,13 @@
+//! Systems of any size: steps whose sums stay loops, in tiles, in vector instructions, over pairs and tables.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test stops at the first error")]
+#![allow(missing_docs, unreachable_pub, reason = "test systems")]
+
+mod elements;
+mod one_by_one;
+mod pairs;
+mod scenes;
+mod seam;
+mod sweeps;
+mod tables;
+mod windows;

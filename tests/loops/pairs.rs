@@ -1,0 +1,250 @@
+//! Sums over pairs of bodies in vector instructions: their bits are those of one number after the other, and their forces those that
+//! mathematics asks for.
+//!
+//! The reference for bits is the same generated step on [`Lanes<1>`], which takes no vector registers.
+
+use wzvi::lanes::Lanes;
+use wzvi::nalgebra::DVector;
+use wzvi::prelude::*;
+
+use crate::one_by_one::{check, check_scheme, numbers};
+
+/// Gravity of bodies in space, each pair once, with masses and a field that holds them.
+#[hamiltonian(
+    drift = |q: &[[f64; 3]], p: &[[f64; 3]]| {
+        let n = q.len();
+        (0..n).map(|i| 0.5 * (p[i][0] * p[i][0] + p[i][1] * p[i][1] + p[i][2] * p[i][2]) / self.mass[i]).sum::<f64>()
+            + q.iter().map(|q| 0.5 * k * (q[0] * q[0] + q[2].powi(4))).sum::<f64>()
+            - (0..n)
+                .map(|i| {
+                    (0..i)
+                        .map(|j| {
+                            let [x, y, z] = [q[i][0] - q[j][0], q[i][1] - q[j][1], q[i][2] - q[j][2]];
+                            self.mass[i] * self.mass[j] / (x * x + y * y + z * z + softening).sqrt()
+                        })
+                        .sum::<f64>()
+                })
+                .sum::<f64>()
+    },
+    invariant = [|q, p| p.iter().map(|p| p[1]).sum::<f64>()],
+    embedding = [DeltaPlus, DeltaMinus, Verlet, Midpoint],
+)]
+struct Cluster {
+    k: f64,
+    softening: f64,
+    mass: Vec<f64>,
+}
+
+/// Rotors of which each turns all others, all pairs twice: sines and cosines.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let n = q.len();
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (0..n).map(|i| (0..n).map(|j| k * (1.0 - (q[i] - q[j]).cos())).sum::<f64>()).sum::<f64>()
+    },
+    embedding = [DeltaPlus, DeltaMinus, Verlet, Midpoint],
+)]
+struct Rotors {
+    k: f64,
+}
+
+/// Vortices in a plane that repel, the later ones first, in time, and a kick by a noise that they share.
+#[hamiltonian(
+    drift = |q: &[[f64; 2]], p: &[[f64; 2]], t| {
+        let n = q.len();
+        p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum::<f64>()
+            - (0..n)
+                .map(|i| {
+                    (i + 1..n)
+                        .map(|j| {
+                            let (x, y) = (q[i][0] - q[j][0], q[i][1] - q[j][1]);
+                            (1.0 + 0.1 * t) * (x * x + y * y + 0.1).ln()
+                        })
+                        .sum::<f64>()
+                })
+                .sum::<f64>()
+    },
+    noise = [|q, p| (0..q.len()).map(|i| (0..i).map(|j| sigma * q[i][0] * q[j][1]).sum::<f64>()).sum::<f64>()],
+    embedding = [Uncorrected<DeltaPlus>, Midpoint],
+)]
+struct Vortices {
+    sigma: f64,
+}
+
+const H: f64 = 0.01;
+
+fn cluster(n: usize) -> Cluster {
+    Cluster { k: 0.3, softening: 0.01, mass: (0..n).map(|i| 1.0 / (1.0 + i as f64)).collect() }
+}
+
+/// Below and above the numbers of lanes, of blocks, and of bodies from which there are columns.
+fn sizes() -> impl Iterator<Item = usize> {
+    (2..52).chain([63, 64, 65, 79, 80, 81, 127, 128, 129])
+}
+
+#[test]
+fn pairs_have_the_bits_of_one_number_after_the_other() {
+    for n in sizes() {
+        check(&cluster(n), 3 * n, "cluster");
+        check(&Rotors { k: 0.1 / n as f64 }, n, "rotors");
+        let start = [numbers(2 * n, 0.2), numbers(2 * n, 1.1)];
+        check_scheme::<Uncorrected<DeltaPlus>, _>(&Vortices { sigma: 0.001 }, &start, "vortices");
+    }
+}
+
+#[test]
+fn rare_arguments_of_functions_have_the_bits_of_one_number_after_the_other() {
+    for place in [0, 17, 64, 70] {
+        let mut start = [numbers(71, 0.2), numbers(71, 1.1)];
+        // Beyond what the reduction by π/2 in lanes takes.
+        start[0][place.min(70)] = 1e9;
+        check_scheme::<DeltaPlus, _>(&Rotors { k: 0.01 }, &start, "far away");
+    }
+}
+
+/// The forces of a state: the change of momenta in a step of size one from rest.
+fn forces<H: Discretized<DeltaPlus, Vector = DVector<f64>>>(system: &H, q: &[f64]) -> Vec<f64> {
+    let (mut q, mut p) = (q.to_vec(), vec![0.0; q.len()]);
+    let prepared = system.prepare(1.0).unwrap();
+    system.advance(&prepared, 0.0, 1.0, &mut q, &mut p, &[], &mut system.memory()).unwrap();
+    p
+}
+
+/// Each sum of `n` forces is rounded `n` times, and so is each of its terms about ten times.
+#[test]
+fn forces_are_those_by_hand_to_rounding() {
+    for n in [17, 64, 100, 301] {
+        let (cluster, q) = (Cluster { k: 0.0, ..cluster(n) }, numbers(3 * n, 0.2));
+        let found = forces(&cluster, &q);
+        for i in 0..n {
+            let (mut force, mut size) = ([0.0; 3], 0.0);
+            for j in (0..n).filter(|&j| j != i) {
+                let d: [f64; 3] = std::array::from_fn(|k| q[3 * j + k] - q[3 * i + k]);
+                let square = d.iter().map(|d| d * d).sum::<f64>() + cluster.softening;
+                let pull = cluster.mass[i] * cluster.mass[j] / (square * square.sqrt());
+                (0..3).for_each(|k| force[k] += pull * d[k]);
+                size += pull * d.iter().map(|d| d.abs()).fold(0.0, f64::max);
+            }
+            for k in 0..3 {
+                let apart = (force[k] - found[3 * i + k]).abs();
+                assert!(apart <= 2.0 * (n + 10) as f64 * f64::EPSILON * size, "body {i} of {n}: {apart:e}");
+            }
+        }
+    }
+}
+
+/// What one body pulls another with, that one pulls back with: the sum is the rounding of `n` sums of `n` terms.
+#[test]
+fn forces_of_pairs_add_to_nothing() {
+    for n in [16, 40, 64, 100, 301] {
+        let found = forces(&Cluster { k: 0.0, ..cluster(n) }, &numbers(3 * n, 0.2));
+        let size: f64 = found.iter().map(|force| force.abs()).sum();
+        for k in 0..3 {
+            let sum: f64 = found.iter().skip(k).step_by(3).sum();
+            assert!(sum.abs() <= n as f64 * f64::EPSILON * size, "{n} bodies: {sum:e} of {size:e}");
+        }
+    }
+}
+
+/// Bodies that change places, with their masses, have each other's forces, to the rounding of sums in another order.
+#[test]
+fn bodies_may_change_places() {
+    let n = 67;
+    let (cluster, q) = (Cluster { k: 0.0, ..cluster(n) }, numbers(3 * n, 0.2));
+    let turned =
+        |list: &[f64], width: usize| list.chunks(width).rev().flatten().copied().collect::<Vec<f64>>();
+    let other = Cluster { mass: turned(&cluster.mass, 1), ..cluster };
+    let (a, b) = (forces(&cluster, &q), turned(&forces(&other, &turned(&q, 3)), 3));
+    for i in 0..n {
+        let terms: f64 =
+            (0..n).filter(|&j| j != i).map(|j| cluster.mass[i] * cluster.mass[j] / cluster.softening).sum();
+        for k in 0..3 {
+            let apart = (a[3 * i + k] - b[3 * i + k]).abs();
+            assert!(apart <= 2.0 * (n + 10) as f64 * f64::EPSILON * terms, "body {i}: {apart:e}");
+        }
+    }
+}
+
+/// The derivative of the energy along a direction is the forces along it.
+#[test]
+fn forces_are_derivatives_of_the_energy() {
+    for n in [16, 33, 64, 100] {
+        let (cluster, q) = (cluster(n), numbers(3 * n, 0.2));
+        let (rest, direction) = (vec![0.0; 3 * n], numbers(3 * n, 2.2));
+        let energy = |s: f64| {
+            let moved: Vec<f64> = q.iter().zip(&direction).map(|(q, d)| q + s * d).collect();
+            cluster.energy(&State::new(moved, rest.clone()))
+        };
+        let found: f64 = forces(&cluster, &q).iter().zip(&direction).map(|(force, d)| -force * d).sum();
+        // Richardson's extrapolation of central differences: truncation s⁴, rounding ε / s.
+        let s = 1e-3;
+        let central = |s: f64| (energy(s) - energy(-s)) / (2.0 * s);
+        let slope = (4.0 * central(s) - central(2.0 * s)) / 3.0;
+        assert!((found - slope).abs() < 1e-7 * (1.0 + slope.abs()), "{n} bodies: {found} by {slope}");
+    }
+}
+
+/// A hundred bodies that hold together: the energy of a symplectic scheme of order 2 stays within `h²` of its start, and halving `h` leaves a
+/// quarter of that.
+#[test]
+fn energy_of_a_hundred_bodies_stays() {
+    let n = 100;
+    let system = Cluster { k: 0.0, softening: 0.1, mass: vec![1.0 / n as f64; n] };
+    let start = || State::new(numbers(3 * n, 0.2), vec![0.0; 3 * n]);
+    let drift = |h: f64| {
+        let (mut state, mut stepper) = (start(), system.stepper::<Verlet>(h).unwrap());
+        let before = system.energy(&state);
+        let mut most = 0.0_f64;
+        for _ in 0..(2.0 / h) as usize {
+            stepper.step(&mut state, &[]).unwrap();
+            most = most.max((system.energy(&state) - before).abs());
+        }
+        let momentum: f64 = state.p.iter().skip(1).step_by(3).sum();
+        // 400 kicks at most round each of 100 momenta of about 0.02, a hundredth of the mass.
+        assert!(momentum.abs() < 1e-13, "{momentum:e}");
+        most
+    };
+    let (coarse, fine) = (drift(0.02), drift(0.01));
+    assert!((3.0..5.0).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
+}
+
+/// The room for columns is there after the first step.
+#[test]
+fn steps_allocate_nothing() {
+    let (system, mut state) = (cluster(100), State::new(numbers(300, 0.2), numbers(300, 1.1)));
+    let mut stepper = system.stepper::<Verlet>(H).unwrap();
+    stepper.step(&mut state, &[]).unwrap();
+    let counted = allocation_counter::measure(|| {
+        for _ in 0..10 {
+            stepper.step(&mut state, &[]).unwrap();
+        }
+    });
+    assert_eq!(counted.count_total, 0);
+}
+
+/// The mid-point's equations are solved to rounding whatever computes them: by vectors, or number by number.
+#[test]
+fn implicit_steps_are_those_of_one_number_after_the_other() {
+    for n in [5, 17, 40, 64, 100] {
+        check_implicit(&cluster(n), 3 * n, n);
+        check_implicit(&Rotors { k: 0.1 / n as f64 }, n, n);
+    }
+}
+
+fn check_implicit<E: Discretized<Midpoint, Vector = DVector<f64>>>(
+    system: &E,
+    degrees: usize,
+    bodies: usize,
+) {
+    let alone = |list: &DVector<f64>| -> Vec<Lanes<1>> { list.iter().map(|&x| Lanes::new([x])).collect() };
+    let mut state = State::new(numbers(degrees, 0.2), numbers(degrees, 1.1));
+    let (mut q, mut p) = (alone(&state.q), alone(&state.p));
+    system.stepper(H).unwrap().step(&mut state, &[]).unwrap();
+    let prepared = system.prepare(H).unwrap();
+    system.advance(&prepared, 0.0, H, &mut q, &mut p, &[], &mut Default::default()).unwrap();
+    for (a, b) in state.q.iter().chain(&state.p).zip(q.iter().chain(&p)) {
+        // Iterations end where a correction is a quarter of a rounding; sums of as many forces as bodies are rounded as often.
+        let bound = (bodies + 10) as f64 * f64::EPSILON * (1.0 + a.abs());
+        assert!((a - b[0]).abs() <= bound, "{bodies} bodies: {a} {}", b[0]);
+    }
+}

@@ -1,0 +1,279 @@
+//! The same closures where the size is a literal, a const generic or that of a slice, from one site to many.
+
+use wzvi::plan::Knowledge;
+use wzvi::prelude::*;
+use wzvi::scalar::Rounded;
+use wzvi::state::Vector;
+
+/// Every spelling of a system.
+macro_rules! spellings {
+    ($($system:ident),*) => {$(
+        mod $system {
+            use wzvi::prelude::*;
+            fixtures::$system!(Slices, [], &[f64], sites);
+            fixtures::$system!(Generic, [<const N: usize>], [f64; N], N);
+            fixtures::$system!(Sites1, [], [f64; 1], 1);
+            fixtures::$system!(Sites2, [], [f64; 2], 2);
+            fixtures::$system!(Sites16, [], [f64; 16], 16);
+            fixtures::$system!(Sites17, [], [f64; 17], 17);
+
+            pub(super) fn check<E>(facts: super::Facts, is_alone_special: bool)
+            where
+                Slices: super::Driven<E>,
+                Generic<1>: Discretized<E>, Sites1: Discretized<E>,
+                Generic<2>: Discretized<E>, Sites2: Discretized<E>,
+                Generic<16>: Discretized<E>, Sites16: Discretized<E>,
+                Generic<17>: Discretized<E>, Sites17: Discretized<E>,
+            {
+                let name = stringify!($system);
+                spellings!(@size name, facts, is_alone_special, E, Sites1 1, Sites2 2, Sites16 16, Sites17 17);
+            }
+
+            /// In lanes, beside paths of slices.
+            #[allow(dead_code, reason = "where there is noise")]
+            pub(super) fn check_ensembles<E>()
+            where
+                Slices: super::Driven<E>,
+                Generic<17>: super::Driven<E>,
+                Sites16: super::Driven<E>,
+                Sites17: super::Driven<E>,
+            {
+                let (a, s, name) = (0.7, 0.4, stringify!($system));
+                if <Slices as Discretized<E>>::PLAN.solver != Solver::Newton {
+                    let in_lanes = [
+                        <Slices as Discretized<E>>::IN_LANES,
+                        <Generic<17> as Discretized<E>>::IN_LANES,
+                        <Sites16 as Discretized<E>>::IN_LANES,
+                        <Sites17 as Discretized<E>>::IN_LANES,
+                    ];
+                    assert_eq!(in_lanes, [true; 4], "{name}");
+                }
+                for sites in [1, 2, 16, 17, 64] {
+                    let slices = Slices { a, s, sites };
+                    let check = super::Ensemble::<E, _>::new(name, &slices, sites);
+                    match sites {
+                        16 => check.other(&Sites16 { a, s, sites }, "literal"),
+                        17 => {
+                            check.other(&Sites17 { a, s, sites }, "literal");
+                            check.other(&Generic::<17> { a, s, sites }, "const generic");
+                        }
+                        _ => {}
+                    }
+                }
+            }
+        }
+    )*};
+    (@size $name:ident, $facts:ident, $special:ident, $scheme:ty, $($literal:ident $sites:literal),*) => {$(
+        {
+            let (a, s, sites) = (0.7, 0.4, $sites);
+            let literal = $literal { a, s, sites };
+            let generic = Generic::<$sites> { a, s, sites };
+            let slices = Slices { a, s, sites };
+            let facts = if $special && sites == 1 { None } else { Some($facts) };
+            let check = super::Comparison::<$scheme>::new($name, &slices, sites);
+            check.plan::<$literal>(facts, "literal");
+            check.plan::<Generic<$sites>>(facts, "const generic");
+            check.plan::<Slices>(facts, "slice");
+            check.other(&literal, "literal");
+            check.other(&generic, "const generic");
+        }
+    )*};
+}
+
+spellings!(kubo, chain, pairs, pushed);
+
+/// A system with a scheme that ensembles run.
+trait Driven<E>: Discretized<E> + Sync {}
+impl<E, H: Discretized<E> + Sync> Driven<E> for H {}
+
+const H: f64 = 0.05;
+const STEPS: usize = 20;
+const PATHS: u64 = 37;
+
+/// What is known of a scheme, at any size.
+#[derive(Clone, Copy)]
+struct Facts {
+    solver: Solver,
+    unknowns: Unknowns,
+    noise: NoiseClass,
+    conserves_energy: Knowledge,
+}
+
+#[derive(Clone, Copy)]
+enum Unknowns {
+    OfASite(usize),
+    /// As many as there are sites, if the compiler knows.
+    OneForEach,
+}
+
+/// A path of slices, to which the other spellings are compared.
+struct Comparison<E> {
+    name: String,
+    sites: usize,
+    path: Vec<f64>,
+    /// What rounding may have done to it.
+    bound: f64,
+    scheme: std::marker::PhantomData<E>,
+}
+
+impl<E> Comparison<E> {
+    fn new<H: Discretized<E>>(name: &str, slices: &H, sites: usize) -> Self {
+        let name = format!("{sites} sites of {name}, {}", std::any::type_name::<E>());
+        let (path, bound) = (path::<E, H>(slices, sites), bound::<E, H>(slices, sites));
+        Self { name, sites, path, bound, scheme: std::marker::PhantomData }
+    }
+
+    /// What is known of the scheme; `expected` where it is the same at every size.
+    fn plan<H: Discretized<E>>(&self, expected: Option<Facts>, spelling: &str) {
+        let (plan, name) = (H::PLAN, &self.name);
+        let Some(Facts { solver, unknowns, noise, conserves_energy }) = expected else { return };
+        assert_eq!(plan.solver, solver, "{name}, {spelling}");
+        assert_eq!(plan.noise, noise, "{name}, {spelling}");
+        assert_eq!(plan.conserves_energy, conserves_energy, "{name}, {spelling}");
+        assert_eq!((plan.consistent, plan.commuting), (true, Knowledge::Proven), "{name}, {spelling}");
+        let known = match unknowns {
+            Unknowns::OfASite(unknowns) => unknowns,
+            Unknowns::OneForEach if plan.unknowns == usize::MAX => usize::MAX,
+            Unknowns::OneForEach => self.sites,
+        };
+        assert_eq!(plan.unknowns, known, "{name}, {spelling}");
+    }
+
+    fn other<H: Discretized<E>>(&self, other: &H, spelling: &str) {
+        let (name, bound) = (&self.name, self.bound);
+        for (a, b) in self.path.iter().zip(path::<E, H>(other, self.sites)) {
+            let apart = (a - b).abs();
+            assert!(apart <= 2.0 * bound, "{name}, {spelling}: {a} {b} are {apart:.1e} apart, {bound:.1e}");
+        }
+    }
+}
+
+/// The same of an ensemble.
+struct Ensemble<E, H> {
+    comparison: Comparison<E>,
+    means: Vec<f64>,
+    system: std::marker::PhantomData<H>,
+}
+
+impl<E, H: Driven<E>> Ensemble<E, H> {
+    fn new(name: &str, slices: &H, sites: usize) -> Self {
+        let (comparison, means) = (Comparison::new(name, slices, sites), means::<E, H>(slices, sites));
+        Self { comparison, means, system: std::marker::PhantomData }
+    }
+
+    fn other<O: Driven<E>>(&self, other: &O, spelling: &str) {
+        let Comparison { name, sites, bound, .. } = &self.comparison;
+        for (a, b) in self.means.iter().zip(means::<E, O>(other, *sites)) {
+            assert!((a - b).abs() <= 2.0 * bound, "{name}, {spelling}: means {a} {b}, {bound:.1e}");
+        }
+    }
+}
+
+fn wave(n: usize, phase: f64) -> impl Iterator<Item = f64> {
+    (0..n).map(move |i| (1.3 * i as f64 + phase).sin())
+}
+
+fn start<V: Vector>(n: usize) -> State<V> {
+    let mut state = State { q: V::zeros(n), p: V::zeros(n), t: 0.0 };
+    state.q.components_mut().iter_mut().zip(wave(n, 0.2)).for_each(|(to, from)| *to = from);
+    state.p.components_mut().iter_mut().zip(wave(n, 1.1)).for_each(|(to, from)| *to = from);
+    state
+}
+
+fn increments(processes: usize, step: usize) -> Vec<f64> {
+    wave(processes, step as f64).map(|dw| H.sqrt() * dw).collect()
+}
+
+/// The end of a path with given increments.
+fn path<E, H: Discretized<E>>(system: &H, sites: usize) -> Vec<f64> {
+    let mut stepper = system.stepper::<E>(H).unwrap().plain();
+    let mut state = start::<H::Vector>(sites);
+    for step in 0..STEPS {
+        stepper.step(&mut state, &increments(system.noises(), step)).unwrap();
+    }
+    state.q.components().iter().chain(state.p.components()).copied().collect()
+}
+
+/// What rounding may have done to it: in each step what it does to one from there ([`Rounded`]), and what was done
+/// before, which grows by less than half in a step.
+fn bound<E, H: Discretized<E>>(system: &H, sites: usize) -> f64 {
+    let prepared = system.prepare(H).unwrap();
+    let state = start::<H::Vector>(sites);
+    let exact = |numbers: &[f64]| numbers.iter().copied().map(Rounded::exact).collect::<Vec<_>>();
+    let [mut q, mut p] = [exact(state.q.components()), exact(state.p.components())];
+    let mut bound = 0.0_f64;
+    for step in 0..STEPS {
+        let dw = exact(&increments(system.noises(), step));
+        for number in q.iter_mut().chain(&mut p) {
+            number.error = 0.0;
+        }
+        let t = step as f64 * H;
+        system.advance(&prepared, t, H, &mut q, &mut p, &dw, &mut Default::default()).unwrap();
+        bound = 1.5 * bound + q.iter().chain(&p).fold(0.0, |most, x| x.error.max(most));
+    }
+    bound
+}
+
+/// Means over an ensemble at its end: paths are known by their numbers, whatever runs them.
+fn means<E, H: Driven<E>>(system: &H, sites: usize) -> Vec<f64> {
+    let last = sites - 1;
+    let run = system.ensemble::<E>(H).start(start(sites)).paths(PATHS).steps(STEPS as u64).threads(1);
+    let run = if system.noises() > 0 { run.seed(5) } else { run };
+    let run = run
+        .observe("q", move |state| state.q.components()[last])
+        .observe("p", |state| state.p.components()[0])
+        .run()
+        .unwrap();
+    vec![run.mean("q").unwrap(), run.mean("p").unwrap()]
+}
+
+fn facts(solver: Solver, unknowns: Unknowns, noise: NoiseClass, conserves_energy: Knowledge) -> Facts {
+    Facts { solver, unknowns, noise, conserves_energy }
+}
+
+#[test]
+fn sites_that_are_not_coupled() {
+    kubo::check::<Midpoint>(
+        facts(Solver::Linear, Unknowns::OfASite(1), NoiseClass::Multiplicative, Knowledge::Proven),
+        false,
+    );
+    kubo::check_ensembles::<Midpoint>();
+}
+
+#[test]
+fn a_chain() {
+    chain::check::<DeltaPlus>(
+        facts(Solver::Explicit, Unknowns::OfASite(0), NoiseClass::None, Knowledge::Proven),
+        false,
+    );
+    chain::check::<Midpoint>(
+        facts(Solver::Newton, Unknowns::OneForEach, NoiseClass::None, Knowledge::Proven),
+        false,
+    );
+}
+
+#[test]
+fn all_pairs() {
+    // A site alone is an oscillator.
+    pairs::check::<DeltaPlus>(
+        facts(Solver::Explicit, Unknowns::OfASite(0), NoiseClass::None, Knowledge::Proven),
+        true,
+    );
+    pairs::check::<Midpoint>(
+        facts(Solver::Newton, Unknowns::OneForEach, NoiseClass::None, Knowledge::Proven),
+        true,
+    );
+}
+
+#[test]
+fn additive_noise() {
+    pushed::check::<DeltaPlus>(
+        facts(Solver::Explicit, Unknowns::OfASite(0), NoiseClass::Additive, Knowledge::Refuted),
+        false,
+    );
+    pushed::check::<Midpoint>(
+        facts(Solver::Newton, Unknowns::OneForEach, NoiseClass::Additive, Knowledge::Refuted),
+        false,
+    );
+    pushed::check_ensembles::<DeltaPlus>();
+}

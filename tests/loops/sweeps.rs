@@ -1,0 +1,359 @@
+//! Implicit steps of large systems: the fixed point goes window by window in vector instructions, with the bits of one pass over
+//! all sites, number by number, and ends where the equations are at the rounding of their own terms, whatever the scale of a site.
+//!
+//! The reference is the same generated step on [`Lanes<1>`], which takes no windows and no vector registers.
+
+use wzvi::error::StepError;
+use wzvi::lanes::Lanes;
+use wzvi::nalgebra::DVector;
+use wzvi::prelude::*;
+
+/// Springs to both walls, and between sites one and two apart.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let v = |d: f64| 0.5 * d * d + 0.25 * beta * d.powi(4);
+        let n = q.len();
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (1..n).map(|i| v(q[i] - q[i - 1])).sum::<f64>()
+            + (2..n).map(|i| 0.1 * v(q[i] - q[i - 2])).sum::<f64>()
+            + v(q[0]) + v(q[n - 1])
+    },
+    embedding = [Midpoint, Lambda<1, 4>],
+)]
+struct Chain {
+    beta: f64,
+}
+
+/// A ring of relativistic pendulums, which has functions of coordinates and of momenta.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let n = q.len();
+        p.iter().map(|p| p.cosh()).sum::<f64>()
+            + (0..n).map(|i| 0.5 * k * (q[(i + 1) % n] - q[i]).powi(2) - q[i].cos()).sum::<f64>()
+    },
+    embedding = Midpoint,
+)]
+struct SineGordon {
+    k: f64,
+}
+
+/// Masses and springs by site, and a kick by a noise of its own at each.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        (0..p.len()).map(|i| p[i] * p[i] / (2.0 * self.mass[i])).sum::<f64>()
+            + (1..q.len()).map(|i| 0.5 * self.spring[i] * (q[i] - q[i - 1]) * (q[i] - q[i - 1])).sum::<f64>()
+    },
+    noise = [|q, p, k| 0.3 * q[k] + 0.1 * q[k] * q[k]; self.mass.len()],
+    embedding = Midpoint,
+)]
+struct Kicked {
+    mass: Vec<f64>,
+    spring: Vec<f64>,
+}
+
+/// The field φ⁴ on a torus of `rows` times `columns`.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (0..rows)
+                .map(|i| {
+                    (0..columns)
+                        .map(|j| {
+                            let own = q[i * columns + j];
+                            let right = q[i * columns + (j + 1) % columns];
+                            let down = q[(i + 1) % rows * columns + j];
+                            let bonds = (right - own) * (right - own) + (down - own) * (down - own);
+                            0.5 * stiffness * bonds + 0.25 * (own * own - 1.0) * (own * own - 1.0)
+                        })
+                        .sum::<f64>()
+                })
+                .sum::<f64>()
+    },
+    embedding = Midpoint,
+)]
+struct Torus {
+    rows: usize,
+    columns: usize,
+    stiffness: f64,
+}
+
+/// Springs that are not linear, between neighbours.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let v = |d: f64| 0.5 * d * d + 0.25 * d.powi(4);
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (1..q.len()).map(|i| self.spring[i] * v(q[i] - q[i - 1])).sum::<f64>()
+    },
+    embedding = Midpoint,
+)]
+struct Bonds {
+    spring: Vec<f64>,
+}
+
+const H: f64 = 0.05;
+
+fn numbers(n: usize, seed: f64) -> Vec<f64> {
+    (0..n).map(|i| (1.3 * i as f64 + seed).sin()).collect()
+}
+
+/// Steps both ways.
+fn check<E, H: Discretized<E>>(system: &H, mut q: Vec<f64>, mut p: Vec<f64>, what: &str) {
+    let alone = |list: &[f64]| -> Vec<Lanes<1>> { list.iter().map(|&x| Lanes::new([x])).collect() };
+    let (mut own_q, mut own_p) = (alone(&q), alone(&p));
+    let prepared = system.prepare(self::H).unwrap();
+    let (mut memory, mut own_memory) = (system.memory(), Default::default());
+    for step in 0..5 {
+        let dw: Vec<f64> =
+            numbers(system.noises(), 0.7 * f64::from(step)).iter().map(|dw| 0.1 * dw).collect();
+        let effort = system.advance(&prepared, 0.0, self::H, &mut q, &mut p, &dw, &mut memory).unwrap();
+        let dw = alone(&dw);
+        let own =
+            system.advance(&prepared, 0.0, self::H, &mut own_q, &mut own_p, &dw, &mut own_memory).unwrap();
+        assert_eq!(effort.iterations, own.iterations, "{what}: {} sites, step {step}", q.len());
+        for (i, (a, b)) in q.iter().chain(&p).zip(own_q.iter().chain(&own_p)).enumerate() {
+            assert_eq!(a.to_bits(), b[0].to_bits(), "{what}: number {i} of {} after step {step}", q.len());
+        }
+    }
+}
+
+/// Below and above the width of registers, the size from which windows are taken, and that of windows.
+fn sizes() -> impl Iterator<Item = usize> {
+    (3..12).chain(90..101).chain([128, 200, 255, 256, 257, 511, 512, 513, 1023, 1024, 1025])
+}
+
+#[test]
+fn implicit_steps_of_chains_have_the_bits_of_one_pass() {
+    for n in sizes() {
+        check::<Midpoint, _>(&Chain { beta: 0.25 }, numbers(n, 0.2), numbers(n, 1.1), "chain");
+        check::<Lambda<1, 4>, _>(&Chain { beta: 0.25 }, numbers(n, 0.2), numbers(n, 1.1), "asymmetric");
+        check::<Midpoint, _>(&SineGordon { k: 0.7 }, numbers(n, 0.2), numbers(n, 1.1), "ring");
+        let (mass, spring) = ((0..n).map(|i| 1.0 + 0.1 * i as f64).collect(), numbers(n, 2.0));
+        check::<Midpoint, _>(&Kicked { mass, spring }, numbers(n, 0.2), numbers(n, 1.1), "kicked");
+    }
+}
+
+#[test]
+fn implicit_steps_of_lattices_have_the_bits_of_one_pass() {
+    for (rows, columns) in [(2, 3), (9, 11), (1, 700), (700, 1), (31, 33), (5, 600), (100, 13)] {
+        let n = rows * columns;
+        let torus = Torus { rows, columns, stiffness: 1.0 };
+        check::<Midpoint, _>(&torus, numbers(n, 0.2), numbers(n, 1.1), "torus");
+    }
+}
+
+/// Beyond what the functions of vector registers take: the reduction by π/2, and velocities that overflow.
+#[test]
+fn rare_arguments_have_the_bits_of_one_pass() {
+    let far = numbers(600, 0.2).iter().map(|q| q + 1e9).collect();
+    check::<Midpoint, _>(&SineGordon { k: 0.7 }, far, numbers(600, 1.1), "far away");
+    for (place, bad) in [(0, 800.0), (599, f64::NAN), (300, f64::INFINITY)] {
+        let (q, mut p) = (numbers(600, 0.2), numbers(600, 1.1));
+        p[place] = bad;
+        let before = (q.clone(), p.clone());
+        let (mut state, ring) = (State::new(q, p), SineGordon { k: 0.7 });
+        assert!(ring.stepper::<Midpoint>(H).unwrap().step(&mut state, &[]).is_err(), "{bad} at {place}");
+        let after = state.q.iter().chain(state.p.iter());
+        assert!(after.zip(before.0.iter().chain(&before.1)).all(|(a, b)| a.to_bits() == b.to_bits()));
+    }
+}
+
+/// What some steps by the mid-point rule on so many threads lead to: bits, iterations, and the error of the last one.
+fn on_threads<H>(system: &H, threads: usize, [q, p]: [Vec<f64>; 2]) -> (Vec<u64>, Vec<u32>, Option<StepError>)
+where
+    H: Discretized<Midpoint, Vector = DVector<f64>>,
+{
+    let mut state = State::new(q, p);
+    let mut stepper = system.stepper::<Midpoint>(self::H).unwrap().threads(threads).unwrap();
+    let mut taken = Vec::new();
+    let mut failed = None;
+    for step in 0..5 {
+        let dw: Vec<f64> =
+            numbers(system.noises(), 0.7 * f64::from(step)).iter().map(|dw| 0.1 * dw).collect();
+        match stepper.step(&mut state, &dw) {
+            Ok(info) => taken.push(info.iterations),
+            Err(error) => failed = failed.or(Some(error)),
+        }
+    }
+    (state.q.iter().chain(&state.p).map(|number| number.to_bits()).collect(), taken, failed)
+}
+
+fn check_threads<H: Discretized<Midpoint, Vector = DVector<f64>>>(
+    system: &H,
+    start: &[Vec<f64>; 2],
+    what: &str,
+) {
+    let one = on_threads(system, 1, start.clone());
+    for threads in [2, 3, 7] {
+        let several = on_threads(system, threads, start.clone());
+        assert!(several == one, "{what}: {} sites on {threads} threads", start[0].len());
+    }
+}
+
+#[test]
+fn threads_have_the_bits_of_one() {
+    for n in [100, 256, 257, 511, 600, 1025, 5000] {
+        let start = [numbers(n, 0.2), numbers(n, 1.1)];
+        check_threads(&Chain { beta: 0.25 }, &start, "chain");
+        check_threads(&SineGordon { k: 0.7 }, &start, "ring");
+        let (mass, spring) = ((0..n).map(|i| 1.0 + 0.1 * i as f64).collect(), numbers(n, 2.0));
+        check_threads(&Kicked { mass, spring }, &start, "kicked");
+    }
+    for (rows, columns) in [(1, 700), (31, 33), (5, 600), (100, 13)] {
+        let n = rows * columns;
+        let torus = Torus { rows, columns, stiffness: 1.0 };
+        check_threads(&torus, &[numbers(n, 0.2), numbers(n, 1.1)], "torus");
+    }
+    let mut far = numbers(1500, 0.2);
+    far[1400] = 1e9;
+    check_threads(&SineGordon { k: 0.7 }, &[far, numbers(1500, 1.1)], "far away");
+    for (place, bad) in [(0, 800.0), (1499, f64::NAN), (750, f64::INFINITY)] {
+        let mut p = numbers(1500, 1.1);
+        p[place] = bad;
+        let start = [numbers(1500, 0.2), p];
+        check_threads(&SineGordon { k: 0.7 }, &start, "not finite");
+        assert!(on_threads(&SineGordon { k: 0.7 }, 3, start).2.is_some());
+    }
+}
+
+/// On all cores, as large systems go unless it is asked for another number.
+#[test]
+fn as_many_threads_as_pay_have_the_bits_of_one() {
+    let n = 300_011;
+    let chain = Chain { beta: 0.25 };
+    let run = || {
+        let run = chain.simulate::<Midpoint>(H).start(State::new(numbers(n, 0.2), numbers(n, 1.1)));
+        run.steps(2).record_every(0)
+    };
+    let [all, one] = [run().run().unwrap(), run().threads(1).run().unwrap()];
+    assert!(all.last() == one.last());
+}
+
+/// Two halves of a chain that no spring joins, one a power of two of the other: a step takes both alike, to the last bit. What
+/// compares sites with each other does not.
+#[test]
+fn sites_of_other_scales_are_solved_alike() {
+    let half = 300;
+    let mass = vec![1.0; 2 * half];
+    let mut spring = vec![1.0; 2 * half];
+    spring[half] = 0.0;
+    for exponent in [-40, 40, -300] {
+        let scale = 2.0_f64.powi(exponent);
+        let (q, p) = (numbers(half, 0.2), numbers(half, 1.1));
+        let both = |list: &[f64]| -> Vec<f64> {
+            list.iter().copied().chain(list.iter().map(|x| scale * x)).collect()
+        };
+        let kicked = Kicked { mass: mass.clone(), spring: spring.clone() };
+        let mut state = State::new(both(&q), both(&p));
+        let mut stepper = kicked.stepper::<Midpoint>(H).unwrap();
+        for _ in 0..20 {
+            stepper.step(&mut state, &vec![0.0; 2 * half]).unwrap();
+        }
+        for list in [state.q.as_slice(), state.p.as_slice()] {
+            let (own, other) = list.split_at(half);
+            for (a, b) in own.iter().zip(other) {
+                assert_eq!((a * scale).to_bits(), b.to_bits(), "2^{exponent}");
+            }
+        }
+    }
+}
+
+/// Pairs of sites that nothing else joins, of one energy and phase each: the same numbers at every pair, and the same whether there are
+/// so few of them that they go one after the other, or so many that they go in windows.
+#[test]
+fn small_and_large_systems_are_judged_alike() {
+    let solve = |n: usize, scale: f64| {
+        let spring: Vec<f64> = (0..n).map(|i| if i % 2 == 1 { 1.0 } else { 0.0 }).collect();
+        let bonds = Bonds { spring };
+        let [q, p] = [[0.4, -0.9], [1.1, 0.3]].map(|list| list.map(|x| scale * x));
+        let mut state = State::new(q.repeat(n / 2), p.repeat(n / 2));
+        let mut stepper = bonds.stepper::<Midpoint>(H).unwrap();
+        let taken: Vec<u32> = (0..200).map(|_| stepper.step(&mut state, &[]).unwrap().iterations).collect();
+        (state, taken)
+    };
+    for scale in [1.0, 1e-3] {
+        let (least, expected) = solve(2, scale);
+        let bits = |x: &f64| x.to_bits();
+        for n in (90..=100).step_by(2) {
+            let (state, taken) = solve(n, scale);
+            assert_eq!(taken, expected, "{n} sites of {scale}");
+            for (own, first) in [(&state.q, &least.q), (&state.p, &least.p)] {
+                let alike =
+                    own.as_slice().chunks(2).all(|pair| pair.iter().map(bits).eq(first.iter().map(bits)));
+                assert!(alike, "{n} sites of {scale}");
+            }
+        }
+    }
+}
+
+/// The energy walks as rounding does, and does not drift: a solution that is left early leaves the same part of it every step.
+#[test]
+fn energies_do_not_drift() {
+    let n = 128;
+    let chain = Chain { beta: 0.0 };
+    let q: Vec<f64> =
+        (0..n).map(|i| (std::f64::consts::PI * (i + 1) as f64 / (n + 1) as f64).sin()).collect();
+    for h in [0.05, 0.4] {
+        let mut state = State::new(q.clone(), vec![0.0; n]);
+        let start = chain.energy(&state);
+        let mut stepper = chain.stepper::<Midpoint>(h).unwrap();
+        let steps = 20_000_u32;
+        let mut worst = 0.0_f64;
+        for _ in 0..steps {
+            stepper.step(&mut state, &[]).unwrap();
+            worst = worst.max((chain.energy(&state) - start).abs());
+        }
+        // A step rounds each number by ε/2 of it at most, which changes the energy by ε/2 Σ (|q ∂H/∂q| + |p ∂H/∂p|) = 2 ε H at
+        // most; signs are random. A bias of a hundredth of a rounding in each step would be more than this.
+        let bound = 2.0 * f64::EPSILON * start * f64::from(steps).sqrt();
+        assert!(worst < bound, "h = {h}: {worst:.1e} > {bound:.1e}");
+    }
+}
+
+/// The energy of [`Chain`] without its quartic part, summed with twice the digits: what is rounded is that of the steps.
+fn energy(state: &State<wzvi::nalgebra::DVector<f64>>) -> f64 {
+    let (q, p, n) = (&state.q, &state.p, state.q.len());
+    let springs = (1..n).map(|i| (1.0, q[i] - q[i - 1])).chain((2..n).map(|i| (0.1, q[i] - q[i - 2])));
+    let walls = [(1.0, q[0]), (1.0, q[n - 1])];
+    let squares = p.iter().map(|&p| (1.0, p)).chain(springs).chain(walls);
+    let (sum, lost) = squares.fold((0.0_f64, 0.0_f64), |(sum, lost), (weight, x)| {
+        let (term, next) = (0.5 * weight * x * x, sum + 0.5 * weight * x * x);
+        (next, lost + if sum > term { (sum - next) + term } else { (term - next) + sum })
+    });
+    sum + lost
+}
+
+/// Brouwer's law: of many starts, rounding takes the energy up as often as down, and as far as the square root of the number of steps.
+#[test]
+fn energies_walk_at_random() {
+    let chain = Chain { beta: 0.0 };
+    let steps = 200;
+    for (n, starts) in [(24, 60), (100, 40)] {
+        let runs: Vec<[f64; 2]> = (0..starts)
+            .map(|start| {
+                let seed = 10.0 * f64::from(start);
+                let mut state = State::new(numbers(n, seed), numbers(n, seed + 1.1));
+                let first = energy(&state);
+                let mut stepper = chain.stepper::<Midpoint>(0.1).unwrap();
+                let mut walk = |steps: u32| {
+                    for _ in 0..steps {
+                        stepper.step(&mut state, &[]).unwrap();
+                    }
+                    (energy(&state) - first) / (f64::EPSILON * first)
+                };
+                [walk(steps), walk(3 * steps)]
+            })
+            .collect();
+        let count = f64::from(starts);
+        let [early, late] = [0, 1].map(|k| {
+            let mean = runs.iter().map(|run| run[k]).sum::<f64>() / count;
+            let variance = runs.iter().map(|run| (run[k] - mean).powi(2)).sum::<f64>() / (count - 1.0);
+            // Three standard errors of the mean.
+            let error = (variance / count).sqrt();
+            assert!(mean.abs() < 3.0 * error, "{n} sites: {mean} ± {error}");
+            variance
+        });
+        // Four times as many steps: four times the variance, each of them known to a part of √(2 / count).
+        let spread = 3.0 * 4.0 * (4.0 / count).sqrt();
+        assert!((late / early - 4.0).abs() < spread, "{n} sites: {} ± {spread}", late / early);
+    }
+}

@@ -1,0 +1,466 @@
+//! Large systems are stepped window by window, in vector instructions: their bits are those of one pass over all sites, number
+//! by number, on any number of threads.
+//!
+//! The reference is the same generated step on [`Lanes<1>`], which takes no windows and no vector registers. Nothing is
+//! compared but for equality.
+
+use wzvi::error::{ConfigError, Error};
+use wzvi::lanes::Lanes;
+use wzvi::nalgebra::DVector;
+use wzvi::prelude::*;
+use wzvi::simulate::Simulation;
+
+/// Springs to both walls, and between sites one to three apart.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let v = |d: f64| 0.5 * d * d + 0.25 * beta * d.powi(4);
+        let n = q.len();
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (1..n).map(|i| v(q[i] - q[i - 1])).sum::<f64>()
+            + (2..n).map(|i| 0.1 * v(q[i] - q[i - 2])).sum::<f64>()
+            + (0..n - 3).map(|i| 0.03 * v(q[i] - q[i + 3])).sum::<f64>()
+            + (0..n - 2).map(|i| 0.2 * v(q[i] - 2.0 * q[i + 1] + q[i + 2] * q[i])).sum::<f64>()
+            + v(q[0]) + v(q[n - 1])
+    },
+    embedding = [DeltaPlus, DeltaMinus, Verlet],
+)]
+struct Chain {
+    beta: f64,
+}
+
+/// A ring of pendulums, which has functions, with neighbours up to three sites apart.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let n = q.len();
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (0..n).map(|i| 0.5 * k * (q[(i + 1) % n] - q[i]).powi(2) - q[i].cos()).sum::<f64>()
+            + (0..n).map(|i| 0.1 * (q[(i + 3) % n] - q[(i + 1) % n]).sin() * q[i]).sum::<f64>()
+    },
+    embedding = [DeltaPlus, DeltaMinus, Verlet],
+)]
+struct SineGordon {
+    k: f64,
+}
+
+/// Masses and springs by site, and a kick by a noise of its own at each.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        (0..p.len()).map(|i| p[i] * p[i] / (2.0 * self.mass[i])).sum::<f64>()
+            + (1..q.len()).map(|i| self.spring[i] * (q[i] - q[i - 1]).exp()).sum::<f64>()
+    },
+    noise = [|q, p, k| 0.3 * q[k] + 0.1 * q[k] * q[k]; self.mass.len()],
+    embedding = [DeltaPlus, DeltaMinus, Verlet],
+)]
+struct Kicked {
+    mass: Vec<f64>,
+    spring: Vec<f64>,
+}
+
+/// The field φ⁴ on a torus of `rows` times `columns`.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (0..rows)
+                .map(|i| {
+                    (0..columns)
+                        .map(|j| {
+                            let own = q[i * columns + j];
+                            let right = q[i * columns + (j + 1) % columns];
+                            let down = q[(i + 1) % rows * columns + j];
+                            let bonds = (right - own) * (right - own) + (down - own) * (down - own);
+                            0.5 * bonds + 0.25 * (own * own - 1.0) * (own * own - 1.0)
+                        })
+                        .sum::<f64>()
+                })
+                .sum::<f64>()
+    },
+    embedding = [DeltaPlus, DeltaMinus, Verlet],
+)]
+struct Torus {
+    rows: usize,
+    columns: usize,
+}
+
+/// Angles on a box with open faces, and momenta in the same loops.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        (0..nx)
+            .map(|i| {
+                (0..ny)
+                    .map(|j| {
+                        (0..nz)
+                            .map(|k| {
+                                let own = q[(i * ny + j) * nz + k];
+                                0.5 * p[(i * ny + j) * nz + k] * p[(i * ny + j) * nz + k]
+                                    + 0.25 * own * own * own * own
+                            })
+                            .sum::<f64>()
+                    })
+                    .sum::<f64>()
+            })
+            .sum::<f64>()
+            - (0..nx - 1)
+                .map(|i| (0..ny * nz).map(|k| (q[(i + 1) * ny * nz + k] - q[i * ny * nz + k]).cos()).sum::<f64>())
+                .sum::<f64>()
+    },
+    embedding = [DeltaPlus, DeltaMinus, Verlet],
+)]
+struct Block {
+    nx: usize,
+    ny: usize,
+    nz: usize,
+}
+
+/// A ring of points in the plane with springs and a substrate.
+#[hamiltonian(
+    drift = |q: &[[f64; 2]], p: &[[f64; 2]]| {
+        let n = q.len();
+        p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum::<f64>()
+            + (0..n)
+                .map(|i| {
+                    let next = q[(i + 1) % n];
+                    let [x, y] = [next[0] - q[i][0], next[1] - q[i][1]];
+                    0.5 * k * ((x * x + y * y + 1.0).sqrt() - 1.0).powi(2) - q[i][0].cos()
+                })
+                .sum::<f64>()
+    },
+    embedding = [DeltaPlus, Verlet],
+)]
+struct Necklace {
+    k: f64,
+}
+
+/// A chain of points in space, with bonds to the next and to the second next, and an end that is held.
+#[hamiltonian(
+    drift = |q: &[[f64; 3]], p: &[[f64; 3]]| {
+        let n = q.len();
+        let bond = |x: f64, y: f64, z: f64| {
+            let square = x * x + y * y + z * z;
+            0.5 * square + 0.25 * beta * square * square
+        };
+        (0..n).map(|i| 0.5 * (p[i][0] * p[i][0] + p[i][1] * p[i][1] + 2.0 * p[i][2] * p[i][2])).sum::<f64>()
+            + (1..n).map(|i| bond(q[i][0] - q[i - 1][0], q[i][1] - q[i - 1][1], q[i][2] - q[i - 1][2])).sum::<f64>()
+            + (0..n - 2)
+                .map(|i| 0.1 * bond(q[i + 2][0] - q[i][0], q[i + 2][1] - q[i][1], 0.5 * (q[i + 2][2] - q[i][2])))
+                .sum::<f64>()
+            + bond(q[0][0], q[0][1], q[0][2])
+    },
+    embedding = [DeltaPlus, Verlet],
+)]
+struct Polymer {
+    beta: f64,
+}
+
+/// A sheet of points in space.
+#[hamiltonian(
+    drift = |q: &[[f64; 3]], p: &[[f64; 3]]| {
+        p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum::<f64>()
+            + p.iter().map(|p| 0.25 * p[2] * p[2]).sum::<f64>()
+            + (0..rows)
+                .map(|i| {
+                    (0..columns)
+                        .map(|j| {
+                            let [own, right] = [q[i * columns + j], q[i * columns + (j + 1) % columns]];
+                            let down = q[(i + 1) % rows * columns + j];
+                            let square = |a: f64| a * a;
+                            0.5 * (square(right[0] - own[0]) + square(right[1] - own[1]) + square(right[2] - own[2]))
+                                + 0.3 * (square(down[0] - own[0]) + square(down[1] - own[1]) * square(down[2] - own[2]))
+                        })
+                        .sum::<f64>()
+                })
+                .sum::<f64>()
+    },
+    embedding = [DeltaPlus, Verlet],
+)]
+struct Sheet {
+    rows: usize,
+    columns: usize,
+}
+
+/// A chain in a bath, of masses that are not the same.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let n = q.len();
+        (0..n).map(|i| p[i] * p[i] / (2.0 * self.mass[i])).sum::<f64>()
+            + (0..n).map(|i| 0.5 * k * (q[(i + 1) % n] - q[i]).powi(2) - k * q[i].cos()).sum::<f64>()
+    },
+    friction = gamma,
+    temperature = kt,
+    embedding = [Baoab, Obabo],
+)]
+struct Bathed {
+    k: f64,
+    gamma: f64,
+    kt: f64,
+    mass: Vec<f64>,
+}
+
+impl Bathed {
+    fn of(n: usize, k: f64) -> Self {
+        Self { k, gamma: 1.3, kt: 0.7, mass: (0..n).map(|i| 1.0 + 0.2 * (i % 7) as f64).collect() }
+    }
+}
+
+/// The same with a noise that kicks, in the bath.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (1..q.len()).map(|i| 0.5 * (q[i] - q[i - 1]).powi(2)).sum::<f64>()
+    },
+    noise = [|q, p, k| 0.3 * q[k]; self.sites],
+    friction = gamma,
+    temperature = kt,
+    embedding = [Baoab, Obabo],
+)]
+struct Shaken {
+    sites: usize,
+    gamma: f64,
+    kt: f64,
+}
+
+const H: f64 = 0.05;
+
+fn numbers(n: usize, seed: f64) -> Vec<f64> {
+    (0..n).map(|i| (1.3 * i as f64 + seed).sin()).collect()
+}
+
+/// On how many threads besides one.
+const THREADS: [usize; 3] = [2, 3, 7];
+
+/// To the last bit.
+fn are_same(a: &State<DVector<f64>>, b: &State<DVector<f64>>) -> bool {
+    let numbers = |state: &State<DVector<f64>>| {
+        state.q.iter().chain(&state.p).map(|number| number.to_bits()).collect::<Vec<_>>()
+    };
+    numbers(a) == numbers(b)
+}
+
+/// Steps as from slices, from vectors that are exchanged, and those on several threads, and number by number in one pass.
+fn check_scheme<E, H: Discretized<E, Vector = DVector<f64>>>(system: &H, start: &[Vec<f64>; 2], what: &str) {
+    let alone = |list: &[f64]| -> Vec<Lanes<1>> { list.iter().map(|&x| Lanes::new([x])).collect() };
+    let [mut q, mut p] = start.clone();
+    let (mut own_q, mut own_p) = (alone(&q), alone(&p));
+    let mut state = State::new(q.clone(), p.clone());
+    let stepper = |threads: usize| system.stepper::<E>(self::H).unwrap().threads(threads).unwrap();
+    let mut stepper_of_one = stepper(1);
+    // Systems of one window are never divided.
+    let threads = if q.len() > 512 { &THREADS[..] } else { &[] };
+    let mut shared: Vec<_> =
+        threads.iter().map(|&threads| (threads, stepper(threads), state.clone())).collect();
+    let prepared = system.prepare(self::H).unwrap();
+    let (mut memory, mut own_memory) = (system.memory(), Default::default());
+    let mut t = 0.0;
+    for step in 0..5 {
+        if step == 3 {
+            // Elsewhere: what the last step left is of no use.
+            let site = q.len() / 2;
+            (q[site], own_q[site], state.q[site]) = (0.5, Lanes::new([0.5]), 0.5);
+            shared.iter_mut().for_each(|(.., state)| state.q[site] = 0.5);
+        }
+        let dw = numbers(system.increments(q.len()), 0.7 * f64::from(step));
+        system.advance(&prepared, t, self::H, &mut q, &mut p, &dw, &mut memory).unwrap();
+        stepper_of_one.step(&mut state, &dw).unwrap();
+        for (threads, stepper, shared) in &mut shared {
+            stepper.step(shared, &dw).unwrap();
+            assert!(are_same(shared, &state), "{what}: {} on {threads} threads after step {step}", q.len());
+            assert_eq!(stepper.exchanged(), stepper_of_one.exchanged(), "{what} on {threads} threads");
+        }
+        let dw = alone(&dw);
+        system.advance(&prepared, t, self::H, &mut own_q, &mut own_p, &dw, &mut own_memory).unwrap();
+        t = state.t;
+        let vectors = state.q.iter().chain(&state.p);
+        for (i, ((a, v), b)) in q.iter().chain(&p).zip(vectors).zip(own_q.iter().chain(&own_p)).enumerate() {
+            let n = q.len();
+            assert_eq!(a.to_bits(), b[0].to_bits(), "{what}: number {i} of {n} after step {step}");
+            assert_eq!(
+                v.to_bits(),
+                b[0].to_bits(),
+                "{what}: number {i} of a vector of {n} after step {step}"
+            );
+        }
+    }
+}
+
+/// By every scheme that goes in windows.
+fn check<H>(system: &H, q: Vec<f64>, p: Vec<f64>, what: &str)
+where
+    H: Hamiltonian<Vector = DVector<f64>>
+        + Discretized<DeltaPlus>
+        + Discretized<DeltaMinus>
+        + Discretized<Verlet>
+        + Discretized<Composed<Verlet, Yoshida4>>
+        + Discretized<Composed<Verlet, BlanesMoan4>>,
+{
+    let start = [q, p];
+    check_scheme::<DeltaPlus, H>(system, &start, &format!("{what}, DeltaPlus"));
+    check_scheme::<DeltaMinus, H>(system, &start, &format!("{what}, DeltaMinus"));
+    check_scheme::<Verlet, H>(system, &start, &format!("{what}, Verlet"));
+    check_scheme::<Composed<Verlet, Yoshida4>, H>(system, &start, &format!("{what}, Yoshida4"));
+    check_scheme::<Composed<Verlet, BlanesMoan4>, H>(system, &start, &format!("{what}, BlanesMoan4"));
+}
+
+/// Below and above the width of registers, the size from which windows are taken, and that of windows.
+fn sizes() -> impl Iterator<Item = usize> {
+    (3..40).chain(90..101).chain([128, 200, 511, 512, 513, 514, 1023, 1024, 1025, 1500, 3584])
+}
+
+#[test]
+fn chains_have_the_bits_of_one_pass() {
+    for n in sizes() {
+        check(&Chain { beta: 0.25 }, numbers(n, 0.2), numbers(n, 1.1), "chain");
+        check(&SineGordon { k: 0.7 }, numbers(n, 0.2), numbers(n, 1.1), "ring");
+        let (mass, spring) = ((0..n).map(|i| 1.0 + 0.1 * i as f64).collect(), numbers(n, 2.0));
+        check(&Kicked { mass, spring }, numbers(n, 0.2), numbers(n, 1.1), "kicked");
+    }
+}
+
+fn check_points<H>(system: &H, degrees: usize, what: &str)
+where
+    H: Hamiltonian<Vector = DVector<f64>> + Discretized<DeltaPlus> + Discretized<Verlet>,
+{
+    let start = [numbers(degrees, 0.2), numbers(degrees, 1.1)];
+    check_scheme::<DeltaPlus, H>(system, &start, &format!("{what}, DeltaPlus"));
+    check_scheme::<Verlet, H>(system, &start, &format!("{what}, Verlet"));
+}
+
+#[test]
+fn points_have_the_bits_of_one_pass() {
+    for n in sizes() {
+        check_points(&Necklace { k: 0.7 }, 2 * n, "necklace");
+        check_points(&Polymer { beta: 0.25 }, 3 * n, "polymer");
+    }
+    for (rows, columns) in [(2, 3), (9, 11), (1, 300), (300, 1), (31, 33), (5, 400), (60, 13)] {
+        check_points(&Sheet { rows, columns }, 3 * rows * columns, "sheet");
+    }
+}
+
+#[test]
+fn chains_in_baths_have_the_bits_of_one_pass() {
+    for n in sizes() {
+        let (bathed, shaken) = (Bathed::of(n, 0.7), Shaken { sites: n, gamma: 0.8, kt: 0.5 });
+        let start = [numbers(n, 0.2), numbers(n, 1.1)];
+        check_scheme::<Baoab, _>(&bathed, &start, "bathed, Baoab");
+        check_scheme::<Obabo, _>(&bathed, &start, "bathed, Obabo");
+        check_scheme::<Baoab, _>(&shaken, &start, "shaken, Baoab");
+        check_scheme::<Obabo, _>(&shaken, &start, "shaken, Obabo");
+    }
+}
+
+/// Without a potential the heat is all that the energy gains.
+fn check_heat<E>()
+where
+    Bathed: Discretized<E, Vector = DVector<f64>>,
+{
+    for n in [3, 100, 600, 1500] {
+        let bathed = Bathed::of(n, 0.0);
+        let mut state = State::new(numbers(n, 0.2), numbers(n, 1.1));
+        let (before, mut stepper) = (bathed.energy(&state), bathed.stepper::<E>(H).unwrap());
+        for step in 0..3 {
+            let dw = numbers(bathed.increments(n), 0.7 * f64::from(step));
+            stepper.step(&mut state, &dw).unwrap();
+        }
+        let (gain, heat) = (bathed.energy(&state) - before, stepper.exchanged().heat);
+        // The rounding of sums of so many terms of order one.
+        assert!((gain - heat).abs() < 1e-14 * n as f64, "{n} sites: {gain} by {heat}");
+    }
+}
+
+#[test]
+fn heat_is_what_the_energy_gains() {
+    check_heat::<Baoab>();
+    check_heat::<Obabo>();
+}
+
+#[test]
+fn lattices_have_the_bits_of_one_pass() {
+    let sides = [
+        (1, 1),
+        (2, 3),
+        (3, 2),
+        (9, 11),
+        (11, 9),
+        (1, 700),
+        (700, 1),
+        (31, 33),
+        (40, 64),
+        (5, 600),
+        (100, 13),
+    ];
+    for (rows, columns) in sides {
+        let n = rows * columns;
+        check(&Torus { rows, columns }, numbers(n, 0.2), numbers(n, 1.1), "torus");
+    }
+    for (nx, ny, nz) in [(2, 1, 1), (5, 5, 5), (3, 20, 30), (20, 3, 30), (20, 30, 3)] {
+        let n = nx * ny * nz;
+        check(&Block { nx, ny, nz }, numbers(n, 0.2), numbers(n, 1.1), "block");
+    }
+}
+
+#[test]
+fn rare_arguments_of_functions_have_the_bits_of_one_pass() {
+    let mut q = numbers(600, 0.2);
+    // Beyond what the reduction by π/2 in lanes takes.
+    q[301] = 1e9;
+    check(&SineGordon { k: 0.7 }, q, numbers(600, 1.1), "far away");
+}
+
+fn check_failures<E>()
+where
+    Chain: Discretized<E, Vector = DVector<f64>>,
+{
+    for bad in [f64::NAN, f64::INFINITY, 1e200] {
+        for (n, place) in [(600, 0), (600, 299), (600, 599), (5000, 2499), (5000, 4999)] {
+            let mut errors = Vec::new();
+            for threads in [1].into_iter().chain(THREADS) {
+                let (q, p) = (numbers(n, 0.2), numbers(n, 1.1));
+                let (mut state, chain) = (State::new(q, p), Chain { beta: 0.25 });
+                let fresh_stepper = || chain.stepper::<E>(H).unwrap().threads(threads).unwrap();
+                let mut stepper = fresh_stepper();
+                stepper.step(&mut state, &[]).unwrap();
+                let good = state.clone();
+                state.q[place] = bad;
+                let before = state.clone();
+                errors.push(stepper.step(&mut state, &[]).unwrap_err());
+                assert!(are_same(&state, &before), "{bad} at {place} on {threads} threads");
+                // What it leaves to the next one is no other than what it was.
+                let (mut after, mut fresh) = (good.clone(), good);
+                stepper.step(&mut after, &[]).unwrap();
+                fresh_stepper().step(&mut fresh, &[]).unwrap();
+                assert!(are_same(&after, &fresh), "after {bad} at {place} on {threads} threads");
+            }
+            assert!(errors.iter().all(|error| *error == errors[0]), "{errors:?}");
+        }
+    }
+}
+
+#[test]
+fn a_step_that_fails_changes_nothing() {
+    check_failures::<DeltaPlus>();
+    check_failures::<DeltaMinus>();
+    check_failures::<Verlet>();
+    check_failures::<Composed<Verlet, Yoshida4>>();
+}
+
+#[test]
+fn as_many_threads_as_pay_have_the_bits_of_one() {
+    let n = 600_011;
+    let start = || State::new(numbers(n, 0.2), numbers(n, 1.1)).at(0.5);
+    let path =
+        |run: Simulation<'_, Chain, Verlet>| run.start(start()).steps(3).record_every(0).run().unwrap();
+    let (chain, ring) = (Chain { beta: 0.25 }, SineGordon { k: 0.7 });
+    let [all, one] = [chain.simulate::<Verlet>(H), chain.simulate::<Verlet>(H).threads(1)].map(path);
+    assert!(are_same(all.last(), one.last()));
+    let [mut all, mut one] = [start(), start()];
+    ring.stepper::<DeltaMinus>(H).unwrap().step(&mut all, &[]).unwrap();
+    ring.stepper::<DeltaMinus>(H).unwrap().threads(1).unwrap().step(&mut one, &[]).unwrap();
+    assert!(are_same(&all, &one));
+}
+
+#[test]
+fn no_threads_are_refused() {
+    let chain = Chain { beta: 0.25 };
+    let is_told = |error: &ConfigError| error.to_string().contains("at least 1");
+    assert!(chain.stepper::<Verlet>(H).unwrap().threads(0).is_err_and(|error| is_told(&error)));
+    let run = chain.simulate::<Verlet>(H).start(State::new(numbers(9, 0.2), numbers(9, 1.1))).steps(1);
+    assert!(matches!(run.threads(0).run(), Err(Error::Config(error)) if is_told(&error)));
+}

@@ -1,0 +1,8 @@
+//! Between the nodes: dense output, recorded times, ends and sections.
+
+mod dense;
+mod ensembles;
+mod kept;
+mod sections;
+mod systems;
+mod times;

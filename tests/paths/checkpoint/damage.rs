@@ -1,0 +1,273 @@
+//! Files that are not what was written: every one is told apart, and left as it is.
+
+use std::fs;
+use std::path::Path;
+
+use wzvi::checkpoint::{Checkpoint, CheckpointError, Damage};
+use wzvi::prelude::*;
+
+use super::systems::{KEPLER, PENDULUM, bits, refused};
+use fixtures::{files::contents, folder};
+
+/// A run with recorded nodes, to be gone on with.
+fn go_on(file: &Path, steps: u64) -> Result<Vec<u64>, wzvi::Error> {
+    Ok(bits(&PENDULUM.run(Wiener::seed(7), steps, 4).checkpoint(Checkpoint::to(file)).run()?))
+}
+
+/// The error of going on from `changed` instead of what is in the file, after which the file is as it was.
+fn error_of(file: &Path, good: &[u8], changed: &[u8]) -> CheckpointError {
+    fs::write(file, changed).unwrap();
+    let before = contents(file.parent().unwrap());
+    let run = file.with_extension("");
+    let error = refused(go_on(&run, 40));
+    assert_eq!(contents(file.parent().unwrap()), before, "{error}");
+    fs::write(file, good).unwrap();
+    error
+}
+
+#[test]
+fn a_file_cut_at_any_length() {
+    let run = folder!("cut").join("run");
+    go_on(&run, 30).unwrap();
+    let good = fs::read(&run).unwrap();
+    for length in 0..good.len() {
+        match error_of(&run, &good, &good[..length]) {
+            CheckpointError::Damaged { path, damage: Damage::Header | Damage::Length { .. } } => {
+                assert_eq!(path, run);
+            }
+            other => panic!("{length}: {other:?}"),
+        }
+    }
+    let longer = [&good[..], b"\n"].concat();
+    assert!(matches!(
+        error_of(&run, &good, &longer),
+        CheckpointError::Damaged { damage: Damage::Length { .. }, .. }
+    ));
+    assert_eq!(go_on(&run, 40).unwrap(), whole());
+}
+
+fn whole() -> Vec<u64> {
+    bits(&PENDULUM.run(Wiener::seed(7), 40, 4).run().unwrap())
+}
+
+/// Each byte replaced by the bytes that differ in one bit, and by its complement.
+#[test]
+fn any_byte_flipped() {
+    let run = folder!("flipped").join("run");
+    go_on(&run, 30).unwrap();
+    let good = fs::read(&run).unwrap();
+    let line = good.iter().position(|&byte| byte == b'\n').unwrap();
+    for i in 0..good.len() {
+        // In the first line every bit; behind it the checksum decides, and one bit is as good as another.
+        let masks: &[u8] = if i <= line { &[1, 2, 4, 8, 16, 32, 64, 128, 255] } else { &[1 << (i % 8), 255] };
+        for mask in masks {
+            let mut changed = good.clone();
+            changed[i] ^= mask;
+            let error = error_of(&run, &good, &changed);
+            let is_told = matches!(
+                error,
+                CheckpointError::Damaged { .. }
+                    | CheckpointError::Foreign { .. }
+                    | CheckpointError::Version { .. }
+            );
+            assert!(is_told, "byte {i} ^ {mask}: {error:?}");
+        }
+    }
+    assert_eq!(go_on(&run, 40).unwrap(), whole());
+}
+
+#[test]
+fn recorded_nodes_cut_or_flipped() {
+    let run = folder!("nodes").join("run");
+    go_on(&run, 30).unwrap();
+    let nodes = run.with_extension("nodes");
+    let good = fs::read(&nodes).unwrap();
+    // One line, then t, q, p and two increments for each of 30 / 4 nodes.
+    assert_eq!(good.len(), "wzvi-nodes 1\n".len() + 7 * 5 * 8);
+    let told = |error: CheckpointError| match error {
+        CheckpointError::Damaged { path, .. } | CheckpointError::Foreign { path } => path == nodes,
+        CheckpointError::Version { path, .. } => path == nodes,
+        _ => false,
+    };
+    for i in 0..good.len() {
+        assert!(told(error_of(&nodes, &good, &good[..i])), "cut at {i}");
+        for mask in [1 << (i % 8), 255] {
+            let mut changed = good.clone();
+            changed[i] ^= mask;
+            assert!(told(error_of(&nodes, &good, &changed)), "byte {i} ^ {mask}");
+        }
+    }
+    fs::remove_file(&nodes).unwrap();
+    let error = refused(go_on(&run, 40));
+    assert_eq!(error, CheckpointError::Damaged { path: nodes.clone(), damage: Damage::Missing });
+    // What a stopped run wrote behind the last checkpoint is written again.
+    for garbage in [&b"\0"[..], &[255; 1000]] {
+        fs::write(&nodes, [&good[..], garbage].concat()).unwrap();
+        let copy = fs::read(&run).unwrap();
+        assert_eq!(go_on(&run, 40).unwrap(), whole());
+        fs::write(&run, copy).unwrap();
+    }
+}
+
+#[test]
+fn files_of_others() {
+    let run = folder!("foreign").join("run");
+    for content in ["{\"a\": 1}", "wzvi", "wzvi-checkpoints 1", "#!/bin/sh\n", "\0\0\0\0"] {
+        fs::write(&run, content).unwrap();
+        let error = refused(go_on(&run, 10));
+        let is_cut = content == "wzvi";
+        assert_eq!(matches!(error, CheckpointError::Damaged { .. }), is_cut, "{content}: {error:?}");
+        assert_eq!(matches!(error, CheckpointError::Foreign { .. }), !is_cut, "{content}: {error:?}");
+        assert_eq!(fs::read_to_string(&run).unwrap(), content);
+    }
+    let error = refused(go_on(&run, 10)).to_string();
+    assert!(error.contains("not a file of wzvi") && error.contains("not changed"), "{error}");
+
+    // Where the nodes would go: with a checkpoint, and without one.
+    fs::remove_file(&run).unwrap();
+    let nodes = run.with_extension("nodes");
+    fs::write(&nodes, "a list of mine").unwrap();
+    let error = refused(go_on(&run, 10));
+    assert_eq!(error, CheckpointError::Orphan { nodes: nodes.clone(), path: run.clone() });
+    assert_eq!(contents(run.parent().unwrap()).len(), 1);
+    fs::remove_file(&nodes).unwrap();
+    go_on(&run, 0).unwrap();
+    assert!(!nodes.exists(), "no node but the start");
+    fs::write(&nodes, "a list of mine").unwrap();
+    assert_eq!(refused(go_on(&run, 10)), CheckpointError::Foreign { path: nodes.clone() });
+    assert_eq!(fs::read_to_string(&nodes).unwrap(), "a list of mine");
+}
+
+#[test]
+fn files_of_another_version() {
+    let run = folder!("version").join("run");
+    go_on(&run, 30).unwrap();
+    let good = fs::read(&run).unwrap();
+    for version in ["0", "1", "10"] {
+        let text = String::from_utf8(good.clone()).unwrap();
+        let other = text.replacen("wzvi-checkpoint 2 ", &format!("wzvi-checkpoint {version} "), 1);
+        let error = error_of(&run, &good, other.as_bytes());
+        let found = version.to_owned();
+        assert_eq!(error, CheckpointError::Version { path: run.clone(), found, expected: 2 });
+        assert!(error.to_string().contains(&format!("version {version} of the format")), "{error}");
+    }
+}
+
+/// What the temporary names of a file `run` start with.
+const PREFIX: &str = ".wzvi-9b96d050f4020292-";
+
+/// What a run that was stopped in the middle of a write leaves behind is no obstacle, and is cleared away.
+#[test]
+fn whatever_a_stopped_write_left() {
+    let folder = folder!("stopped");
+    let run = folder.join("run");
+    go_on(&run, 30).unwrap();
+    let good = fs::read(&run).unwrap();
+    for length in (0..=good.len()).step_by(97) {
+        let left = folder.join(format!("{PREFIX}{length:016x}.part"));
+        fs::write(left, &good[..length]).unwrap();
+        fs::write(folder.join("run.mine.part"), "mine").unwrap();
+        fs::write(folder.join(format!("{PREFIX}0000.part")), "mine").unwrap();
+        fs::write(&run, &good).unwrap();
+        assert_eq!(go_on(&run, 40).unwrap(), whole());
+        let names: Vec<_> = contents(&folder).into_iter().map(|(path, _)| path).collect();
+        let mine = format!("{PREFIX}0000.part");
+        assert_eq!(names, [&mine, "run", "run.mine.part", "run.nodes"].map(|name| folder.join(name)));
+    }
+
+    // Stopped between the first checkpoint and the first node: the line of the nodes may be there, or a part of it.
+    let run = folder.join("early");
+    let nodes = run.with_extension("nodes");
+    for line in ["", "wzvi", "wzvi-nodes 1\n", "wzvi-nodes 1\n\0\0\0"] {
+        for file in [&run, &nodes] {
+            let _ = fs::remove_file(file);
+        }
+        go_on(&run, 0).unwrap();
+        fs::write(&nodes, line).unwrap();
+        assert_eq!(go_on(&run, 40).unwrap(), whole(), "{line:?}");
+    }
+}
+
+/// A process that was killed in its first write does not block the next one, even if that has the same number, as in a container.
+#[test]
+fn process_numbers_that_repeat() {
+    let folder = folder!("repeated");
+    let run = folder.join("run");
+    let number = std::process::id();
+    let good = "wzvi-checkpoint 2 ";
+    for name in [format!("run.{number}.part"), format!("{PREFIX}{number}.part"), "run.part".to_owned()] {
+        fs::write(folder.join(name), good).unwrap();
+    }
+    assert_eq!(go_on(&run, 40).unwrap(), whole());
+    assert!(!folder.join(format!("{PREFIX}{number}.part")).exists(), "what was left behind is cleared away");
+}
+
+/// A link stays, and leads to the checkpoint; what is no regular file is refused at once.
+#[cfg(unix)]
+#[test]
+fn links_devices_and_pipes() {
+    use std::os::unix::fs::symlink;
+    let folder = folder!("links");
+    fs::create_dir(folder.join("far")).unwrap();
+    let (link, real) = (folder.join("link"), folder.join("far").join("run"));
+    symlink("far/run", &link).unwrap();
+    go_on(&link, 20).unwrap();
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert!(real.exists() && real.with_extension("nodes").exists());
+    // By its own name it is the same run.
+    go_on(&real, 30).unwrap();
+    assert_eq!(go_on(&link, 40).unwrap(), whole());
+    assert_eq!(contents(&folder).len(), 2);
+    let pipe = folder.join("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    symlink("/dev/zero", folder.join("zero")).unwrap();
+    for (name, found) in [("pipe", "a pipe"), ("zero", "a device"), ("far", "a folder")] {
+        let error = refused(go_on(&folder.join(name), 40));
+        assert!(matches!(error, CheckpointError::File(_)) && error.to_string().contains(found), "{error}");
+    }
+}
+
+#[test]
+fn folders_that_cannot_be_written_to() {
+    let folder = folder!("folders");
+    fs::write(folder.join("file"), "").unwrap();
+    for path in [folder.join("missing/run"), folder.join("file/run"), folder.clone()] {
+        // Before the first step.
+        let steps = std::cell::Cell::new(0);
+        let run = KEPLER.run(10, 0).checkpoint(Checkpoint::to(&path));
+        let error = refused(run.inspect(|_, _| steps.set(steps.get() + 1)).run());
+        assert!(matches!(&error, CheckpointError::File { .. }), "{error:?}");
+        assert!(error.to_string().contains(path.to_str().unwrap()), "{error}");
+        assert_eq!(steps.get(), 0);
+    }
+    assert_eq!(contents(&folder).len(), 1);
+}
+
+/// The folder vanishes, or another run takes the file, while the run goes on: it stops there with what it has.
+#[test]
+fn a_checkpoint_that_fails_ends_the_run() {
+    let folder = folder!("vanishing");
+    let run = folder.join("inner").join("run");
+    let whole = bits(&KEPLER.run(20, 1).run().unwrap());
+    for takes in [false, true] {
+        fs::create_dir_all(run.parent().unwrap()).unwrap();
+        let outcome = KEPLER
+            .run(50, 1)
+            .checkpoint(Checkpoint::to(&run).every_steps(10))
+            .inspect(|_, node| {
+                if node.step == 15 && takes {
+                    fs::write(&run, "another").unwrap();
+                } else if node.step == 15 {
+                    fs::remove_dir_all(run.parent().unwrap()).unwrap();
+                }
+            })
+            .run_partial();
+        let (path, error) = outcome.unwrap();
+        assert_eq!(bits(&path), whole);
+        let taken = CheckpointError::Taken { path: run.clone() };
+        assert_eq!(error, Some(wzvi::Error::Checkpoint(taken)), "{takes}");
+        if takes {
+            assert_eq!(fs::read_to_string(&run).unwrap(), "another");
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! Runs of one path: output between the nodes, hard steps, averages, results, checkpoints, reports.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test stops at the first error")]
+#![allow(missing_docs, unreachable_pub, reason = "test systems")]
+
+mod between;
+mod checkpoint;
+mod high_order;
+mod report;
+mod results;
+mod series;
+mod stability;

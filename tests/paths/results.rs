@@ -1,0 +1,258 @@
+//! Results that other programs read: tables of paths with the names of the closure, errors and facts as people see them.
+
+use fixtures::folder;
+use fixtures::small::Kepler;
+use std::fs;
+use std::process::Command;
+
+use wzvi::prelude::*;
+use wzvi::table::Column;
+
+#[hamiltonian(
+    drift = |angle, momentum, time| 0.5 * momentum * momentum - time.cos() * angle.cos(),
+    noise = [|angle, _, _| sigma * angle, |angle, _, _| 0.5 * sigma * angle],
+    embedding = DeltaPlus,
+)]
+struct Shaken {
+    sigma: f64,
+}
+
+#[hamiltonian(
+    drift = |q: [[f64; 2]; N], p: [[f64; 2]; N]| (0..N).map(|i| {
+        0.5 * (p[i][0] * p[i][0] + p[i][1] * p[i][1] + q[i][0] * q[i][0] + q[i][1] * q[i][1])
+    }).sum::<f64>(),
+    embedding = DeltaPlus,
+)]
+struct Points<const N: usize>;
+
+#[hamiltonian(
+    drift = |u: &[f64], v: &[f64]| v.iter().map(|v| 0.5 * v * v).sum::<f64>() + u.iter().map(|u| 0.5 * u * u).sum::<f64>(),
+    embedding = DeltaPlus,
+)]
+struct Sites;
+
+fn kepler() -> Trajectory<wzvi::nalgebra::SVector<f64, 2>, Verlet> {
+    let start = State::new([0.5, 0.0], [0.0, 3.0_f64.sqrt()]);
+    let run = Kepler.simulate::<Verlet>(0.01).start(start).until(1.0).record_every(10);
+    run.observe("radius", |state| state.q.norm()).observe("x", |state| 2.0 * state.q[0]).run().unwrap()
+}
+
+fn shaken() -> Trajectory<wzvi::nalgebra::SVector<f64, 1>, DeltaPlus> {
+    let run = Shaken { sigma: 0.3 }.simulate::<DeltaPlus>(0.1).start(State::new([0.5], [0.0]));
+    run.noise(Wiener::seed(7)).until(1.0).run().unwrap()
+}
+
+fn names(table: wzvi::table::Table) -> Vec<String> {
+    table.columns().iter().map(|(name, _)| name.clone()).collect()
+}
+
+#[test]
+fn columns_have_the_names_of_the_closure() {
+    let path = kepler();
+    assert_eq!(names(path.table().into_table()), ["t", "x", "y", "px", "py", "radius", "x_"]);
+    let table = path.table().energies(&Kepler).into_table();
+    assert_eq!(names(table)[7..], ["energy", "invariant_0"]);
+    let table = shaken().table().energies(&Shaken { sigma: 0.3 }).increments().into_table();
+    assert_eq!(names(table), ["time", "angle", "momentum", "energy", "dw_0", "dw_1"]);
+
+    let start = State::new(vec![0.0; 6], vec![0.0; 6]);
+    let path = Points::<3>.simulate::<DeltaPlus>(0.1).start(start).steps(1).run().unwrap();
+    let all = names(path.table().into_table());
+    assert_eq!(all[..4], ["t", "q[0][0]", "q[0][1]", "q[1][0]"]);
+    assert_eq!(all[7], "p[0][0]");
+    let start = State::new(vec![0.0; 2], vec![0.0; 2]);
+    let path = Sites.simulate::<DeltaPlus>(0.1).start(start).steps(1).run().unwrap();
+    assert_eq!(names(path.table().into_table()), ["t", "u[0]", "u[1]", "v[0]", "v[1]"]);
+}
+
+#[test]
+fn every_number_is_that_of_the_path() {
+    let path = shaken();
+    let system = Shaken { sigma: 0.3 };
+    let table = path.table().energies(&system).increments().into_table();
+    assert_eq!(table.rows(), path.len());
+    let column = |name: &str| {
+        let (_, column) = table.columns().iter().find(|(known, _)| known == name).unwrap();
+        let Column::Number(entries) = column else { panic!("{name} has no numbers") };
+        entries.clone()
+    };
+    assert!(column("time").iter().copied().eq(path.times()));
+    assert!(column("angle").iter().eq(path.iter().map(|state| &state.q[0])));
+    assert!(column("momentum").iter().eq(path.iter().map(|state| &state.p[0])));
+    assert!(column("energy").iter().copied().eq(path.iter().map(|state| system.energy(state))));
+    for (k, name) in ["dw_0", "dw_1"].into_iter().enumerate() {
+        let increments = column(name);
+        assert_eq!(increments[0], 0.0);
+        assert!(increments[1..].iter().eq(path.increments().map(|row| &row[k])));
+    }
+}
+
+#[test]
+fn files_say_the_same_to_the_last_bit() {
+    let (path, folder) = (kepler(), folder!("bits"));
+    let table = path.table().energies(&Kepler);
+    let [csv, json] = ["deep/path.csv", "path.json"].map(|name| folder.join(name));
+    table.write_csv(&csv).unwrap();
+    table.write_json(&json).unwrap();
+    let text = fs::read_to_string(csv).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next().unwrap(), "t,x,y,px,py,radius,x_,energy,invariant_0");
+    let records: Vec<serde_json::Map<String, serde_json::Value>> =
+        serde_json::from_str(&fs::read_to_string(json).unwrap()).unwrap();
+    assert_eq!((lines.clone().count(), records.len()), (path.len(), path.len()));
+    for ((line, record), state) in lines.zip(&records).zip(path.states()) {
+        let numbers: Vec<f64> = line.split(',').map(|entry| entry.parse().unwrap()).collect();
+        let expected =
+            [state.t, state.q[0], state.q[1], state.p[0], state.p[1], state.q.norm(), 2.0 * state.q[0]];
+        let proven = [Kepler.energy(state), Kepler.invariant(0, state)];
+        assert_eq!(numbers, [&expected[..], &proven[..]].concat());
+        assert_eq!(record["x"].as_f64().unwrap(), state.q[0]);
+        assert_eq!(record["energy"].as_f64().unwrap(), Kepler.energy(state));
+    }
+}
+
+/// What pandas makes of the files: plain columns of numbers, the same to the last bit. Where there is no pandas, nothing.
+#[test]
+fn pandas_reads_each_file_to_columns_of_numbers() {
+    let python = std::env::var("WZVI_PYTHON").unwrap_or_else(|_| "python3".into());
+    let script = "import sys\nimport pandas\n\
+        csv = pandas.read_csv(sys.argv[1] + '/path.csv', float_precision='round_trip')\n\
+        frames = [csv, pandas.read_json(sys.argv[1] + '/path.json', orient='records', precise_float=True)]\n\
+        if len(sys.argv) > 2: frames.append(pandas.read_parquet(sys.argv[1] + '/path.parquet'))\n\
+        for frame in frames:\n    \
+            assert list(frame.columns) == ['time', 'angle', 'momentum', 'energy', 'dw_0', 'dw_1'], frame.columns\n    \
+            assert all(kind in ('float64', 'int64') for kind in frame.dtypes.astype(str)), frame.dtypes\n    \
+            assert len(frame) == 11 and abs(frame - csv).max().max() < 1e-15\n\
+        print('sum', repr(csv['energy'].sum()))\n";
+    let has_pandas = Command::new(&python).args(["-c", "import pandas"]).output();
+    if !has_pandas.is_ok_and(|output| output.status.success()) {
+        eprintln!("no pandas: set WZVI_PYTHON to a Python that has it");
+        return;
+    }
+    let (path, folder) = (shaken(), folder!("pandas"));
+    let table = path.table().energies(&Shaken { sigma: 0.3 }).increments();
+    table.write_csv(folder.join("path.csv")).unwrap();
+    table.write_json(folder.join("path.json")).unwrap();
+    let mut command = Command::new(python);
+    command.args(["-c", script]).arg(&folder);
+    #[cfg(feature = "columnar")]
+    {
+        table.write_parquet(folder.join("path.parquet")).unwrap();
+        command.arg("parquet");
+    }
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn a_main_that_fails_says_what_its_user_can_read() {
+    let error = Kepler
+        .simulate::<Verlet>(0.0)
+        .start(State::new([1.0, 0.0], [0.0, 1.0]))
+        .until(1.0)
+        .run()
+        .unwrap_err();
+    assert_eq!(format!("{error:?}"), error.to_string());
+    assert!(error.to_string().contains("the step size is 0"), "{error}");
+}
+
+#[test]
+fn a_plan_reads_as_a_sentence() {
+    let plan = <Kepler as Discretized<Verlet>>::PLAN;
+    assert_eq!(plan.to_string(), "explicit step of order 2; the system keeps its energy");
+    let plan = <Shaken as Discretized<DeltaPlus>>::PLAN.to_string();
+    assert!(
+        plan.starts_with("explicit step of order 1; additive noise: strong order 1, weak order 1"),
+        "{plan}"
+    );
+    assert!(plan.ends_with("the energy of the system changes"), "{plan}");
+}
+
+#[cfg(feature = "plot")]
+mod plots {
+    use wzvi::plot::{Figure, PlotError, Sheet};
+    use wzvi::section::Direction;
+
+    use super::*;
+
+    /// The numbers of a series.
+    fn points(figure: &Figure, series: usize) -> &[(f64, f64)] {
+        &figure.series[series].points
+    }
+
+    #[test]
+    fn figures_show_the_numbers_of_the_path() {
+        let path = kepler();
+        let portrait = path.plot().phase_portrait();
+        assert_eq!((portrait.x.label.as_str(), portrait.y.label.as_str()), ("x, y", "px, py"));
+        assert!(points(&portrait, 1).iter().copied().eq(path.iter().map(|state| (state.q[1], state.p[1]))));
+        let series = path.plot().degrees([1, 7]).time_series();
+        let names: Vec<&str> = series.series.iter().map(|series| series.name.as_str()).collect();
+        assert_eq!(names, ["y", "py"]);
+        assert!(points(&series, 1).iter().copied().eq(path.iter().map(|state| (state.t, state.p[1]))));
+        let drift = path.plot().energy_drift(&Kepler);
+        let largest = |series| points(&drift, series).iter().map(|point| point.1.abs()).fold(0.0, f64::max);
+        assert_eq!(largest(0), path.energy_drift(&Kepler));
+        assert_eq!(largest(1), path.invariant_drift(&Kepler, 0));
+        assert_eq!(shaken().plot().time_series().x.label, "time");
+    }
+
+    #[test]
+    fn sections_show_the_crossings() {
+        let start = State::new([0.5, 0.0], [0.0, 3.0_f64.sqrt()]);
+        let run = Kepler.simulate::<Verlet>(0.01).start(start).until(20.0).record_every(0);
+        let path = run.section_towards(Direction::Rising, |state| state.q[1]).run().unwrap();
+        let section = path.plot().degrees([0]).section();
+        assert!(points(&section, 0).len() >= 2);
+        assert!(
+            points(&section, 0)
+                .iter()
+                .copied()
+                .eq(path.crossings().iter().map(|crossing| (crossing.state.q[0], crossing.state.p[0])))
+        );
+    }
+
+    #[test]
+    fn files_are_drawings_with_the_names_in_them() {
+        let (path, folder) = (kepler(), folder!("plots"));
+        let [svg, png, other] = ["a/portrait.svg", "drift.png", "drift.pdf"].map(|name| folder.join(name));
+        path.plot().phase_portrait().equal_axes().write(&svg).unwrap();
+        let text = fs::read_to_string(svg).unwrap();
+        for word in ["Phase portrait", "px against x", "py against y"] {
+            assert!(text.contains(word), "{word}");
+        }
+        path.plot().energy_drift(&Kepler).write(&png).unwrap();
+        let mut reader =
+            png::Decoder::new(std::io::BufReader::new(fs::File::open(png).unwrap())).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        assert_eq!((info.width, info.height), (1280, 880));
+        // The colours of the curves, of text and of the ground.
+        for colour in [[0, 114, 178], [213, 94, 0], [17, 17, 17], [255, 255, 255]] {
+            assert!(pixels.chunks(3).any(|pixel| pixel == colour), "{colour:?}");
+        }
+        let error = path.plot().section().write(&other).unwrap_err();
+        assert_eq!(error, PlotError::Ending { path: other.clone() });
+        assert!(error.to_string().ends_with("ends in .svg or .png") && !other.exists(), "{error}");
+    }
+
+    /// A point of a sheet is where its figure is: right of the first, below the first row.
+    #[test]
+    fn sheets_place_figures_in_rows() {
+        let figure = || Figure::panel("", "", "").line("", 0, [(0.0, 0.0), (1.0, 1.0)]);
+        let sheet = (0..3).map(|_| figure()).fold(Sheet::new(2, (400, 300)), Sheet::with);
+        let svg = sheet.svg().unwrap();
+        assert!(svg.contains("width=\"800\" height=\"600\""), "{}", &svg[..200]);
+        let curves = svg.lines().filter(|line| line.contains("#0072B2"));
+        let starts: Vec<(i32, i32)> = curves
+            .map(|line| {
+                let (_, points) = line.split_once("points=\"").unwrap();
+                let (x, y) = points.split_once(' ').unwrap().0.split_once(',').unwrap();
+                (x.parse().unwrap(), y.parse().unwrap())
+            })
+            .collect();
+        let [first, second, third] = starts[..] else { panic!("{starts:?}") };
+        assert_eq!((second.0 - first.0, second.1 - first.1), (400, 0));
+        assert_eq!((third.0 - first.0, third.1 - first.1), (0, 300));
+    }
+}

@@ -1,0 +1,167 @@
+//! Averages, correlations and temperatures along paths, against exact laws.
+
+use wzvi::bath::{Damped, Splitting};
+use wzvi::error::{Error, PathError};
+use wzvi::prelude::*;
+use wzvi::scalar::Scalar;
+use wzvi::series::{Autocorrelation, SeriesError};
+
+/// A particle with friction in a bath, free or in a harmonic well.
+#[hamiltonian(drift = |q, p| 0.5 * p * p / m + 0.5 * k * q * q, embedding = Verlet)]
+#[derive(Clone, Debug)]
+pub(crate) struct Particle {
+    pub m: f64,
+    pub k: f64,
+    pub gamma: f64,
+    pub kt: f64,
+}
+
+impl Damped for Particle {
+    const IS_MATRIX: bool = false;
+    const PER_STATE: bool = false;
+    const HAS_DIAGONAL_MASSES: bool = true;
+
+    fn damping<S: Scalar>(&self, _: &[S], into: &mut [S]) {
+        into.fill(S::from_f64(self.gamma));
+    }
+
+    fn temperature(&self) -> Option<f64> {
+        Some(self.kt)
+    }
+}
+
+wzvi::__private::composition! {
+    [impl Discretized<Baoab> for Particle] Baoab, Splitting<Baoab>, 2, "", []
+}
+
+const FREE: Particle = Particle { m: 0.8, k: 0.0, gamma: 0.5, kt: 1.3 };
+const WELL: Particle = Particle { m: 1.0, k: 1.0, gamma: 1.0, kt: 0.7 };
+const H: f64 = 0.1;
+
+#[test]
+fn the_momentum_of_a_free_particle_has_its_correlation_time() {
+    let run = FREE.simulate::<Baoab>(H).start(State::new([0.0], [1.0])).noise(StepNormals::seed(3));
+    let path = run.steps(1 << 18).run().expect("a path");
+    // p' = a p + ...: ρ(n) = aⁿ, summed up.
+    let a = (-FREE.gamma * H).exp();
+    let time = H * (0.5 + a / (1.0 - a));
+    let found = path.autocorrelation(|state| state.p[0]).expect("an autocorrelation");
+    assert!((found.time - time).abs() < 4.0 * found.time_error, "{} {time} {}", found.time, found.time_error);
+    assert!(found.time_error < 0.05 * time);
+    assert!(found.mean.abs() < 4.0 * found.standard_error);
+    let error = (2.0 * time * FREE.m * FREE.kt / (f64::from(1 << 18) * H)).sqrt();
+    assert!((found.standard_error / error - 1.0).abs() < 0.15, "{} {error}", found.standard_error);
+    for (t, rho) in found.function.points().take(40) {
+        assert!((rho - (-FREE.gamma * t).exp()).abs() < 0.05, "{t} {rho}");
+    }
+    // The velocities, with their sizes.
+    let velocities = path.velocity_autocorrelation(&FREE).expect("velocities");
+    for (t, value) in velocities.points().take(40) {
+        let exact = FREE.kt / FREE.m * (-FREE.gamma * t).exp();
+        assert!((value - exact).abs() < 0.05 * FREE.kt / FREE.m, "{t} {value} {exact}");
+    }
+    // ⟨Δq²⟩ = 2 kT/(m γ²) (γt - 1 + e^{-γt}); drifts by halves follow it to (γh)²/12.
+    let moved = path.mean_square_displacement().expect("displacements");
+    for (t, value) in moved.points().take(60).skip(1) {
+        let x = FREE.gamma * t;
+        let exact = 2.0 * FREE.kt / (FREE.m * FREE.gamma.powi(2)) * (x - 1.0 + (-x).exp());
+        assert!((value / exact - 1.0).abs() < 0.08, "{t} {value} {exact}");
+    }
+}
+
+#[test]
+fn uniform_motion_moves_by_its_square() {
+    let still = Particle { gamma: 0.0, ..FREE };
+    let run = still.simulate::<Verlet>(H).start(State::new([5.0], [0.4])).steps(500).run().expect("a path");
+    let moved = run.mean_square_displacement().expect("displacements");
+    for (t, value) in moved.points() {
+        // Squares of up to 25² lose as much to rounding.
+        assert!((value - (0.5 * t).powi(2)).abs() < 500.0 * 25.0_f64.powi(2) * f64::EPSILON, "{t} {value}");
+    }
+    assert_eq!(moved.values[0], 0.0);
+}
+
+#[test]
+fn every_degree_of_freedom_has_the_temperature() {
+    let run = || WELL.simulate::<Baoab>(H).start(State::new([0.5], [0.0])).noise(StepNormals::seed(4));
+    let path = run().steps(1 << 17).run().expect("a path");
+    let shares = path.equipartition(&WELL);
+    let x = H * H / 4.0;
+    let kinetic = shares.kinetic[0];
+    assert!((kinetic.temperature - WELL.kt * (1.0 - x)).abs() < 4.0 * kinetic.standard_error, "{kinetic:?}");
+    let place = shares.configurational[0];
+    assert!((place.temperature - WELL.kt).abs() < 4.0 * place.standard_error, "{place:?}");
+    assert!(place.standard_error < 0.02 && shares.kinetic_temperature == kinetic);
+    // In an ensemble the same observables.
+    let run = WELL.ensemble::<Baoab>(H).start(State::new([0.5], [0.0])).paths(4000).seed(3).until(20.0);
+    let statistics = run.observe_temperatures().observe_equipartition().run().expect("an ensemble");
+    for name in ["kinetic temperature", "configurational temperature", "kinetic temperature 0"] {
+        let (mean, error) =
+            (statistics.mean(name).expect("a mean"), statistics.standard_error(name).expect("an error"));
+        assert!((mean - WELL.kt).abs() < 4.0 * error + WELL.kt * x, "{name} {mean} {error}");
+    }
+}
+
+#[test]
+fn a_long_path_ends_when_its_average_is_exact_enough() {
+    let run = |seed, target| {
+        let run = WELL.simulate::<Baoab>(H).start(State::new([3.0], [0.0])).noise(StepNormals::seed(seed));
+        let run = run.observe("q2", |state| state.q[0].powi(2)).steps(1 << 22).time_averages();
+        run.discard(20.0).until_error("q2", target).run().expect("averages")
+    };
+    // Within 1.96 targets in 95 % of the runs: of 40, 5 or more outside have a chance of 5 %, and 8 of 0.05 %.
+    let mut outside = 0;
+    for seed in 0..40 {
+        let averages = run(seed, 0.03);
+        let average = averages.of("q2").expect("an average");
+        assert!(averages.met_targets == Some(true) && average.error_bound <= 0.03);
+        outside += u32::from((average.mean - WELL.kt).abs() > 1.96 * 0.03);
+        // ⟨q² q²(t)⟩ of critical damping has some τ of 1 to 3.
+        assert!((0.5..6.0).contains(&average.time), "{}", average.time);
+    }
+    assert!(outside < 8, "{outside}");
+    // A third of the error takes about nine times as long.
+    let steps = [0.03, 0.01].map(|target| (0..8).map(|seed| run(seed, target).steps).sum::<u64>() as f64);
+    assert!((4.0..16.0).contains(&(steps[1] / steps[0])), "{steps:?}");
+    // Its limit ends it, too.
+    let run = WELL.simulate::<Baoab>(H).start(State::new([3.0], [0.0])).noise(StepNormals::seed(1));
+    let run = run.observe("q2", |state| state.q[0].powi(2)).steps(100).time_averages();
+    let averages = run.until_error("q2", 1e-9).run().expect("averages");
+    assert_eq!((averages.met_targets, averages.steps), (Some(false), 100));
+}
+
+#[test]
+fn what_cannot_be_estimated_is_an_error() {
+    let short = Autocorrelation::of(&[1.0, 2.0, 3.0, 2.0], 0.1);
+    assert_eq!(short, Err(SeriesError::Short { length: 4 }));
+    assert_eq!(Autocorrelation::of(&[1.0; 100], 0.1), Err(SeriesError::Constant));
+    assert_eq!(Autocorrelation::of(&[1.0, f64::NAN], 0.1), Err(SeriesError::NonFinite { index: 1 }));
+    let uneven: [&[f64]; 2] = [&[1.0, 2.0], &[1.0]];
+    assert_eq!(Autocorrelation::of_many(&uneven, 0.1), Err(SeriesError::Lengths { expected: 2, got: 1 }));
+    let run =
+        || WELL.simulate::<Baoab>(H).start(State::new([0.5], [0.0])).noise(StepNormals::seed(4)).steps(50);
+    let path = run().run().expect("a path");
+    let error = path.autocorrelation(|state| state.q[0]).expect_err("a path of a few times");
+    assert_eq!(error, PathError::Series(SeriesError::Short { length: 51 }));
+    let unknown = run().time_averages().until_error("q2", 0.1).run().expect_err("no such observable");
+    assert!(matches!(unknown, Error::Name(_)), "{unknown}");
+    let wrong = run().observe("q", |state| state.q[0]).time_averages().until_error("q", -0.1).run();
+    assert!(wrong.is_err());
+    let section = run().section(|state| state.q[0]).time_averages().run().expect_err("nobody keeps sections");
+    assert!(section.to_string().contains("section"), "{section}");
+}
+
+#[test]
+fn independent_paths_are_averaged() {
+    let run = FREE.ensemble::<Baoab>(H).start(State::new([0.0], [0.0])).paths(512).seed(2).until(200.0);
+    let run = run.observe("p", |state| state.p[0]).record_every(1).keep_paths(1 << 26).run().expect("paths");
+    let paths = run.paths().expect("kept");
+    // After the start is forgotten.
+    let series: Vec<Vec<f64>> = (0..512)
+        .map(|path| (200..2001).map(|node| paths.at(path, node).expect("a node")[0]).collect())
+        .collect();
+    let found = Autocorrelation::of_many(&series, H).expect("an autocorrelation");
+    let a = (-FREE.gamma * H).exp();
+    let time = H * (0.5 + a / (1.0 - a));
+    assert!((found.time - time).abs() < 4.0 * found.time_error, "{} {time} {}", found.time, found.time_error);
+}

@@ -1,0 +1,410 @@
+//! Promises of a step: it fails with a typed error and leaves the state alone, or its result is finite.
+
+use fixtures::small::Kubo;
+use wzvi::error::{ConfigError, StepFailure};
+use wzvi::prelude::*;
+use wzvi::state::Vector;
+
+mod allocations;
+
+#[hamiltonian(drift = |q, p| 0.5 * p * p - omega * omega * q.cos(), embedding = [DeltaPlus, Midpoint])]
+#[derive(Debug)]
+struct Pendulum {
+    omega: f64,
+}
+
+/// No drift, so that the pole is where the increment alone puts it.
+#[hamiltonian(
+    drift = |_q, _p| 0.0,
+    noise = [|q, p| sigma * p * q],
+    embedding = [Midpoint, Uncorrected<DeltaPlus>],
+)]
+struct Stretch {
+    sigma: f64,
+}
+
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) + 0.5 * (x * x + y * y) + x * x * y - y.powi(3) / 3.0,
+    noise = [|[x, y], _| 0.25 * x * y, |_, [u, _]| 0.1 * u],
+    embedding = [DeltaPlus, Midpoint],
+)]
+struct HenonHeiles;
+
+#[hamiltonian(
+    drift = |q, p, t| (1.0 + q * q) * p * p / 2.0 + (2.0 + t.sin()) * q.ln() - 1.0 / q,
+    noise = [|q, p| 0.5 * q * p, |q, p| 0.1 * (q * p * p).sin()],
+    embedding = [Midpoint, Corrected<DeltaPlus>, Uncorrected<Mixed<DeltaMinus, Lambda<1, 4>>>],
+)]
+struct Metric;
+
+#[hamiltonian(
+    drift = |q: [f64; 3], p: [f64; 3]| {
+        let kinetic: f64 = p.iter().map(|p| 0.5 * p * p).sum();
+        kinetic + (0..3).map(|i| 0.5 * k * (q[(i + 1) % 3] - q[i]).powi(2)).sum::<f64>()
+    },
+    embedding = Midpoint,
+)]
+#[derive(Debug)]
+struct Ring {
+    k: f64,
+}
+
+const PENDULUM: Pendulum = Pendulum { omega: 1.3 };
+const KUBO: Kubo = Kubo { a: 1.5, sigma: 1.0 };
+const STRETCH: Stretch = Stretch { sigma: 0.5 };
+
+fn bits<V: Vector>(state: &State<V>) -> Vec<u64> {
+    let (q, p) = (state.q.components(), state.p.components());
+    q.iter().chain(p).chain([&state.t]).map(|x| x.to_bits()).collect()
+}
+
+fn state<V: Vector>(q: &[f64], p: &[f64]) -> State<V> {
+    let vector = |values: &[f64]| {
+        let mut vector = V::zeros(values.len());
+        vector.components_mut().copy_from_slice(values);
+        vector
+    };
+    State { q: vector(q), p: vector(p), t: 0.0 }
+}
+
+/// The step fails with the cause it returns, the state keeps its bits, and the stepper goes on like a fresh one.
+fn failure<E, H: Discretized<E>>(system: &H, h: f64, bad: &State<H::Vector>, dw: &[f64]) -> StepFailure {
+    let good = {
+        let half = vec![0.5; system.degrees()];
+        state::<H::Vector>(&half, &half)
+    };
+    let small = vec![0.01; system.noises()];
+    let (mut used, mut fresh) = (system.stepper::<E>(h).unwrap(), system.stepper::<E>(h).unwrap());
+    let mut attempt = bad.clone();
+    let error = used.step(&mut attempt, dw).unwrap_err();
+    assert_eq!(bits(&attempt), bits(bad), "{error}");
+    assert_eq!((used.steps(), error.step, error.h), (0, 0, h));
+    assert_eq!(error.t.to_bits(), bad.t.to_bits());
+    assert!(error.to_string().contains("step 0"), "{error}");
+    let (mut first, mut second) = (good.clone(), good);
+    for _ in 0..10 {
+        used.step(&mut first, &small).unwrap();
+        fresh.step(&mut second, &small).unwrap();
+        assert_eq!(bits(&first), bits(&second));
+        // One that fails from the same state is as if it had not been.
+        let before = bits(&first);
+        used.step(&mut first, &vec![f64::NAN; system.noises() + 1]).unwrap_err();
+        assert_eq!(bits(&first), before);
+        // So is one from another state.
+        assert!(used.step(&mut bad.clone(), dw).is_err());
+    }
+    error.cause
+}
+
+#[test]
+fn what_is_not_finite_is_refused() {
+    let payload = f64::from_bits(0x7ff8_0000_dead_beef);
+    for x in [f64::NAN, payload, f64::INFINITY, f64::NEG_INFINITY] {
+        for (q, p) in [(x, -0.0), (-0.0, x), (x, x)] {
+            let cause = failure::<Midpoint, _>(&KUBO, 0.1, &state(&[q], &[p]), &[0.1]);
+            assert_eq!(cause, StepFailure::NonFiniteInput);
+            let cause = failure::<Uncorrected<DeltaPlus>, _>(&KUBO, 0.1, &state(&[q], &[p]), &[0.1]);
+            assert_eq!(cause, StepFailure::NonFiniteInput);
+            for h in [0.1, -0.1] {
+                let cause = failure::<Midpoint, _>(&PENDULUM, h, &state(&[q], &[p]), &[]);
+                assert_eq!(cause, StepFailure::NonFiniteInput);
+                let cause = failure::<DeltaPlus, _>(&PENDULUM, h, &state(&[q], &[p]), &[]);
+                assert_eq!(cause, StepFailure::NonFiniteInput);
+            }
+            let cause =
+                failure::<Midpoint, _>(&Ring { k: 2.0 }, 0.1, &state(&[0.0, q, -0.0], &[p, 1.0, 1.0]), &[]);
+            assert_eq!(cause, StepFailure::NonFiniteInput);
+        }
+        let start = state(&[-0.0], &[0.5]);
+        assert_eq!(failure::<Midpoint, _>(&KUBO, 0.1, &start, &[x]), StepFailure::NonFiniteInput);
+        assert_eq!(failure::<Corrected<DeltaPlus>, _>(&KUBO, 0.1, &start, &[x]), StepFailure::NonFiniteInput);
+        let cause = failure::<Midpoint, _>(&KUBO, 0.1, &state(&[-0.0], &[0.5]).at(x), &[0.1]);
+        assert_eq!(cause, StepFailure::NonFiniteInput, "time {x}");
+    }
+}
+
+#[test]
+fn every_noise_has_one_increment() {
+    let start = state(&[-0.0], &[0.5]);
+    for dw in [&[][..], &[0.1, 0.1], &[0.1; 7]] {
+        let expected = StepFailure::Increments { expected: 1, got: dw.len() };
+        assert_eq!(failure::<Midpoint, _>(&KUBO, 0.1, &start, dw), expected);
+        assert_eq!(failure::<Corrected<DeltaPlus>, _>(&KUBO, 0.1, &start, dw), expected);
+    }
+    let expected = StepFailure::Increments { expected: 0, got: 1 };
+    assert_eq!(failure::<Midpoint, _>(&PENDULUM, 0.1, &start, &[0.0]), expected);
+    // That the number is wrong is said even if the numbers are, too.
+    let expected = StepFailure::Increments { expected: 1, got: 2 };
+    assert_eq!(failure::<Midpoint, _>(&KUBO, 0.1, &start, &[f64::NAN; 2]), expected);
+    let start = state(&[0.1, 0.1], &[0.5, 0.5]);
+    let expected = StepFailure::Increments { expected: 2, got: 1 };
+    assert_eq!(failure::<DeltaPlus, _>(&HenonHeiles, 0.1, &start, &[0.1]), expected);
+}
+
+#[test]
+fn poles_are_singular() {
+    let start = state(&[1.0], &[0.5]);
+    // sigma = 1/2: 1 + sigma dW / 2 and 1 + sigma dW vanish exactly.
+    let cause = failure::<Midpoint, _>(&STRETCH, 0.1, &start, &[-4.0]);
+    assert!(matches!(cause, StepFailure::Singular { .. }), "{cause}");
+    let cause = failure::<Uncorrected<DeltaPlus>, _>(&STRETCH, 0.1, &start, &[-2.0]);
+    assert!(matches!(cause, StepFailure::Singular { .. }), "{cause}");
+    // The other pole of the mid-point.
+    let cause = failure::<Midpoint, _>(&STRETCH, 0.1, &start, &[4.0]);
+    assert!(matches!(cause, StepFailure::Singular { .. }), "{cause}");
+    // Next to a pole the step exists: q' = q (1 + x)/(1 - x), p' = p (1 - x)/(1 + x) with x = sigma dW / 2.
+    for dw in [-4.0 + 1e-6, 4.0 - 1e-6, -3.0, 1.0] {
+        let mut state = start;
+        STRETCH.stepper::<Midpoint>(0.1).unwrap().step(&mut state, &[dw]).unwrap();
+        let x = 0.25 * dw;
+        let expected = [(1.0 + x) / (1.0 - x), 0.5 * (1.0 - x) / (1.0 + x)];
+        // Rounding of 1 ± x, magnified by its reciprocal.
+        let bound = 4.0 * f64::EPSILON * (1.0 / (1.0 - x) + 1.0 / (1.0 + x)).abs();
+        assert!(
+            (state.q[0] - expected[0]).abs() <= bound * expected[0].abs().max(1.0),
+            "{state:?} {expected:?}"
+        );
+        assert!(
+            (state.p[0] - expected[1]).abs() <= bound * expected[1].abs().max(1.0),
+            "{state:?} {expected:?}"
+        );
+    }
+}
+
+#[test]
+fn huge_increments_fail_or_stay_finite() {
+    let start = state(&[0.3], &[0.5]);
+    let radius = |state: &State<<Kubo as Hamiltonian>::Vector>| f64::hypot(state.q[0], state.p[0]);
+    for dw in [1e2, 1e4, -1e6, 1e8, -1e8, 1e100, 1e154, 1e200, 1e300, f64::MAX, -f64::MAX] {
+        let mut state = start;
+        let outcome = KUBO.stepper::<Midpoint>(0.1).unwrap().step(&mut state, &[dw]);
+        println!("Kubo, mid-point, dW = {dw:e}: {outcome:?} {state:?} {:e}", radius(&state) - radius(&start));
+        if dw.abs() <= 1e8 {
+            // The Cayley map is a rotation, whatever its argument theta = dW/2. One unknown is eliminated, the other
+            // then follows as theta times a difference that is rounded: a few roundings times theta.
+            let bound = 4.0 * f64::EPSILON * (1.0 + 0.5 * dw.abs()) * radius(&start);
+            assert!((radius(&state) - radius(&start)).abs() <= bound, "{dw:e}: {state:?}");
+        }
+        assert!(state.q[0].is_finite() && state.p[0].is_finite(), "{outcome:?}");
+        let mut state = start;
+        let outcome = KUBO.stepper::<Uncorrected<DeltaPlus>>(0.1).unwrap().step(&mut state, &[dw]);
+        assert!(state.q[0].is_finite() && state.p[0].is_finite(), "{outcome:?}");
+    }
+    // Beyond its poles the mid-point of the stretch tends to -1, by 8/dw; what is absurd is refused.
+    for dw in [1e20, -1e200, 1e300] {
+        let cause = failure::<Midpoint, _>(&STRETCH, 0.1, &start, &[dw]);
+        assert!(matches!(cause, StepFailure::Singular { .. }), "{dw:e}: {cause:?}");
+    }
+    for dw in [1e12, -1e13] {
+        let mut state = start;
+        STRETCH.stepper::<Midpoint>(0.1).unwrap().step(&mut state, &[dw]).unwrap();
+        let distance = (state.q[0] + start.q[0]).abs().max((state.p[0] + start.p[0]).abs());
+        let bound = 8.0 / dw.abs() + 4.0 * f64::EPSILON;
+        assert!(distance <= bound, "{dw:e}: {state:?}");
+    }
+    let cause = failure::<Uncorrected<DeltaPlus>, _>(&KUBO, 0.1, &start, &[f64::MAX]);
+    assert_eq!(cause, StepFailure::NonFinite);
+}
+
+#[test]
+fn what_overflows_or_does_not_converge_says_so() {
+    // Far above the escape energy the explicit step overflows in the end; each failure leaves the last good state.
+    let mut state = state(&[3.0, -4.0], &[1.0, 2.0]);
+    let mut stepper = HenonHeiles.stepper::<DeltaPlus>(0.1).unwrap();
+    let mut last = state;
+    let error = loop {
+        match stepper.step(&mut state, &[0.0, 0.0]) {
+            Ok(_) => last = state,
+            Err(error) => break error,
+        }
+        assert!(stepper.steps() < 1000);
+    };
+    assert_eq!(error.cause, StepFailure::NonFinite);
+    assert_eq!((bits(&state), error.step, error.t), (bits(&last), stepper.steps(), last.t));
+
+    // A step far beyond the basin of the mid-point: an error, or a solution of the equations.
+    let (mut failures, mut solutions) = (0, 0);
+    for i in 0..300 {
+        let start = self::state(&[0.1 * f64::from(i), 1.0], &[-3.0, f64::from(i)]);
+        let mut state = start;
+        let h = [2.0, 20.0, 200.0][i as usize % 3];
+        match HenonHeiles.stepper::<Midpoint>(h).unwrap().step(&mut state, &[0.5, 0.5]) {
+            Err(error) => {
+                assert!(
+                    matches!(
+                        error.cause,
+                        StepFailure::NotConverged { .. }
+                            | StepFailure::NoSolution { .. }
+                            | StepFailure::Singular { .. }
+                            | StepFailure::NonFinite
+                    ),
+                    "{error}"
+                );
+                assert_eq!(bits(&state), bits(&start));
+                failures += 1;
+            }
+            Ok(_) => {
+                let middle = State { q: 0.5 * (start.q + state.q), p: 0.5 * (start.p + state.p), t: 0.0 };
+                let mut q = h * HenonHeiles.energy_gradient(&middle).p;
+                let mut p = -h * HenonHeiles.energy_gradient(&middle).q;
+                for k in 0..2 {
+                    q += 0.5 * HenonHeiles.noise_gradient(k, &middle).p;
+                    p -= 0.5 * HenonHeiles.noise_gradient(k, &middle).q;
+                }
+                let residual = (start.q + q - state.q).amax().max((start.p + p - state.p).amax());
+                let size = middle.q.amax().max(middle.p.amax()).max(start.q.amax()).max(start.p.amax());
+                // Rounding of terms as large as the square of the state, magnified by the condition of the Jacobian.
+                assert!(residual <= 1e-12 * (1.0 + h * size * size), "{residual:e} at {start:?}: {state:?}");
+                solutions += 1;
+            }
+        }
+    }
+    println!("mid-point with h from 2 to 200: {solutions} solutions, {failures} failures");
+    assert!(failures > 0 && solutions > 0);
+}
+
+#[test]
+fn what_cannot_be_prepared_is_a_mistake_of_the_configuration() {
+    for h in [0.0, -0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let error = PENDULUM.stepper::<Midpoint>(h).unwrap_err();
+        assert!(matches!(error, ConfigError::StepSize(got) if got.to_bits() == h.to_bits()), "{error}");
+    }
+    for bad in [f64::NAN, -f64::NAN] {
+        assert_eq!(Pendulum { omega: bad }.stepper::<Midpoint>(0.1).unwrap_err(), ConfigError::Parameter);
+        assert_eq!(Pendulum { omega: bad }.stepper::<DeltaPlus>(0.1).unwrap_err(), ConfigError::Parameter);
+        assert_eq!(Kubo { a: bad, sigma: 1.0 }.stepper::<Midpoint>(0.1).unwrap_err(), ConfigError::Parameter);
+        assert_eq!(Kubo { a: 1.0, sigma: bad }.stepper::<Midpoint>(0.1).unwrap_err(), ConfigError::Parameter);
+        assert_eq!(Ring { k: bad }.stepper::<Midpoint>(0.1).unwrap_err(), ConfigError::Parameter);
+    }
+    // An infinite parameter fails at the stepper or at the first step, never silently.
+    for omega in [f64::INFINITY, f64::MAX] {
+        let system = Pendulum { omega };
+        if let Ok(mut stepper) = system.stepper::<Midpoint>(0.1) {
+            let mut state = state(&[0.3], &[0.5]);
+            let outcome = stepper.step(&mut state, &[]);
+            assert!(outcome.is_err(), "{outcome:?} {state:?}");
+        }
+        if let Ok(mut stepper) = (Ring { k: omega }).stepper::<Midpoint>(0.1) {
+            let mut state = state(&[0.3, 0.1, 0.0], &[0.5, 0.0, 0.0]);
+            assert!(stepper.step(&mut state, &[]).is_err() || state.p.iter().all(|p| p.is_finite()));
+        }
+    }
+}
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Any sign, any size: moderate numbers, powers of ten, special values and random bits.
+    fn number(&mut self) -> f64 {
+        let uniform = (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
+        match self.next() % 8 {
+            0..=3 => 3.0 * uniform,
+            4 | 5 => uniform.signum() * 10f64.powf(20.0 * uniform),
+            6 => f64::from_bits(self.next()),
+            _ => {
+                let special = [
+                    0.0,
+                    -0.0,
+                    f64::NAN,
+                    f64::INFINITY,
+                    f64::NEG_INFINITY,
+                    f64::MAX,
+                    f64::MIN_POSITIVE,
+                    5e-324,
+                    1.0,
+                    -2.0,
+                    1e154,
+                    1e-160,
+                ];
+                special[(self.next() % special.len() as u64) as usize]
+            }
+        }
+    }
+}
+
+fn sweep<E, H: Discretized<E>>(system: &H, seed: u64, name: &str) {
+    let mut random = Random(seed);
+    let (mut successes, mut failures) = (0, 0);
+    let (d, noises) = (system.degrees(), system.noises());
+    for h in [0.1, -0.03, 1.0, 1e3, 1e-300] {
+        let mut stepper = system.stepper::<E>(h).unwrap();
+        for _ in 0..4_000 {
+            let mut numbers = |n: usize| -> Vec<f64> { (0..n).map(|_| random.number()).collect() };
+            let start = state::<H::Vector>(&numbers(d), &numbers(d)).at(numbers(1)[0]);
+            let dw = numbers(noises);
+            let mut state = start.clone();
+            match stepper.step(&mut state, &dw) {
+                Ok(_) => {
+                    let (q, p) = (state.q.components(), state.p.components());
+                    let inputs = start.q.components().iter().chain(start.p.components()).chain(&dw);
+                    let finite = q.iter().chain(p).chain([&state.t]).all(|x| x.is_finite());
+                    assert!(finite, "{name}, h = {h}: {start:?} {dw:?} -> {state:?}");
+                    assert!(
+                        inputs.chain([&start.t]).all(|x| x.is_finite()),
+                        "{name}: {start:?} {dw:?} -> {state:?}"
+                    );
+                    assert_eq!(state.t.to_bits(), (start.t + h).to_bits(), "{name}");
+                    successes += 1;
+                }
+                Err(error) => {
+                    assert_eq!(bits(&state), bits(&start), "{name}: {error}");
+                    failures += 1;
+                }
+            }
+        }
+    }
+    println!("{name}: {successes} steps, {failures} failures");
+    assert!(successes > 100 && failures > 100);
+}
+
+/// 160 000 steps.
+#[test]
+fn a_step_is_finite_or_an_error_and_then_leaves_every_bit() {
+    sweep::<Midpoint, _>(&PENDULUM, 1, "pendulum, mid-point");
+    sweep::<DeltaPlus, _>(&PENDULUM, 2, "pendulum, explicit");
+    sweep::<Midpoint, _>(&KUBO, 3, "Kubo, mid-point");
+    sweep::<Corrected<DeltaPlus>, _>(&KUBO, 4, "Kubo, corrected");
+    sweep::<Midpoint, _>(&HenonHeiles, 5, "Henon-Heiles, mid-point");
+    sweep::<Midpoint, _>(&Metric, 6, "metric, mid-point");
+    sweep::<Uncorrected<Mixed<DeltaMinus, Lambda<1, 4>>>, _>(&Metric, 7, "metric, mixed");
+    sweep::<Midpoint, _>(&Ring { k: 2.0 }, 8, "ring, mid-point");
+}
+
+#[test]
+fn time_is_start_plus_n_h_exactly() {
+    for (t0, h) in [(0.0, 0.1), (0.3, 0.02), (-7.1, 1.0 / 3.0), (2.5, -0.07), (1e6, 1e-3)] {
+        let mut stepper = KUBO.stepper::<Midpoint>(h).unwrap();
+        let mut state = state(&[0.3], &[0.5]).at(t0);
+        for n in 1..=5000_u32 {
+            stepper.step(&mut state, &[0.01]).unwrap();
+            assert_eq!(state.t.to_bits(), (t0 + f64::from(n) * h).to_bits(), "t0 = {t0}, h = {h}, step {n}");
+            if n % 1000 == 0 {
+                // A failed step does not move the clock.
+                stepper.step(&mut state, &[f64::NAN]).unwrap_err();
+            }
+        }
+    }
+}
+
+/// An increment that leaves no digit of the state is an error, not an answer.
+#[test]
+fn absurd_increments_are_refused() {
+    for dw in [1e10, 1e16, 1e100, 1e200, f64::MAX] {
+        for start in [[0.5, 0.5], [0.0, 1.0], [1.0, 0.0]] {
+            let cause = failure::<Midpoint, _>(&KUBO, 0.1, &state(&start[..1], &start[1..]), &[dw]);
+            assert!(
+                matches!(cause, StepFailure::Singular { .. } | StepFailure::NonFinite),
+                "{dw:e}: {cause:?}"
+            );
+        }
+    }
+}

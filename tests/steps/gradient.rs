@@ -1,0 +1,259 @@
+//! Kicks by potentials with the square of the force: their order, what they keep, and that loops take the steps of straight-line code.
+
+use wzvi::nalgebra::SVector;
+use wzvi::prelude::*;
+use wzvi::scalar::{Dual, Scalar};
+use wzvi::system::Segment;
+
+/// Two masses that differ, and a coupling: `|V'|²` is taken in the metric of the inverse masses.
+#[hamiltonian(
+    drift = |[x, y], [px, py]|
+        px * px / (2.0 * m) + py * py / (2.0 * k) + 0.3 * px * py + 0.5 * x * x + 0.7 * y.cosh() + x * x * y,
+    embedding = Verlet,
+)]
+struct Masses {
+    m: f64,
+    k: f64,
+}
+
+/// The potential moves.
+#[hamiltonian(drift = |q, p, t| 0.5 * p * p - (1.0 + 0.3 * t.sin()) * q.cos(), embedding = Verlet)]
+struct Driven;
+
+/// The same chain in loops and written out.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]|
+        (0..q.len()).map(|i| 0.5 * p[i] * p[i] + 0.25 * q[i].powi(4)).sum::<f64>()
+            + (0..q.len() - 1).map(|i| 1.0 - (q[i + 1] - q[i]).cos()).sum::<f64>(),
+    embedding = Verlet,
+)]
+struct Loops;
+
+#[hamiltonian(
+    drift = |q: [f64; 3], p: [f64; 3]|
+        (0..3).map(|i| 0.5 * p[i] * p[i] + 0.25 * q[i].powi(4)).sum::<f64>()
+            + (0..2).map(|i| 1.0 - (q[i + 1] - q[i]).cos()).sum::<f64>(),
+    embedding = Verlet,
+)]
+struct Written;
+
+/// Noise in the potential.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p - q.cos(),
+    noise = [|q, p| sigma * q * q],
+    embedding = Verlet,
+)]
+struct Shaken {
+    sigma: f64,
+}
+
+const MASSES: Masses = Masses { m: 1.3, k: 0.8 };
+
+/// The order of `value` at the end of `end / h` steps, from three runs.
+fn order<E, H>(
+    system: &H,
+    start: &State<H::Vector>,
+    steps: u64,
+    value: impl Fn(&State<H::Vector>) -> f64,
+) -> f64
+where
+    H: Discretized<E>,
+{
+    let [a, b, c] = [1, 2, 4].map(|factor| {
+        let steps = steps * factor;
+        let path = system.simulate::<E>(3.2 / steps as f64).start(start.clone()).steps(steps).run().unwrap();
+        value(path.last())
+    });
+    ((a - b) / (b - c)).abs().log2()
+}
+
+/// At these step sizes an order of `n` shows as `n` to within 0.2.
+#[test]
+fn chin_is_of_order_4() {
+    let start = State::new([0.4, -0.2], [0.3, 0.5]);
+    let measured = order::<Composed<Verlet, Chin4>, _>(&MASSES, &start, 30, |state| state.q[0] + state.p[1]);
+    assert!((measured - 4.0).abs() < 0.2, "{measured}");
+    let start = State::new([1.4], [0.3]);
+    let measured = order::<Composed<Verlet, Chin4>, _>(&Driven, &start, 30, |state| state.q[0]);
+    assert!((measured - 4.0).abs() < 0.2, "{measured}");
+    assert_eq!(<Masses as Discretized<Composed<Verlet, Chin4>>>::PLAN.order, 4);
+    assert_eq!(<Masses as Discretized<Composed<Verlet, Chin4>>>::PLAN.solver, Solver::Explicit);
+    let text = <Masses as Discretized<Composed<Verlet, Chin4>>>::EQUATIONS;
+    assert!(text.contains("V - h²/48 V'·M⁻¹V'"), "{text}");
+}
+
+/// Of order 2, and conjugate to order 4: with `K = H_p · V'` the step keeps `H - h²/24 {H, K}` to order 4, for that is what
+/// the map near the identity makes of `H`.
+#[test]
+fn takahashi_and_imada_is_of_effective_order_4() {
+    let start = State::new([0.4, -0.2], [0.3, 0.5]);
+    let measured = order::<Composed<Verlet, TakahashiImada4>, _>(&MASSES, &start, 40, |state| state.q[0]);
+    assert!((measured - 2.0).abs() < 0.2, "{measured}");
+    assert_eq!(<Masses as Discretized<Composed<Verlet, TakahashiImada4>>>::PLAN.order, 2);
+    let drift = |steps: u64| {
+        let h = 3.0 / steps as f64;
+        let path =
+            MASSES.simulate::<Composed<Verlet, TakahashiImada4>>(h).start(start).steps(steps).run().unwrap();
+        let energies: Vec<f64> =
+            path.iter().map(|state| MASSES.energy(state) - h * h / 24.0 * rate(state)).collect();
+        energies.iter().map(|energy| (energy - energies[0]).abs()).fold(0.0, f64::max)
+    };
+    let slope = (drift(60) / drift(120)).log2();
+    assert!((slope - 4.0).abs() < 0.2, "{slope}");
+}
+
+/// `{H, K} = V''(H_p, H_p) - |V'|²` of [`MASSES`], by dual numbers along the motion of `K`'s coordinates and momenta.
+fn rate(state: &State<SVector<f64, 2>>) -> f64 {
+    let gradient = MASSES.energy_gradient(state);
+    let lift = |value: f64, slope: f64| Dual { value, derivative: [slope] };
+    let q: [Dual<1>; 2] = std::array::from_fn(|i| lift(state.q[i], gradient.p[i]));
+    let p: [Dual<1>; 2] = std::array::from_fn(|i| lift(state.p[i], -gradient.q[i]));
+    let (mut by_q, mut by_p) = ([Dual::from_f64(0.0); 2], [Dual::from_f64(0.0); 2]);
+    MASSES.differentiate(0, &q, &p, state.t, &mut by_q, &mut by_p);
+    let product = (by_q[0] * by_p[0]) + (by_q[1] * by_p[1]);
+    product.derivative[0]
+}
+
+/// One step against the formula: drift, kick with the square of the force, drift.
+#[test]
+fn the_kick_is_that_of_the_formula() {
+    let h = 0.3;
+    let start = State::new([1.1], [0.4]);
+    let mut state = start;
+    Shaken { sigma: 0.0 }
+        .stepper::<Composed<Verlet, TakahashiImada4>>(h)
+        .unwrap()
+        .step(&mut state, &[0.0])
+        .unwrap();
+    let middle = 1.1 + 0.5 * h * 0.4;
+    let p = 0.4 - h * f64::sin(middle) + h.powi(3) / 12.0 * f64::cos(middle) * f64::sin(middle);
+    let q = middle + 0.5 * h * p;
+    // A few roundings.
+    assert!((state.p[0] - p).abs() < 1e-15 && (state.q[0] - q).abs() < 1e-15, "{state:?} {q} {p}");
+    // With an increment the potential of the step is h V + ΔW V_1.
+    let (sigma, dw) = (0.7, 0.2);
+    let mut state = start;
+    Shaken { sigma }
+        .stepper::<Composed<Verlet, TakahashiImada4>>(h)
+        .unwrap()
+        .step(&mut state, &[dw])
+        .unwrap();
+    let force = h * f64::sin(middle) + 2.0 * dw * sigma * middle;
+    let curvature = h * f64::cos(middle) + 2.0 * dw * sigma;
+    let p = 0.4 - force + h / 12.0 * curvature * force;
+    assert!((state.p[0] - p).abs() < 1e-15, "{state:?} {p}");
+}
+
+#[test]
+fn loops_take_the_steps_of_straight_lines() {
+    fn check<W>(steps: u64)
+    where
+        Loops: Discretized<Composed<Verlet, W>, Vector = wzvi::nalgebra::DVector<f64>>,
+        Written: Discretized<Composed<Verlet, W>, Vector = SVector<f64, 3>>,
+    {
+        let (q, p) = ([0.3, -0.7, 0.5], [0.2, 0.1, -0.4]);
+        let loops = Loops.simulate::<Composed<Verlet, W>>(0.05).start(State::new(q.to_vec(), p.to_vec()));
+        let loops = loops.steps(steps).run().unwrap();
+        let written =
+            Written.simulate::<Composed<Verlet, W>>(0.05).start(State::new(q, p)).steps(steps).run().unwrap();
+        for i in 0..3 {
+            // Some roundings for each step.
+            let bound = 1e-15 * steps as f64;
+            assert!((loops.last().q[i] - written.last().q[i]).abs() < bound);
+            assert!((loops.last().p[i] - written.last().p[i]).abs() < bound);
+        }
+    }
+    check::<Chin4>(100);
+    check::<TakahashiImada4>(100);
+}
+
+/// The tangent map `M` of a step, by dual numbers, has `Mᵀ J M = J`, and the step of `-h` undoes the step of `h`.
+#[test]
+fn steps_are_symplectic_and_symmetric() {
+    fn check<E>()
+    where
+        Masses: Discretized<E, Vector = SVector<f64, 2>>,
+    {
+        let (h, z) = (0.1, [0.4, -0.2, 0.3, 0.5]);
+        let prepared = Discretized::<E>::prepare(&MASSES, h).unwrap();
+        let dual: [Dual<4>; 4] = Dual::variables(z);
+        let (mut q, mut p) = ([dual[0], dual[1]], [dual[2], dual[3]]);
+        let mut memory = Default::default();
+        Discretized::<E>::advance(&MASSES, &prepared, 0.0, h, &mut q, &mut p, &[], &mut memory).unwrap();
+        let m = [q[0], q[1], p[0], p[1]].map(|row| row.derivative);
+        for a in 0..4 {
+            for b in 0..4 {
+                let form = m[0][a] * m[2][b] + m[1][a] * m[3][b] - m[2][a] * m[0][b] - m[3][a] * m[1][b];
+                let exact = if b == a + 2 {
+                    1.0
+                } else if a == b + 2 {
+                    -1.0
+                } else {
+                    0.0
+                };
+                assert!((form - exact).abs() < 1e-15, "{a} {b}: {form}");
+            }
+        }
+        let start: State<SVector<f64, 2>> = State::new([z[0], z[1]], [z[2], z[3]]);
+        let mut state = start;
+        MASSES.stepper::<E>(h).unwrap().step(&mut state, &[]).unwrap();
+        MASSES.stepper::<E>(-h).unwrap().step(&mut state, &[]).unwrap();
+        assert!((state.q - start.q).norm() < 1e-15 && (state.p - start.p).norm() < 1e-15);
+    }
+    check::<Composed<Verlet, Chin4>>();
+    check::<Composed<Verlet, TakahashiImada4>>();
+}
+
+/// The discrete Lagrangian of a segment: its gradient by central differences, whose error is of the order of `1e-5²` by
+/// truncation and `1e-16 / 1e-5` by rounding; and the residual of the discrete Euler-Lagrange equations along a path.
+#[test]
+fn the_discrete_lagrangian_is_that_of_the_step() {
+    fn check<E>()
+    where
+        Masses: Discretized<E, Vector = SVector<f64, 2>>,
+    {
+        let at = |x: f64, y: f64, p: f64| Segment {
+            q0: [x, 0.2].into(),
+            q1: [y, 0.1].into(),
+            p: [p, -0.3].into(),
+            t: 0.0,
+            h: 0.2,
+        };
+        let value =
+            |x: f64, y: f64, p: f64| Discretized::<E>::discrete_lagrangian(&MASSES, &at(x, y, p), &[]);
+        let slopes = Discretized::<E>::discrete_lagrangian_gradient(&MASSES, &at(0.4, 0.5, 0.6), &[]);
+        let d = 1e-5;
+        let differences = [
+            (value(0.4 + d, 0.5, 0.6) - value(0.4 - d, 0.5, 0.6), slopes.q0[0]),
+            (value(0.4, 0.5 + d, 0.6) - value(0.4, 0.5 - d, 0.6), slopes.q1[0]),
+            (value(0.4, 0.5, 0.6 + d) - value(0.4, 0.5, 0.6 - d), slopes.p[0]),
+        ];
+        for (difference, slope) in differences {
+            assert!((difference / (2.0 * d) - slope).abs() < 1e-9, "{} {slope}", difference / (2.0 * d));
+        }
+        let path =
+            MASSES.simulate::<E>(0.2).start(State::new([0.4, -0.2], [0.3, 0.5])).steps(20).run().unwrap();
+        assert!(path.euler_lagrange_residual(&MASSES).unwrap() < 1e-13);
+    }
+    check::<Composed<Verlet, Chin4>>();
+    check::<Composed<Verlet, TakahashiImada4>>();
+}
+
+/// Paths of an ensemble lie in lanes, and their dual numbers with them: they are those of single runs with the same noise.
+#[test]
+fn ensembles_take_the_same_steps_in_lanes() {
+    let shaken = Shaken { sigma: 0.3 };
+    let start = || State::new([0.3], [0.5]);
+    let ensemble =
+        shaken.ensemble::<Composed<Verlet, Chin4>>(0.05).start(start()).paths(20).seed(5).steps(40);
+    let all = ensemble.record_every(40).keep_paths(1 << 20).run().unwrap();
+    for path in [0, 7, 19] {
+        let noise = StepNormals::seed(5).path(path);
+        let single = shaken.simulate::<Composed<Verlet, Chin4>>(0.05).start(start()).noise(noise);
+        let single = single.steps(40).run().unwrap();
+        let kept = all.paths().unwrap().at(path as usize, 1).unwrap();
+        // Elementary functions of lanes differ by roundings.
+        assert!((kept[0] - single.last().q[0]).abs() < 1e-13, "{kept:?} {:?}", single.last());
+        assert!((kept[1] - single.last().p[0]).abs() < 1e-13, "{kept:?} {:?}", single.last());
+    }
+}

@@ -1,0 +1,18 @@
+//! Steps of small systems: what they are, how exact they are, what they keep, and how they fail.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test stops at the first error")]
+#![allow(missing_docs, unreachable_pub, reason = "test systems")]
+
+mod accuracy;
+mod compensation;
+mod composition;
+mod errors;
+mod gauss;
+mod gradient;
+mod invariants;
+mod modified;
+mod plan;
+mod reference;
+mod rest;
+mod symplectic;
+mod values;

@@ -1,0 +1,298 @@
+//! What the compiler chooses is what a person would: how each step is solved, how many unknowns, what is known.
+
+use fixtures::small::{HenonHeiles, Kubo};
+use wzvi::prelude::*;
+
+use Knowledge::{Proven, Refuted};
+use NoiseClass::{Additive, Momentum, Multiplicative, Position};
+use Solver::{Explicit, Linear, Newton};
+
+fn plan<E, H: Discretized<E>>() -> Plan {
+    H::PLAN
+}
+
+/// Solver and size of the largest coupled block.
+fn solver<E, H: Discretized<E>>() -> (Solver, usize) {
+    (H::PLAN.solver, H::PLAN.unknowns)
+}
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p - omega * omega * q.cos(),
+    embedding = [DeltaPlus, Midpoint, DeltaMinus, Lambda<1, 4>],
+)]
+struct Pendulum {
+    omega: f64,
+}
+
+#[test]
+fn pendulum() {
+    assert_eq!(solver::<DeltaPlus, Pendulum>(), (Explicit, 0));
+    assert_eq!(solver::<DeltaMinus, Pendulum>(), (Explicit, 0));
+    assert_eq!(solver::<Midpoint, Pendulum>(), (Newton, 1));
+    assert_eq!(solver::<Lambda<1, 4>, Pendulum>(), (Newton, 1));
+    let plan = plan::<Midpoint, Pendulum>();
+    assert_eq!((plan.noise, plan.consistent, plan.conserves_energy), (NoiseClass::None, true, Proven));
+    assert_eq!(plan.commuting, Proven);
+    assert!(!plan.truncates_increments());
+}
+
+#[test]
+fn kubo() {
+    let midpoint = plan::<Midpoint, Kubo>();
+    assert_eq!(
+        midpoint,
+        Plan {
+            solver: Linear,
+            unknowns: 1,
+            order: 2,
+            noise: Multiplicative,
+            consistent: true,
+            conserves_energy: Proven,
+            commuting: Proven,
+        }
+    );
+    assert!(midpoint.truncates_increments());
+    assert_eq!((midpoint.strong_order(), midpoint.weak_order()), (Some(1.0), Some(1.0)));
+    let uncorrected = plan::<Uncorrected<DeltaPlus>, Kubo>();
+    assert_eq!((uncorrected.order, uncorrected.strong_order(), uncorrected.weak_order()), (1, None, None));
+    assert_eq!(solver::<Uncorrected<DeltaPlus>, Kubo>(), (Explicit, 0));
+    assert!(!plan::<Uncorrected<DeltaPlus>, Kubo>().consistent);
+    assert!(plan::<Corrected<DeltaPlus>, Kubo>().consistent);
+    // The counter-term reads q p: P is found by one division.
+    assert_eq!(solver::<Corrected<DeltaPlus>, Kubo>(), (Linear, 1));
+    assert!(plan::<Mixed<DeltaPlus, Midpoint>, Kubo>().consistent);
+}
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * (q * q + p * p),
+    noise = [|_, p| sigma * p, |q, _| -gamma * q],
+    embedding = [DeltaPlus, Midpoint],
+)]
+struct TwoAdditive {
+    sigma: f64,
+    gamma: f64,
+}
+
+#[test]
+fn two_additive_noises() {
+    for plan in [plan::<Midpoint, TwoAdditive>(), plan::<DeltaPlus, TwoAdditive>()] {
+        assert_eq!((plan.noise, plan.consistent), (Additive, true));
+        // {p, q} is constant; H0 is not kept.
+        assert_eq!((plan.commuting, plan.conserves_energy), (Proven, Refuted));
+        assert!(!plan.truncates_increments());
+    }
+    assert_eq!(solver::<Midpoint, TwoAdditive>(), (Linear, 1));
+    assert_eq!(solver::<DeltaPlus, TwoAdditive>(), (Explicit, 0));
+}
+
+/// `q1` moves freely and drives `q2`; `p1` follows from both.
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * x * x + u * x.cos() + 0.5 * v * v + y.powi(4) / 4.0 + x * y,
+    embedding = [DeltaPlus, Midpoint],
+)]
+struct Triangular;
+
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) - x.cos() - y.cos(),
+    embedding = [DeltaPlus, Midpoint],
+)]
+struct TwoPendulums;
+
+#[hamiltonian(drift = |q, p| (1.0 + q * q) * p * p / 2.0, embedding = [DeltaPlus, Midpoint, DeltaMinus])]
+struct Metric;
+
+#[hamiltonian(
+    drift = |q: [f64; 3], p: [f64; 3]| {
+        let kinetic: f64 = p.iter().map(|p| 0.5 * p * p).sum();
+        let springs: f64 = (0..3).map(|i| 0.5 * (q[(i + 1) % 3] - q[i]).powi(2)).sum();
+        kinetic + springs
+    },
+    embedding = [DeltaPlus, Midpoint],
+)]
+struct Ring;
+
+#[hamiltonian(drift = |q, p| a * q * p, noise = [|q, p| b * q * p], embedding = [Midpoint, Uncorrected<DeltaPlus>])]
+struct Hyperbolic {
+    a: f64,
+    b: f64,
+}
+
+#[hamiltonian(drift = |_q, p| (1.0 + p * p).sqrt(), embedding = [DeltaPlus, Midpoint])]
+struct Free;
+
+#[hamiltonian(
+    drift = |[x, y], [u, v]| (1.0 + u * u + v * v).sqrt() + x.sin() * y.sin(),
+    embedding = [DeltaPlus, Midpoint],
+)]
+struct Relativistic;
+
+#[hamiltonian(
+    drift = |[x, y], [u, v]| (1.0 + u * u).sqrt() + v.cosh() + x.cos() + y.powi(4),
+    embedding = Midpoint,
+)]
+struct RelativisticPair;
+
+#[test]
+fn solvers_of_deterministic_systems() {
+    assert_eq!(solver::<DeltaPlus, HenonHeiles>(), (Explicit, 0));
+    assert_eq!(solver::<Midpoint, HenonHeiles>(), (Newton, 2));
+    assert_eq!(solver::<Midpoint, Triangular>(), (Newton, 1));
+    assert_eq!(solver::<Midpoint, TwoPendulums>(), (Newton, 1));
+    assert_eq!(solver::<DeltaPlus, TwoPendulums>(), (Explicit, 0));
+    assert_eq!(solver::<DeltaPlus, Metric>(), (Newton, 1));
+    assert_eq!(solver::<Midpoint, Metric>(), (Newton, 2));
+    assert_eq!(solver::<DeltaPlus, Ring>(), (Explicit, 0));
+    assert_eq!(solver::<Midpoint, Ring>(), (Linear, 3));
+    assert_eq!(solver::<Midpoint, Hyperbolic>(), (Linear, 1));
+    assert_eq!(solver::<Uncorrected<DeltaPlus>, Hyperbolic>(), (Linear, 1));
+    assert_eq!(solver::<DeltaPlus, Free>(), (Explicit, 0));
+    assert_eq!(solver::<Midpoint, Free>(), (Explicit, 0));
+    assert_eq!(solver::<DeltaPlus, Relativistic>(), (Explicit, 0));
+    assert_eq!(solver::<Midpoint, Relativistic>(), (Newton, 2));
+    assert_eq!(solver::<Midpoint, RelativisticPair>(), (Newton, 1));
+}
+
+#[test]
+fn a_triangular_system_is_solved_in_sequence() {
+    let text = <Triangular as Discretized<Midpoint>>::EQUATIONS;
+    let (_, step) = text.split_once("\nStep\n").unwrap();
+    let blocks: Vec<&str> = step.lines().take_while(|line| line.starts_with("  ")).collect();
+    // Whatever the order of independent ones, x comes before y and y before u.
+    let position = |of: &[&str]| blocks.iter().position(|line| of.iter().any(|name| line.contains(name)));
+    let (x, y, u) = (position(&["Δx"]), position(&["Δy", "δv"]), position(&["δu"]));
+    assert!(x < y && y < u && x.is_some(), "{text}");
+}
+
+/// A system whose noise and energy are the point.
+macro_rules! noisy {
+    ($name:ident, drift = $drift:expr, noise = $noise:expr) => {
+        #[hamiltonian(drift = $drift, noise = $noise, embedding = [Midpoint, Uncorrected<DeltaPlus>])]
+        struct $name;
+    };
+}
+
+noisy!(ByPosition, drift = |q, p| 0.5 * p * p - q.cos(), noise = [|q, _p| 0.3 * q * q, |q, _p| q.sin()]);
+noisy!(ByMomentum, drift = |q, p| 0.5 * p * p + q.powi(4), noise = [|_q, p| 0.3 * p * p]);
+noisy!(
+    NonCommuting,
+    drift = |q, p| 0.5 * (p * p + q * q),
+    noise = [|q, _p| 0.5 * q * q, |_q, p| 0.5 * p * p]
+);
+noisy!(Separable, drift = |q, p| 0.5 * p * p + q.powi(4), noise = [|q, p| q.sin() + p.cos()]);
+noisy!(Affine, drift = |q, p| 0.5 * p * p + q.powi(4), noise = [|q, p| 2.0 * q + 3.0 * p]);
+noisy!(
+    FunctionOfEnergy,
+    drift = |q, p| 0.5 * p * p - q.cos(),
+    noise = [|q, p| (0.5 * p * p - q.cos()).sin()]
+);
+
+#[hamiltonian(drift = |q, p, t| 0.5 * p * p - t.cos() * q.cos(), embedding = Midpoint)]
+struct Driven;
+
+#[test]
+fn noise_and_conservation() {
+    let facts = |plan: Plan| (plan.noise, plan.consistent, plan.conserves_energy, plan.commuting);
+    assert_eq!(facts(plan::<Uncorrected<DeltaPlus>, ByPosition>()), (Position, true, Refuted, Proven));
+    assert_eq!(facts(plan::<Uncorrected<DeltaPlus>, ByMomentum>()), (Momentum, true, Refuted, Proven));
+    assert_eq!(
+        facts(plan::<Uncorrected<DeltaPlus>, NonCommuting>()),
+        (Multiplicative, true, Refuted, Refuted)
+    );
+    assert_eq!(facts(plan::<Uncorrected<DeltaPlus>, Separable>()), (Multiplicative, false, Refuted, Proven));
+    assert_eq!(facts(plan::<Midpoint, Separable>()), (Multiplicative, true, Refuted, Proven));
+    assert_eq!(facts(plan::<Uncorrected<DeltaPlus>, Affine>()), (Additive, true, Refuted, Proven));
+    assert_eq!(
+        facts(plan::<Midpoint, FunctionOfEnergy>()),
+        (Multiplicative, true, Proven, Proven),
+        "{{f(H), H}} = 0"
+    );
+    assert_eq!(plan::<Midpoint, Driven>().conserves_energy, Refuted);
+}
+
+/// Oscillators that turn independently, each with a noise of its own.
+macro_rules! oscillators {
+    ($name:ident $(<$n:ident>)?, $state:ty, $count:expr) => {
+        #[hamiltonian(
+            drift = |q: $state, p: $state| {
+                (0..q.len()).map(|i| 0.5 * a * (q[i] * q[i] + p[i] * p[i])).sum::<f64>()
+            },
+            noise = [|q, p, k| 0.5 * sigma * (q[k] * q[k] + p[k] * p[k]); $count],
+            embedding = [Midpoint, Uncorrected<DeltaPlus>, Corrected<DeltaPlus>],
+            invariant = [|q, p| q.iter().zip(p).map(|(q, p)| q * q + p * p).sum::<f64>()],
+        )]
+        #[allow(dead_code, reason = "only a size at run time is read from the struct")]
+        struct $name $(<const $n: usize>)? {
+            a: f64,
+            sigma: f64,
+            sites: usize,
+        }
+    };
+}
+
+oscillators!(Sites2, [f64; 2], 2);
+oscillators!(Sites16, [f64; 16], 16);
+oscillators!(Sites17, [f64; 17], 17);
+oscillators!(Sites64, [f64; 64], 64);
+oscillators!(SitesGeneric<N>, [f64; N], N);
+oscillators!(SitesOfState, &[f64], sites);
+
+#[test]
+fn facts_do_not_depend_on_the_spelling_of_the_size() {
+    fn check<H>()
+    where
+        H: Discretized<Midpoint> + Discretized<Uncorrected<DeltaPlus>> + Discretized<Corrected<DeltaPlus>>,
+    {
+        let facts = |plan: Plan| (plan.noise, plan.consistent, plan.conserves_energy, plan.commuting);
+        assert_eq!(facts(plan::<Midpoint, H>()), (Multiplicative, true, Proven, Proven));
+        assert_eq!(facts(plan::<Uncorrected<DeltaPlus>, H>()), (Multiplicative, false, Proven, Proven));
+        assert_eq!(facts(plan::<Corrected<DeltaPlus>, H>()), (Multiplicative, true, Proven, Proven));
+    }
+    check::<Sites2>();
+    check::<Sites16>();
+    check::<Sites17>();
+    check::<Sites64>();
+    check::<SitesGeneric<5>>();
+    check::<SitesOfState>();
+}
+
+/// The lines of a text without their indentation.
+fn has_line(text: &str, line: &str) -> bool {
+    text.lines().any(|candidate| candidate.trim() == line)
+}
+
+#[test]
+fn equations_are_those_of_the_paper() {
+    let text = <Pendulum as Discretized<DeltaPlus>>::EQUATIONS;
+    for line in [
+        "H0 = p²/2 - omega² cos(q)",
+        "L_d = P Δq - h (P²/2 - omega² cos(q_i))",
+        // The paper's q_{i+1} = q_i + h p_{i+1}, p_{i+1} = p_i - h omega² sin(q_i).
+        "∂L_d/∂P = 0:  Δq = P h",
+        "p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_i)",
+        "p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp",
+        "H0 is a first integral: kept by the step nearly, within O(h)",
+    ] {
+        assert!(has_line(text, line), "no line {line:?} in\n{text}");
+    }
+    let text = <Kubo as Discretized<Uncorrected<DeltaPlus>>>::EQUATIONS;
+    for line in [
+        "H1 = sigma (p² + q²)/2",
+        "L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2",
+        "∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW",
+        "p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW",
+        "p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp",
+        "converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2",
+    ] {
+        assert!(has_line(text, line), "no line {line:?} in\n{text}");
+    }
+    let text = <Kubo as Discretized<Midpoint>>::EQUATIONS;
+    for line in [
+        "q_{i+1/2} = Δq/2 + q_i",
+        "∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW",
+        "p_i = -D1 L_d:  P = p_i + δp,  δp = (-a q_{i+1/2} h - sigma q_{i+1/2} ΔW)/2",
+        "p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp",
+        "converges to the Stratonovich system; D = 0",
+    ] {
+        assert!(has_line(text, line), "no line {line:?} in\n{text}");
+    }
+}

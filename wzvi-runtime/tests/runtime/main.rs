@@ -1,0 +1,22 @@
+//! The run time alone, with systems written by hand: numbers in lanes, noise, steppers and paths.
+
+#![allow(clippy::unwrap_used, reason = "a test stops at the first error")]
+
+mod allocation;
+#[cfg(feature = "ensemble")]
+mod ensemble_law;
+#[cfg(feature = "ensemble")]
+mod lanes;
+#[cfg(feature = "ensemble")]
+mod lanes_accuracy;
+#[cfg(feature = "ensemble")]
+mod law;
+#[cfg(feature = "noise")]
+mod noise_law;
+#[cfg(feature = "noise")]
+mod noise_path;
+#[cfg(feature = "noise")]
+mod noise_wong_zakai;
+mod path;
+mod step;
+mod systems;
