@@ -2,7 +2,7 @@
 //!
 //! Run `cargo bench --bench probe` on an idle machine, the old and the new build alternating, and take the best of three.
 
-#![allow(missing_docs, clippy::all)]
+#![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark stops at the first error")]
 use std::time::Instant;
 use wzvi::prelude::*;
 

@@ -89,7 +89,7 @@ fn hessian<const N: usize, H: Hamiltonian>(
 /// Gradients of all terms, generated against dual numbers, at rounding level of the value and the gradient.
 fn check_gradient<const N: usize, H: Hamiltonian>(system: &H, random: &mut Random) {
     for _ in 0..20 {
-        let (z, t): ([f64; N], f64) = (from_fn(|_| 2.0 * random.next()), random.next());
+        let (z, t): ([f64; N], f64) = (from_fn(|_| 2.0 * random.draw()), random.draw());
         for term in 0..=system.noises() {
             let (expected, (got, hessian)) = (gradient(system, term, z, t), hessian(system, term, z, t));
             let value = system.evaluate(term, &z[..N / 2], &z[N / 2..], t);
@@ -267,10 +267,10 @@ fn check_scheme<E: Scheme, const N: usize, H: Discretized<E>>(
 ) -> [f64; 2] {
     let mut worst = [0.0_f64; 2];
     for case in 0..12 {
-        let z: [f64; N] = from_fn(|_| random.next());
-        let t = random.next();
+        let z: [f64; N] = from_fn(|_| random.draw());
+        let t = random.draw();
         let h = if case % 4 == 3 { -h } else { h };
-        let dw: Vec<f64> = (0..system.noises()).map(|_| h.abs().sqrt() * random.next()).collect();
+        let dw: Vec<f64> = (0..system.noises()).map(|_| h.abs().sqrt() * random.draw()).collect();
         let dual = |j: usize| advance::<E, Dual<1>, N, H>(system, [t, h], along(z, j), &dw);
         let defect = symplectic_defect(by_columns(dual));
         assert!(defect <= SYMPLECTIC, "not symplectic by {defect:.1e} at {z:?}, t = {t}, {dw:?}");

@@ -70,7 +70,7 @@ where
 {
     assert_eq!((a.degrees(), a.noises(), a.invariants()), (b.degrees(), b.noises(), b.invariants()));
     for _ in 0..CASES {
-        let (z, t): ([f64; N], f64) = (from_fn(|_| 2.0 * random.next()), random.next());
+        let (z, t): ([f64; N], f64) = (from_fn(|_| 2.0 * random.draw()), random.draw());
         let exact = lifted(z);
         let (q, p) = exact.split_at(N / 2);
         let (of_a, of_b) = (state::<A::Vector, N>(&z, t), state::<B::Vector, N>(&z, t));
@@ -212,8 +212,8 @@ where
     assert_eq!(of_a.commuting, of_b.commuting, "{}", to.name);
     for case in 0..CASES {
         let h = if case % 4 == 3 { -H } else { H };
-        let (z, t): ([f64; N], f64) = (from_fn(|_| random.next()), random.next());
-        let dw: Vec<f64> = (0..a.noises()).map(|_| H.sqrt() * random.next()).collect();
+        let (z, t): ([f64; N], f64) = (from_fn(|_| random.draw()), random.draw());
+        let dw: Vec<f64> = (0..a.noises()).map(|_| H.sqrt() * random.draw()).collect();
         compare_lagrangians::<E, N, A, B>(a, b, (z, [t, h], &dw), random, to);
         compare_steps::<E, N, A, B>(a, b, (z, [t, h], &dw), to);
     }
@@ -227,7 +227,7 @@ fn compare_lagrangians<E: Scheme, const N: usize, A: Discretized<E>, B: Discreti
     random: &mut Random,
     to: &mut Comparison<'_>,
 ) {
-    let q1: Vec<f64> = z[..N / 2].iter().map(|q| q + 0.1 * random.next()).collect();
+    let q1: Vec<f64> = z[..N / 2].iter().map(|q| q + 0.1 * random.draw()).collect();
     let nodes = [&z[..N / 2], &q1, &z[N / 2..]];
     let (value, slopes) = lagrangian::<E, N>(a, nodes, [t, h], dw);
     let (of_a, of_b) = (segment::<A::Vector>(nodes, [t, h]), segment::<B::Vector>(nodes, [t, h]));
@@ -303,13 +303,13 @@ fn compare_paths<E: Scheme, const N: usize, A: Discretized<E>, B: Discretized<E>
     random: &mut Random,
     to: &mut Comparison<'_>,
 ) {
-    let z: [f64; N] = from_fn(|_| random.next());
+    let z: [f64; N] = from_fn(|_| random.draw());
     let (mut of_a, mut of_b) = (state::<A::Vector, N>(&z, 0.25), state::<B::Vector, N>(&z, 0.25));
     let (mut by_a, mut by_b) = (a.stepper::<E>(H).unwrap().plain(), b.stepper::<E>(H).unwrap().plain());
     // Errors of all steps before, and a short time to grow in.
     let mut bound = 0.0_f64;
     for _ in 0..STEPS {
-        let dw: Vec<f64> = (0..a.noises()).map(|_| H.sqrt() * random.next()).collect();
+        let dw: Vec<f64> = (0..a.noises()).map(|_| H.sqrt() * random.draw()).collect();
         let mut z = [0.0; N];
         z[..N / 2].copy_from_slice(of_a.q.components());
         z[N / 2..].copy_from_slice(of_a.p.components());
