@@ -52,9 +52,9 @@ pub struct Bonds {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
-        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Number, Plain, Plan,
-        Range, Result, Scalar, Segment, Sized, Solver, State, StepFailure, bool, f64,
-        i128, isize, str, usize,
+        Hamiltonian, KeptEnergy, Knowledge, LagrangianGradient, NoiseClass, Number,
+        Plain, Plan, Range, Result, Scalar, Segment, Sized, Solver, State, StepFailure,
+        bool, f64, i128, isize, str, usize,
         elements::{
             CompensationVec, Curvature, Elements, Given, Memory, MomentumUpdate, Point,
             Run, Scheme, Slopes, Stage, Sums, Unknowns,
@@ -432,6 +432,7 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..bonds.len() - 1) [bonds.2[i] (q[bonds.0[i]] - q[bonds.1[i]])²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    Σ_(i=0..bonds.len() - 1) [-bonds.2[i] h (q[bonds.0[i]] - q[bonds.1[i]])]   at point bonds.0[i]\n    Σ_(i=0..bonds.len() - 1) [bonds.2[i] h (q[bonds.0[i]] - q[bonds.1[i]])]   at point bonds.1[i]\n  p' = D2 L_d:  p'[i] = P[i]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..bonds.len() - 1) [p[bonds.0[i]] bonds.2[i] (q[bonds.0[i]] - q[bonds.1[i]]) - bonds.2[i] p[bonds.1[i]] (q[bonds.0[i]] - q[bonds.1[i]])]\n    H_pp(H_q,H_q) = Σ_(i=0..bonds.len() - 1) Σ_(j=0..bonds.len() - 1) (where min(-bonds.0[i] + bonds.0[j] + 1, min(1, bonds.0[i] - bonds.0[j] + 1)) > 0) [bonds.2[i] bonds.2[j] (q[bonds.0[i]] - q[bonds.1[i]]) (q[bonds.0[j]] - q[bonds.1[j]])] + Σ_(i=0..bonds.len() - 1) Σ_(j=0..bonds.len() - 1) (where min(-bonds.0[i] + bonds.1[j] + 1, min(1, bonds.0[i] - bonds.1[j] + 1)) > 0) [-bonds.2[i] bonds.2[j] (q[bonds.0[i]] - q[bonds.1[i]]) (q[bonds.0[j]] - q[bonds.1[j]])] + Σ_(i=0..bonds.len() - 1) Σ_(j=0..bonds.len() - 1) (where min(bonds.0[j] - bonds.1[i] + 1, min(1, -bonds.0[j] + bonds.1[i] + 1)) > 0) [-bonds.2[i] bonds.2[j] (q[bonds.0[i]] - q[bonds.1[i]]) (q[bonds.0[j]] - q[bonds.1[j]])] + Σ_(i=0..bonds.len() - 1) Σ_(j=0..bonds.len() - 1) (where min(-bonds.1[i] + bonds.1[j] + 1, min(1, bonds.1[i] - bonds.1[j] + 1)) > 0) [bonds.2[i] bonds.2[j] (q[bonds.0[i]] - q[bonds.1[i]]) (q[bonds.0[j]] - q[bonds.1[j]])]\n    H_qq(H_p,H_p) = Σ_(i=0..bonds.len() - 1) [p[bonds.0[i]] (p[bonds.0[i]] bonds.2[i] - bonds.2[i] p[bonds.1[i]]) + p[bonds.1[i]] (bonds.2[i] p[bonds.1[i]] - p[bonds.0[i]] bonds.2[i])]\n";
+            const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
             const REMEMBERS: bool = false;
             const IN_LANES: bool = true;
             type Prepared = ();

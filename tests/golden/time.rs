@@ -47,14 +47,15 @@ pub struct Driven {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Beside, Carry, Compensation, ConfigError, Constant, Discretized,
-        Effort, Err, Hamiltonian, Knowledge, LagrangianGradient, Lanes, NoiseClass, Ok,
-        Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar, Segment,
-        Solution, Solver, Some, State, StepFailure, Vector, bool, f64, str, usize,
-        embedding::DeltaPlus,
+        Effort, Err, Hamiltonian, KeptEnergy, Knowledge, LagrangianGradient, Lanes,
+        NoiseClass, Ok, Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar,
+        Segment, Solution, Solver, Some, State, StepFailure, Vector, bool, f64, str,
+        usize, embedding::DeltaPlus,
     };
     #[automatically_derived]
     impl Hamiltonian for Driven {
         type Vector = SVector<f64, 1>;
+        const READS_TIME: bool = true;
         fn degrees(&self) -> usize {
             1
         }
@@ -139,6 +140,7 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = p²/2 - q f cos(t omega) + q^4/4\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - f q_i cos(omega t_i) + q_i^4/4)\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h (q_i³ - f cos(omega t_i))\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  H0 is not a first integral\n";
+            const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
             type Prepared = Prepared<f64>;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 1>;
