@@ -271,8 +271,8 @@ impl<'a, H: Discretized<E>, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// Halves steps that fail ([`crate::retry`]): `Retry::halving(8)` allows 256 parts. Not done unless asked for, and not with
     /// a noise that has no increments between the nodes.
     ///
-    /// A step that does not resolve the fastest motion ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)) ends its path
-    /// nevertheless: a path that starts again would have been counted twice.
+    /// Where the halves of a step do not agree ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)) its path ends. The energy of
+    /// paths is not watched, as that of a single run is: a path that starts again would have been counted twice.
     pub fn retry(mut self, retry: Retry) -> Ensemble<'a, H, E, N, Halved, P> {
         self.setup.retry = retry;
         self.marked()

@@ -50,6 +50,8 @@ pub enum KeptEnergy {
     Point(f64),
     /// `H - h²/8 H_q · H_pp H_q`, of [`Verlet`](crate::compose::Verlet).
     KickDriftKick,
+    /// `H`, but for what comes and goes: compositions of `Verlet`, and splittings into other parts.
+    Nearly,
 }
 
 /// Compile-time facts about a scheme: what the generated step does and what the system keeps.

@@ -230,7 +230,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     pub fn step(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
         // A constant noise, or one whose force is zero, would not show them.
         if !matches!(H::PLAN.noise, NoiseClass::None) && zero_if_finite(dw) != 0.0 {
-            return Err(self.error(state, dw, StepFailure::NonFiniteInput));
+            return Err(self.no_number(state, dw));
         }
         if Self::MAY_EXCHANGE {
             self.begin(state);
@@ -248,6 +248,19 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             Err(cause) if !Self::IS_ITERATED => Err(self.error(state, dw, cause)),
             Err(cause) => self.step_rarely(state, dw, self.clock, Cause::Failed(cause)),
         }
+    }
+
+    /// Of increments that are no numbers: they may not be those of the system at all.
+    #[cold]
+    fn no_number(&self, state: &State<H::Vector>, dw: &[f64]) -> StepError {
+        let (degrees, got) = (state.q.components().len(), dw.len());
+        let expected = self.system.increments(degrees);
+        let cause = match self.system.check(degrees) {
+            Err(cause) => cause,
+            Ok(()) if got != expected => StepFailure::Increments { expected, got },
+            Ok(()) => StepFailure::NonFiniteInput,
+        };
+        self.error(state, dw, cause)
     }
 
     /// Whether care may find what the short way does not.

@@ -4,7 +4,7 @@
 //! step in eight of a deterministic run of constant step,
 //!
 //! ```text
-//! E_h = H                                   schemes of order two and more (`KeptEnergy::Hamiltonian`)
+//! E_h = H                                   Midpoint, Gauss and their compositions (`KeptEnergy::Hamiltonian`)
 //! E_h = H - h²/8 H_q · H_pp H_q             kick, drift, kick (`KeptEnergy::KickDriftKick`)
 //! E_h = H + h (l - 1/2) H_q · H_p           one quadrature point l (`KeptEnergy::Point`)
 //! A   = mean of |(p_i + p_{i+1})/2 · Δq/h| so far
@@ -14,7 +14,9 @@
 //! are looked at, and `W` is compared with a tenth. Each `E_h` is the modified energy to the order of the scheme, and an exact first integral of every linear system
 //! `T(p) + V(q)`: with `V = ω² q²/2` a step of kick, drift, kick keeps `p² + ω² (1 - h² ω²/4) q²`, one of the point `l` keeps `p² + ω² q² +
 //! (2l - 1) h ω² q p`, and a mid-point keeps every quadratic form that the flow keeps. So a stable linear motion gives rounding at any `ω h`, and
-//! what is left in others is of the order of the scheme beyond that. Excursions that return, at a pericentre or on the chord of a
+//! what is left in others is of the order of the scheme beyond that. Compositions of kicks and drifts keep an energy near `H` that differs more
+//! and more as they come near the limit of their stability; there `E_h(0)` is all that `H` is at the first eight looks (`KeptEnergy::Nearly`), and what goes wrong
+//! before is not seen. Excursions that return, at a pericentre or on the chord of a
 //! mid-point, are forgiven by the minimum, and so is a stiff direction that is excited at every other node. `A` is the size of the motion, twice the kinetic energy of a mechanical system, in units of
 //! energy: its mean does not grow with the error, as its largest value does. Its value depends on a constant that is added to `p`.
 //!
@@ -47,8 +49,8 @@ pub(crate) struct Watch<V> {
     is_refusing: bool,
     looks: u64,
     suspected: u64,
-    /// `E_h` at the start.
-    start: f64,
+    /// `E_h` at the start: the least and the largest of the first looks where a scheme keeps it nearly.
+    band: [f64; 2],
     /// The sum of `|p · Δq/h|` over all looks.
     motion: f64,
     /// By how much the energy is off before the step that is looked at, and, the less of both its ends, was at the last looks.
@@ -69,9 +71,9 @@ impl<V> Default for Watch<V> {
     /// Of nothing.
     fn default() -> Self {
         let recent = [0.0; SPAN];
-        let (start, motion, room) = (0.0, 0.0, None);
+        let (band, motion, room) = ([0.0; 2], 0.0, None);
         let (next, is_refusing, looks, suspected, off) = (u64::MAX, false, 0, 0, 0.0);
-        Self { next, is_refusing, looks, suspected, start, motion, off, recent, room }
+        Self { next, is_refusing, looks, suspected, band, motion, off, recent, room }
     }
 }
 
@@ -106,9 +108,9 @@ impl<V: Vector> Watch<V> {
         copy_state(&mut room.before, state);
         let energy = room.kept_energy::<H, E>(system, state, h);
         if self.looks == 0 {
-            self.start = energy;
+            self.band = [energy; 2];
         }
-        self.off = (energy - self.start).abs();
+        self.off = self.distance::<H, E>(energy);
     }
 
     /// After that step, which led to this state.
@@ -126,12 +128,29 @@ impl<V: Vector> Watch<V> {
         let Some(room) = &mut self.room else { return Ok(()) };
         let motion = (0.5 / h * moved(&room.before, state)).abs();
         // A stiff direction that alternates may excite every other node only.
-        let off = self.off.min((room.kept_energy::<H, E>(system, state, h) - self.start).abs());
+        let energy = room.kept_energy::<H, E>(system, state, h);
+        let off = self.off.min(self.distance::<H, E>(energy));
         let judged = self.judge(system, state, off, motion);
         if let (Err(_), Some(room)) = (&judged, &self.room) {
             copy_state(state, &room.before);
         }
         judged.map_err(|cause| StepError { step, t: state.t, h, cause })
+    }
+
+    /// By how much this energy is off.
+    fn distance<H: Discretized<E>, E>(&mut self, energy: f64) -> f64 {
+        let [least, largest] = &mut self.band;
+        if matches!(H::KEPT_ENERGY, KeptEnergy::Nearly) && self.looks < SPAN as u64 {
+            (*least, *largest) = (least.min(energy), largest.max(energy));
+        }
+        // NaN stays.
+        if energy < *least {
+            *least - energy
+        } else if energy > *largest {
+            energy - *largest
+        } else {
+            0.0 * energy
+        }
     }
 
     fn judge<H: Hamiltonian<Vector = V>>(
@@ -165,9 +184,10 @@ impl<V: Vector> Watch<V> {
     /// What a checkpoint keeps.
     #[cfg(feature = "serde")]
     pub(crate) fn pass(&mut self, tape: &mut crate::numbers::Tape) {
-        let Self { next, is_refusing: _, looks, suspected, start, motion, off: _, recent, room: _ } = self;
+        let Self { next, is_refusing: _, looks, suspected, band, motion, off: _, recent, room: _ } = self;
         [next, looks, suspected].into_iter().for_each(|word| tape.word(word));
-        tape.numbers([start, motion]);
+        tape.number(motion);
+        tape.numbers(band);
         tape.numbers(recent);
     }
 }
@@ -181,7 +201,7 @@ impl<V: Vector> Room<V> {
     /// `E_h`
     fn kept_energy<H: Discretized<E, Vector = V>, E>(&mut self, system: &H, state: &State<V>, h: f64) -> f64 {
         let energy = system.energy(state);
-        if const { matches!(H::KEPT_ENERGY, KeptEnergy::Hamiltonian) } {
+        if const { matches!(H::KEPT_ENERGY, KeptEnergy::Hamiltonian | KeptEnergy::Nearly) } {
             return energy;
         }
         let [by_q, by_p] = &mut self.slopes;

@@ -157,9 +157,12 @@ pub const fn plan(of_step: Plan, order: u32, is_symmetric: bool) -> Plan {
     Plan { order, consistent: is_symmetric || of_step.consistent, ..of_step }
 }
 
-/// The energy that a composition of this order keeps, by that of a step of order two: one of higher order keeps its modified energy closer to `H`.
+/// The energy that a composition of this order keeps, by that of a step of order two.
 pub const fn kept_energy(of_step: KeptEnergy, order: u32) -> KeptEnergy {
-    if order > 2 { KeptEnergy::Hamiltonian } else { of_step }
+    match of_step {
+        KeptEnergy::KickDriftKick if order > 2 => KeptEnergy::Nearly,
+        _ => of_step,
+    }
 }
 
 /// The plan of steps that are made of those of two plans.
