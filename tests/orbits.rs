@@ -2,7 +2,7 @@
 //!
 //! A deterministic run of constant step watches its energy (docs/stability.md); what is right is never refused.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test may stop")]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test may stop")]
 
 use wzvi::error::{StepError, StepFailure};
 use wzvi::prelude::*;
@@ -111,23 +111,17 @@ fn stages_that_leap_over_the_pericentre_are_refused() {
 fn a_close_passage_of_the_small_body_is_refused() {
     let system = ThreeBodies { mu: 0.01 };
     let start = State::new([-0.8, 0.0], [0.0, -0.627_641_065_392_069_4]);
-    let (energy, mut refused) = (system.energy(&start), 0);
-    for h in [0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4] {
-        let run = || system.simulate::<Gauss<8>>(h).start(start).steps(4000);
-        let Ok(path) = run().unwatched().run() else { continue };
+    let energy = system.energy(&start);
+    // The orbit is chaotic: it passes at 0.01 to 0.03 from time to time, where a step of 0.2 is short enough.
+    for (h, is_refused) in [(0.2, false), (0.25, true), (0.35, true)] {
+        let run = || system.simulate::<Gauss<8>>(h).start(start).steps(1000);
+        let path = run().unwatched().run().unwrap();
+        let off = (system.energy(path.last()) - energy).abs();
+        let refused = alarm(run().run());
+        println!("h = {h}: off by {off:.1e}; {refused:?}");
         // The mean of `p · dq/dt` is of the size of one.
-        let off: Vec<f64> = path.iter().map(|state| (system.energy(state) - energy).abs()).collect();
-        let since = off.iter().rposition(|off| *off < 1.0).unwrap_or(0);
-        println!("h = {h}: off since step {since} of {}, by {:.1e}", off.len(), off[off.len() - 1]);
-        match alarm(run().run()) {
-            Some(error) => {
-                println!("{error}");
-                refused += 1;
-            }
-            None => assert!(since + 128 > off.len(), "h = {h}"),
-        }
+        assert_eq!((off > 1.0, refused.is_some()), (is_refused, is_refused), "h = {h}");
     }
-    assert!(refused > 1, "{refused}");
 }
 
 /// What it watches is a first integral of linear steps of any frequency, so that no stable linear motion is suspected.

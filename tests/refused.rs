@@ -1,6 +1,6 @@
 //! Settings and inputs that make no sense are typed errors, at the first call that can know.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test may stop")]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test may stop")]
 
 use wzvi::error::{ConfigError, NoiseError, PathError, StepFailure};
 use wzvi::increments::Interval;
