@@ -87,7 +87,7 @@
 //! fn main() -> Result<(), wzvi::Error> {
 //!     let well = DoubleWell { push: 0.1, gamma: 0.5, kt: 0.2 };
 //!     let run = well.simulate::<Baoab>(0.05).start(State::new([-1.0], [0.0])).noise(StepNormals::seed(1));
-//!     println!("{:?}", run.until(100.0).run()?.last());
+//!     println!("{}", run.until(100.0).run()?.last());
 //!     Ok(())
 //! }
 //! ```
@@ -224,7 +224,7 @@ pub mod __private {
     pub use wzvi_runtime::lanes::Lanes;
     pub use wzvi_runtime::modified::Conservative;
     pub use wzvi_runtime::nalgebra::{DVector, SVector};
-    pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
+    pub use wzvi_runtime::plan::{KeptEnergy, Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scalar::{Apart, Beside, Constant, Mask, Number, Over, Rounded, Scalar};
     pub use wzvi_runtime::solve::*;
     pub use wzvi_runtime::state::{State, Vector};

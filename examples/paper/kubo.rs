@@ -136,8 +136,8 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     .shows(format!(
         "Proven at compile time: the mid-point embedding keeps every quadratic first integral, whatever the increments are. Measured: \
          {}. The others have no such law; the counter-term brings the error down to that of the scheme ({}).",
-        number(two.invariant_drift(&KUBO, 0)),
-        number(corrected.invariant_drift(&KUBO, 0))
+        number(two.invariant_drift(&KUBO, 0)?),
+        number(corrected.invariant_drift(&KUBO, 0)?)
     ))
     .with(Series::new("order one", Look::Line, 1, shift(over_time(&one, square))))
     .with(Series::new("order one with counter-term", Look::Line, 2, shift(over_time(&corrected, square))))

@@ -103,8 +103,8 @@ where
         wzvi::nalgebra::SVector::<f64, D>::from_vec(q),
         wzvi::nalgebra::SVector::<f64, D>::from_vec(p),
     );
-    let mut by_loops = sized.stepper::<E>(h).unwrap().unwatched();
-    let mut by_hand = unrolled.stepper::<E>(h).unwrap().unwatched();
+    let mut by_loops = sized.stepper::<E>(h).unwrap();
+    let mut by_hand = unrolled.stepper::<E>(h).unwrap();
     let mut worst = 0.0_f64;
     for _ in 0..steps {
         by_loops.step(&mut loops, dw).unwrap();

@@ -6,6 +6,8 @@
 mod between;
 mod checkpoint;
 mod high_order;
+mod orbits;
+mod refused;
 mod report;
 mod results;
 mod series;

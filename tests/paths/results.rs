@@ -193,7 +193,7 @@ mod plots {
         let drift = path.plot().energy_drift(&Kepler);
         let largest = |series| points(&drift, series).iter().map(|point| point.1.abs()).fold(0.0, f64::max);
         assert_eq!(largest(0), path.energy_drift(&Kepler));
-        assert_eq!(largest(1), path.invariant_drift(&Kepler, 0));
+        assert_eq!(largest(1), path.invariant_drift(&Kepler, 0).unwrap());
         assert_eq!(shaken().plot().time_series().x.label, "time");
     }
 

@@ -270,11 +270,12 @@ fn what_cannot_be_prepared_is_a_mistake_of_the_configuration() {
         assert!(matches!(error, ConfigError::StepSize(got) if got.to_bits() == h.to_bits()), "{error}");
     }
     for bad in [f64::NAN, -f64::NAN] {
-        assert_eq!(Pendulum { omega: bad }.stepper::<Midpoint>(0.1).unwrap_err(), ConfigError::Parameter);
-        assert_eq!(Pendulum { omega: bad }.stepper::<DeltaPlus>(0.1).unwrap_err(), ConfigError::Parameter);
-        assert_eq!(Kubo { a: bad, sigma: 1.0 }.stepper::<Midpoint>(0.1).unwrap_err(), ConfigError::Parameter);
-        assert_eq!(Kubo { a: 1.0, sigma: bad }.stepper::<Midpoint>(0.1).unwrap_err(), ConfigError::Parameter);
-        assert_eq!(Ring { k: bad }.stepper::<Midpoint>(0.1).unwrap_err(), ConfigError::Parameter);
+        let named = |parameter| ConfigError::NotANumber { parameter };
+        assert_eq!(Pendulum { omega: bad }.stepper::<Midpoint>(0.1).unwrap_err(), named("omega"));
+        assert_eq!(Pendulum { omega: bad }.stepper::<DeltaPlus>(0.1).unwrap_err(), named("omega"));
+        assert_eq!(Kubo { a: bad, sigma: 1.0 }.stepper::<Midpoint>(0.1).unwrap_err(), named("a"));
+        assert_eq!(Kubo { a: 1.0, sigma: bad }.stepper::<Midpoint>(0.1).unwrap_err(), named("sigma"));
+        assert_eq!(Ring { k: bad }.stepper::<Midpoint>(0.1).unwrap_err(), named("k"));
     }
     // An infinite parameter fails at the stepper or at the first step, never silently.
     for omega in [f64::INFINITY, f64::MAX] {

@@ -47,7 +47,7 @@ pub use pair::Pair;
 #[doc(hidden)]
 pub use parts::{Form, PartFlows, Parts};
 #[doc(hidden)]
-pub use sequence::{Half, Sequence, Substep, plan};
+pub use sequence::{Half, Sequence, Substep, kept_energy, plan};
 #[doc(hidden)]
 pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, Structure, TwoFlows};
 pub use tables::{

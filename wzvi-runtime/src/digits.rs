@@ -1,10 +1,28 @@
 //! Numbers as people read them.
 
+use std::fmt;
+
+/// A number to its last digit, with a power of ten where it would have many zeros.
+pub(crate) struct Brief(pub(crate) f64);
+
+impl fmt::Display for Brief {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.0.abs();
+        // As `Debug` of numbers, but for a whole number's `.0`.
+        if size == 0.0 || !size.is_finite() || (1e-5..1e16).contains(&size) {
+            write!(f, "{}", self.0)
+        } else {
+            write!(f, "{:e}", self.0)
+        }
+    }
+}
+
 /// Digits of a number that are written one by one up to the first uncertain one.
 #[cfg(feature = "ensemble")]
 const MOST_DIGITS: i32 = 10;
 
 /// A number with three significant digits, for people.
+#[cfg(any(feature = "ensemble", feature = "plot"))]
 pub(crate) fn number(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 || !value.is_finite() {
@@ -26,6 +44,7 @@ pub(crate) fn number(value: f64) -> String {
 }
 
 /// `10⁻³`
+#[cfg(any(feature = "ensemble", feature = "plot"))]
 pub(crate) fn power_of_ten(exponent: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let raised =

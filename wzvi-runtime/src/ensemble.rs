@@ -126,13 +126,16 @@ type Types<E, N, R, P> = PhantomData<fn() -> (E, N, R, P)>;
 /// What is computed besides moments.
 struct Extras {
     quantiles: bool,
-    covariances: bool,
+    /// All, if nothing was said.
+    covariances: Option<bool>,
     /// Observable, lower and upper end, bins.
     histograms: Vec<(String, [f64; 2], usize)>,
     /// Bytes of memory for the paths, if they are kept.
     most_bytes: Option<u64>,
     /// Crossings that are kept, of each path and section.
     most_crossings: u64,
+    /// Whether work and heat are observed.
+    has_work: bool,
 }
 
 impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
@@ -153,10 +156,11 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             sections: Sections::default(),
             wanted: Extras {
                 quantiles: false,
-                covariances: true,
+                covariances: None,
                 histograms: Vec::new(),
                 most_bytes: None,
                 most_crossings: 0,
+                has_work: false,
             },
             inspector: None,
             execution: Execution::default(),
@@ -267,8 +271,8 @@ impl<'a, H: Discretized<E>, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// Halves steps that fail ([`crate::retry`]): `Retry::halving(8)` allows 256 parts. Not done unless asked for, and not with
     /// a noise that has no increments between the nodes.
     ///
-    /// A step that does not resolve the fastest motion ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)) ends its path
-    /// nevertheless: a path that starts again would have been counted twice.
+    /// Where the halves of a step do not agree ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)) its path ends. The energy of
+    /// paths is not watched, as that of a single run is: a path that starts again would have been counted twice.
     pub fn retry(mut self, retry: Retry) -> Ensemble<'a, H, E, N, Halved, P> {
         self.setup.retry = retry;
         self.marked()
@@ -302,7 +306,16 @@ impl<'a, H: Discretized<E>, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// Whether covariances of all pairs of observables are computed, as they are if this is not called: half the square of the
     /// number of observables in time and memory, at each recorded time. Variances always are.
     pub fn covariances(mut self, are_computed: bool) -> Self {
-        self.setup.wanted.covariances = are_computed;
+        self.setup.wanted.covariances = Some(are_computed);
+        self
+    }
+
+    /// Observes `work`, `shadow work` and `heat` of each path since its start, in units of energy: what
+    /// [`Trajectory::work`](crate::trajectory::Trajectory::work), its shadow part, and [`Trajectory::heat`](crate::trajectory::Trajectory::heat) are of a single
+    /// one. For systems with a bath, forces or friction; each path is then stepped by itself, which takes the time of single paths. Not together with
+    /// `retry`, `exactly`, or times between nodes.
+    pub fn observe_work(mut self) -> Self {
+        self.setup.wanted.has_work = true;
         self
     }
 

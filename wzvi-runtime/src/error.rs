@@ -10,6 +10,7 @@ mod internal;
 
 use std::fmt;
 
+use crate::digits::Brief;
 pub use bath::BathError;
 
 pub use crate::calculus::DomainError;
@@ -38,7 +39,8 @@ pub struct StepError {
 
 impl fmt::Display for StepError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "step {} from t = {} with h = {}: {}", self.step, self.t, self.h, self.cause)
+        let Self { step, t, h, cause } = self;
+        write!(f, "step {step} from t = {} with h = {}: {cause}", Brief(*t), Brief(*h))
     }
 }
 
@@ -49,8 +51,13 @@ impl std::error::Error for StepError {}
 pub enum ConfigError {
     /// The step size is zero, NaN or infinite.
     StepSize(f64),
-    /// A parameter of the system is NaN, or a small system reads an element that its `Vec` does not have.
+    /// A small system reads an element that its `Vec` does not have, or an entry of a list is NaN.
     Parameter,
+    /// A field of the system is NaN.
+    NotANumber {
+        /// Its name in the Hamiltonians.
+        parameter: &'static str,
+    },
     /// An integer of the system is out of range.
     Index(IndexError),
     /// Friction, temperature or masses make no sense.
@@ -98,25 +105,32 @@ pub enum ConfigError {
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::StepSize(h) => write!(f, "the step size is {h}; it must be finite and not zero"),
+            Self::StepSize(h) => {
+                write!(f, "the step size is {}; it must be finite and not zero", Brief(*h))
+            }
             Self::Parameter => {
                 write!(
                     f,
-                    "a parameter of the system is NaN, or a Hamiltonian reads an element that its `Vec` does not have"
+                    "a Hamiltonian reads an element that its `Vec` does not have, or a parameter of the system is NaN"
                 )
             }
+            Self::NotANumber { parameter } => write!(f, "the parameter `{parameter}` of the system is NaN"),
             Self::Index(error) => error.fmt(f),
             Self::Bath(error) => error.fmt(f),
             Self::Singular { h, pivot, scale } => write!(
                 f,
-                "the matrix of the step is singular for h = {h} (pivot {pivot:.1e} at scale {scale:.1e}); \
-                 take another step size"
+                "the matrix of the step is singular for h = {} (pivot {pivot:.1e} at scale {scale:.1e}); \
+                 take another step size",
+                Brief(*h)
             ),
             Self::Missing(what) => write!(f, "the run needs {what}"),
             Self::End { start, end, h } => {
                 write!(
                     f,
-                    "cannot run from t = {start} to t = {end} in steps of {h}; check the sign and the size of h"
+                    "cannot run from t = {} to t = {} in steps of {}; check the sign and the size of h",
+                    Brief(*start),
+                    Brief(*end),
+                    Brief(*h)
                 )
             }
             Self::Start(cause) => write!(f, "the start is not usable: {cause}"),
@@ -153,6 +167,13 @@ pub enum PathError {
         /// Degrees of freedom and noises of the system asked about.
         system: (usize, usize),
     },
+    /// The system has no first integral of this number.
+    Invariant {
+        /// Number asked for, from 0.
+        index: usize,
+        /// How many it has.
+        known: usize,
+    },
     /// The nodes are no time scale.
     Domain(DomainError),
     /// The values along the path have no such estimate.
@@ -179,6 +200,12 @@ impl fmt::Display for PathError {
                 "the path is one of {} degrees of freedom and {} noises, the system has {} and {}",
                 path.0, path.1, system.0, system.1
             ),
+            Self::Invariant { index, known: 0 } => {
+                write!(f, "there is no invariant {index}: the system lists none in `invariant = [...]`")
+            }
+            Self::Invariant { index, known } => {
+                write!(f, "there is no invariant {index}: the system has {known}, counted from 0")
+            }
             Self::Domain(error) => error.fmt(f),
             Self::Series(error) => error.fmt(f),
         }

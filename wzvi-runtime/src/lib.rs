@@ -11,7 +11,6 @@ mod clock;
 pub mod compose;
 mod continuation;
 pub mod dense;
-#[cfg(any(feature = "ensemble", feature = "plot"))]
 mod digits;
 mod due;
 pub mod elements;
@@ -64,6 +63,7 @@ pub mod system;
 mod threads;
 pub mod trajectory;
 pub mod variables;
+mod watch;
 
 #[doc(hidden)]
 pub use core;

@@ -38,6 +38,11 @@ impl<'a, V> Observables<'a, V> {
     }
 
     #[cfg(feature = "ensemble")]
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    #[cfg(feature = "ensemble")]
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -68,15 +73,16 @@ macro_rules! options {
     (@ end) => {
         /// Runs to time `end` (time units of the Hamiltonian): the first node at or beyond it.
         ///
-        /// That is `⌈(end - t_0)/h⌉` steps, with an allowance for rounding: `until(20.0)` with `h = 0.02` takes 1000.
+        /// That is `⌈(end - t_0)/h⌉` steps, with an allowance for rounding: `until(20.0)` with `h = 0.02` takes 1000. Together with `steps` it is
+        /// an error.
         pub fn until(mut self, end: f64) -> Self {
-            self.setup.span.end = Some(crate::span::End::Time(end));
+            self.setup.span.end_at(crate::span::End::Time(end));
             self
         }
 
         /// Runs `steps` steps.
         pub fn steps(mut self, steps: u64) -> Self {
-            self.setup.span.end = Some(crate::span::End::Steps(steps));
+            self.setup.span.end_at(crate::span::End::Steps(steps));
             self
         }
     };
@@ -119,7 +125,7 @@ macro_rules! options {
         }
 
         /// Records the states at these times, too: a time that is that of a node up to rounding is the node, others are on the dense output of their
-        /// step ([`crate::dense`]). They come in the order of the run, each once. Without `record_every`, only these, the start and the
+        /// step ([`crate::dense`]). They come in the order of the run, each once, and no two of them are the same node. Without `record_every`, only these, the start and the
         /// end.
         pub fn record_at(mut self, times: impl IntoIterator<Item = f64>) -> Self {
             self.setup.recorded.times.extend(times);

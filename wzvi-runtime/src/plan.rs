@@ -41,6 +41,19 @@ pub enum Knowledge {
     Unknown,
 }
 
+/// What of the energy the steps of a scheme keep of a linear system, to the last digit: [`Discretized::KEPT_ENERGY`](crate::system::Discretized::KEPT_ENERGY).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum KeptEnergy {
+    /// `H`
+    Hamiltonian,
+    /// `H + h (l - 1/2) H_q · H_p`, of steps with the quadrature point `l`.
+    Point(f64),
+    /// `H - h²/8 H_q · H_pp H_q`, of [`Verlet`](crate::compose::Verlet).
+    KickDriftKick,
+    /// `H`, but for what comes and goes: compositions of `Verlet`, and splittings into other parts.
+    Nearly,
+}
+
 /// Compile-time facts about a scheme: what the generated step does and what the system keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {

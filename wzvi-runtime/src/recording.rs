@@ -1,5 +1,6 @@
 //! What of a run is recorded: some of its nodes, and times between them.
 
+use crate::digits::Brief;
 use crate::error::ConfigError;
 use crate::span::{Grid, Place};
 
@@ -24,17 +25,25 @@ impl Request {
         for &t in &self.times {
             let place = grid.place(t).ok_or_else(|| {
                 let [start, end] = [0, grid.steps].map(|node| grid.time(node));
+                let [t, start, end] = [t, start, end].map(Brief);
                 ConfigError::Setting(format!("recorded at t = {t}, which is not between {start} and {end}"))
             })?;
             if (t - before) / grid.h <= 0.0 {
                 let wrong = format!(
-                    "recorded at t = {t} after t = {before}: give the times in the order of the run, each once"
+                    "recorded at t = {} after t = {}: give the times in the order of the run, each once",
+                    Brief(t),
+                    Brief(before)
                 );
                 return Err(ConfigError::Setting(wrong));
             }
             before = t;
             match place {
-                Place::Node(node) if recording.chosen.last() == Some(&node) => {}
+                Place::Node(node) if recording.chosen.last() == Some(&node) => {
+                    let wrong = format!(
+                        "recorded at t = {t:?} and at the time before it, which are the same node up to rounding: give one of them"
+                    );
+                    return Err(ConfigError::Setting(wrong));
+                }
                 Place::Node(node) => recording.chosen.push(node),
                 Place::Inside(step) => recording.between.push(Moment { step, t }),
             }

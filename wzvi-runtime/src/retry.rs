@@ -1,9 +1,13 @@
 //! What a run does about a step that fails: it takes it in halves.
 //!
 //! A step of size `h` becomes `2^m` steps of size `h / 2^m`, with the increments that the same Wiener path has there: the
-//! retry converges to the same solution. A step that has no solution is subdivided alone. A step that does not resolve the
-//! fastest motion ([`StepFailure::Unresolved`]) cannot be repaired where it is noticed, because the energy is in the wrong
-//! motion already: the run starts again, all its steps subdivided once more, so that they stay uniform.
+//! retry converges to the same solution. A step that has no solution is subdivided alone. Without noise it is taken in `2^m` parts when these
+//! agree with `2^(m-1)`, not when they are solvable: a step that leaps over a pericentre often is. What the two disagree by is weighed by the slopes of
+//! the energy, and compared with the mean of `p · dq/dt` (`AGREEMENT` in `watch.rs`). With noise, steps are as far from the path as its
+//! strong order says, and parts that have a solution are taken.
+//!
+//! A run whose energy has changed ([`StepFailure::Unresolved`]) cannot be repaired where that is noticed: it starts again, all its steps
+//! subdivided once more, so that they stay uniform.
 
 use std::ops::Range;
 
@@ -11,10 +15,12 @@ use crate::carry::Carry;
 use crate::error::{ConfigError, Error, StepError, StepFailure};
 use crate::increments::{Divisible, Interval, Noise};
 use crate::memory::Threads;
+use crate::plan::NoiseClass;
 use crate::state::{State, Vector};
 use crate::step::{StepInfo, Stepper};
 use crate::steps::{Account, Monitor, Single, TakeStep, Unmonitored, take_steps};
 use crate::system::Discretized;
+use crate::watch::{AGREEMENT, Watch, disagreement};
 
 /// How often steps may be halved: never, unless asked for, because it breaks the uniform step that the long-time
 /// behaviour of a symplectic scheme rests on.
@@ -73,11 +79,9 @@ enum Way {
 fn stepper<'a, H: Discretized<E>, E, C: Carry<f64>>(
     system: &'a H,
     h: f64,
-    is_watched: bool,
     threads: Threads,
 ) -> Result<Stepper<'a, H, E, C>, ConfigError> {
-    let stepper = Stepper::new(system, h)?.carrying().sharing(threads);
-    Ok(if is_watched { stepper } else { stepper.unwatched() })
+    Ok(Stepper::new(system, h)?.carrying().sharing(threads))
 }
 
 /// Takes the steps of a run, subdividing those that it has to and may.
@@ -88,6 +92,8 @@ pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = <H as Discretized<E>
     is_watched: bool,
     threads: Threads,
     way: Way,
+    /// Of the steps of that way.
+    pub(crate) watch: Watch<H::Vector>,
     /// Takes the steps of that way.
     pub(crate) stepper: Stepper<'a, H, E, C>,
     /// Increments of a part of a step.
@@ -102,23 +108,25 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         is_watched: bool,
         threads: Threads,
     ) -> Result<Self, ConfigError> {
-        let stepper = stepper(system, h, is_watched, threads)?;
-        Ok(Self { system, h, retry, is_watched, threads, way: Way::Whole, stepper, part: Vec::new() })
+        let stepper = stepper(system, h, threads)?;
+        let (way, watch) = (Way::Whole, Watch::of::<H, E>(is_watched));
+        Ok(Self { system, h, retry, is_watched, threads, way, watch, stepper, part: Vec::new() })
     }
 
     /// Takes steps of another size.
     fn stepper(&self, h: f64) -> Result<Stepper<'a, H, E, C>, ConfigError> {
-        stepper(self.system, h, self.is_watched, self.threads)
+        stepper(self.system, h, self.threads)
     }
 
     /// Subdivides every step of the run once more, if that may help against `error` and is allowed.
     pub(crate) fn refine(&mut self, error: &Error) -> Result<bool, ConfigError> {
-        let is_unresolved =
-            matches!(error, Error::Step(StepError { cause: StepFailure::Unresolved { .. }, .. }));
+        // A divided step whose halves do not agree is shorter than the steps of the run, and has been halved as often as it may be.
+        let is_unresolved = |own: f64| matches!(error, Error::Step(StepError { cause: StepFailure::Unresolved { .. }, h, .. }) if *h == own);
         let base = self.base();
-        let may = is_unresolved && base < self.retry.most && self.way != Way::Last;
+        let may = is_unresolved(self.stepper.step_size()) && base < self.retry.most && self.way != Way::Last;
         if may {
             self.way = Way::Halved(base + 1);
+            self.watch = Watch::of::<H, E>(self.is_watched);
             self.stepper = self.stepper(part_of(self.h, base + 1))?;
         }
         Ok(may)
@@ -177,10 +185,12 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         from: u32,
     ) -> Result<StepInfo, Error> {
         let mut level = from;
+        let mut coarse: Option<State<H::Vector>> = None;
         loop {
             let mut end = state.clone();
             let before = self.stepper.exchanged();
-            let outcome = if self.way == Way::Halved(level) {
+            let is_own = self.way == Way::Halved(level);
+            let outcome = if is_own {
                 self.parts(None, &mut end, interval, noise, dw, level)
             } else {
                 let mut finer = self.stepper(part_of(self.h, level))?;
@@ -189,20 +199,43 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
                 self.stepper.set_exchanged(finer.exchanged());
                 outcome
             };
-            if outcome.is_err() {
-                self.stepper.set_exchanged(before);
-            }
-            match outcome {
-                Ok(iterations) => {
-                    end.t = interval.end();
-                    *state = end;
-                    return Ok(StepInfo { iterations, halvings: level, ..StepInfo::default() });
+            let error = match outcome {
+                Ok(iterations) => match self.unsettled(state, [coarse.as_ref().unwrap_or(state), &end]) {
+                    Some(cause) if !is_own => {
+                        coarse = Some(end);
+                        StepError { step: interval.step, t: state.t, h: part_of(self.h, level), cause }
+                    }
+                    _ => {
+                        end.t = interval.end();
+                        *state = end;
+                        return Ok(StepInfo { iterations, halvings: level, ..StepInfo::default() });
+                    }
+                },
+                Err(Error::Step(error)) if is_curable(error.cause) => {
+                    coarse = None;
+                    StepError { step: interval.step, ..error }
                 }
-                Err(Error::Step(error)) if level < self.retry.most && is_curable(error.cause) => level += 1,
                 Err(Error::Step(error)) => return Err(StepError { step: interval.step, ..error }.into()),
                 Err(error) => return Err(error),
+            };
+            self.stepper.set_exchanged(before);
+            if level >= self.retry.most {
+                return Err(error.into());
             }
+            level += 1;
         }
+    }
+
+    /// Why the second of two ends of a step that begins there is not to be taken: they disagree by more than what they may.
+    fn unsettled(&self, start: &State<H::Vector>, ends: [&State<H::Vector>; 2]) -> Option<StepFailure> {
+        if !matches!(H::PLAN.noise, NoiseClass::None) {
+            return None;
+        }
+        let (energy_error, of_step) = disagreement(self.system, start, ends);
+        let scale = self.watch.mean_motion().unwrap_or(of_step);
+        // Also where one of them is no number.
+        let is_settled = energy_error <= AGREEMENT * scale;
+        (!is_settled).then_some(StepFailure::Unresolved { energy_error, scale })
     }
 
     /// The last step.
@@ -230,7 +263,11 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         dw: &mut [f64],
         level: u32,
     ) -> Result<u32, Error> {
-        let stepper = finer.unwrap_or(&mut self.stepper);
+        let (stepper, watch) = match finer {
+            Some(finer) => (finer, None),
+            None => (&mut self.stepper, Some(&mut self.watch)),
+        };
+        let stepper = &mut Watched { stepper, watch };
         let steps = parts_of(interval.step, level).ok_or_else(|| {
             let (step, parts) = (interval.step, 1_u64 << level);
             ConfigError::Setting(format!(
@@ -251,6 +288,33 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         };
         take_steps(&mut path, steps, &mut Unmonitored)?;
         Ok(account.iterations)
+    }
+}
+
+/// Steps of which some are looked at.
+struct Watched<'w, 'a, H: Discretized<E>, E, C> {
+    stepper: &'w mut Stepper<'a, H, E, C>,
+    watch: Option<&'w mut Watch<H::Vector>>,
+}
+
+impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Watched<'_, '_, H, E, C> {
+    #[inline]
+    fn take_step<N: Noise>(
+        &mut self,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+    ) -> Result<StepInfo, Error> {
+        let Self { stepper, watch } = self;
+        let Some(watch) = watch.as_mut().filter(|watch| watch.looks_at(interval.step)) else {
+            return stepper.take_step(state, interval, noise, dw);
+        };
+        let (system, h) = (stepper.system(), stepper.step_size());
+        watch.begin::<H, E>(system, h, state);
+        let info = stepper.take_step(state, interval, noise, dw)?;
+        watch.end::<H, E>(system, h, state, interval.step)?;
+        Ok(info)
     }
 }
 
@@ -298,6 +362,44 @@ impl Account for Parts<'_> {
     }
 }
 
+impl<H: Discretized<E>, E, C: Carry<f64>> Subdivision<'_, H, E, C> {
+    /// A step of the size of the run, in halves where it fails.
+    #[inline(always)]
+    fn whole<N: Noise>(
+        &mut self,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+    ) -> Result<StepInfo, Error> {
+        if let Some(noise) = noise {
+            noise.increments(interval, dw)?;
+        }
+        match self.stepper.step(state, dw) {
+            Ok(info) => Ok(info),
+            Err(error) if self.retry.most == 0 || !is_curable(error.cause) => {
+                Err(StepError { step: interval.step, ..error }.into())
+            }
+            Err(_) => self.subdivide(state, interval, noise, dw, 1),
+        }
+    }
+
+    /// The same, looked at.
+    #[cold]
+    fn watched<N: Noise>(
+        &mut self,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+    ) -> Result<StepInfo, Error> {
+        self.watch.begin::<H, E>(self.system, self.h, state);
+        let info = self.whole(state, interval, noise, dw)?;
+        self.watch.end::<H, E>(self.system, self.h, state, interval.step)?;
+        Ok(info)
+    }
+}
+
 impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Subdivision<'_, H, E, C> {
     #[inline]
     fn take_step<N: Noise>(
@@ -308,19 +410,10 @@ impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Subdivision<'_
         dw: &mut [f64],
     ) -> Result<StepInfo, Error> {
         match self.way {
-            Way::Whole => {}
-            Way::Halved(halvings) => return self.subdivide(state, interval, noise, dw, halvings),
-            Way::Last => return self.last(state, interval, noise, dw),
-        }
-        if let Some(noise) = noise {
-            noise.increments(interval, dw)?;
-        }
-        match self.stepper.step(state, dw) {
-            Ok(info) => Ok(info),
-            Err(error) if self.retry.most == 0 || !is_curable(error.cause) => {
-                Err(StepError { step: interval.step, ..error }.into())
-            }
-            Err(_) => self.subdivide(state, interval, noise, dw, 1),
+            Way::Whole if self.watch.looks_at(interval.step) => self.watched(state, interval, noise, dw),
+            Way::Whole => self.whole(state, interval, noise, dw),
+            Way::Halved(halvings) => self.subdivide(state, interval, noise, dw, halvings),
+            Way::Last => self.last(state, interval, noise, dw),
         }
     }
 }

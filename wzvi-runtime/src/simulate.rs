@@ -22,6 +22,7 @@ use crate::steps::{Account, Monitor, Single, take_steps};
 use crate::sum::Sums;
 use crate::system::{Discretized, Hamiltonian};
 use crate::trajectory::{Recorder, Trajectory};
+use crate::watch::Watch;
 
 /// What an observer is told of a node besides the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -138,8 +139,9 @@ impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
         Simulation { setup: self.setup, noise: self.noise, observer: self.observer, types: PhantomData }
     }
 
-    /// Lets steps pass that do not resolve the fastest motion and spoil the energy
-    /// ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)): for whoever looks at the energy himself.
+    /// Goes on where the energy has changed and stays so ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)), which every
+    /// other run does not of a system that keeps its energy: for whoever looks at the energy himself. What was suspected is counted
+    /// ([`Iterations::suspected`](crate::trajectory::Iterations::suspected)).
     pub fn unwatched(mut self) -> Self {
         self.setup.is_watched = false;
         self
@@ -224,7 +226,7 @@ where
         let mut looks = between();
         let mut keeper = keeping.open(
             &mut stepper.stepper,
-            &mut Run::new(&mut state, &mut account, &mut looks),
+            &mut Run::new(&mut state, &mut account, &mut looks, &mut stepper.watch),
             noise.as_ref(),
             (&grid, retry, &sections),
         )?;
@@ -263,7 +265,9 @@ where
         };
         let exchanged = stepper.stepper.exchanged();
         let trajectory = account.recorder.finish(state).observing(names, &functions);
-        let trajectory = trajectory.exchanging(exchanged).named(system.variables());
+        let trajectory =
+            trajectory.accounted(system, &start, exchanged).suspecting(stepper.watch.suspected());
+        let trajectory = trajectory.named(system.variables());
         Ok((trajectory, error))
     }
 }
@@ -348,6 +352,7 @@ pub(crate) struct Run<'r, 's, 'a, V> {
     pub(crate) recorder: &'r mut Recorder<V>,
     pub(crate) wiener: &'r mut Sums,
     pub(crate) looks: Option<&'r mut Between<'s, 'a, V>>,
+    pub(crate) watch: &'r mut Watch<V>,
 }
 
 impl<'r, 's, 'a, V> Run<'r, 's, 'a, V> {
@@ -355,9 +360,10 @@ impl<'r, 's, 'a, V> Run<'r, 's, 'a, V> {
         state: &'r mut State<V>,
         account: &'r mut Records<V>,
         looks: &'r mut Option<Box<Between<'s, 'a, V>>>,
+        watch: &'r mut Watch<V>,
     ) -> Self {
         let Records { recorder, wiener, .. } = account;
-        Self { state, recorder, wiener, looks: looks.as_deref_mut() }
+        Self { state, recorder, wiener, looks: looks.as_deref_mut(), watch }
     }
 }
 
@@ -443,8 +449,9 @@ where
         }
         if node >= self.due {
             if self.keeper.is_due(node) {
-                let mut run = Run::new(state, account, &mut self.looks);
-                self.keeper.save(&mut stepper.stepper, &mut run, node)?;
+                let Subdivision { stepper, watch, .. } = &mut **stepper;
+                let mut run = Run::new(state, account, &mut self.looks, watch);
+                self.keeper.save(stepper, &mut run, node)?;
             }
             self.shown.look(node);
             self.due = self.keeper.next().min(self.shown.next());

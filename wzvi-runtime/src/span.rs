@@ -1,5 +1,6 @@
 //! From where to where a run goes, and where its nodes are: the same for every builder.
 
+use crate::digits::Brief;
 use crate::error::{ConfigError, StepFailure};
 use crate::state::{State, Vector};
 use crate::system::{Discretized, Hamiltonian};
@@ -12,6 +13,8 @@ pub(crate) const MOST_STEPS: u64 = 1 << 53;
 pub(crate) enum End {
     Time(f64),
     Steps(u64),
+    /// One after the other was said.
+    Both(f64, u64),
 }
 
 /// Where a run starts and where it ends.
@@ -99,6 +102,17 @@ impl Grid {
     }
 }
 
+impl<V> Span<V> {
+    /// Another end of the same kind replaces the one before.
+    pub(crate) fn end_at(&mut self, end: End) {
+        self.end = Some(match (self.end, end) {
+            (Some(End::Time(t) | End::Both(t, _)), End::Steps(steps)) => End::Both(t, steps),
+            (Some(End::Steps(steps) | End::Both(_, steps)), End::Time(t)) => End::Both(t, steps),
+            _ => end,
+        });
+    }
+}
+
 impl<V: Vector> Span<V> {
     /// The first state, and the nodes from there to the end in steps of size `h`.
     ///
@@ -147,6 +161,10 @@ fn checked<H: Discretized<E>, E>(
 
 fn grid(end: Option<End>, is_exact: bool, start: f64, h: f64) -> Result<Grid, ConfigError> {
     match end.ok_or(ConfigError::Missing(END))? {
+        End::Both(t, steps) => Err(ConfigError::Setting(format!(
+            "`until({})` and `steps({steps})`: a run has one end; leave one of them out",
+            Brief(t)
+        ))),
         End::Time(end) if is_exact => Grid::until(start, end, h).ok_or(ConfigError::End { start, end, h }),
         End::Time(end) => {
             let steps = steps_between(start, end, h).ok_or(ConfigError::End { start, end, h })?;

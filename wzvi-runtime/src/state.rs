@@ -1,8 +1,10 @@
 //! Points of phase space.
 
-use std::fmt::Debug;
+use std::fmt::{self, Debug};
 
 use nalgebra::{DVector, SVector};
+
+use crate::digits::Brief;
 
 /// A vector of coordinates: `nalgebra::SVector<f64, D>` or `nalgebra::DVector<f64>`.
 pub trait Vector: Clone + Debug + PartialEq + Send + Sync {
@@ -121,6 +123,20 @@ pub struct State<V> {
     pub p: V,
     /// Time.
     pub t: f64,
+}
+
+/// `q: [1, 2], p: [3, 4], t: 0`
+impl<V: Vector> fmt::Display for State<V> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (name, vector) in [("q", &self.q), ("p", &self.p)] {
+            write!(f, "{name}: [")?;
+            for (i, x) in vector.components().iter().enumerate() {
+                write!(f, "{}{}", if i == 0 { "" } else { ", " }, Brief(*x))?;
+            }
+            f.write_str("], ")?;
+        }
+        write!(f, "t: {}", Brief(self.t))
+    }
 }
 
 impl<V: Vector> State<V> {

@@ -4,7 +4,6 @@ mod account;
 #[cfg(feature = "serde")]
 mod kept;
 mod rare;
-mod resolution;
 
 use std::marker::PhantomData;
 
@@ -14,13 +13,12 @@ use crate::dense::{DenseOutput, copy, copy_state};
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::few::List;
 use crate::memory::{Iteration, Method, StepMemory, Threads};
-use crate::plan::Solver;
+use crate::plan::{NoiseClass, Solver};
 use crate::solve::Effort;
 use crate::state::{State, Vector};
 use crate::system::{Discretized, Exchange};
 use account::Ledger;
 use rare::{Arrived, Cause, Rare, Refused};
-pub(crate) use resolution::ResolutionMonitor;
 
 /// What one step took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -55,7 +53,6 @@ pub struct Stepper<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f6
     clock: Clock,
     /// `q` and `p` after the last step.
     reached: [H::Vector; 2],
-    resolution: ResolutionMonitor,
     /// What all steps exchanged.
     exchanged: Exchange,
     /// Whether nobody asks for that.
@@ -100,8 +97,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         if !h.is_finite() || h == 0.0 {
             return Err(ConfigError::StepSize(h));
         }
-        let d = system.degrees();
-        let prepared = system.validate().and_then(|()| system.prepare(h))?;
+        let (d, prepared) = (system.degrees(), prepared(system, h)?);
         let mut memory: H::Memory<f64> = system.memory();
         memory.share(Threads::Cores);
         Ok(Self {
@@ -113,7 +109,6 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             before: 0,
             clock: Clock::started(f64::NAN),
             reached: [H::Vector::zeros(d), H::Vector::zeros(d)],
-            resolution: ResolutionMonitor::default(),
             exchanged: Exchange::default(),
             is_unaccounted: false,
             ledger: None,
@@ -143,7 +138,6 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             prepared: self.prepared,
             memory: self.memory,
             reached: self.reached,
-            resolution: self.resolution,
             exchanged: self.exchanged,
             is_unaccounted: self.is_unaccounted,
             ledger: self.ledger,
@@ -154,24 +148,17 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
 
 #[cfg(feature = "ensemble")]
 impl<'a, H: Discretized<E>, E> Stepper<'a, H, E, Plain> {
-    /// For one of many paths, which have the threads already, with plain sums. What forces and bath do is not accounted for.
+    /// For one of many paths, which have the threads already, with plain sums; whether it accounts for what forces and bath do.
     ///
     /// # Errors
     /// Those of [`Stepper::new`].
-    pub(crate) fn beside_others(system: &'a H, h: f64) -> Result<Self, ConfigError> {
+    pub(crate) fn beside_others(system: &'a H, h: f64, accounts: bool) -> Result<Self, ConfigError> {
         let stepper = Stepper::<H, E>::new(system, h)?.plain().sharing(Threads::Caller);
-        Ok(Self { is_unaccounted: true, ..stepper })
+        Ok(Self { is_unaccounted: !accounts, ..stepper })
     }
 }
 
 impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
-    /// The same steps, but none is refused because it does not resolve the fastest motion
-    /// ([`StepFailure::Unresolved`]): for whoever watches the energy.
-    pub fn unwatched(mut self) -> Self {
-        self.resolution = ResolutionMonitor::ignored();
-        self
-    }
-
     /// Whether what rounding takes is carried.
     pub fn is_compensated(&self) -> bool {
         C::CARRIES
@@ -241,6 +228,10 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// stepper.
     #[inline]
     pub fn step(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
+        // A constant noise, or one whose force is zero, would not show them.
+        if !matches!(H::PLAN.noise, NoiseClass::None) && zero_if_finite(dw) != 0.0 {
+            return Err(self.no_number(state, dw));
+        }
         if Self::MAY_EXCHANGE {
             self.begin(state);
         }
@@ -257,6 +248,19 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             Err(cause) if !Self::IS_ITERATED => Err(self.error(state, dw, cause)),
             Err(cause) => self.step_rarely(state, dw, self.clock, Cause::Failed(cause)),
         }
+    }
+
+    /// Of increments that are no numbers: they may not be those of the system at all.
+    #[cold]
+    fn no_number(&self, state: &State<H::Vector>, dw: &[f64]) -> StepError {
+        let (degrees, got) = (state.q.components().len(), dw.len());
+        let expected = self.system.increments(degrees);
+        let cause = match self.system.check(degrees) {
+            Err(cause) => cause,
+            Ok(()) if got != expected => StepFailure::Increments { expected, got },
+            Ok(()) => StepFailure::NonFiniteInput,
+        };
+        self.error(state, dw, cause)
     }
 
     /// Whether care may find what the short way does not.
@@ -388,8 +392,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         };
         // Care takes Newton's method, which a pinned fixed point excludes.
         let is_iterated = pinned != Iteration::FixedPoint;
-        let rare = Rare { hard, resolution: self.resolution, step: self.steps(), is_iterated };
-        let Arrived { taken, resolution, is_hard } = match rare.take(cause) {
+        let Arrived { taken, is_hard } = match (Rare { hard, is_iterated }).take(cause) {
             Ok(arrived) => arrived,
             Err(Refused { cause, memory }) => {
                 if let Some(memory) = memory {
@@ -405,7 +408,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             self.memory.adopt(taken.memory);
         }
         (state.q, state.p) = (taken.q, taken.p);
-        (self.carry, self.resolution) = (taken.carry, resolution);
+        self.carry = taken.carry;
         self.arrive(state, clock.next(self.h), dw);
         let Effort { iterations, doubtful, .. } = taken.effort;
         Ok(StepInfo { iterations, halvings: 0, is_hard, is_doubtful: is_hard && doubtful })
@@ -432,6 +435,21 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         let cause = if is_good { cause } else { StepFailure::NonFiniteInput };
         StepError { step: self.steps(), t: state.t, h: self.h, cause }
     }
+}
+
+/// What does not change from step to step, of a system that makes sense.
+///
+/// # Errors
+/// Those of the system, with the name of a parameter that is no number.
+pub(crate) fn prepared<H: Discretized<E>, E>(system: &H, h: f64) -> Result<H::Prepared, ConfigError> {
+    let prepared = system.validate().and_then(|()| system.prepare(h));
+    prepared.map_err(|error| {
+        let mut parameters = (0..).map_while(|index| system.parameter(index));
+        match parameters.find(|(_, value)| value.is_nan()) {
+            Some((parameter, _)) if error == ConfigError::Parameter => ConfigError::NotANumber { parameter },
+            _ => error,
+        }
+    })
 }
 
 /// Zero times a finite number is zero, and NaN otherwise.

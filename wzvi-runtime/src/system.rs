@@ -13,7 +13,7 @@ use crate::dense::{Slopes, hermite_order};
 use crate::error::{ConfigError, StepFailure};
 use crate::lanes::Lanes;
 use crate::memory::StepMemory;
-use crate::plan::{NoiseClass, Plan, Solver};
+use crate::plan::{KeptEnergy, NoiseClass, Plan, Solver};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::{State, Vector};
@@ -59,6 +59,9 @@ pub trait Hamiltonian {
 
     /// Whether there is a force beside the drift: [`Hamiltonian::force`].
     const IS_FORCED: bool = false;
+
+    /// Whether the drift reads the time.
+    const READS_TIME: bool = false;
 
     /// That rate, in 1/time.
     fn friction_rate(&self) -> f64 {
@@ -245,7 +248,7 @@ pub struct EulerLagrangeResidual<V> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Exchange {
-    /// By forces.
+    /// By forces, by noises where a system has forces, friction or a bath, and by explicit time there: a quadrature along the steps.
     pub work: f64,
     /// By friction and bath.
     pub heat: f64,
@@ -270,6 +273,9 @@ pub trait Discretized<E>: Hamiltonian {
 
     /// The discrete Lagrangian, the discrete Euler-Lagrange equations and the step, as readable text.
     const EQUATIONS: &'static str;
+
+    /// The energy that is watched in runs of constant step.
+    const KEPT_ENERGY: KeptEnergy = KeptEnergy::Hamiltonian;
 
     /// Everything that depends on the system and the step size only.
     type Prepared: Clone + Debug + Send + Sync;

@@ -40,6 +40,10 @@ pub struct Iterations {
     pub halved: u64,
     /// The most halvings of a step.
     pub halvings: u32,
+    /// How often the energy was off by more than a tenth of the mean of `p · dq/dt`, of the steps that were looked at, one in eight: excursions that
+    /// returned, or a run that was [`unwatched`](crate::simulate::Simulation::unwatched).
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub suspected: u64,
 }
 
 /// A path by the scheme `E`: never empty, its first state is the start.
@@ -75,6 +79,12 @@ struct Path<V> {
     crossings: Vec<Crossing<V>>,
     #[cfg_attr(feature = "serde", serde(default))]
     exchanged: Exchange,
+    /// Whether that is all that was exchanged, but for what the scheme does.
+    #[cfg_attr(feature = "serde", serde(default))]
+    is_accounted: bool,
+    /// What the energy gained, where it is not to be kept.
+    #[cfg_attr(feature = "serde", serde(default))]
+    gained: Option<f64>,
 }
 
 impl<V: Clone, E> Clone for Trajectory<V, E> {
@@ -98,6 +108,8 @@ impl<V: fmt::Debug, E> fmt::Debug for Trajectory<V, E> {
             observed,
             crossings,
             exchanged,
+            is_accounted: _,
+            gained,
         } = &self.path;
         f.debug_struct("Trajectory")
             .field("h", h)
@@ -111,6 +123,7 @@ impl<V: fmt::Debug, E> fmt::Debug for Trajectory<V, E> {
             .field("observed", observed)
             .field("crossings", crossings)
             .field("exchanged", exchanged)
+            .field("gained", gained)
             .finish()
     }
 }
@@ -137,21 +150,42 @@ impl<V: Vector, E> Trajectory<V, E> {
         self.path.states.iter()
     }
 
-    /// The energy that the path took from forces, in units of energy: what it gave them counts negative. Noises that the system lists count, and where it
-    /// has a force the explicit time of its drift too. By quadrature along the dense output of each step: to the error of the scheme. 0 where a system has
-    /// neither force nor friction.
+    /// The work that was done on the path, in units of energy: `H(end) - H(start)` without the [heat](Trajectory::heat), exactly. What the path gave counts
+    /// negative. Forces do work, listed noises, explicit time, and the scheme, whose part is the
+    /// [shadow work](Trajectory::shadow_work). It is the `W` of Jarzynski's equality, `⟨e^{-W/kT}⟩ = e^{-ΔF/kT}`, which with a
+    /// [bath](crate::bath) holds exactly at every step size. 0 where a system has no bath, force or friction, and its drift does not read the time.
     pub fn work(&self) -> f64 {
-        self.path.exchanged.work
+        self.path.gained.map_or(0.0, |gained| gained - self.path.exchanged.heat)
     }
 
-    /// The energy that the path took from friction and bath, in units of energy: the kinetic energy that their parts of the steps gained. What else
-    /// changes the energy are [work](Trajectory::work) and the error of the scheme.
+    /// The part of the [work](Trajectory::work) that the scheme does: what a quadrature of forces, noises and explicit time along the steps leaves of it. It
+    /// falls with the order of the scheme. `None` without bath, force and friction, where nothing is added up along the steps.
+    pub fn shadow_work(&self) -> Option<f64> {
+        self.path.is_accounted.then(|| self.work() - self.path.exchanged.work)
+    }
+
+    /// The energy that the path took from friction and bath, in units of energy: the kinetic energy that their parts of the steps gained.
     pub fn heat(&self) -> f64 {
         self.path.exchanged.heat
     }
 
-    pub(crate) fn exchanging(mut self, exchanged: Exchange) -> Self {
-        self.path.exchanged = exchanged;
+    /// With the account of a run of this system.
+    pub(crate) fn accounted<H: Discretized<E, Vector = V>>(
+        mut self,
+        system: &H,
+        start: &State<V>,
+        exchanged: Exchange,
+    ) -> Self {
+        let is_accounted = H::IS_FORCED || H::IS_CONFORMAL || H::EXCHANGES;
+        let gained =
+            (is_accounted || H::READS_TIME).then(|| system.energy(&self.path.last) - system.energy(start));
+        let path = &mut self.path;
+        (path.exchanged, path.is_accounted, path.gained) = (exchanged, is_accounted, gained);
+        self
+    }
+
+    pub(crate) fn suspecting(mut self, suspected: u64) -> Self {
+        self.path.iterations.suspected = suspected;
         self
     }
 
@@ -281,9 +315,20 @@ impl<V: Vector, E> Trajectory<V, E> {
     }
 
     /// `max_i |I(z_i) - I(z_0)|` over the recorded nodes for first integral `index` of the system, in the order of the
-    /// attribute; NaN for one that does not exist.
-    pub fn invariant_drift<H: Hamiltonian<Vector = V>>(&self, system: &H, index: usize) -> f64 {
-        self.drift(|state| system.invariant(index, state))
+    /// attribute; NaN if a value is.
+    ///
+    /// # Errors
+    /// [`PathError::Invariant`] for one that the system does not have.
+    pub fn invariant_drift<H: Hamiltonian<Vector = V>>(
+        &self,
+        system: &H,
+        index: usize,
+    ) -> Result<f64, PathError> {
+        let known = system.invariants();
+        if index >= known {
+            return Err(PathError::Invariant { index, known });
+        }
+        Ok(self.drift(|state| system.invariant(index, state)))
     }
 
     fn drift(&self, value: impl Fn(&State<V>) -> f64) -> f64 {

@@ -49,10 +49,10 @@ pub struct Multiplicative {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Beside, Carry, Compensation, ConfigError, Constant, Discretized,
-        Effort, Err, Hamiltonian, Knowledge, LagrangianGradient, Lanes, NoiseClass, Ok,
-        Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar, Segment,
-        Solution, Solver, Some, State, StepFailure, Vector, bool, f64, str, usize,
-        embedding::{Corrected, DeltaPlus},
+        Effort, Err, Hamiltonian, KeptEnergy, Knowledge, LagrangianGradient, Lanes,
+        NoiseClass, Ok, Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar,
+        Segment, Solution, Solver, Some, State, StepFailure, Vector, bool, f64, str,
+        usize, embedding::{Corrected, DeltaPlus},
     };
     #[automatically_derived]
     impl Hamiltonian for Multiplicative {
@@ -141,6 +141,7 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "Corrected<DeltaPlus>\n\nHamiltonians\n  H0 = q²/2 + p²/2\n  H1 = q p sigma\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (q_i²/2 + P²/2) - sigma q_i P ΔW - sigma² q_i P ΔW²/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = sigma q_i ΔW + P h + sigma² q_i ΔW²/2\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -sigma P ΔW - q_i h - sigma² P ΔW²/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  solve for δp: linear\n  assign Δq\n\nFacts\n  converges to the Stratonovich system; D = q p sigma²/2\n  {H1, H0} = q² sigma - p² sigma\n  H0 is not a first integral\n";
+            const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
             type Prepared = Prepared<f64>;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 1>;

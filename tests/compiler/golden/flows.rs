@@ -91,6 +91,7 @@ const _: () = {
     #[automatically_derived]
     impl Hamiltonian for Perturbed {
         type Vector = SVector<f64, 1>;
+        const READS_TIME: bool = true;
         fn degrees(&self) -> usize {
             1
         }

@@ -53,9 +53,9 @@ pub struct Network {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
-        Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, None, Number, Ord, Plain,
-        Plan, Range, Result, Scalar, Segment, Sized, Solver, Some, State, StepFailure,
-        bool, f64, i128, isize, str, usize,
+        Hamiltonian, KeptEnergy, Knowledge, LagrangianGradient, NoiseClass, None, Number,
+        Ord, Plain, Plan, Range, Result, Scalar, Segment, Sized, Solver, Some, State,
+        StepFailure, bool, f64, i128, isize, str, usize,
         elements::{
             Alone, CompensationVec, Curvature, Elements, Given, Memory, MomentumUpdate,
             Pair, Placements, Point, Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
@@ -556,6 +556,7 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) [-strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) [strength[i]]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    Σ_(i=0..min(bonds.len(), strength.len()) - 1) [-strength[i] h sin(q[bonds[i][0]] - q[bonds[i][1]])]   at point bonds[i][0]\n    Σ_(i=0..min(bonds.len(), strength.len()) - 1) [strength[i] h sin(q[bonds[i][0]] - q[bonds[i][1]])]   at point bonds[i][1]\n  p' = D2 L_d:  p'[i] = P[i]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..min(bonds.len(), strength.len()) - 1) [p[bonds[i][0]] strength[i] sin(q[bonds[i][0]] - q[bonds[i][1]]) - strength[i] p[bonds[i][1]] sin(q[bonds[i][0]] - q[bonds[i][1]])]\n    H_pp(H_q,H_q) = Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][0] + bonds[j][0] + 1, min(1, bonds[i][0] - bonds[j][0] + 1)) > 0) [strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][0] + bonds[j][1] + 1, min(1, bonds[i][0] - bonds[j][1] + 1)) > 0) [-strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][1] + bonds[j][0] + 1, min(1, bonds[i][1] - bonds[j][0] + 1)) > 0) [-strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][1] + bonds[j][1] + 1, min(1, bonds[i][1] - bonds[j][1] + 1)) > 0) [strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])]\n    H_qq(H_p,H_p) = Σ_(i=0..min(bonds.len(), strength.len()) - 1) [p[bonds[i][0]] (p[bonds[i][0]] strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]]) - strength[i] p[bonds[i][1]] cos(q[bonds[i][0]] - q[bonds[i][1]])) + p[bonds[i][1]] (strength[i] p[bonds[i][1]] cos(q[bonds[i][0]] - q[bonds[i][1]]) - p[bonds[i][0]] strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]]))]\n";
+            const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
             const REMEMBERS: bool = false;
             const IN_LANES: bool = true;
             type Prepared = ();

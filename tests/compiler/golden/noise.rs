@@ -79,10 +79,10 @@ pub struct Kubo {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Beside, Carry, Compensation, ConfigError, Constant, Discretized,
-        Effort, Err, Hamiltonian, Knowledge, LagrangianGradient, Lanes, NoiseClass, Ok,
-        Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar, Segment,
-        Solution, Solver, Some, State, StepFailure, Vector, bool, f64, str, usize,
-        compose::{Composes, Equations, General, ROOM, Structure},
+        Effort, Err, Hamiltonian, KeptEnergy, Knowledge, LagrangianGradient, Lanes,
+        NoiseClass, Ok, Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar,
+        Segment, Solution, Solver, Some, State, StepFailure, Vector, bool, f64, str,
+        usize, compose::{Composes, Equations, General, ROOM, Structure},
         embedding::{Composed, DeltaPlus, Midpoint, Uncorrected},
     };
     #[automatically_derived]
@@ -342,6 +342,7 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "Uncorrected<DeltaPlus>\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2\n  {H1, H0} = 0\n  H0 is a first integral: of the system, and not kept by what the step converges to in general\n  first integral p² + q²: of the system, and not kept by what the step converges to in general\n";
+            const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
             type Prepared = Prepared<f64>;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 1>;

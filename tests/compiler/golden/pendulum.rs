@@ -77,10 +77,10 @@ pub struct Pendulum {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Beside, Block, Carry, Compensation, ConfigError, Conservative,
-        Constant, Discretized, Effort, Err, Extrapolation, Hamiltonian, Knowledge,
-        LagrangianGradient, Lanes, NoiseClass, Ok, Option, Over, PhantomData, Plain,
-        Plan, Result, Rounded, SVector, Scalar, Segment, Solution, Solver, Some, State,
-        StepFailure, Vector, bool, f64, str, usize,
+        Constant, Discretized, Effort, Err, Extrapolation, Hamiltonian, KeptEnergy,
+        Knowledge, LagrangianGradient, Lanes, NoiseClass, Ok, Option, Over, PhantomData,
+        Plain, Plan, Result, Rounded, SVector, Scalar, Segment, Solution, Solver, Some,
+        State, StepFailure, Vector, bool, f64, str, usize,
         compose::{Composes, Equations, General, ROOM, Structure},
         embedding::{Composed, DeltaPlus, Midpoint},
     };
@@ -163,6 +163,7 @@ const _: () = {
                 commuting: Knowledge::Proven,
             };
             const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_i))\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_i)\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = p omega² sin(q)\n    H_pp(H_q,H_q) = omega^4 sin(q)²\n    H_qq(H_p,H_p) = p² omega² cos(q)\n";
+            const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
             type Prepared = Prepared<f64>;
             type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = Compensation<S, 1>;

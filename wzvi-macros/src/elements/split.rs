@@ -118,6 +118,7 @@ fn form(system: &mut System, part: usize) -> Result<Form, &'static str> {
     Ok(Form::Quadratic)
 }
 
-fn reads_time(graph: &Graph, term: &Term, t: Symbol) -> bool {
+/// Whether a term reads the time.
+pub(super) fn reads_time(graph: &Graph, term: &Term, t: Symbol) -> bool {
     term.elements.iter().any(|element| graph.depends_on(element.value, &[t]))
 }

@@ -80,6 +80,11 @@ impl Discretized<'_> {
                 }
             }
         });
+        // Other schemes keep what the trait says.
+        let kept = (embedding.order() == 1).then(|| {
+            let l = embedding.quadrature().0.to_f64();
+            quote!(const KEPT_ENERGY: __wzvi::KeptEnergy = __wzvi::KeptEnergy::Point(#l);)
+        });
         let beside = match &self.beside {
             Some(beside) => beside.emit(),
             None => quote!(__wzvi::apart!(Self);),
@@ -92,6 +97,7 @@ impl Discretized<'_> {
                 impl #generics __wzvi::Discretized<#scheme> for #name #arguments #filter {
                     const PLAN: __wzvi::Plan = #plan;
                     const EQUATIONS: &'static __wzvi::str = #text;
+                    #kept
                     #constants
                     type Prepared = #prepared;
                     type Memory<__S: __wzvi::Scalar> = #memory;

@@ -145,6 +145,7 @@ pub(crate) fn emit(model: &mut Model) -> TokenStream {
         let invariants = count(model.invariants.len());
         number_of("invariants", &quote!(#invariants))
     });
+    let reads_time = model.graph.depends_on(model.drift.value, &[model.phase.t]).then(reads_time);
     let parameter = parameter(&model.graph, &model.parameters);
     let variables = variables(&model.labels, model.graph.symbol_name(model.phase.t));
     let mut terms: Vec<Expr> = [model.drift].iter().chain(&model.noise).map(|term| term.value).collect();
@@ -162,6 +163,8 @@ pub(crate) fn emit(model: &mut Model) -> TokenStream {
         #[automatically_derived]
         impl #generics __wzvi::Hamiltonian for #name #arguments #filter {
             type Vector = __wzvi::SVector<#f64, #degrees>;
+
+            #reads_time
 
             fn degrees(&self) -> __wzvi::usize {
                 #degrees
@@ -188,6 +191,13 @@ pub(crate) fn emit(model: &mut Model) -> TokenStream {
             #invariant
         }
     }
+}
+
+/// What a system says of itself whose drift reads the time.
+pub(crate) fn reads_time() -> TokenStream {
+    quote!(
+        const READS_TIME: __wzvi::bool = true;
+    )
 }
 
 /// `Hamiltonian::force`; nothing if there is none.

@@ -20,7 +20,7 @@ use crate::elements::{Taken, WindowPlan, Word, nothing};
 use crate::error::{ConfigError, StepFailure};
 use crate::gauss::{Field, Shape};
 use crate::lanes::Lanes;
-use crate::plan::Plan;
+use crate::plan::{KeptEnergy, Plan};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::Vector;
@@ -193,6 +193,7 @@ pub struct KickDrift;
 
 impl<F: Flows> Sequence<F> for KickDrift {
     const PLAN: Plan = F::PLAN;
+    const KEPT_ENERGY: KeptEnergy = KeptEnergy::KickDriftKick;
     const REMEMBERS: bool = false;
     const IN_LANES: bool = true;
     const FILLS_REGISTERS_FROM: usize = if F::HAS_WINDOWS { LEAST_ALONE } else { usize::MAX };

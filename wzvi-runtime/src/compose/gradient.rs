@@ -20,7 +20,7 @@ use super::stages::{Memory, Rooms, Stage, Stages, Take, add, advance};
 use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepFailure};
 use crate::gauss::Shape;
-use crate::plan::Plan;
+use crate::plan::{KeptEnergy, Plan};
 use crate::scalar::{Dual, Scalar};
 use crate::solve::Effort;
 use crate::state::Vector;
@@ -40,6 +40,7 @@ pub struct GradientKicks<W>(PhantomData<W>);
 
 impl<F: Flows, W: GradientTable> Sequence<F> for GradientKicks<W> {
     const PLAN: Plan = F::PLAN;
+    const KEPT_ENERGY: KeptEnergy = KeptEnergy::Nearly;
     const REMEMBERS: bool = <KickDrift as Sequence<F>>::REMEMBERS;
     const IN_LANES: bool = <KickDrift as Sequence<F>>::IN_LANES;
     type Prepared = Stages;

@@ -21,6 +21,10 @@ macro_rules! __composition {
                 <$sequence as $crate::compose::Sequence<Self>>::IN_LANES;
             const FILLS_REGISTERS_FROM: $crate::core::primitive::usize =
                 <$sequence as $crate::compose::Sequence<Self>>::FILLS_REGISTERS_FROM;
+            const KEPT_ENERGY: $crate::plan::KeptEnergy = $crate::compose::kept_energy(
+                <$sequence as $crate::compose::Sequence<Self>>::KEPT_ENERGY,
+                $order,
+            );
             const EXCHANGES: $crate::core::primitive::bool =
                 <$sequence as $crate::compose::Sequence<Self>>::EXCHANGES;
             type Prepared = <$sequence as $crate::compose::Sequence<Self>>::Prepared;

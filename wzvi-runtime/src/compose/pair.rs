@@ -8,7 +8,7 @@ use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, FailedLanes, StepFailure};
 use crate::lanes::Lanes;
 use crate::memory::StepMemory;
-use crate::plan::Plan;
+use crate::plan::{KeptEnergy, Plan};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::{State, Vector};
@@ -126,6 +126,11 @@ where
     H: Discretized<A> + Discretized<B>,
 {
     const PLAN: Plan = joint_plan(<H as Discretized<A>>::PLAN, <H as Discretized<B>>::PLAN);
+    const KEPT_ENERGY: KeptEnergy =
+        match (<H as Discretized<A>>::KEPT_ENERGY, <H as Discretized<B>>::KEPT_ENERGY) {
+            (KeptEnergy::Point(_), KeptEnergy::Point(_)) => KeptEnergy::KickDriftKick,
+            _ => KeptEnergy::Hamiltonian,
+        };
     const REMEMBERS: bool = <H as Discretized<A>>::REMEMBERS || <H as Discretized<B>>::REMEMBERS;
     const IN_LANES: bool = <H as Discretized<A>>::IN_LANES && <H as Discretized<B>>::IN_LANES;
     type Prepared = Prepared<<H as Discretized<A>>::Prepared, <H as Discretized<B>>::Prepared>;

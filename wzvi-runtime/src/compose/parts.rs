@@ -15,7 +15,7 @@ use super::structure::{Parted, Structure, TwoFlows};
 use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepFailure};
 use crate::gauss::Shape;
-use crate::plan::Plan;
+use crate::plan::{KeptEnergy, Plan};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::Vector;
@@ -121,6 +121,7 @@ fn form<F: Parts>(half: Half) -> Form {
 
 impl<F: Parts> Sequence<F> for PartFlows {
     const PLAN: Plan = F::PLAN;
+    const KEPT_ENERGY: KeptEnergy = KeptEnergy::Nearly;
     const REMEMBERS: bool = false;
     const IN_LANES: bool = true;
     type Prepared = Prepared;

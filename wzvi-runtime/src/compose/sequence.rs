@@ -6,7 +6,7 @@ use crate::carry::Carry;
 use crate::error::{ConfigError, StepFailure};
 use crate::lanes::Lanes;
 use crate::memory::StepMemory;
-use crate::plan::{Plan, Solver};
+use crate::plan::{KeptEnergy, Plan, Solver};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::Vector;
@@ -38,6 +38,8 @@ pub trait Sequence<H: Hamiltonian> {
     const IS_SYMMETRIC: bool = true;
     /// Whether steps follow from a discrete Lagrangian.
     const IS_VARIATIONAL: bool = true;
+    /// As `Discretized::KEPT_ENERGY`, of a step of order two.
+    const KEPT_ENERGY: KeptEnergy = KeptEnergy::Hamiltonian;
     /// As `Discretized::EXCHANGES`.
     const EXCHANGES: bool = false;
     /// What is computed once for all steps of one size.
@@ -153,6 +155,14 @@ pub struct Followed<V> {
 pub const fn plan(of_step: Plan, order: u32, is_symmetric: bool) -> Plan {
     let order = if order > of_step.order { order } else { of_step.order };
     Plan { order, consistent: is_symmetric || of_step.consistent, ..of_step }
+}
+
+/// The energy that a composition of this order keeps, by that of a step of order two.
+pub const fn kept_energy(of_step: KeptEnergy, order: u32) -> KeptEnergy {
+    match of_step {
+        KeptEnergy::KickDriftKick if order > 2 => KeptEnergy::Nearly,
+        _ => of_step,
+    }
 }
 
 /// The plan of steps that are made of those of two plans.

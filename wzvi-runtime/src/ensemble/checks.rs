@@ -103,11 +103,18 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         let recorded = setup.recorded.checked(0, &grid)?;
         let recorded = recorded.all(&grid, MOST_NODES)?;
         let is_standard = setup.observables.is_empty();
-        let observables =
+        let mut observables =
             if is_standard { standard(system, start.q.components().len()) } else { setup.observables };
-        let (names, observables) = observables.checked("observables")?;
         // The last one of those that nobody asked for.
-        let own_energy = (is_standard && !systems.is_empty()).then(|| names.len() - 1);
+        let own_energy = (is_standard && !systems.is_empty()).then(|| observables.len() - 1);
+        let own_work = setup.wanted.has_work.then(|| observables.len());
+        if own_work.is_some() {
+            let is_between = recorded.iter().any(|recorded| recorded.is_inside);
+            check_work::<H, E>(setup.retry.most() > 0 || grid.shorter.is_some() || is_between)?;
+            // No functions of the state: whoever looks at a path puts them there.
+            WORK.into_iter().for_each(|name| observables.push(name.into(), |_| f64::NAN));
+        }
+        let (names, observables) = observables.checked("observables")?;
         let (event_names, events) = setup.events.checked("events")?;
         if has_pairs && !events.is_empty() {
             return Err(ConfigError::Setting(
@@ -131,12 +138,13 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         }
         Ok(Job {
             system,
-            prepared: system.validate().and_then(|()| system.prepare(h))?,
+            prepared: crate::step::prepared(system, h)?,
             h,
             start,
             starts,
             systems,
             own_energy,
+            own_work,
             seed,
             grid,
             paths,
@@ -152,6 +160,22 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             stop,
         })
     }
+}
+
+/// What [`Ensemble::observe_work`] observes, in this order.
+const WORK: [&str; 3] = ["work", "shadow work", "heat"];
+
+/// Whether there is work to observe, in a run that may take steps of another size than its own or look between its nodes.
+fn check_work<H: Discretized<E>, E>(is_uneven: bool) -> Result<(), ConfigError> {
+    let wrong = if !(H::IS_FORCED || H::IS_CONFORMAL || H::EXCHANGES) {
+        "work of paths that have no bath, force or friction: observe the energy"
+    } else if is_uneven {
+        "work of paths whose steps are halved, whose last step is shorter, or that are recorded between nodes: leave `retry`, `exactly` and \
+         such times out, or run single paths"
+    } else {
+        return Ok(());
+    };
+    Err(ConfigError::Setting(wrong.into()))
 }
 
 impl Extras {
@@ -178,7 +202,7 @@ impl Extras {
                 "the paths take {bytes} bytes to keep, more than the {most} that are allowed: record fewer times, or fewer paths"
             ));
         }
-        let (quantiles, has_covariances) = (self.quantiles, self.covariances);
+        let (quantiles, has_covariances) = (self.quantiles, self.covariances.unwrap_or(true));
         let keeps_paths = self.most_bytes.is_some();
         let wanted = Wanted {
             names,

@@ -17,9 +17,9 @@ use crate::memory::StepMemory;
 use crate::retry::Subdivision;
 use crate::scalar::Scalar;
 use crate::state::{State, Vector};
-use crate::step::{ResolutionMonitor, Stepper};
+use crate::step::Stepper;
 use crate::steps::Advance;
-use crate::system::Discretized;
+use crate::system::{Discretized, Exchange};
 
 /// No step was halved.
 const NEVER: (u64, u32) = (u64::MAX, 0);
@@ -36,7 +36,6 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     /// The same by lane, between a step that not all lanes could take the short way and the first after which all remember as much;
     /// then, and where nothing is remembered, there are none.
     apart: Vec<H::Memory<Lanes<1>>>,
-    resolution: [ResolutionMonitor; L],
     pub(super) increments: LaneIncrements<'j, L>,
     /// Lanes that are paths of this run; others only keep the vector full.
     counts: [bool; L],
@@ -78,7 +77,6 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             p: Vec::new(),
             memory: Default::default(),
             apart: Vec::new(),
-            resolution: [ResolutionMonitor::default(); L],
             increments: if Self::goes_alone(job) { increments.path_by_path() } else { increments },
             counts: [false; L],
             failed: [false; L],
@@ -115,7 +113,6 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         self.halved = [NEVER; L];
         self.memory.forget();
         self.apart.clear();
-        self.resolution = [ResolutionMonitor::default(); L];
         self.increments.begin(path);
         if P::ARE_OWN {
             self.own = (0..L).map(|lane| self.prepared(lane)).collect::<Result<_, _>>()?;
@@ -124,11 +121,28 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         self.put_starts()?;
         // A stepper that is there starts anew by itself: paths begin at another time than they end.
         if self.is_stepped() && (self.steppers.len() < L || was_over || P::ARE_OWN) {
-            let stepper = |lane| Stepper::beside_others(self.job.system_of(self.source_of(lane)), self.job.h);
+            let accounts = self.job.own_work.is_some();
+            let stepper =
+                |lane| Stepper::beside_others(self.job.system_of(self.source_of(lane)), self.job.h, accounts);
             let steppers = (0..L).map(stepper);
             self.steppers = steppers.collect::<Result<_, _>>()?;
         }
+        self.steppers.iter_mut().for_each(|stepper| stepper.set_exchanged(Exchange::default()));
         Ok(())
+    }
+
+    /// Work, shadow work and heat of a lane, up to a node that all have reached.
+    ///
+    /// # Errors
+    /// That of a start that is none.
+    pub(super) fn work_of(&mut self, lane: usize, node: u64) -> Result<[f64; 3], ConfigError> {
+        let path = self.source_of(lane);
+        let (system, start) = (self.job.system_of(path), self.job.start_of(path)?);
+        let gained = system.energy(self.state_at(lane, node)) - system.energy(&start);
+        let Exchange { work: accounted, heat } =
+            self.steppers.get(lane).map(Stepper::exchanged).unwrap_or_default();
+        let work = gained - heat;
+        Ok([work, work - accounted, heat])
     }
 
     /// # Errors
@@ -151,8 +165,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// What is prepared of the system of a lane.
     fn prepared(&self, lane: usize) -> Result<H::Prepared, ConfigError> {
         let path = self.source_of(lane);
-        let system = self.job.system_of(path);
-        let prepared = system.validate().and_then(|()| system.prepare(self.job.h));
+        let prepared = crate::step::prepared(self.job.system_of(path), self.job.h);
         prepared.map_err(|cause| ConfigError::PathSystem { path, cause: Box::new(cause) })
     }
 
@@ -189,6 +202,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             || Self::goes_alone(self.job)
             || (P::ARE_OWN && self.beside.is_none())
             || (H::HAS_POLYNOMIAL && self.looks_between)
+            || self.job.own_work.is_some()
     }
 
     fn time(&self, step: u64) -> f64 {

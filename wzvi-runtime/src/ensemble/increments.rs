@@ -179,6 +179,9 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         let (_, to) = self.values.split_at_mut(slot(interval.step) * self.processes);
         for (lane, noise) in noises.iter_mut().enumerate().filter(|(lane, _)| wants(*lane)) {
             noise.increments(interval, alone)?;
+            if let Some(process) = alone.iter().position(|dw| !dw.is_finite()) {
+                return Err(NoiseError::NonFinite { step: interval.step, process, value: alone[process] });
+            }
             for (to, from) in to.iter_mut().zip(&*alone) {
                 to.set(lane, *from);
             }

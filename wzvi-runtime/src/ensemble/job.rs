@@ -28,6 +28,8 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) systems: Vec<H>,
     /// The observable that is the energy of a path's own system.
     pub(super) own_energy: Option<usize>,
+    /// The first of the observables `work`, `shadow work` and `heat` of a path.
+    pub(super) own_work: Option<usize>,
     pub(super) seed: u64,
     pub(super) grid: Grid,
     pub(super) paths: u64,

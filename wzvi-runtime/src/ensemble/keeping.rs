@@ -147,7 +147,7 @@ fn observed<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Vec<f64>, Error
     let (mut state, mut dw) = (job.start.clone(), vec![0.0; job.processes()]);
     values.see(&state);
     let (start, h, steps) = (state.t, job.h, job.grid.whole().min(COMPARED_STEPS));
-    let stepper = &mut Stepper::<H, E, _>::beside_others(job.system_of(0), h)?;
+    let stepper = &mut Stepper::<H, E, _>::beside_others(job.system_of(0), h, false)?;
     let (state, noise, dw, account) = (&mut state, &mut Some(job.source.path(0)), &mut dw[..], &mut ());
     let noise = &mut noise.as_deref_mut();
     let mut path = Single { stepper, state, noise, dw, start, h, account };

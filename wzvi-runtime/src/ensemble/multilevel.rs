@@ -365,12 +365,13 @@ where
         normals.prepare(&H::PLAN, h, system.increments(start.q.components().len()), start.t)?;
         let job = Job {
             system: *system,
-            prepared: system.validate().and_then(|()| system.prepare(h))?,
+            prepared: crate::step::prepared(*system, h)?,
             h,
             start: start.clone(),
             starts: None,
             systems: Vec::new(),
             own_energy: None,
+            own_work: None,
             seed: normals.seed_number().unwrap_or(0),
             grid: Grid::of(start.t, h, steps),
             paths: u64::MAX,

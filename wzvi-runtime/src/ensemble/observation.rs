@@ -223,6 +223,10 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             if let Some(energy) = job.own_energy {
                 self.values[energy] = job.system_of(path).energy(state);
             }
+            if let Some(first) = job.own_work {
+                let own = group.work_of(lane, node).map_err(Error::from)?;
+                self.values[first..].iter_mut().zip(own).for_each(|(value, own)| *value = own);
+            }
             self.piece.see(place, Some(&self.values), &job.wanted);
             if let Some(paths) = &mut self.piece.statistics.paths {
                 paths.put(self.kept[lane], place, &self.values);

@@ -78,7 +78,7 @@ impl Statistics {
     ///
     /// | table | one row for each | columns |
     /// |---|---|---|
-    /// | `run` | run | `system`, `scheme`, `version`, `step_size`, `start`, `steps`, `seed`, `noise`, `paths_wanted`, `paths`, `failed`, `extent` (`whole` or `partial`), `targets` (`met`, `missed` or `none`) |
+    /// | `run` | run | `system`, `scheme`, `version`, `step_size`, `start`, `steps`, `seed`, `noise`, `paths_wanted`, `paths`, `failed`, `extent` (`whole` or `partial`), `targets` (`met`, `missed` or `none`), each parameter that is the same for all paths |
     /// | `moments` | time, observable | `count`, `lost`, `not_finite`, `mean`, `standard_error`, `error_bound`, `variance` |
     /// | `covariances` | time, pair of observables | `covariance` |
     /// | `quantiles` | time, observable, fraction | `quantile` |
@@ -89,7 +89,9 @@ impl Statistics {
     /// | `crossings` | section | `count`, `rising`, `falling`, `mean`, `standard_error`, `variance` (of the number of crossings of a path) |
     /// | `crossing_states` | crossing that is kept | `section`, `path`, `direction` (`rising` or `falling`), `time`, `q0`, ..., `p0`, ... |
     /// | `failures` | path that failed | `step`, `time`, `cause` |
-    /// | `paths` | path, time | each observable |
+    /// | `paths` | path, time | each parameter that differs between paths, each observable |
+    ///
+    /// A parameter with the name of another column has `_` at its end.
     ///
     /// All tables are always there, some without rows: files of an earlier run are replaced, whatever that one had. Histograms have a bin below the first one that begins at minus
     /// infinity, one above the last, and one without edges for what is not a number; their density is not a number.
@@ -126,16 +128,17 @@ impl Statistics {
             ("extent", TEXT),
             ("targets", TEXT),
         ];
-        let mut table = Table::new("run", columns, []);
-        let Some(Origin { system, scheme, h, start, steps, seed, noise, paths }) = &self.origin else {
-            return table;
-        };
+        let Some(origin) = &self.origin else { return Table::new("run", columns, []) };
+        let Origin { system, scheme, h, start, steps, seed, noise, paths, parameters, varying: _ } = origin;
+        let known = columns.iter().map(|(name, _)| (*name).to_owned());
+        let names = beside(known, parameters.iter().map(|(name, _)| name));
+        let mut table = Table::new("run", columns, names.iter().map(String::as_str));
         let targets = match self.met_targets() {
             Some(true) => "met",
             Some(false) => "missed",
             None => "none",
         };
-        table.row([
+        let own = [
             Text(system),
             Text(scheme),
             Text(env!("CARGO_PKG_VERSION")),
@@ -149,7 +152,8 @@ impl Statistics {
             Count(self.failed()),
             Text(if self.is_partial() { "partial" } else { "whole" }),
             Text(targets),
-        ]);
+        ];
+        table.row(own.into_iter().chain(parameters.iter().map(|(_, value)| Number(*value))));
         table
     }
 
@@ -322,18 +326,38 @@ impl Statistics {
     }
 
     fn kept_paths(&self) -> Table {
-        let names = self.observables().iter().map(String::as_str);
-        let mut table = Table::new("paths", [("path", COUNT), ("time", NUMBER)], names);
+        let columns = [("path", COUNT), ("time", NUMBER)];
+        let varying = self.origin.as_ref().map_or(&[][..], |origin| &origin.varying);
+        let known =
+            columns.iter().map(|(name, _)| (*name).to_owned()).chain(self.observables().iter().cloned());
+        let parameters = beside(known, varying.iter().map(|(name, _)| name));
+        let names = parameters.iter().chain(self.observables()).map(String::as_str);
+        let mut table = Table::new("paths", columns, names);
         let Some(paths) = self.paths() else { return table };
         for path in 0..paths.count() {
             for (number, node) in self.nodes().iter().enumerate() {
                 let values = paths.at(path, number).unwrap_or_default().iter();
                 let values = values.map(|&value| Number(value));
-                table.row([Count(path as u64), Number(node.time())].into_iter().chain(values));
+                let own = varying.iter().map(|(_, own)| Number(own.get(path).copied().unwrap_or(f64::NAN)));
+                table.row([Count(path as u64), Number(node.time())].into_iter().chain(own).chain(values));
             }
         }
         table
     }
+}
+
+/// Names of columns beside those that are known.
+fn beside<'n>(known: impl Iterator<Item = String>, names: impl Iterator<Item = &'n String>) -> Vec<String> {
+    let mut all: Vec<String> = known.collect();
+    let first = all.len();
+    for name in names {
+        let mut name = name.clone();
+        while all.contains(&name) {
+            name.push('_');
+        }
+        all.push(name);
+    }
+    all.split_off(first)
 }
 
 struct Bin {

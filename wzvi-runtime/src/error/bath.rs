@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::digits::Brief;
+
 /// Why a system has no Langevin equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BathError {
@@ -40,17 +42,18 @@ impl fmt::Display for BathError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Temperature { temperature } => {
-                write!(f, "the temperature is {temperature}; it must be finite and not negative")
+                write!(f, "the temperature is {}; it must be finite and not negative", Brief(*temperature))
             }
             Self::Friction { rate } => {
-                write!(f, "the friction has the rate {rate}; it must be finite and not negative")
+                write!(f, "the friction has the rate {}; it must be finite and not negative", Brief(*rate))
             }
             Self::Asymmetric { entry: [i, j] } => {
                 write!(f, "the damping matrix is not symmetric at row {i}, column {j} (from 0)")
             }
             Self::Mass { degree, inverse } => write!(
                 f,
-                "degree of freedom {degree} (from 0) has friction, but its inverse mass is {inverse}; it must be positive"
+                "degree of freedom {degree} (from 0) has friction, but its inverse mass is {}; it must be positive",
+                Brief(*inverse)
             ),
             Self::Masses => write!(
                 f,
@@ -58,7 +61,8 @@ impl fmt::Display for BathError {
             ),
             Self::Backwards { h } => write!(
                 f,
-                "the step size is {h}: a system with friction has no way back in time; take a positive one"
+                "the step size is {}: a system with friction has no way back in time; take a positive one",
+                Brief(*h)
             ),
         }
     }

@@ -27,12 +27,12 @@ pub enum StepFailure {
         /// Fraction of the step, of `h` and of the increments, up to which there is one.
         reached: f64,
     },
-    /// The step is too long for the fastest motion: that alternates from step to step, and has taken or given more energy
-    /// than an exact solution would exchange.
+    /// The steps are too long for the motion: the energy has changed by more than a tenth of the size of the motion, and has stayed so for 64
+    /// steps; or the halves of a step that was divided do not agree.
     Unresolved {
-        /// `|H - H(start)|` at the end of the step, in units of energy.
+        /// By how much the energy has changed, at least, over these steps; what the halves disagree by. In units of energy.
         energy_error: f64,
-        /// The largest `|P · Δq / h|` so far, twice the kinetic energy of a mechanical system.
+        /// The mean of `|p · Δq / h|` so far, twice the kinetic energy of a mechanical system.
         scale: f64,
     },
     /// The new state (or an intermediate value) overflowed or is undefined.
@@ -98,9 +98,9 @@ impl fmt::Display for StepFailure {
             ),
             Self::Unresolved { energy_error, scale } => write!(
                 f,
-                "the step is too long for the fastest motion, which alternates and has changed the energy by \
-                 {energy_error:.1e} (the motion itself has {scale:.1e}); subdivide with `.retry(Retry::halving(n))`, \
-                 take a smaller step, or choose coordinates in which the stiff direction does not turn"
+                "the step is too long for the motion: the energy is off by {energy_error:.1e}, and not in passing, where the \
+                 mean of p · dq/dt is {scale:.1e}; take a smaller step, subdivide with `.retry(Retry::halving(n))`, or look at the \
+                 energy yourself with `.unwatched()`"
             ),
             Self::NonFinite => {
                 write!(f, "the new state is not finite; take a smaller step or check the domain of H")

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::digits::Brief;
+
 /// Why there are no increments.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -46,7 +48,7 @@ pub enum NoiseError {
     },
     /// A setting of the source that makes no sense, with what to do.
     Setting(String),
-    /// A given increment is NaN or infinite.
+    /// An increment is NaN or infinite.
     NonFinite {
         /// Number of the step, from 0.
         step: u64,
@@ -63,17 +65,25 @@ impl fmt::Display for NoiseError {
             Self::Time { t, limit } => {
                 write!(
                     f,
-                    "there is no Wiener path at t = {t}: times must be finite and less than {limit:.1e} from zero"
+                    "there is no Wiener path at t = {}: times must be finite and less than {limit:.1e} from zero",
+                    Brief(*t)
                 )
             }
-            Self::StepSize(h) => write!(f, "the step size is {h}; it must be finite and not zero"),
+            Self::StepSize(h) => write!(f, "the step size is {}; it must be finite and not zero", Brief(*h)),
             Self::Window(eps) => {
-                write!(f, "the width of the Wong-Zakai window is {eps}; it must be finite and positive")
+                write!(
+                    f,
+                    "the width of the Wong-Zakai window is {}; it must be finite and positive",
+                    Brief(*eps)
+                )
             }
-            Self::Unit(unit) => write!(f, "the unit of time is {unit}; it must be finite and positive"),
+            Self::Unit(unit) => {
+                write!(f, "the unit of time is {}; it must be finite and positive", Brief(*unit))
+            }
             Self::Truncation(k) => write!(
                 f,
-                "the truncation parameter is {k}; it must be finite and at least 1 (take twice the strong order or more)"
+                "the truncation parameter is {}; it must be finite and at least 1 (take twice the strong order or more)",
+                Brief(*k)
             ),
             Self::Exhausted { step, available } => write!(
                 f,
@@ -87,7 +97,7 @@ impl fmt::Display for NoiseError {
             }
             Self::Setting(what) => f.write_str(what),
             Self::NonFinite { step, process, value } => {
-                write!(f, "the increment given for step {step} and noise {process} is {value}")
+                write!(f, "the increment of step {step} and noise {process} is {value}")
             }
         }
     }

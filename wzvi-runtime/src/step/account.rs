@@ -6,7 +6,8 @@
 //! work = Σ_i b_i (h f · v + h ∂H/∂t + Σ_k ΔW_k {H_k, H})(z(θ_i)),   heat = -h Σ_i b_i γ p · v,   v = ∂H/∂p
 //! ```
 //!
-//! With a bath, whose noise makes momenta rough inside the step, the force is that in the middle and works along the way `Δq`.
+//! With a bath, whose noise makes momenta rough inside the step, the force is that in the middle and works along the way `Δq`, and explicit time is
+//! `H(t + h) - H(t)` there.
 
 use crate::dense::{DenseOutput, copy_state};
 use crate::gauss::quadrature;
@@ -29,7 +30,7 @@ pub(super) struct Ledger<V> {
 
 /// Whether steps of a system exchange energy by more than what their scheme accounts for.
 pub(super) fn is_wanted<H: Discretized<E>, E>(system: &H) -> bool {
-    H::IS_FORCED || H::IS_CONFORMAL || (H::EXCHANGES && system.noises() > 0)
+    H::IS_FORCED || H::IS_CONFORMAL || (H::EXCHANGES && (system.noises() > 0 || H::READS_TIME))
 }
 
 impl<V: Vector> Ledger<V> {
@@ -91,7 +92,12 @@ impl<V: Vector> Ledger<V> {
         let moved =
             after.q.components().iter().zip(before.q.components()).map(|(after, before)| after - before);
         let by_force: f64 = moved.zip(force.components()).map(|(moved, force)| moved * force).sum();
-        let work = by_force + by_time(system, at, after.t - before.t) + by_noise;
+        let (q, p) = (at.q.components(), at.p.components());
+        let by_time = match H::READS_TIME {
+            true => system.evaluate(0, q, p, after.t) - system.evaluate(0, q, p, before.t),
+            false => 0.0,
+        };
+        let work = by_force + by_time + by_noise;
         Exchange { work, heat: 0.0 }
     }
 

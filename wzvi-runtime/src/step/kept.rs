@@ -18,7 +18,6 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
             before,
             clock,
             reached,
-            resolution,
             exchanged,
             ledger: _,
             is_unaccounted: _,
@@ -39,7 +38,6 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
         }
         memory.pass(tape);
         carry.pass(tape);
-        resolution.pass(tape);
         if Self::MAY_EXCHANGE {
             tape.numbers([&mut exchanged.work, &mut exchanged.heat]);
         }

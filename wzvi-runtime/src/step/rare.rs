@@ -3,9 +3,8 @@
 //! Everything goes there and comes back by value, because state and stepper stay in registers only where no function is given their
 //! address.
 
-use super::ResolutionMonitor;
 use crate::carry::Carry;
-use crate::continuation::{Continued, Hard, Taken};
+use crate::continuation::{Continued, Hard, Taken, solve_by_continuation};
 use crate::error::StepFailure;
 use crate::memory::StepMemory;
 use crate::system::Discretized;
@@ -21,9 +20,6 @@ pub(super) enum Cause<M> {
 /// A step to take.
 pub(super) struct Rare<'a, H: Discretized<E>, E, C> {
     pub(super) hard: Hard<'a, H, E, C>,
-    pub(super) resolution: ResolutionMonitor,
-    /// Its number.
-    pub(super) step: u64,
     /// Whether it may be taken with care.
     pub(super) is_iterated: bool,
 }
@@ -31,7 +27,6 @@ pub(super) struct Rare<'a, H: Discretized<E>, E, C> {
 /// A step that was taken.
 pub(super) struct Arrived<H: Discretized<E>, E, C> {
     pub(super) taken: Taken<H, E, C>,
-    pub(super) resolution: ResolutionMonitor,
     pub(super) is_hard: bool,
 }
 
@@ -46,19 +41,18 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
     /// Takes it: the short way if that is not known to fail, then with care.
     ///
     /// # Errors
-    /// The cause, or those of [`ResolutionMonitor::careful_step`].
+    /// The cause, or those of [`solve_by_continuation`].
     #[cold]
     #[inline(never)]
     pub(super) fn take(
         self,
         cause: Cause<H::Memory<f64>>,
     ) -> Result<Arrived<H, E, C>, Refused<H::Memory<f64>>> {
-        let Self { mut hard, mut resolution, step, is_iterated } = self;
+        let Self { mut hard, is_iterated } = self;
         let (failure, memory) = match cause {
             Cause::Failed(failure) => (failure, None),
             Cause::Moved(mut memory) => {
                 hard.carry = C::default();
-                resolution = resolution.restarted();
                 let (mut q, mut p, mut carry) = (hard.q.clone(), hard.p.clone(), hard.carry.clone());
                 let Hard { system, prepared, t, h, dw, .. } = &hard;
                 let short = system.advance_vectors::<C, false>(
@@ -74,7 +68,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
                 match short {
                     Ok(effort) => {
                         let taken = Continued { q, p, memory, carry, effort };
-                        return Ok(Arrived { taken, resolution, is_hard: false });
+                        return Ok(Arrived { taken, is_hard: false });
                     }
                     Err(failure) => (failure, Some(memory)),
                 }
@@ -83,7 +77,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
         if !is_iterated {
             return Err(Refused { cause: failure, memory });
         }
-        let (mut taken, resolution) = match resolution.careful_step(hard, step, failure) {
+        let mut taken = match solve_by_continuation(hard, failure) {
             Ok(solved) => solved,
             Err(cause) => return Err(Refused { cause, memory }),
         };
@@ -91,6 +85,6 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
             memory.adopt(taken.memory);
             taken.memory = memory;
         }
-        Ok(Arrived { taken, resolution, is_hard: true })
+        Ok(Arrived { taken, is_hard: true })
     }
 }

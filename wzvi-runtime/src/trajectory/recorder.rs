@@ -67,6 +67,8 @@ impl<V: Vector> Recorder<V> {
             observed: Vec::new(),
             crossings: Vec::new(),
             exchanged: Exchange::default(),
+            is_accounted: false,
+            gained: None,
         };
         let (recording, next) = (recording.clone(), recording.next(0));
         Ok(Self { path, recording, pending: vec![Sum::default(); processes], kept: 0, next, inside: 0 })

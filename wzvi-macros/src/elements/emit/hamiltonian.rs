@@ -4,7 +4,8 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::{degrees, noise_count, vector_type};
-use crate::emit::{count, f64_type, friction_rate, number_of, parameter, validate, variables};
+use crate::elements::split;
+use crate::emit::{count, f64_type, friction_rate, number_of, parameter, reads_time, validate, variables};
 use crate::model::System;
 
 /// `impl Hamiltonian`
@@ -12,6 +13,7 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
     let friction = model.conformal.map(|rate| friction_rate(&mut model.graph, &model.parameters, rate));
     let model = &*model;
     let vector = vector_type(model);
+    let reads_time = split::reads_time(&model.graph, &model.drift, model.t).then(reads_time);
     let degrees = degrees(model);
     let noises = (!model.noise.is_empty()).then(|| number_of("noises", &noise_count(model)));
     let (usize, f64) = (quote!(__wzvi::usize), f64_type());
@@ -54,6 +56,8 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
         #[automatically_derived]
         impl #generics __wzvi::Hamiltonian for #name #arguments #filter {
             type Vector = #vector;
+
+            #reads_time
 
             #friction
 

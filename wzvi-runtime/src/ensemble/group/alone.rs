@@ -2,7 +2,7 @@
 
 use super::{Group, Systems};
 use crate::carry::Plain;
-use crate::continuation::Hard;
+use crate::continuation::{Hard, solve_by_continuation};
 use crate::ensemble::job::Job;
 use crate::error::{ConfigError, Error, FailedLanes, InternalError, StepError, StepFailure};
 use crate::few::List;
@@ -13,7 +13,6 @@ use crate::numbers::{Numbers, Tape};
 use crate::plan::Solver;
 use crate::retry::{Subdivision, is_curable};
 use crate::state::State;
-use crate::step::ResolutionMonitor;
 use crate::system::Discretized;
 
 impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P, L> {
@@ -88,7 +87,6 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         match if is_tried { self.halve(lane, step, error) } else { Err(error.into()) } {
             Ok(state) => {
                 self.put(lane, &state.q, &state.p);
-                self.resolution[lane] = ResolutionMonitor::default();
                 memory.forget();
             }
             Err(Error::Step(error)) => self.fail(lane, error),
@@ -164,9 +162,8 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         let (system, prepared) = self.system_of(lane);
         let h = job.h;
         let hard = Hard { system, prepared, t, h, q, p, dw: List::of(&dw), carry: Plain };
-        let solved = self.resolution[lane].careful_step(hard, step, cause);
-        let (mut solved, watched) = solved.map_err(|cause| StepError { step, t, h, cause })?;
-        self.resolution[lane] = watched;
+        let solved = solve_by_continuation(hard, cause);
+        let mut solved = solved.map_err(|cause| StepError { step, t, h, cause })?;
         self.put(lane, &solved.q, &solved.p);
         let words = Tape::write(|tape| solved.memory.pass(tape));
         Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;

@@ -3,13 +3,16 @@
 use std::marker::PhantomData;
 
 use super::{Multilevel, Observed, Setup};
-use crate::ensemble::{self, Ensemble};
+use crate::ensemble::control::Control;
+use crate::ensemble::source::{Settings, Source};
+use crate::ensemble::{self, Ensemble, Extras};
+use crate::recording::Request;
 use crate::system::Discretized;
 
 impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
     /// The mean of the one observable at the end, to a root mean square error of `target` (units of the observable), from
     /// coupled paths: [`Integrate::multilevel`](crate::integrate::Integrate::multilevel) with what was said of start, end, seed,
-    /// observable, paths and threads.
+    /// observable, paths and threads. Whatever else was said has no meaning there, and is an error of the run.
     pub fn multilevel(self, target: f64) -> Multilevel<'a, H, E, Observed> {
         let ensemble::Setup {
             system,
@@ -25,20 +28,39 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             execution,
             starts,
             systems,
-            ..
+            recorded,
+            inspector,
+            keeping,
+            retry,
+            control,
         } = self.setup;
+        let Extras { quantiles, covariances, histograms, most_bytes, most_crossings, has_work } = wanted;
+        let (Settings { truncation, is_antithetic }, Control { targets, losses }) = (settings, control);
+        let Request { every, times } = recorded;
+        let normals = source.as_ref().and_then(Source::normals);
         let refused = [
-            (settings.is_antithetic, "antithetic paths"),
+            (is_antithetic || source.as_ref().is_some_and(Source::is_antithetic), "antithetic paths"),
+            (source.is_some() && normals.is_none(), "a noise that is not `StepNormals`"),
             (systems.is_some(), "paths that have systems of their own"),
             (starts.is_some() && span.start.is_none(), "paths that start at states of their own"),
             (!events.is_empty(), "first passages"),
             (!sections.is_empty(), "sections"),
             (span.is_exact, "an exact end"),
-            (wanted.quantiles || !wanted.histograms.is_empty(), "quantiles and histograms"),
-            (wanted.most_bytes.is_some(), "kept paths"),
+            (quantiles || !histograms.is_empty(), "quantiles and histograms"),
+            (covariances.is_some(), "covariances"),
+            (most_bytes.is_some() || most_crossings > 0, "kept paths and crossings"),
+            (every.is_some() || !times.is_empty(), "recorded times"),
+            (inspector.is_some(), "`inspect`"),
+            (keeping.is_set(), "`checkpoint`"),
+            (has_work, "work and heat"),
+            (retry.most() > 0, "`retry`"),
+            (!targets.is_empty(), "`until_error`"),
+            (losses.is_some(), "`allow_losses`"),
         ];
         let refused = refused.into_iter().find_map(|(is_asked, what)| is_asked.then_some(what));
-        let (seed, truncation) = (source.map(|source| source.seed()), settings.truncation);
+        let seed = source.as_ref().map(Source::seed);
+        let truncation =
+            normals.map_or(truncation, |normals| normals.clone().with_truncation(truncation).truncation());
         let begun = Multilevel::<H, E>::new(system, h).setup;
         let setup = Setup { span, observables, paths, execution, seed, truncation, refused, ..begun };
         Multilevel { setup, types: PhantomData }.target(target)

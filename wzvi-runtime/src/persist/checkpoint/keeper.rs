@@ -141,7 +141,7 @@ impl Keep {
         stepper: &mut Stepper<'_, H, E, C>,
         run: &mut Run<'_, '_, '_, H::Vector>,
     ) -> Result<u64, CheckpointError> {
-        let Run { state, recorder, wiener: path, looks } = run;
+        let Run { state, recorder, wiener: path, looks, watch } = run;
         self.compare(&saved, state.q.components().len())?;
         let step = saved.step;
         if step > steps {
@@ -156,6 +156,7 @@ impl Keep {
                 Tape::read(format::bits(&saved.recorder), |tape| {
                     recorder.pass(tape);
                     looks.iter_mut().for_each(|looks| looks.pass(recorder, tape));
+                    watch.pass(tape);
                 })
             })
             .and_then(|()| Tape::read(format::bits(&saved.wiener), |tape| path.pass(tape)));
@@ -190,7 +191,7 @@ impl Keep {
         run: &mut Run<'_, '_, '_, H::Vector>,
         step: u64,
     ) -> Result<(), CheckpointError> {
-        let Run { state, recorder, wiener: path, looks } = run;
+        let Run { state, recorder, wiener: path, looks, watch } = run;
         self.own.check_ours()?;
         self.nodes.append(recorder)?;
         let (nodes, checksum) = self.nodes.written();
@@ -205,6 +206,7 @@ impl Keep {
             recorder: format::words(Tape::write(|tape| {
                 recorder.pass(tape);
                 looks.iter_mut().for_each(|looks| looks.pass(recorder, tape));
+                watch.pass(tape);
             })),
             wiener: format::words(Tape::write(|tape| path.pass(tape))),
             nodes,

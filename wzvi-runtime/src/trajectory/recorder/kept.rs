@@ -27,8 +27,11 @@ impl<V: Vector> Recorder<V> {
             observed: _,
             crossings: _,
             exchanged: _,
+            is_accounted: _,
+            gained: _,
         } = path;
-        let Iterations { total, largest, hard, doubtful, halved, halvings } = iterations;
+        // The watch of the run counts by itself.
+        let Iterations { total, largest, hard, doubtful, halved, halvings, suspected: _ } = iterations;
         for word in [&mut *steps, total, hard, doubtful, halved, kept] {
             tape.word(word);
         }

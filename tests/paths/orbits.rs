@@ -1,0 +1,219 @@
+//! A step that is far too long for the orbit: a run whose energy has changed, and stays changed, is no result.
+//!
+//! A deterministic run of constant step watches its energy (docs/stability.md); what is right is never refused.
+
+use fixtures::small::Kepler;
+use wzvi::error::{StepError, StepFailure};
+use wzvi::prelude::*;
+
+/// The planar restricted problem of three bodies, in the rotating frame, with the small body to the left.
+#[hamiltonian(
+    drift = |[x, y], [px, py]| {
+        let (large, small) = ((x - mu).hypot(y), (x + 1.0 - mu).hypot(y));
+        0.5 * (px * px + py * py) + y * px - x * py - (1.0 - mu) / large - mu / small
+    },
+    embedding = Gauss<8>,
+)]
+struct ThreeBodies {
+    mu: f64,
+}
+
+/// Two coupled modes, linear where `quartic` is zero.
+#[hamiltonian(
+    drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) + 0.5 * (a * x * x + b * y * y + c * x * y)
+        + 0.25 * quartic * (x * x * x * x + y * y * y * y),
+    embedding = [Midpoint, Verlet, DeltaPlus, Lambda<1, 4>],
+)]
+struct Modes {
+    a: f64,
+    b: f64,
+    c: f64,
+    quartic: f64,
+}
+
+type Planar = State<wzvi::nalgebra::SVector<f64, 2>>;
+
+/// Starts of an orbit of semi-axis one, from its pericentre and its apocentre.
+fn ends_of_orbit(e: f64) -> [Planar; 2] {
+    let speed = ((1.0 - e) / (1.0 + e)).sqrt();
+    [State::new([1.0 - e, 0.0], [0.0, 1.0 / speed]), State::new([1.0 + e, 0.0], [0.0, speed])]
+}
+
+/// `Unresolved` with a time, or nothing.
+fn alarm<V, E>(outcome: Result<Trajectory<V, E>, wzvi::Error>) -> Option<StepError> {
+    match outcome {
+        Ok(_) => None,
+        Err(wzvi::Error::Step(error)) if matches!(error.cause, StepFailure::Unresolved { .. }) => Some(error),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+fn numbers(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Divided where it has to be, a step is divided until its halves agree: the mid-point at e = 0.99 takes the pericentre in parts of a
+/// hundredth of the time that it spends there, and keeps its energy.
+#[test]
+fn divided_steps_resolve_the_pericentre() {
+    for start in ends_of_orbit(0.99) {
+        let run = || Kepler.simulate::<Midpoint>(1e-3).start(start).until(20.0);
+        let path = run().retry(Retry::halving(10)).run().unwrap();
+        let drift = path.energy_drift(&Kepler);
+        println!("{:?} drift {drift:.2e}", path.iterations());
+        // The alarm is a tenth of the mean of `p · dq/dt`, which is twice the kinetic energy: one, by the virial theorem.
+        assert!((path.last().t - 20.0).abs() < 1e-9 && drift.is_finite());
+        let energy = Kepler.energy(path.last());
+        let at_end = (energy - Kepler.energy(&start)).abs();
+        assert!(at_end < 0.1, "{start:?}: {energy}");
+    }
+}
+
+/// Solvable is not enough: with few halvings allowed the halves do not agree, and the run ends with an error.
+#[test]
+fn halves_that_do_not_agree_are_no_step() {
+    let [_, apocentre] = ends_of_orbit(0.99);
+    let run = Kepler.simulate::<Midpoint>(1e-3).start(apocentre).until(20.0);
+    let error = alarm(run.retry(Retry::halving(3)).run()).expect("an error");
+    println!("{error}");
+    assert!(error.t > 3.0 && error.t < 3.3, "{error}");
+}
+
+#[test]
+fn stages_that_leap_over_the_pericentre_are_refused() {
+    for start in ends_of_orbit(0.99) {
+        let run = || Kepler.simulate::<Gauss<8>>(1e-2).start(start).until(20.0);
+        let error = alarm(run().run()).expect("an alarm");
+        println!("{error}");
+        assert!(error.h == 1e-2 && error.step < 600, "{error}");
+        let path = run().unwatched().run().unwrap();
+        assert!((Kepler.energy(path.last()) + 0.5).abs() > 0.1);
+        assert!(path.iterations().suspected > 100);
+        // Halved as a whole until the energy stays.
+        let path = run().retry(Retry::halving(8)).run().unwrap();
+        println!("{:?}", path.iterations());
+        assert!((Kepler.energy(path.last()) + 0.5).abs() < 0.1);
+    }
+}
+
+#[test]
+fn a_close_passage_of_the_small_body_is_refused() {
+    let system = ThreeBodies { mu: 0.01 };
+    let start = State::new([-0.8, 0.0], [0.0, -0.627_641_065_392_069_4]);
+    let energy = system.energy(&start);
+    // The orbit is chaotic: it passes at 0.01 to 0.03 from time to time, where a step of 0.2 is short enough.
+    for (h, is_refused) in [(0.2, false), (0.25, true), (0.35, true)] {
+        let run = || system.simulate::<Gauss<8>>(h).start(start).steps(1000);
+        let path = run().unwatched().run().unwrap();
+        let off = (system.energy(path.last()) - energy).abs();
+        let refused = alarm(run().run());
+        println!("h = {h}: off by {off:.1e}; {refused:?}");
+        // The mean of `p · dq/dt` is of the size of one.
+        assert_eq!((off > 1.0, refused.is_some()), (is_refused, is_refused), "h = {h}");
+    }
+}
+
+/// What it watches is a first integral of linear steps of any frequency, so that no stable linear motion is suspected.
+#[test]
+fn stable_linear_motions_are_never_suspected() {
+    let mut random = numbers(5);
+    for case in 0..60 {
+        // Frequencies over four decades; the fastest at the limit of the explicit schemes.
+        let (a, b) = (1.0, 10.0_f64.powf(4.0 * random()));
+        let c = (2.0 * random() - 1.0) * a * b.sqrt().min(1.0);
+        let fastest = (0.5 * (a + b) + (0.25 * (a - b) * (a - b) + 0.25 * c * c).sqrt()).sqrt();
+        let system = Modes { a, b, c, quartic: 0.0 };
+        let start = State::new([random() - 0.5, random() - 0.5], [random() - 0.5, random() - 0.5]);
+        let limit = 2.0 * (0.1 + 0.895 * random()) / fastest;
+        let watched = [
+            system.simulate::<Verlet>(limit).start(start).steps(2000).run().map(|path| path.iterations()),
+            system.simulate::<DeltaPlus>(limit).start(start).steps(2000).run().map(|path| path.iterations()),
+            // Stable up to ωh = 1.57.
+            system
+                .simulate::<Composed<Verlet, Yoshida4>>(0.75 * limit)
+                .start(start)
+                .steps(2000)
+                .run()
+                .map(|path| path.iterations()),
+            // Stable while `h² ω² (1/2 - l)² < 1`.
+            system
+                .simulate::<Lambda<1, 4>>(limit)
+                .start(start)
+                .steps(2000)
+                .run()
+                .map(|path| path.iterations()),
+            system
+                .simulate::<Midpoint>(100.0 * random() / fastest)
+                .start(start)
+                .steps(2000)
+                .run()
+                .map(|path| path.iterations()),
+        ];
+        for (scheme, iterations) in watched.into_iter().enumerate() {
+            let iterations = iterations.unwrap_or_else(|error| panic!("{case}, {scheme}: {error}"));
+            // What a composition keeps nearly may come and go.
+            assert!(iterations.suspected == 0 || scheme == 2, "{case}, {scheme}: {iterations:?}");
+        }
+    }
+}
+
+/// Quartic forces of a tenth of the linear ones, up to half of the limit.
+#[test]
+fn resolved_nonlinear_motions_are_not_refused() {
+    let mut random = numbers(11);
+    for case in 0..60 {
+        let (a, b) = (1.0, 10.0_f64.powf(2.0 * random()));
+        let system = Modes { a, b, c: 0.0, quartic: 0.1 };
+        let start = State::new([random() - 0.5, random() - 0.5], [random() - 0.5, random() - 0.5]);
+        let h = random() / b.sqrt();
+        for refused in [
+            alarm(system.simulate::<Verlet>(h).start(start).steps(4000).run()),
+            alarm(system.simulate::<Midpoint>(h).start(start).steps(4000).run()),
+        ] {
+            assert_eq!(refused, None, "{case}");
+        }
+    }
+}
+
+/// Units are the user's: the same steps in others are the same run.
+#[test]
+fn the_judgement_does_not_depend_on_units() {
+    /// Kepler's problem with a unit of length and of momentum.
+    #[hamiltonian(
+        drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) / mass - strength / (x * x + y * y).sqrt(),
+        embedding = Gauss<2>,
+    )]
+    struct Scaled {
+        mass: f64,
+        strength: f64,
+    }
+    let mut steps = Vec::new();
+    // Powers of two, so that every number is the same but for its exponent.
+    for (length, momentum) in [(1.0, 1.0), (2.0_f64.powi(40), 1.0), (2.0_f64.powi(-50), 2.0_f64.powi(-60))] {
+        // Time in units of one: energies are length times momentum.
+        let system = Scaled { mass: momentum / length, strength: length * length * momentum };
+        let start = State::new([1.9 * length, 0.0], [0.0, momentum * (0.1_f64 / 1.9).sqrt()]);
+        let error = alarm(system.simulate::<Gauss<2>>(0.05).start(start).until(100.0).run());
+        steps.push(error.expect("an alarm").step);
+    }
+    assert_eq!(steps, vec![steps[0]; 3]);
+}
+
+/// At rest, and nearly: the motion is rounding, and no energy error.
+#[test]
+fn rounding_is_no_alarm() {
+    for amplitude in [0.0, 1e-300, 1e-160, 1e-12, 1e-9] {
+        let system = Modes { a: 1.0, b: 1e6, c: 0.0, quartic: 1e3 };
+        let start = State::new([amplitude, amplitude], [0.0, -amplitude]);
+        assert!(system.simulate::<Verlet>(1.5e-3).start(start).steps(10_000).run().is_ok());
+        assert!(system.simulate::<Midpoint>(1.0).start(start).steps(10_000).run().is_ok());
+    }
+    // On a circle: kinetic energies of a half, and an orbit that rounding alone changes.
+    let path =
+        Kepler.simulate::<Midpoint>(1e-2).start(State::new([1.0, 0.0], [0.0, 1.0])).steps(100_000).run();
+    assert_eq!(path.unwrap().iterations().suspected, 0);
+}

@@ -1,0 +1,122 @@
+//! Settings and inputs that make no sense are typed errors, at the first call that can know.
+
+use wzvi::error::{ConfigError, NoiseError, PathError, StepFailure};
+use wzvi::increments::Interval;
+use wzvi::prelude::*;
+
+/// A noise that moves nothing.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.5 * omega * omega * q * q,
+    noise = [|_, _| sigma],
+    invariant = [|q, p| 0.5 * p * p + 0.5 * omega * omega * q * q],
+    embedding = [Midpoint, Verlet],
+)]
+#[derive(Clone, Copy)]
+struct Still {
+    omega: f64,
+    sigma: f64,
+}
+
+const STILL: Still = Still { omega: 1.0, sigma: 0.5 };
+
+fn start() -> State<wzvi::nalgebra::SVector<f64, 1>> {
+    State::new([1.0], [0.25])
+}
+
+fn words<T>(outcome: Result<T, wzvi::Error>) -> String {
+    match outcome {
+        Err(error) => error.to_string(),
+        Ok(_) => panic!("it ran"),
+    }
+}
+
+/// A source of one number.
+#[derive(Clone, Copy)]
+struct Constant(f64);
+
+impl Noise for Constant {
+    fn increments(&mut self, _: &Interval, dw: &mut [f64]) -> Result<(), NoiseError> {
+        dw.fill(self.0);
+        Ok(())
+    }
+}
+
+#[test]
+fn increments_have_to_be_numbers_where_they_move_nothing() {
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut state = start();
+        let mut stepper = STILL.stepper::<Midpoint>(0.1).unwrap();
+        let error = stepper.step(&mut state, &[bad]).unwrap_err();
+        assert_eq!((error.cause, state), (StepFailure::NonFiniteInput, start()));
+        stepper.step(&mut state, &[0.1]).unwrap();
+        assert!(stepper.step(&mut state, &[bad]).is_err());
+        let run = STILL.simulate::<Verlet>(0.1).start(start()).steps(3).noise(Constant(bad)).run();
+        assert!(matches!(run, Err(wzvi::Error::Step(error)) if error.cause == StepFailure::NonFiniteInput));
+    }
+    assert!(STILL.simulate::<Verlet>(0.1).start(start()).steps(3).noise(Constant(0.5)).run().is_ok());
+}
+
+#[test]
+fn what_a_path_or_a_run_does_not_have() {
+    let run = || STILL.simulate::<Midpoint>(0.1).start(start()).noise(Wiener::seed(1));
+    let path = run().steps(4).run().unwrap();
+    assert_eq!(path.invariant_drift(&STILL, 3), Err(PathError::Invariant { index: 3, known: 1 }));
+    assert!(path.invariant_drift(&STILL, 0).unwrap() < 1e-15);
+    for both in [run().until(1.0).steps(3), run().steps(3).until(1.0), run().until(1.0).steps(3).until(1.0)] {
+        assert!(words(both.run()).contains("`until(1)` and `steps(3)`"));
+    }
+    // The later of two of a kind.
+    assert_eq!(run().until(9.0).until(1.0).run().unwrap().steps(), 10);
+    let near = run().until(1.0).record_at([0.1, 0.300_000_000_000_000_04, 0.300_000_000_000_000_1]);
+    assert!(words(near.run()).contains("same node"));
+    assert!(words(run().until(1e300).run()).contains("t = 1e300 in steps of 0.1"));
+    let nan = Still { omega: f64::NAN, ..STILL };
+    assert_eq!(nan.stepper::<Midpoint>(0.1).err(), Some(ConfigError::NotANumber { parameter: "omega" }));
+    assert!(
+        words(nan.simulate::<Midpoint>(0.1).start(start()).steps(1).noise(Wiener::seed(1)).run())
+            .contains("`omega`")
+    );
+}
+
+#[test]
+fn a_multilevel_run_takes_what_was_said_or_refuses_it() {
+    let run = || STILL.ensemble::<Midpoint>(0.25).start(start()).observe("q", |state| state.q[0]).until(1.0);
+    let seeded = || run().seed(3);
+    let file = std::env::temp_dir().join("wzvi-refused-never-written");
+    for (asked, what) in [
+        (seeded().checkpoint(wzvi::checkpoint::Checkpoint::to(&file)), "`checkpoint`"),
+        (seeded().until_error("no such", 0.1), "`until_error`"),
+        (seeded().inspect(|_, _| ()), "`inspect`"),
+        (seeded().covariances(true), "covariances"),
+        (seeded().allow_losses(0.5), "`allow_losses`"),
+        (seeded().record_every(2), "recorded times"),
+        (seeded().record_at([0.5]), "recorded times"),
+        (seeded().keep_crossings(3), "crossings"),
+        (run().noise(wzvi::noise::StepNormals::seed(3).antithetic()), "antithetic"),
+    ] {
+        let words = words(asked.multilevel(0.1).run());
+        assert!(words.contains(what) && words.contains("multilevel"), "{what}: {words}");
+    }
+    assert!(!file.exists());
+}
+
+#[test]
+fn states_and_tables_for_people() {
+    let state = State::<wzvi::nalgebra::SVector<f64, 2>>::new([1.0, 2.0], [3.0, -4.5e300]);
+    assert_eq!(state.to_string(), "q: [1, 2], p: [3, -4.5e300], t: 0");
+    let sweep = |draw: &mut wzvi::ensemble::Draw| Still { omega: 1.0 + draw.path() as f64, sigma: 0.5 };
+    let run = STILL.ensemble::<Midpoint>(0.1).start(start()).systems(sweep).paths(3).seed(1).until(0.2);
+    let tables = run.observe("omega", |state| state.q[0]).keep_paths(1 << 20).run().unwrap().tables();
+    let columns = |name: &str| -> Vec<String> {
+        let table = tables.iter().find(|table| table.name() == name).unwrap();
+        table.columns().iter().map(|(name, _)| name.clone()).collect()
+    };
+    assert_eq!(columns("run").last().unwrap(), "sigma");
+    assert_eq!(columns("paths"), ["path", "time", "omega_", "omega"]);
+    let mut text = Vec::new();
+    let paths = tables.iter().find(|table| table.name() == "paths").unwrap();
+    paths.write_csv(&mut text).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    assert!(text.lines().nth(1).unwrap().starts_with("0,0.0,1.0,"), "{text}");
+    assert!(text.lines().last().unwrap().starts_with("2,0.2,3.0,"), "{text}");
+}
