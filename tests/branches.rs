@@ -2,7 +2,7 @@
 //!
 //! The equations of an implicit step have several solutions where `h² V''` is not small. The right one comes from no change at all as the step grows.
 //! Here it is followed in parts of 2e-3, each predicted from those before and solved by Newton's method in all stages of a Gauss method at once, in
-//! code that shares nothing with the library; a part in which the determinant changes its sign, or that is not solved, is halved up to ten times before the
+//! code that shares nothing with the library; a part in which the determinant changes its sign, or that is not solved, is halved up to sixteen times before the
 //! branch is said to end. [`Reference`] is that; random states of wells and fields, with steps from 0.05 to 2, are its input.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test may stop")]
@@ -211,7 +211,7 @@ impl Reference {
                     before = std::mem::replace(&mut now, (next, y));
                     part = (2.0 * part).min(PART);
                 }
-                None if part > PART / 1024.0 => part *= 0.5,
+                None if part > PART / 65536.0 => part *= 0.5,
                 None => return Err(now.0),
             }
         }

@@ -7,7 +7,7 @@
 //! ended, and is taken if Newton's method leaves no doubt there that it is still the same solution; else it is halved. Doubled after that, parts are as
 //! long as the curve allows, and an eighth of the step at most: between the starts of two parts the force may change, which nothing else looks at.
 //!
-//! At a fold parts become shorter without end, and the step has no solution: where they were of ordinary length until shortly before. At a kink of `H` they need not: no correction there shrinks as it should,
+//! At a fold parts become shorter without end, and the step has no solution. At a kink of `H` they need not: no correction there shrinks as it should,
 //! however short the part, but the parts themselves do, where a jump to another solution stays as long as it is.
 //!
 //! A stiff force that is far from its balance swings many times along `λ`, and no reasonable number of parts resolves that. Then the
@@ -26,11 +26,8 @@ use crate::system::{Discretized, Hamiltonian};
 const LONGEST: f64 = 1.0 / 8.0;
 const SHORTEST: f64 = 1.0 / 1048576.0;
 /// Parts that are tried before there is a good part of the step behind them, and in all. A smooth curve takes ten, and one that passes a fold three for
-/// each halving; where a thousand are too few the force swings along the step.
-const MOST_TRIED: [f64; 2] = [64.0, 1024.0];
-/// A curve that bends only where it ends takes parts of this length nearly to there: a part is as long as the way to the fold, but for a factor.
-const ORDINARY: f64 = 1.0 / 64.0;
-const NEARLY: f64 = 1.0 / 10.0;
+/// each halving; where hundreds are too few the force swings along the step.
+const MOST_TRIED: [f64; 2] = [64.0, 512.0];
 /// A curve that ends before this fraction of the step is not resolved: it has no reason to end where the step is nearly none.
 const EARLIEST_END: f64 = 1.0 / 16.0;
 /// A part of half the length goes half as far, but for what the slope of the curve changes in it.
@@ -147,7 +144,6 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         let mut memory = H::Memory::<f64>::default();
         let mut kink = Kink::of(&at);
         let (mut reached, mut part, mut iterations, mut tried_so_far) = (0.0, LONGEST, 0, 0.0);
-        let mut bends_from = 0.0;
         while tried_so_far < MOST_TRIED[0] + reached * (MOST_TRIED[1] - MOST_TRIED[0]) {
             tried_so_far += 1.0;
             // Parts are powers of two, and all sums of them exact.
@@ -172,9 +168,6 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                     }
                     (at, memory) = ([step.q, step.p], step.memory);
                     memory.hold();
-                    if part >= ORDINARY {
-                        bends_from = fraction;
-                    }
                     (reached, part) = (fraction, f64::min(2.0 * part, LONGEST));
                     kink.forget();
                 }
@@ -184,7 +177,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                     }
                     part *= 0.5;
                     if part < SHORTEST {
-                        let is_fold = reached >= EARLIEST_END && reached - bends_from <= NEARLY;
+                        let is_fold = reached >= EARLIEST_END;
                         return Err(End { reached, is_fold });
                     }
                 }
