@@ -4,6 +4,7 @@
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
 
 mod accuracy;
+mod branches;
 mod compensation;
 mod composition;
 mod errors;
@@ -15,4 +16,5 @@ mod plan;
 mod reference;
 mod rest;
 mod symplectic;
+mod units;
 mod values;

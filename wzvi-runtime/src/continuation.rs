@@ -3,28 +3,37 @@
 //! The equations of a step may have several solutions, and Newton's method from far away finds any of them. The right
 //! one is connected with the state: it comes from no change at all as the Hamiltonian of the step, `λ (h H_0 + Σ_k ΔW_k
 //! H_k)`, grows from `λ = 0` to 1, which is to solve the steps of size `λh` with increments `λΔW`. Where a solution is
-//! not found beyond doubt ([`Effort::doubtful`]) it is followed along `λ = 1/n, 2/n, ... 1`, each start extrapolated from
-//! those before. It is accepted if no part was in doubt, or if the parts become shorter as `n` grows, as those of a
-//! continuous curve do: a jump to another solution stays as long as it is. A kink of `H` is passed in the second way. If
-//! the curve ends before `λ = 1`, at the same place for every `n`, the step has no solution.
+//! not found beyond doubt ([`Effort::doubtful`], [`Effort::is_far`]) it is followed along `λ`. Each part starts where the one before
+//! ended, and is taken if Newton's method leaves no doubt there that it is still the same solution; else it is halved. Doubled after that, parts are as
+//! long as the curve allows, and an eighth of the step at most: between the starts of two parts the force may change, which nothing else looks at.
 //!
-//! A stiff force that is far from its balance swings many times along `λ`, and no reasonable `n` resolves that. Then the
-//! solution from zero is taken if its Jacobian has the orientation of that for `λ = 0`, as the connected one has and the
+//! At a fold parts become shorter without end, and the step has no solution. At a kink of `H` they need not: no correction there shrinks as it should,
+//! however short the part, but the parts themselves do, where a jump to another solution stays as long as it is.
+//!
+//! A stiff force that is far from its balance swings many times along `λ`, and no reasonable number of parts resolves that. Then the
+//! solution from zero is taken if its Jacobian has a positive determinant, as the connected one has and the
 //! next one has not, and the step is reported as doubtful.
 
 use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::few::{Few, List};
 use crate::memory::StepMemory;
-use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::Vector;
 use crate::system::{Discretized, Hamiltonian};
 
-/// Parts of a step in which its solution is followed, one after the other.
-const PARTS: [u32; 3] = [4, 16, 64];
-/// With four times as many parts the longest is half as long, even where the curve has the slope of a square root.
+/// The longest part of a step in which its solution is followed, and the shortest.
+const LONGEST: f64 = 1.0 / 8.0;
+const SHORTEST: f64 = 1.0 / 1048576.0;
+/// Parts that are tried before there is a good part of the step behind them, and in all. A smooth curve takes ten, and one that passes a fold three for
+/// each halving; where hundreds are too few the force swings along the step.
+const MOST_TRIED: [f64; 2] = [64.0, 512.0];
+/// A curve that ends before this fraction of the step is not resolved: it has no reason to end where the step is nearly none.
+const EARLIEST_END: f64 = 1.0 / 16.0;
+/// A part of half the length goes half as far, but for what the slope of the curve changes in it.
 const SHRINKING: f64 = 0.6;
+/// Parts in a row that do, where the curve has a kink.
+const KINK: u32 = 4;
 
 /// A step to take: its data, and what the steps before left.
 ///
@@ -68,29 +77,36 @@ pub(crate) fn solve_by_continuation<H: Discretized<E>, E, C: Carry<f64>>(
     if is_hopeless || inputs.into_iter().any(|x| !x.is_finite()) {
         return Err(cause);
     }
-    let found = hard.solve(&hard.prepared, hard.h, &hard.dw, Default::default());
-    match found {
-        Ok(found) if !found.effort.doubtful => Ok(found),
+    match hard.from_zero() {
+        Ok(found) if found.effort.is_certain() => Ok(found),
         found => match hard.follow() {
             Ok(end) => Ok(end),
             Err(End { reached, is_fold: true }) => Err(StepFailure::NoSolution { reached }),
             Err(End { reached, is_fold: false }) => match found? {
-                found if found.effort.is_reversed == hard.is_reversed_at_rest() => Ok(found),
-                _ => Err(StepFailure::NoSolution { reached }),
+                found if found.effort.is_reversed => Err(StepFailure::NoSolution { reached }),
+                found => Ok(Continued { effort: Effort { doubtful: true, ..found.effort }, ..found }),
             },
         },
     }
 }
 
 /// Where the curve of solutions could not be followed any further.
-struct End {
-    reached: f64,
-    /// Whether it ends there, as far as two resolutions can tell.
-    is_fold: bool,
+pub(crate) struct End {
+    pub(crate) reached: f64,
+    /// Whether it ends there, as far as the shortest parts tell.
+    pub(crate) is_fold: bool,
 }
 
 impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
-    /// The step of size `h`, started from what `memory` extrapolates.
+    /// The whole step with care, from zero.
+    ///
+    /// # Errors
+    /// Those of [`Discretized::advance_carrying`].
+    pub(crate) fn from_zero(&self) -> Outcome<H, E, C> {
+        self.solve(&self.prepared, self.h, &self.dw, Default::default())
+    }
+
+    /// The step of size `h`, started from what `memory` holds.
     fn solve(
         &self,
         prepared: &H::Prepared,
@@ -113,44 +129,8 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         Ok(Continued { q, p, memory, carry, effort })
     }
 
-    fn follow(&self) -> Result<Taken<H, E, C>, End> {
-        let mut ends = [0.0; PARTS.len()];
-        let mut before: Option<f64> = None;
-        for (end, parts) in ends.iter_mut().zip(PARTS) {
-            match self.follow_in(parts) {
-                Ok(curve) => {
-                    let is_continuous = before.is_some_and(|longest| curve.longest <= SHRINKING * longest);
-                    if is_continuous || !curve.is_doubtful {
-                        return Ok(curve.end);
-                    }
-                    before = Some(curve.longest);
-                    *end = 1.0;
-                }
-                Err(reached) => *end = reached,
-            }
-            // Not even a sixteenth of the step has a solution: shorter parts are no step of this size.
-            if parts == PARTS[1] && *end == 0.0 {
-                break;
-            }
-        }
-        let [_, coarse, fine] = ends;
-        // From one part before it to one part after, by the coarser of the two.
-        let is_same = (fine - coarse).abs() <= 1.5 / f64::from(PARTS[1]);
-        Err(End { reached: fine.min(coarse), is_fold: is_same && coarse > 0.0 && fine < 1.0 })
-    }
-
-    /// Whether the Jacobian of no step at all has a negative determinant.
-    fn is_reversed_at_rest(&self) -> bool {
-        let h = self.h * f64::EPSILON;
-        let step = self.system.prepare(h).ok().and_then(|prepared| {
-            let still = vec![0.0; self.dw.len()];
-            self.solve(&prepared, h, &still, Default::default()).ok()
-        });
-        step.is_some_and(|step| step.effort.is_reversed)
-    }
-
-    /// The solution followed in equal parts, or where it ended.
-    fn follow_in(&self, parts: u32) -> Result<Curve<H, E, C>, f64> {
+    /// The solution that continues the state, or where it ends.
+    pub(crate) fn follow(&self) -> Result<Taken<H, E, C>, End> {
         let mut many = Vec::new();
         let mut few = Few::of(&self.dw);
         let dw: &mut [f64] = match &mut few {
@@ -160,77 +140,82 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                 &mut many
             }
         };
-        let d = self.q.components().len();
-        let longest = [H::Vector::zeros(d), H::Vector::zeros(d)];
-        let mut moves = Moves { from: [self.q.clone(), self.p.clone()], longest };
-        let mut memory = H::Memory::default();
-        let (mut iterations, mut is_doubtful) = (0, false);
-        let mut part = 1;
-        loop {
-            let reached = f64::from(part - 1) / f64::from(parts);
-            // Exactly 1 for the last.
-            let fraction = f64::from(part) / f64::from(parts);
+        let mut at = [self.q.clone(), self.p.clone()];
+        let mut memory = H::Memory::<f64>::default();
+        let mut kink = Kink::of(&at);
+        let (mut reached, mut part, mut iterations, mut tried_so_far) = (0.0, LONGEST, 0, 0.0);
+        while tried_so_far < MOST_TRIED[0] + reached * (MOST_TRIED[1] - MOST_TRIED[0]) {
+            tried_so_far += 1.0;
+            // Parts are powers of two, and all sums of them exact.
+            let fraction = f64::min(reached + part, 1.0);
             for (scaled, dw) in dw.iter_mut().zip(&*self.dw) {
                 *scaled = fraction * dw;
             }
             let h = fraction * self.h;
-            let prepared = self.system.prepare(h).map_err(|_| reached)?;
-            let step = self.solve(&prepared, h, dw, memory).map_err(|_| reached)?;
-            iterations += step.effort.iterations;
-            is_doubtful |= step.effort.doubtful;
-            moves.add(&step.q, &step.p);
-            if part == parts {
-                let longest = moves.longest_relative_to([&self.q, &self.p]);
-                // Whoever takes it has no doubt.
-                let effort = Effort { iterations, doubtful: false, ..step.effort };
-                let mut memory = step.memory;
-                // Of parts of a step: no guide for the next.
-                memory.forget();
-                let end = Continued { q: step.q, p: step.p, carry: step.carry, effort, memory };
-                return Ok(Curve { end, longest, is_doubtful });
+            let Ok(prepared) = self.system.prepare(h) else { break };
+            let tried = self.solve(&prepared, h, dw, memory.clone());
+            let tried = tried.ok().filter(|step| !step.effort.is_reversed);
+            iterations += tried.as_ref().map_or(0, |step| step.effort.iterations);
+            let is_same =
+                tried.as_ref().is_some_and(|step| !step.effort.doubtful || kink.is_passed(&at, step));
+            match tried {
+                Some(mut step) if is_same => {
+                    if fraction == 1.0 {
+                        // Whoever takes it has no doubt, and parts of a step are no guide for the next.
+                        step.effort = Effort { doubtful: false, is_far: false, iterations, ..step.effort };
+                        step.memory.forget();
+                        return Ok(step);
+                    }
+                    (at, memory) = ([step.q, step.p], step.memory);
+                    memory.hold();
+                    (reached, part) = (fraction, f64::min(2.0 * part, LONGEST));
+                    kink.forget();
+                }
+                tried => {
+                    if tried.is_none() {
+                        kink.forget();
+                    }
+                    part *= 0.5;
+                    if part < SHORTEST {
+                        let is_fold = reached >= EARLIEST_END;
+                        return Err(End { reached, is_fold });
+                    }
+                }
             }
-            memory = step.memory;
-            part += 1;
         }
+        Err(End { reached, is_fold: false })
     }
 }
 
-/// The curve of solutions from no step to the whole one.
-struct Curve<H: Discretized<E>, E, C> {
-    end: Taken<H, E, C>,
-    /// The longest part, relative to the whole way of its component.
-    longest: f64,
-    is_doubtful: bool,
+/// How far parts from one place went that left a doubt, each half as long as the one before.
+struct Kink<V> {
+    moves: [V; 2],
+    shrunk: u32,
+    is_known: bool,
 }
 
-/// How far the parts went, by component.
-struct Moves<V> {
-    from: [V; 2],
-    longest: [V; 2],
-}
-
-impl<V: Vector> Moves<V> {
-    fn add(&mut self, q: &V, p: &V) {
-        for ((from, longest), to) in self.from.iter_mut().zip(&mut self.longest).zip([q, p]) {
-            let components = from.components().iter().zip(longest.components_mut());
-            for ((from, longest), to) in components.zip(to.components()) {
-                *longest = longest.max((to - from).abs());
-            }
-            from.clone_from(to);
-        }
+impl<V: Vector> Kink<V> {
+    fn of(at: &[V; 2]) -> Self {
+        Self { moves: at.clone(), shrunk: 0, is_known: false }
     }
 
-    /// The longest part of any component against its whole way from `start`.
-    fn longest_relative_to(&self, start: [&V; 2]) -> f64 {
-        let mut most = 0.0_f64;
-        for ((end, longest), start) in self.from.iter().zip(&self.longest).zip(start) {
-            let components = end.components().iter().zip(longest.components()).zip(start.components());
-            for ((end, longest), start) in components {
-                // A part is the difference of two states, and as uncertain as they are.
-                let rounding = f64::EPSILON * (end.abs() + start.abs());
-                most = most.max((longest - rounding).max(0.0).relative_to((end - start).abs()));
+    fn forget(&mut self) {
+        (self.shrunk, self.is_known) = (0, false);
+    }
+
+    /// Notes such a part from here; whether so many became shorter that the curve has no gap.
+    fn is_passed<M, C>(&mut self, from: &[V; 2], to: &Continued<V, M, C>) -> bool {
+        let (mut shrinks, is_known) = (true, std::mem::replace(&mut self.is_known, true));
+        for ((before, from), to) in self.moves.iter_mut().zip(from).zip([&to.q, &to.p]) {
+            let components = from.components().iter().zip(to.components());
+            for (before, (from, to)) in before.components_mut().iter_mut().zip(components) {
+                // The difference of two states is as uncertain as they are.
+                let (way, rounding) = ((to - from).abs(), f64::EPSILON * (to.abs() + from.abs()));
+                shrinks &= way <= SHRINKING * *before + rounding;
+                *before = way;
             }
         }
-        most
+        self.shrunk = if is_known && shrinks { self.shrunk + 1 } else { 0 };
+        self.shrunk >= KINK
     }
 }

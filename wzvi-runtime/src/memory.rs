@@ -52,6 +52,10 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
         *self = Self::default();
     }
 
+    /// Keeps of the steps before the last one alone, for the same step anew, a bit longer: it starts where that one ended.
+    #[inline(always)]
+    fn hold(&mut self) {}
+
     /// Takes what a step left that was solved with another memory.
     #[inline(always)]
     fn adopt(&mut self, left: Self) {
@@ -87,7 +91,14 @@ impl<S> StepMemory for PhantomData<S> {}
 /// As for [`Numbers`].
 macro_rules! tuples {
     ($(($($part:ident)+))+) => {$(
-        impl<$($part: StepMemory),+> StepMemory for ($($part,)+) {}
+        impl<$($part: StepMemory),+> StepMemory for ($($part,)+) {
+            #[inline(always)]
+            #[allow(non_snake_case, reason = "a part is called as its type")]
+            fn hold(&mut self) {
+                let ($($part,)+) = self;
+                $($part.hold();)+
+            }
+        }
     )+};
 }
 

@@ -95,7 +95,7 @@ pub fn newton<S: Scalar, const N: usize, const SYMMETRIC: bool, const GUESS: boo
 /// `A⁻¹ b` for a matrix given by rows.
 ///
 /// # Errors
-/// [`StepFailure::Singular`] if a pivot is at the rounding level of its row. Lanes have NaN instead.
+/// [`StepFailure::Singular`] if a pivot is at the rounding level of what was taken from it. Lanes have NaN instead.
 #[inline(always)]
 pub fn linear<S: Scalar, const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
     S::Solver::linear(matrix, b)

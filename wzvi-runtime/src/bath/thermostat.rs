@@ -77,6 +77,10 @@ impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
         self.kept.forget();
     }
 
+    fn hold(&mut self) {
+        self.kept.hold();
+    }
+
     fn adopt(&mut self, left: Self) {
         self.kept.adopt(left.kept);
         self.bath.heat = left.bath.heat;

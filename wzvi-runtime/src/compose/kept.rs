@@ -48,6 +48,11 @@ impl<S: Scalar, A: StepMemory, B: StepMemory> StepMemory for Memory<S, A, B> {
         self.second.iter_mut().for_each(B::forget);
     }
 
+    fn hold(&mut self) {
+        self.first.iter_mut().for_each(A::hold);
+        self.second.iter_mut().for_each(B::hold);
+    }
+
     fn adopt(&mut self, left: Self) {
         adopt(&mut self.first, left.first);
         adopt(&mut self.second, left.second);

@@ -108,7 +108,7 @@ impl<A, B> Prepared<A, B> {
                 }
             };
             match taken {
-                Ok(taken) => effort = effort + taken,
+                Ok(taken) => effort = effort.beside(taken),
                 // Lanes that could not take a part go on from where they are, and end where they started.
                 Err(StepFailure::Lanes(lanes)) => failed = failed.or(lanes),
                 Err(failure) => {

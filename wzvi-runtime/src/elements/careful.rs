@@ -26,7 +26,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let lists = &mut lists;
         let mut room = Room::of(&start);
         let mut sweep = Sweep { step: self, lists, diagonal, linear, rounding };
-        let effort = damped(&mut sweep, &mut room, &start, known > 0)?;
+        let effort = damped(&mut sweep, &mut room, &start)?;
         lists.x.copy_from_slice(room.solution());
         self.refresh(lists);
         Ok(effort)

@@ -314,7 +314,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             is_kept = !iteration.is_stale;
             stretch = self.correct_by_newton(scratch.lend(), iteration.is_stale, iteration.pinned)?;
             iteration.is_stale = iteration.pinned == Iteration::Newton && !is_krylov;
-            let relative = subtract(scratch.lists.x, scratch.lists.correction);
+            let relative = subtract(self.scheme.unknowns, scratch.lists.x, scratch.lists.correction);
             self.refresh(&mut scratch.lists);
             relative
         } else {
@@ -350,7 +350,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         } else if matches!(linear, Linear::Krylov(_)) {
             self.differentiate_velocities(&lists, diagonal);
         }
-        let before = largest(lists.correction);
+        let kind = self.scheme.unknowns;
+        let before = largest(kind, lists.correction);
         let mut products = self.correct(&mut lists, diagonal, linear, FORCING);
         let mut is_old = !is_stale;
         while let Err(StepFailure::NotConverged { iterations, .. }) = products {
@@ -365,7 +366,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             products = self.correct(&mut lists, diagonal, linear, FORCING);
         }
         kept.count(products?);
-        Ok(before / largest(lists.correction))
+        let after = largest(kind, lists.correction);
+        let [first, second] = [before[0] / after[0], before[1] / after[1]];
+        // That of the kind which it changes more.
+        Ok(if (first - 1.0).abs() >= (second - 1.0).abs() || second.is_nan() { first } else { second })
     }
 
     /// Whether no more corrections are needed; else how the next one is to be made.

@@ -15,6 +15,7 @@ use crate::error::StepFailure;
 use crate::memory::{Iteration, LinearWork};
 use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
+use crate::solve::astray;
 
 /// Products with the Jacobian that factors which lack entries may take in vain before they get all: about as many as these cost.
 pub(super) const PATIENCE: u32 = 128;
@@ -262,6 +263,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         kept.work.factorisations += 1;
         let all = kept.wants_all();
         self.factor(lists, diagonal, linear, all)?;
+        if !self.scheme.is_linear && linear.is_reversed() {
+            // Beyond a fold, as far as this matrix tells: with care.
+            return Err(astray(0, f64::INFINITY));
+        }
         if self.scheme.is_linear {
             kept.made = Made::Always(self.h);
         } else if self.leaves_factors(linear, pinned) {

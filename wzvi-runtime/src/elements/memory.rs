@@ -350,6 +350,10 @@ impl<S: Scalar> StepMemory for Memory<S> {
         self.kept.forget();
     }
 
+    fn hold(&mut self) {
+        self.known = self.known.min(1);
+    }
+
     fn adopt(&mut self, left: Self) {
         (self.past, self.known, self.preference) = (left.past, left.known, left.preference);
         if self.degrees == 0 {

@@ -1,10 +1,11 @@
 //! Passes over whole vectors: corrections, their sizes, sums.
 
+use super::Unknowns;
 use crate::scalar::{Mask, Scalar};
 
-/// `x -= correction`, and the largest correction against the largest unknown; NaN if any part is.
+/// `x -= correction`, and the largest correction against the largest unknown of its kind; NaN if any part is.
 #[inline(always)]
-pub(super) fn subtract<S: Scalar>(x: &mut [S], correction: &[S]) -> f64 {
+pub(super) fn subtract<S: Scalar>(kind: Unknowns, x: &mut [S], correction: &[S]) -> f64 {
     let (mut size, mut change) = (Largest::<LANES>::default(), Largest::<LANES>::default());
     let (chunks, rest) = x.as_chunks_mut::<LANES>();
     let (corrections, other) = correction.as_chunks::<LANES>();
@@ -16,30 +17,33 @@ pub(super) fn subtract<S: Scalar>(x: &mut [S], correction: &[S]) -> f64 {
         size.take_finite(&new);
         change.take(&c);
     }
-    for (x, &c) in rest.iter_mut().zip(other) {
+    // Pairs stay pairs: of both kinds there is an even number.
+    let (pairs, single) = rest.as_chunks_mut::<2>();
+    let (other, last) = other.as_chunks::<2>();
+    for (x, c) in pairs.iter_mut().zip(other) {
+        *x = [x[0] - c[0], x[1] - c[1]];
+        size.take_finite(x);
+        change.take(c);
+    }
+    for (x, &c) in single.iter_mut().zip(last) {
         *x = *x - c;
         size.take_finite(&[*x]);
         change.take(&[c]);
     }
-    relate(x, correction, size.get(), change.get())
-}
-
-/// A change against the largest number of `x`.
-pub(super) fn relative_to_largest<S: Scalar>(change: f64, x: &[S]) -> f64 {
-    change.relative_to(largest(x))
+    relate(x, correction, size.by_kind(kind), change.by_kind(kind))
 }
 
 #[inline(always)]
-fn relate<S: Scalar>(x: &[S], correction: &[S], size: f64, change: f64) -> f64 {
-    if !change.is_finite() {
+fn relate<S: Scalar>(x: &[S], correction: &[S], sizes: [f64; 2], changes: [f64; 2]) -> f64 {
+    if !changes.iter().all(|change| change.is_finite()) {
         return f64::NAN;
     }
-    let mut relative = change.relative_to(size);
+    let mut relative = changes[0].relative_to(sizes[0]).max(changes[1].relative_to(sizes[1]));
     if size_of::<S>() != size_of::<f64>() {
         // Numbers that carry derivatives or lanes converge in every part.
-        for (&x, &c) in x.iter().zip(correction) {
+        for (k, (&x, &c)) in x.iter().zip(correction).enumerate() {
             if c.magnitude() != 0.0 || !(c.relative_to(x) == 0.0) {
-                let part = c.relative_to(x.abs() + size);
+                let part = c.relative_to(x.abs() + sizes[k % 2]);
                 relative = if part > relative || part.is_nan() { part } else { relative };
             }
         }
@@ -135,22 +139,32 @@ impl<const L: usize> Largest<L> {
     /// NaN if any was NaN or infinite.
     #[inline(always)]
     pub(super) fn get(self) -> f64 {
+        self.by_kind(Unknowns::Momenta)[0]
+    }
+
+    /// Of coordinates and of momenta, which have units of their own, where a list has both in turn; else twice the same. NaN if any was NaN or infinite.
+    #[inline(always)]
+    pub(super) fn by_kind(self, kind: Unknowns) -> [f64; 2] {
         let larger = |a: f64, b: f64| if a > b { a } else { b };
-        match self.poison.iter().all(|&poison| poison == 0) {
-            true => self.most.into_iter().fold(0.0, larger),
-            false => f64::NAN,
+        if self.poison.iter().any(|&poison| poison != 0) {
+            return [f64::NAN; 2];
         }
+        let of = |first: usize| self.most.into_iter().skip(first).step_by(2).fold(0.0, larger);
+        let [even, odd] = [of(0), of(1)];
+        if kind == Unknowns::Both { [even, odd] } else { [larger(even, odd); 2] }
     }
 }
 
-/// The largest magnitude; NaN if any is not finite.
+/// The largest magnitude of each kind; NaN if any is not finite.
 #[inline(always)]
-pub(super) fn largest<S: Scalar>(x: &[S]) -> f64 {
+pub(super) fn largest<S: Scalar>(kind: Unknowns, x: &[S]) -> [f64; 2] {
     let mut largest = Largest::<LANES>::default();
     let (chunks, rest) = x.as_chunks::<LANES>();
     chunks.iter().for_each(|chunk| largest.take(chunk));
-    rest.iter().for_each(|&x| largest.take(&[x]));
-    largest.get()
+    let (pairs, single) = rest.as_chunks::<2>();
+    pairs.iter().for_each(|pair| largest.take(pair));
+    single.iter().for_each(|&x| largest.take(&[x]));
+    largest.by_kind(kind)
 }
 
 /// Whether numbers have several parts, which are beside each other already: their arrays would be copied in memory.

@@ -5,7 +5,7 @@
 
 use super::Elements;
 use super::memory::{Lists, Work};
-use super::passes::relative_to_largest;
+use super::passes::largest;
 use super::step::Step;
 use crate::scalar::{Rounded, Scalar};
 use crate::solve::larger;
@@ -50,15 +50,15 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         lists.correction
     }
 
-    /// The largest correction, relative to the largest unknown, of those unknowns whose equations are not at rounding after
+    /// The largest correction, relative to the largest unknown of its kind, of those unknowns whose equations are not at rounding after
     /// it; 0 if all are.
     #[cold]
     #[inline(never)]
     pub(super) fn beyond_rounding(self, lists: Lists<'_, S>, rounding: &mut Option<Box<Rounding>>) -> f64 {
         let rounding = self.round(lists.x, rounding);
-        let sizes = lists.correction.iter().enumerate().filter(|&(k, _)| !rounding[k].is_below(1.0));
-        let change = sizes.fold(0.0, |most, (_, correction)| larger(most, correction.magnitude()));
-        relative_to_largest(change, lists.x)
+        let sizes = largest(self.scheme.unknowns, lists.x);
+        let left = lists.correction.iter().enumerate().filter(|&(k, _)| !rounding[k].is_below(1.0));
+        left.fold(0.0, |most, (k, correction)| larger(most, correction.magnitude().relative_to(sizes[k % 2])))
     }
 }
 

@@ -26,7 +26,7 @@ pub trait Sites<E, const D: usize, const K: usize>: Elements {
     type SitePrepared: Clone + Debug;
 
     /// What one step leaves for the starting value of the next.
-    type SiteMemory<S: Scalar>: Clone + Debug + Default + Numbers;
+    type SiteMemory<S: Scalar>: StepMemory;
 
     /// Computes what does not change from step to step at one of `sites` sites.
     ///
@@ -263,7 +263,7 @@ where
                     next_p[site + lane][i] = S::from_f64(solved.p[i].0[lane]);
                 }
             }
-            effort = effort + solved.effort;
+            effort = effort.beside(solved.effort);
             site += BESIDE;
         }
     }
@@ -275,7 +275,7 @@ where
         let solved = H::solve_site::<S, C::Part<D>, CAREFUL>(
             prepared, t, h, q[site], p[site], own_dw, memory, &own_carry,
         )?;
-        effort = effort + solved.effort;
+        effort = effort.beside(solved.effort);
         for i in 0..D {
             (next_q[site][i], next_p[site][i]) = (solved.q[i].0, solved.p[i].0);
             if C::CARRIES {
@@ -334,7 +334,11 @@ impl<S: Scalar, M: Clone + Default, P> Memory<S, M, P> {
     }
 }
 
-impl<S: Scalar, M: Clone + Debug + Default + Numbers, P: Clone + Debug> StepMemory for Memory<S, M, P> {
+impl<S: Scalar, M: StepMemory, P: Clone + Debug> StepMemory for Memory<S, M, P> {
+    fn hold(&mut self) {
+        self.sites.iter_mut().for_each(M::hold);
+    }
+
     fn forget(&mut self) {
         self.sites.fill(M::default());
     }

@@ -22,7 +22,7 @@ pub enum StepFailure {
         /// Largest absolute value in the matrix.
         scale: f64,
     },
-    /// The equations have no solution that is connected with the state: followed from no step at all, it ends.
+    /// The solution that is connected with the state could not be followed from no step at all to the whole one.
     NoSolution {
         /// Fraction of the step, of `h` and of the increments, up to which there is one.
         reached: f64,
@@ -92,8 +92,8 @@ impl fmt::Display for StepFailure {
             ),
             Self::NoSolution { reached } => write!(
                 f,
-                "the step has no solution that continues the state: followed as the step grows, it ends at {:.0} % of \
-                 it; take a smaller step, or subdivide with `.retry(Retry::halving(n))`",
+                "the solution that continues the state could not be followed beyond {:.0} % of the step; \
+                 take a smaller step, or subdivide with `.retry(Retry::halving(n))`",
                 100.0 * reached
             ),
             Self::Unresolved { energy_error, scale } => write!(

@@ -229,7 +229,7 @@ impl<Y: Source<S>, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool>
             }
             std::mem::swap(by_q, &mut lists.slopes[1]);
         }
-        left.is_known = dw.is_empty();
+        (left.is_known, left.is_held) = (dw.is_empty(), false);
         q.copy_from_slice(lists.next[0].as_ref());
         p.copy_from_slice(lists.next[1].as_ref());
         if C::CARRIES {

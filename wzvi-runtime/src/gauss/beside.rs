@@ -64,20 +64,42 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         left: &mut LeftOf<F, S, N>,
     ) -> Result<Solved<S>, StepFailure> {
         // The steps before are a guide without noise only.
-        let from_past = self.dw.is_empty() && left.is_known && !CAREFUL;
-        self.guess(lists, &mut left.past, &mut left.scratch, from_past);
+        self.begin::<CAREFUL>(lists, left);
         if !self.prefers_newton(left).any() {
-            let swept = self.sweeps(S::Mask::from_bool(true), lists, left);
-            if swept.are_settled.all() {
+            let swept = self.sweeps::<CAREFUL>(S::Mask::from_bool(true), lists, left);
+            // With care, only Newton's method is a judge of sweeps that do not contract from the first one on.
+            let is_wild = CAREFUL && swept.are_wild.any();
+            let is_settled = swept.are_settled.all();
+            if is_settled && (!is_wild || self.unknowns() > Self::MOST_UNKNOWNS) {
                 let prefers_newton = S::Mask::from_bool(false);
-                return Ok(Solved { effort: Effort::fast(swept.sweeps), prefers_newton });
+                let effort = Effort { doubtful: is_wild, is_far: is_wild, ..Effort::fast(swept.sweeps) };
+                return Ok(Solved { effort, prefers_newton });
             }
-            if swept.failure == StepFailure::NonFinite || left.iteration == Iteration::FixedPoint {
+            if !is_settled && swept.failure == StepFailure::NonFinite
+                || left.iteration == Iteration::FixedPoint
+            {
                 return Err(swept.failure);
             }
-            self.guess(lists, &mut left.past, &mut left.scratch, from_past);
+            self.begin::<CAREFUL>(lists, left);
         }
         self.newton::<CAREFUL>(lists, left)
+    }
+
+    /// The stages to start from: those of a part of the same step, what the steps before extrapolate to, which is a guide without noise only, or
+    /// those of the state.
+    #[inline(always)]
+    fn begin<const CAREFUL: bool>(&self, lists: &mut Lists<S, F::Shape, N>, left: &mut LeftOf<F, S, N>) {
+        if CAREFUL && left.is_held {
+            lists.slopes.clone_from(&left.past);
+            if F::IS_CONFORMAL {
+                // They were left in the momentum of the step after.
+                let back = [(1.0 + self.prepared.friction().decay).recip(); N];
+                lists.slopes[1].as_mut().iter_mut().for_each(|slopes| *slopes = slopes.times(&back));
+            }
+            return self.follow(lists, &mut left.scratch, &mut ());
+        }
+        let from_past = self.dw.is_empty() && left.is_known && !CAREFUL;
+        self.guess(lists, &mut left.past, &mut left.scratch, from_past);
     }
 }
 
@@ -121,7 +143,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         if together.any() {
             let from_past = self.dw.is_empty() && left.is_known;
             self.guess(lists, &mut left.past, &mut left.scratch, from_past);
-            let Swept { are_settled, sweeps, .. } = self.sweeps(together, lists, left);
+            let Swept { are_settled, sweeps, .. } = self.sweeps::<false>(together, lists, left);
             are_solved = are_settled & self.finish(state, dw, lists, &Plain);
             self.change_momentum(lists);
             solved.effort = Effort::fast(sweeps);

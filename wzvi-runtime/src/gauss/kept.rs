@@ -40,6 +40,8 @@ pub(super) struct Left<S: Scalar, H: Shape, W: Shape, const N: usize> {
     /// `b_i ∂F/∂p` and `b_i ∂F/∂q` of the last step; in Nyström form the first is `∂F/∂p`, for one path.
     pub(super) past: [OfStages<S, H, N>; 2],
     pub(super) is_known: bool,
+    /// Whether they are those of a part of the same step.
+    pub(super) is_held: bool,
     /// Where sweeps did not contract in the last step.
     pub(super) prefers_newton: S::Mask,
     pub(super) iteration: Iteration,
@@ -220,6 +222,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Left<S, H, W, N>
         Self {
             past: [past(), past()],
             is_known: false,
+            is_held: false,
             prefers_newton: S::Mask::from_bool(false),
             iteration: Iteration::Automatic,
             scratch: Scratch::of_length(0, 0),
@@ -242,7 +245,8 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Clone for Memory<S, H, W, N>
     fn clone_from(&mut self, other: &Self) {
         let (left, other) = (&mut self.left, &other.left);
         left.past.clone_from(&other.past);
-        (left.is_known, left.prefers_newton) = (other.is_known, other.prefers_newton);
+        (left.is_known, left.is_held) = (other.is_known, other.is_held);
+        left.prefers_newton = other.prefers_newton;
         left.iteration = other.iteration;
     }
 }
@@ -278,14 +282,19 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Memory<S, H, W, N> {
         if self.left.past[0].as_ref().len() != degrees {
             let past = || H::list(degrees, S::Stages::<N>::splat(S::from_f64(0.0)));
             self.left.past = [past(), past()];
-            self.left.is_known = false;
+            (self.left.is_known, self.left.is_held) = (false, false);
         }
     }
 }
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> StepMemory for Memory<S, H, W, N> {
     fn forget(&mut self) {
-        (self.left.is_known, self.left.prefers_newton) = (false, S::Mask::from_bool(false));
+        (self.left.is_known, self.left.is_held) = (false, false);
+        self.left.prefers_newton = S::Mask::from_bool(false);
+    }
+
+    fn hold(&mut self) {
+        self.left.is_held = true;
     }
 
     fn adopt(&mut self, other: Self) {

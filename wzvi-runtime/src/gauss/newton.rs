@@ -13,9 +13,6 @@ use crate::error::StepFailure;
 use crate::scalar::{Dual, Mask, Scalar};
 use crate::solve::{Banded, Problem, Room, damped};
 
-/// Unknowns of a matrix that is factored: 50 MB of `f64`.
-const MOST_UNKNOWNS: usize = 1500;
-
 /// The matrix and its right-hand side, allocated where they are needed first.
 #[derive(Debug)]
 pub(super) struct Newton<S> {
@@ -65,6 +62,14 @@ struct Equations<'a, 's, F: Field, S: Scalar, const N: usize> {
 }
 
 impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
+    /// Unknowns of a matrix that is factored: 50 MB of `f64`.
+    pub(super) const MOST_UNKNOWNS: usize = 1500;
+
+    /// How many there are.
+    pub(super) fn unknowns(&self) -> usize {
+        N * Equations::<F, S, N>::KINDS * self.start[0].len()
+    }
+
     /// Newton's method from the stages that are there.
     ///
     /// # Errors
@@ -79,13 +84,13 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         let LeftOf::<F, S, N> { newton: Newton { jacobian, room, start }, scratch, exact, .. } = left;
         let mut equations = Equations { step: self, lists, scratch, exact, jacobian };
         let unknowns = equations.unknowns();
-        if unknowns > MOST_UNKNOWNS {
+        if unknowns > Self::MOST_UNKNOWNS {
             return Err(StepFailure::NotConverged { iterations: 0, correction: f64::INFINITY });
         }
         start.resize(unknowns, S::from_f64(0.0));
         equations.read(start);
-        let effort = damped(&mut equations, room, start, false)?;
-        if effort.doubtful && !CAREFUL {
+        let effort = damped(&mut equations, room, start)?;
+        if (effort.doubtful || effort.is_reversed) && !CAREFUL {
             let iterations = effort.iterations;
             return Err(StepFailure::NotConverged { iterations, correction: f64::INFINITY });
         }
@@ -138,7 +143,7 @@ impl<F: Field, S: Scalar, const N: usize> Equations<'_, '_, F, S, N> {
     }
 
     fn unknowns(&self) -> usize {
-        N * Self::KINDS * self.degrees()
+        self.step.unknowns()
     }
 
     fn place(degrees: usize, stage: usize, kind: usize, d: usize) -> usize {

@@ -12,6 +12,11 @@ use crate::solve::Effort;
 
 /// Sweeps that are tried.
 const MOST_SWEEPS: u32 = 60;
+/// A sweep that changes more than this fraction of the stages, and more than half of what the one before did, may lead to another solution.
+const WILD: f64 = 1.0 / 16.0;
+/// With care, more than this fraction and a quarter of it: a map that takes a quarter of all distances has one fixed point, a third of the first change
+/// around.
+const DOUBTFUL: f64 = 1.0 / 4096.0;
 /// Sweeps before their contraction is judged: the first ones need not contract.
 const PATIENCE: u32 = 6;
 /// Two sweeps that leave more of the change than this are slower than Newton's method.
@@ -36,6 +41,8 @@ pub(super) struct Solved<S: Scalar> {
 pub(super) struct Swept<S: Scalar> {
     /// Where nothing but rounding changes any more.
     pub(super) are_settled: S::Mask,
+    /// Where they may have left the solution that continues the state; only a careful step settles there.
+    pub(super) are_wild: S::Mask,
     /// How many there were.
     pub(super) sweeps: u32,
     /// Why they ended where they did not settle.
@@ -74,7 +81,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     /// Sweeps from the stages that are there, until those of all paths that are wanted have ended. Slopes are then those of the sweep that
     /// was the last of each path.
     #[inline(always)]
-    pub(super) fn sweeps(
+    pub(super) fn sweeps<const CAREFUL: bool>(
         &self,
         wanted: S::Mask,
         lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
@@ -84,7 +91,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         let none = S::Mask::from_bool(false);
         // Nothing is known of the contraction before the second sweep.
         let (mut last, mut before_last) = (S::from_f64(0.0), S::from_f64(0.0));
-        let (mut going, mut are_settled) = (wanted, none);
+        let (mut going, mut are_settled, mut are_wild) = (wanted, none, none);
         let (mut sweeps, mut failure) = (0, StepFailure::NonFinite);
         loop {
             sweeps += 1;
@@ -103,6 +110,14 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
                 }
             }
             let contracts = change.less(last * 0.5);
+            if sweeps > 1 {
+                let (far, ratio) = if CAREFUL { (DOUBTFUL, 0.25) } else { (WILD, 0.5) };
+                let grows = S::from_f64(far).less(change) & !change.less(last * ratio);
+                are_wild = are_wild | (going & grows);
+                if !CAREFUL {
+                    going = going & !grows;
+                }
+            }
             let is_small = change.less_equal(S::from_f64(SMALL))
                 | (contracts & (change * change).less_equal(last * (UNSEEN * ROUNDING)));
             let mut settle = going & is_small;
@@ -138,7 +153,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
             }
             (before_last, last) = (last, change);
         }
-        Swept { are_settled, sweeps, failure }
+        Swept { are_settled, are_wild, sweeps, failure }
     }
 
     /// One sweep: new slopes, except of paths whose slopes are to stay, and the stages that follow from them.

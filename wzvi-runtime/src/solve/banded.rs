@@ -1,15 +1,11 @@
 //! Sparse matrices that a renumbering of their unknowns makes narrow: `P A = L U` in the
-//! band with partial pivoting. Exact for chains (a band), rings (folded to a band), lattices and networks.
+//! band with the pivots of [`Factor`](super::Factor). Exact for chains (a band), rings (folded to a band), lattices and networks.
 //!
 //! G. H. Golub, C. F. Van Loan, *Matrix Computations*, section 4.3. With pivoting, `U` has as many upper diagonals as `A` has in all.
 
-use super::newton::larger;
+use super::dense::{Candidate, PIVOT_ULPS};
 use crate::error::StepFailure;
 use crate::scalar::{Mask, Scalar};
-
-/// A pivot below this many units of rounding of its column makes the matrix singular to working precision: unlike rows, the
-/// entries of a column have a unit in common with the pivot.
-const PIVOT_ULPS: f64 = 4.0 * f64::EPSILON;
 
 /// A square matrix with room for its factors.
 #[derive(Clone, Debug)]
@@ -70,7 +66,7 @@ impl<S: Scalar> Banded<S> {
     /// Factors the matrix in place.
     ///
     /// # Errors
-    /// [`StepFailure::Singular`] if a pivot is at the rounding level of the largest entry of its column.
+    /// [`StepFailure::Singular`] if a pivot is at the rounding level of what was taken from it.
     pub fn factor(&mut self) -> Result<(), StepFailure> {
         match self.half {
             1 => self.factor_in(1),
@@ -83,25 +79,24 @@ impl<S: Scalar> Banded<S> {
     #[inline(always)]
     fn factor_in(&mut self, half: usize) -> Result<(), StepFailure> {
         let (width, upper) = (3 * half + 1, 2 * half + 1);
-        let Self { rows, exchanges, scratch: scales, .. } = self;
-        scales.fill(S::from_f64(0.0));
-        for (i, row) in rows.chunks_exact(width).enumerate().take(exchanges.len()) {
-            for (scale, entry) in scales[i..i + upper].iter_mut().zip(row) {
-                *scale = S::from_f64(larger(scale.magnitude(), entry.magnitude()));
-            }
-        }
+        let Self { rows, exchanges, scratch: taken, .. } = self;
+        taken.fill(S::from_f64(0.0));
         for (k, exchange) in exchanges.iter_mut().enumerate() {
             let (above, below) = rows.split_at_mut((k + 1) * width);
             let (own, below) = (&mut above[k * width + half..], &mut below[..half * width]);
-            let (mut best, mut pivot) = (0, own[0].magnitude());
+            let mut best = Candidate::on_diagonal(0, own[0].magnitude());
             for (row, entries) in below.chunks_exact(width).enumerate() {
-                let entry = entries[half - 1 - row].magnitude();
-                if entry > pivot {
-                    (best, pivot) = (row + 1, entry);
-                }
+                let [entry, opposite, own] =
+                    [entries[half - 1 - row], own[row + 1], entries[half]].map(S::magnitude);
+                best = best.or(Candidate { row: row + 1, entry, through: entry * opposite, own });
             }
-            let scale = scales[k + half].magnitude();
-            if pivot.is_nan() || !scale.is_finite() {
+            let (best, pivot) = (best.row, best.entry);
+            if best > 0 {
+                // Nothing is known of what was taken from entries beside the diagonal.
+                (taken[k], taken[k + best]) = (S::from_f64(0.0), S::from_f64(0.0));
+            }
+            let scale = taken[k].magnitude();
+            if !pivot.is_finite() || scale.is_nan() {
                 return Err(StepFailure::NonFinite);
             }
             if pivot <= PIVOT_ULPS * scale {
@@ -117,6 +112,8 @@ impl<S: Scalar> Banded<S> {
                 let entries = &mut entries[half - 1 - row..][..upper];
                 let factor = entries[0] * inverse;
                 entries[0] = factor;
+                let own_taken = &mut taken[k + 1 + row];
+                *own_taken = S::from_f64(own_taken.magnitude() + (factor * own[row + 1]).magnitude());
                 for (entry, &other) in entries[1..].iter_mut().zip(&own[1..]) {
                     *entry = *entry - factor * other;
                 }

@@ -9,9 +9,13 @@ pub(super) const UNSEEN: f64 = 0.25;
 /// A start other than zero claims to be near the solution: its first correction has to be smaller than the solution itself, by what sizes may be wrong.
 /// From zero it never is.
 pub(super) const FROM_GUESS: f64 = 2.0 * (1.0 - 1.0 / 19.0);
-/// Relative to what it leads to, the first correction from zero is 1, whatever the equations are. The second is at most half as long as the first
-/// where it is at most a third of what it leads to: half of this.
-pub(super) const FROM_ZERO: f64 = 2.0 / 3.0;
+/// The part of its square that the next correction may be. From zero the first correction is 1, whatever the equations are, and the Kantorovich number
+/// of the start, `ω |c|` with `ω` the Lipschitz constant of `J⁻¹ J'`, is at most twice the next one, divided by the square of the first. Up to 1/2 there
+/// is one solution near the start (P. Deuflhard, *Newton Methods for Nonlinear Problems*, section 2.1), and along the step from none at all that
+/// number only grows. Half of what that allows: the number is taken from one correction, not from all points around.
+pub(super) const CURVATURE: f64 = 0.125;
+/// Corrections below twice this fraction of an unknown are those of a start that is no other solution's, and are to halve only.
+pub(super) const NEAR: f64 = 1.0 / 4096.0;
 /// A start that is extrapolated from three solutions, `3a - 3b + c`, has their roundings, and one of its own.
 const ROUNDING_OF_GUESS: f64 = 8.0;
 
@@ -19,11 +23,15 @@ const ROUNDING_OF_GUESS: f64 = 8.0;
 #[derive(Clone, Copy)]
 pub(crate) struct Convergence {
     last: f64,
+    /// What the next correction has to be below.
+    allowed: f64,
     /// The cube of the relative correction that is good enough: `ROUNDING³` or `last² ROUNDING unseen`.
     enough: f64,
     unseen: f64,
     pub(crate) iterations: u32,
     is_guess: bool,
+    /// Whether corrections need only halve.
+    is_patient: bool,
     /// Whether `last` is that of unknowns beyond rounding only.
     is_beyond_rounding: bool,
 }
@@ -43,17 +51,19 @@ impl Convergence {
     pub(crate) fn new(is_guess: bool) -> Self {
         let last = if is_guess { FROM_GUESS } else { f64::INFINITY };
         let enough = ROUNDING * ROUNDING * ROUNDING;
-        Self { last, enough, unseen: UNSEEN, iterations: 0, is_guess, is_beyond_rounding: is_guess }
+        let (allowed, unseen) = (0.5 * last, UNSEEN);
+        let (iterations, is_patient, is_beyond_rounding) = (0, false, is_guess);
+        Self { last, allowed, enough, unseen, iterations, is_guess, is_patient, is_beyond_rounding }
+    }
+
+    /// From a start that claims nothing, with corrections that need only halve: whoever judges solutions by other means.
+    pub(super) fn patient(unseen: f64) -> Self {
+        Self { is_patient: true, unseen, ..Self::new(false) }
     }
 
     /// A start that turned out to be zero claims nothing: there was no solution to extrapolate.
     pub(super) fn claim_nothing(&mut self) {
-        (self.last, self.is_beyond_rounding) = (f64::INFINITY, false);
-    }
-
-    /// After the first correction from there.
-    pub(super) fn expect_half(&mut self) {
-        self.last = self.last.min(FROM_ZERO);
+        (self.last, self.allowed, self.is_beyond_rounding) = (f64::INFINITY, f64::INFINITY, false);
     }
 
     /// The first correction from zero.
@@ -68,11 +78,6 @@ impl Convergence {
         self.is_guess && self.iterations == 0
     }
 
-    /// The same until the correction after the last one is this part of a rounding.
-    pub(super) fn until(self, unseen: f64) -> Self {
-        Self { unseen, ..self }
-    }
-
     /// The verdict on the largest correction relative to its unknown, where that is all it takes; `None`, and nothing is noted, where it
     /// depends on the residuals.
     #[inline(always)]
@@ -81,7 +86,7 @@ impl Convergence {
         // `relative <= ROUNDING || relative (relative / last)² <= ROUNDING unseen` without dividing.
         let verdict = if square * relative <= self.enough {
             Verdict::Converged
-        } else if relative < 0.5 * self.last {
+        } else if relative < self.allowed {
             self.expect(relative, square);
             Verdict::Contracting
         } else {
@@ -108,9 +113,10 @@ impl Convergence {
             return Verdict::Converged;
         }
         // What is rounding may have been the larger part of the correction before.
-        let last = if self.is_beyond_rounding { self.last } else { self.last.max(relative) };
+        let allowed =
+            if self.is_beyond_rounding { self.allowed } else { self.allowed.max(self.after(relative)) };
         // False for NaN, too.
-        if beyond < 0.5 * last {
+        if beyond < allowed {
             self.is_beyond_rounding = true;
             self.expect(beyond, beyond * beyond);
             return Verdict::Contracting;
@@ -121,15 +127,27 @@ impl Convergence {
     /// Quadratic convergence from a correction of this size, with its square.
     #[inline(always)]
     fn expect(&mut self, relative: f64, square: f64) {
-        self.last = relative;
+        (self.last, self.allowed) = (relative, self.after(relative));
         // `relative` is above `ROUNDING` here, so that neither product underflows.
         let (predicted, floor) = (self.unseen * ROUNDING * square, ROUNDING * ROUNDING * ROUNDING);
         self.enough = if predicted > floor { predicted } else { floor };
     }
 
+    /// What the correction after one of this size has to be below.
+    #[inline(always)]
+    fn after(&self, relative: f64) -> f64 {
+        let half = 0.5 * relative;
+        if self.is_patient {
+            return half;
+        }
+        let (curved, near) = (CURVATURE * relative * relative, if half < NEAR { half } else { NEAR });
+        if curved > near { curved } else { near }
+    }
+
     /// A correction that does not count as one of a sequence: the next is judged by itself.
     pub(crate) fn forget(&mut self) {
-        (self.last, self.enough) = (f64::INFINITY, ROUNDING * ROUNDING * ROUNDING);
+        (self.last, self.allowed) = (f64::INFINITY, f64::INFINITY);
+        self.enough = ROUNDING * ROUNDING * ROUNDING;
         self.is_beyond_rounding = false;
     }
 }

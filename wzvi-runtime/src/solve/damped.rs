@@ -1,9 +1,10 @@
 //! Newton's method for the steps where the short way fails: with patience, then with a line search, and with a doubt about
 //! its own result. One driver for straight-line blocks and for sweeps: what they have to say is a [`Problem`].
 //!
-//! Near a solution the next correction is less than half of the last: with `c = J⁻¹r` at `x`, and the same matrix, `|J⁻¹r(x -
-//! c)| < |c| / 2`. Where it is not, the solution found need not be the one nearest to the start, and is reported as
-//! doubtful. Whole corrections often arrive all the same, along the curved valley of a stiff force faster than any others:
+//! Near a solution the next correction is a part of the last: with `c = J⁻¹r` at `x`, and the same matrix, `|J⁻¹r(x - c)| <= Θ |c|`. If the
+//! Kantorovich number of the start is at most 1/2, there is one solution around it, and `Θ <= 1/4` there (P. Deuflhard, *Newton Methods for
+//! Nonlinear Problems*, sections 2.1 and 5.1: a solution that is followed in parts stays the same one). Half of that is asked of the first
+//! correction, since it is seen at one point only, and one half of the later ones. Otherwise the solution is reported as doubtful. Whole corrections often arrive all the same, along the curved valley of a stiff force faster than any others:
 //! they are tried first. Then each is shortened until the residual at its end is smaller, `|J⁻¹r(x - λc)| <= (1 - λ/2) |c|`:
 //! the natural monotonicity test, which no scaling of equations or unknowns changes (P. Deuflhard, *Newton Methods for
 //! Nonlinear Problems*, Springer 2011, section 3.3).
@@ -22,8 +23,13 @@ const MOST_SHORTENED: u32 = 20;
 const MOST_HALVINGS: u32 = 64;
 /// Corrections are shortened to this fraction at most.
 const SHORTEST: f64 = 1.0 / 64.0;
-/// Next corrections below this fraction of the one before leave no doubt.
+/// The second correction of a start below this fraction of the first leaves no doubt.
+const FIRST_CONTRACTION: f64 = super::convergence::CURVATURE;
+/// Nor do later ones below this fraction of the one before.
 const SAFE_CONTRACTION: f64 = 0.5;
+/// The part of the longer one by which a correction differs from that of the identity, at most, where the Jacobian is about that: half of what it
+/// takes to turn.
+const ABOUT_IDENTITY: f64 = 0.5;
 
 /// The equations `r(x) = 0` of one step.
 pub(crate) trait Problem {
@@ -86,7 +92,7 @@ impl<V: Clone> Room<V> {
     }
 }
 
-/// Solves `r(x) = 0` from `start`, which is a guess if past steps have made it; the solution is that of the room.
+/// Solves `r(x) = 0` from `start`; the solution is that of the room.
 ///
 /// # Errors
 /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`].
@@ -94,11 +100,10 @@ pub(crate) fn damped<P: Problem>(
     problem: &mut P,
     room: &mut Room<P::Vector>,
     start: &P::Vector,
-    is_guess: bool,
 ) -> Result<Effort, StepFailure> {
     let mut attempt = |shortens: bool| {
         room.start(start);
-        Search { problem: &mut *problem, room: &mut *room }.run(is_guess, shortens)
+        Search { problem: &mut *problem, room: &mut *room }.run(shortens)
     };
     attempt(false).or_else(|_| attempt(true))
 }
@@ -111,13 +116,15 @@ struct Search<'a, P: Problem> {
 
 impl<P: Problem> Search<'_, P> {
     /// With whole corrections, or shortened ones.
-    fn run(mut self, is_guess: bool, shortens: bool) -> Result<Effort, StepFailure> {
+    fn run(mut self, shortens: bool) -> Result<Effort, StepFailure> {
         let most = if shortens { MOST_SHORTENED } else { PATIENCE };
-        let mut convergence = Convergence::new(is_guess).until(P::UNSEEN);
+        let mut convergence = Convergence::patient(P::UNSEEN);
         let (mut doubtful, mut shortened) = (shortens, 0);
         self.problem.residual(&self.room.x, &mut self.room.correction);
+        self.room.residual.clone_from(&self.room.correction);
         self.problem.factor()?;
         self.problem.correct(&mut self.room.correction)?;
+        let is_far = !is_about(self.room.correction.as_ref(), self.room.residual.as_ref());
         loop {
             self.go(1.0);
             let size = largest(self.room.correction.as_ref(), self.room.trial.as_ref(), &|_| true);
@@ -128,7 +135,7 @@ impl<P: Problem> Search<'_, P> {
             let is_lost = match verdict {
                 Verdict::Converged => {
                     let (iterations, is_reversed) = (convergence.iterations, self.problem.is_reversed());
-                    return Ok(Effort { iterations, doubtful, is_reversed });
+                    return Ok(Effort { iterations, doubtful, is_far, is_reversed });
                 }
                 Verdict::Straying => size.is_nan() || convergence.iterations >= most,
                 Verdict::Contracting => convergence.iterations >= MOST_HALVINGS,
@@ -137,9 +144,8 @@ impl<P: Problem> Search<'_, P> {
             if is_lost {
                 return Err(lost);
             }
-            // A guess that is off by more than the solution itself.
-            doubtful |= matches!(verdict, Verdict::Straying) && is_guess && convergence.iterations == 1;
-            let descent = self.descend(shortens, lost)?;
+            let safe = if convergence.iterations == 1 { FIRST_CONTRACTION } else { SAFE_CONTRACTION };
+            let descent = self.descend(shortens, safe, lost)?;
             doubtful |= !descent.contracts;
             if descent.length < 1.0 {
                 shortened += 1;
@@ -153,7 +159,7 @@ impl<P: Problem> Search<'_, P> {
 
     /// Moves `x` along its correction to where there are factors and, if corrections are shortened, the residual is
     /// smaller; an error if that is nowhere.
-    fn descend(&mut self, shortens: bool, lost: StepFailure) -> Result<Descent, StepFailure> {
+    fn descend(&mut self, shortens: bool, safe: f64, lost: StepFailure) -> Result<Descent, StepFailure> {
         let mut length = 1.0;
         let mut contracts = true;
         loop {
@@ -161,7 +167,7 @@ impl<P: Problem> Search<'_, P> {
             self.problem.residual(&self.room.trial, &mut self.room.residual);
             self.room.next.clone_from(&self.room.residual);
             let mut solved = self.problem.correct(&mut self.room.next);
-            contracts &= length < 1.0 || solved.is_ok() && self.shrinks(SAFE_CONTRACTION);
+            contracts &= length < 1.0 || solved.is_ok() && self.shrinks(safe);
             if !shortens || solved.is_ok() && self.shrinks(1.0 - 0.5 * length) {
                 self.room.next.clone_from(&self.room.residual);
                 solved = self.problem.factor().and_then(|()| self.problem.correct(&mut self.room.next));
@@ -213,8 +219,16 @@ impl<P: Problem> Search<'_, P> {
 struct Descent {
     /// Which fraction of it.
     length: f64,
-    /// Whether all of it would have left less than half of it, where all of it was tried.
+    /// Whether all of it would have left as little of it as is safe, where all of it was tried.
     contracts: bool,
+}
+
+/// Whether these corrections are about the residuals that they follow from.
+fn is_about<S: Scalar>(corrections: &[S], residuals: &[S]) -> bool {
+    corrections.iter().zip(residuals).all(|(&correction, &residual)| {
+        let longer = correction.magnitude().max(residual.magnitude());
+        (correction - residual).magnitude() <= ABOUT_IDENTITY * longer
+    })
 }
 
 /// The largest correction, of those that count, relative to its unknown; NaN if any is.
@@ -288,9 +302,9 @@ mod tests {
         start: [f64; N],
         equations: E,
     ) -> Result<([f64; N], Effort), StepFailure> {
-        let (is_guess, mut room) = (start.iter().any(|x| *x != 0.0), Room::of(&start));
+        let mut room = Room::of(&start);
         let mut problem = Dense::<E, f64, N, false>::new(equations);
-        damped(&mut problem, &mut room, &start, is_guess).map(|effort| (*room.solution(), effort))
+        damped(&mut problem, &mut room, &start).map(|effort| (*room.solution(), effort))
     }
 
     /// An equation and its slope, with the rounding of a value of the size of 1.
@@ -319,9 +333,9 @@ mod tests {
     }
 
     #[test]
-    fn a_guess_on_the_wrong_side_is_doubtful() {
-        let (x, effort) = scalar(-7.0, |x| (x - 1.0, 1.0)).unwrap();
-        assert!(x == 1.0 && effort.doubtful);
+    fn a_jacobian_that_is_not_about_the_identity_is_said() {
+        let far = |slope: f64| scalar(0.0, |x| (slope * x - 1.0, slope)).unwrap().1.is_far;
+        assert!(!far(0.6) && !far(1.9) && far(0.4) && far(2.1) && far(-1.0_f64.exp()));
     }
 
     #[test]

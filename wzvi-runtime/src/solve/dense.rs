@@ -6,7 +6,8 @@ use std::ops::Mul;
 use crate::error::{ConfigError, StepFailure};
 use crate::scalar::{Mask, Scalar};
 
-/// A pivot below this many units of rounding of its row makes the matrix singular to working precision.
+/// A pivot below this many units of rounding of what was taken from it makes the matrix singular to working precision. No other entry has its unit:
+/// rows and columns have one each, which their owner may choose.
 pub(super) const PIVOT_ULPS: f64 = 4.0 * f64::EPSILON;
 
 /// Above this size `c` drowns the 1 of `1 - c`: the increments that follow have lost all digits of the state.
@@ -65,7 +66,9 @@ fn singular(pivot: f64, scale: f64) -> StepFailure {
     }
 }
 
-/// `P A = L U` with scaled partial pivoting: rows are compared by their entry relative to their largest one.
+/// `P A = L U` with pivots that do not depend on the units of rows and columns. Of two rows `k`, `i` and the columns that they stand for, those
+/// products are compared that have the same unit: rows change places where `|a_ik a_ki| > |a_kk a_ii|`, and of several the one for which that is most. What
+/// is eliminated through a pivot is then at most what is there, between any two of them. Powers of two on rows and columns change no bit of a solution but its scale.
 #[derive(Clone, Copy, Debug)]
 pub struct Factor<S, const N: usize> {
     /// `L` below the diagonal (its unit diagonal is not stored), `U` above, reciprocals of the pivots on it.
@@ -73,29 +76,55 @@ pub struct Factor<S, const N: usize> {
     order: [usize; N],
 }
 
+/// A row that may give the next pivot, in column `k`.
+#[derive(Clone, Copy)]
+pub(super) struct Candidate {
+    pub(super) row: usize,
+    /// `|a_ik|`
+    pub(super) entry: f64,
+    /// `|a_ik a_ki|`, or `|a_kk|` on the diagonal.
+    pub(super) through: f64,
+    /// `|a_ii|`, or 1 there.
+    pub(super) own: f64,
+}
+
+impl Candidate {
+    /// The row that the column stands for.
+    #[inline(always)]
+    pub(super) fn on_diagonal(k: usize, entry: f64) -> Self {
+        Self { row: k, entry, through: entry, own: 1.0 }
+    }
+
+    /// The better of two; this one where nothing tells.
+    #[inline(always)]
+    pub(super) fn or(self, other: Self) -> Self {
+        let is_better = other.through * self.own > self.through * other.own;
+        if is_better || (self.entry == 0.0 && other.entry > 0.0) { other } else { self }
+    }
+}
+
 impl<S: Scalar, const N: usize> Factor<S, N> {
     /// Factors `matrix`, given by rows.
     ///
     /// # Errors
-    /// [`StepFailure::Singular`] if a pivot is at the rounding level of its row; [`StepFailure::NonFinite`].
+    /// [`StepFailure::Singular`] if a pivot is at the rounding level of what was taken from it; [`StepFailure::NonFinite`].
     #[inline(always)]
     pub fn new(matrix: [[S; N]; N]) -> Result<Self, StepFailure> {
         let mut lu = matrix;
         let mut order: [usize; N] = std::array::from_fn(|i| i);
-        let mut scale: [f64; N] = lu.map(|row| row.iter().fold(0.0, |largest, x| x.magnitude().max(largest)));
         for k in 0..N {
-            let mut best = k;
+            let mut best = Candidate::on_diagonal(k, lu[k][k].magnitude());
             for i in k + 1..N {
-                if lu[i][k].magnitude() * scale[best] > lu[best][k].magnitude() * scale[i] {
-                    best = i;
-                }
+                let [entry, opposite, own] = [lu[i][k], lu[k][i], lu[i][i]].map(S::magnitude);
+                best = best.or(Candidate { row: i, entry, through: entry * opposite, own });
             }
-            lu.swap(k, best);
-            order.swap(k, best);
-            scale.swap(k, best);
+            lu.swap(k, best.row);
+            order.swap(k, best.row);
             let pivot = lu[k][k].magnitude();
-            if pivot <= PIVOT_ULPS * scale[k] || pivot.is_nan() || scale[k].is_nan() {
-                return Err(singular(pivot, scale[k]));
+            let taken = (0..k).fold(0.0, |sum, i| sum + lu[k][i].magnitude() * lu[i][k].magnitude());
+            // False for NaN, too.
+            if !(pivot > PIVOT_ULPS * taken && pivot.is_finite()) {
+                return Err(singular(pivot, taken));
             }
             eliminate(&mut lu, k);
         }
@@ -165,7 +194,8 @@ impl<S: Scalar, const N: usize> SymmetricFactor<S, N> {
         let mut l = matrix;
         for k in 0..N {
             let pivot = l[k][k];
-            if pivot.magnitude() <= STABLE_PIVOT * matrix[k][k].magnitude() || pivot.magnitude().is_nan() {
+            // False for NaN; a negative pivot makes the matrix indefinite.
+            if !S::from_f64(STABLE_PIVOT * matrix[k][k].magnitude()).less(pivot).all() {
                 return None;
             }
             eliminate_symmetric(&mut l, k);

@@ -94,7 +94,12 @@ fn mask<S: Scalar>(mut holds: impl FnMut(usize) -> bool) -> S::Mask {
     lanes.fold(S::Mask::from_bool(false), |all, lane| all | lane)
 }
 
-impl<S: Scalar, const N: usize> StepMemory for Extrapolation<S, N> {}
+impl<S: Scalar, const N: usize> StepMemory for Extrapolation<S, N> {
+    #[inline(always)]
+    fn hold(&mut self) {
+        self.past = [self.past[0]; 3];
+    }
+}
 
 impl<S: Scalar, const N: usize> Numbers for Extrapolation<S, N> {
     fn pass(&mut self, tape: &mut Tape) {

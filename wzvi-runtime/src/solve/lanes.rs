@@ -5,11 +5,11 @@
 //! way finds, gets NaN, by which the end of the step knows it; whoever runs lanes then takes it alone.
 #![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
-use super::convergence::{FROM_GUESS, FROM_ZERO, ROUNDING, UNSEEN, roundings};
+use super::convergence::{CURVATURE, FROM_GUESS, NEAR, ROUNDING, UNSEEN, roundings};
 use super::dense::{
     LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT, eliminate, eliminate_symmetric, substitute, substitute_symmetric,
 };
-use super::newton::{Effort, Equations, SAFE_DETERMINANT, beyond};
+use super::newton::{Effort, Equations, SAFE_DETERMINANT, UPRIGHT, beyond};
 use super::{Solve, Together};
 use crate::error::StepFailure;
 use crate::lanes::{LaneMask, Lanes};
@@ -21,11 +21,6 @@ fn poison<const L: usize>() -> Lanes<L> {
     Lanes::from_f64(f64::NAN)
 }
 
-#[inline(always)]
-fn is_nan<const L: usize>(x: Lanes<L>) -> LaneMask<L> {
-    !x.equal(x)
-}
-
 /// `a > b`
 #[inline(always)]
 fn exceeds<const L: usize>(a: Lanes<L>, b: Lanes<L>) -> LaneMask<L> {
@@ -35,7 +30,8 @@ fn exceeds<const L: usize>(a: Lanes<L>, b: Lanes<L>) -> LaneMask<L> {
 /// The verdicts of `convergence::Convergence`, by lane.
 #[derive(Clone, Copy)]
 struct LaneConvergence<const L: usize> {
-    last: Lanes<L>,
+    /// What the next correction has to be below.
+    allowed: Lanes<L>,
     /// Infinite where a lane is done: numbers stay in vector registers from iteration to iteration where truths do not.
     enough: Lanes<L>,
     iterations: u32,
@@ -47,7 +43,7 @@ impl<const L: usize> LaneConvergence<L> {
     #[inline(always)]
     fn new(is_guess: bool) -> Self {
         Self {
-            last: Lanes::from_f64(if is_guess { FROM_GUESS } else { f64::INFINITY }),
+            allowed: Lanes::from_f64(if is_guess { 0.5 * FROM_GUESS } else { f64::INFINITY }),
             enough: Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING),
             iterations: 0,
             is_guess,
@@ -56,18 +52,12 @@ impl<const L: usize> LaneConvergence<L> {
     }
 
     /// `convergence::Convergence::claim_nothing` of the lanes of a fresh guess that start from zero.
-    fn claim_nothing<const N: usize>(&mut self, x: &[Lanes<L>; N]) -> LaneMask<L> {
+    fn claim_nothing<const N: usize>(&mut self, x: &[Lanes<L>; N]) {
         let zero = Lanes::from_f64(0.0);
         let are_zero = |mask: LaneMask<L>, x: &Lanes<L>| mask & x.equal(zero);
         let from_zero = x.iter().fold(LaneMask::from_bool(self.is_guess && self.iterations == 0), are_zero);
-        self.last = Lanes::select(from_zero, Lanes::from_f64(f64::INFINITY), self.last);
+        self.allowed = Lanes::select(from_zero, Lanes::from_f64(f64::INFINITY), self.allowed);
         self.is_beyond_rounding = self.is_beyond_rounding & !from_zero;
-        from_zero
-    }
-
-    /// `convergence::Convergence::expect_half` of these lanes.
-    fn expect_half(&mut self, from_zero: LaneMask<L>) {
-        self.last = Lanes::select(from_zero, self.last.min(Lanes::from_f64(FROM_ZERO)), self.last);
     }
 
     /// The verdict where it takes no more than the corrections; `false`, and nothing is noted, where a lane's depends on its residuals.
@@ -76,7 +66,7 @@ impl<const L: usize> LaneConvergence<L> {
         let square = relative * relative;
         // Of a lane that is done, too, unless what follows is not a number.
         let done = (square * relative).less_equal(self.enough);
-        let is_enough = (done | relative.less(self.last * 0.5)).all();
+        let is_enough = (done | relative.less(self.allowed)).all();
         if is_enough {
             self.iterations += 1;
             self.expect(done, relative, square);
@@ -88,7 +78,7 @@ impl<const L: usize> LaneConvergence<L> {
     /// correction from zero is 1, and all others are less.
     #[inline(always)]
     fn expect(&mut self, done: LaneMask<L>, relative: Lanes<L>, square: Lanes<L>) {
-        self.last = relative;
+        self.allowed = allowed(relative, square);
         let predicted = square * (UNSEEN * ROUNDING);
         let floor = Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING);
         let enough = Lanes::select(exceeds(predicted, floor), predicted, floor);
@@ -111,7 +101,7 @@ impl<const L: usize> LaneConvergence<L> {
         }
         self.iterations += 1;
         let mut done = self.done() | (relative * relative * relative).less_equal(self.enough);
-        let mut good = done | relative.less(self.last * 0.5);
+        let mut good = done | relative.less(self.allowed);
         let roundings = roundings(self.is_guess && self.iterations == 1);
         for lane in 0..L {
             if good.lane(lane) || !relative[lane].is_finite() {
@@ -119,11 +109,12 @@ impl<const L: usize> LaneConvergence<L> {
             }
             let beyond = beyond_rounding(lane, roundings);
             let known = self.is_beyond_rounding.lane(lane);
-            let last = if known { self.last[lane] } else { self.last[lane].max(relative[lane]) };
+            let own = allowed(relative, relative * relative)[lane];
+            let allowed = if known { self.allowed[lane] } else { self.allowed[lane].max(own) };
             if beyond == 0.0 {
                 done.set(lane, true);
                 good.set(lane, true);
-            } else if beyond < 0.5 * last {
+            } else if beyond < allowed {
                 self.is_beyond_rounding.set(lane, true);
                 relative.set(lane, beyond);
                 good.set(lane, true);
@@ -132,6 +123,14 @@ impl<const L: usize> LaneConvergence<L> {
         self.expect(done | !good, relative, relative * relative);
         !good
     }
+}
+
+/// What the correction after those of this size have to be below.
+#[inline(always)]
+fn allowed<const L: usize>(relative: Lanes<L>, square: Lanes<L>) -> Lanes<L> {
+    let (half, near, curved) = (relative * 0.5, Lanes::from_f64(NEAR), square * CURVATURE);
+    let near = Lanes::select(half.less(near), half, near);
+    Lanes::select(exceeds(curved, near), curved, near)
 }
 
 /// `nearly_relative_to` of `f64`, by lane.
@@ -153,6 +152,7 @@ pub(super) fn iterate<const L: usize, const N: usize>(
     equations: impl Equations<Lanes<L>, N>,
 ) -> ([Lanes<L>; N], Effort) {
     let (mut x, mut convergence) = (start, LaneConvergence::new(is_guess));
+    let mut level = Lanes::from_f64(0.0);
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
         let Some(correction) = safe_correction(&jacobian, &residual, is_symmetric) else { break };
@@ -163,11 +163,12 @@ pub(super) fn iterate<const L: usize, const N: usize>(
         for i in 0..N {
             x[i] = Lanes::select(done, x[i], moved[i]);
         }
+        level = Lanes::select(done, level, uprightness(&jacobian, is_symmetric));
         if convergence.done().all() {
-            return accepted(x, jacobian[0][0], convergence.iterations);
+            return accepted(x, level, convergence.iterations);
         }
     }
-    let (x, iterations) = resumed(x, convergence, is_symmetric, equations);
+    let (x, iterations) = resumed(x, level, convergence, is_symmetric, equations);
     (x, Effort::fast(iterations))
 }
 
@@ -177,11 +178,12 @@ pub(super) fn iterate<const L: usize, const N: usize>(
 #[inline(never)]
 fn resumed<const L: usize, const N: usize>(
     mut x: [Lanes<L>; N],
+    mut level: Lanes<L>,
     mut convergence: LaneConvergence<L>,
     is_symmetric: bool,
     equations: impl Equations<Lanes<L>, N>,
 ) -> ([Lanes<L>; N], u32) {
-    let mut from_zero = convergence.claim_nothing(&x);
+    convergence.claim_nothing(&x);
     let mut lost = LaneMask::from_bool(false);
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
@@ -194,14 +196,11 @@ fn resumed<const L: usize, const N: usize>(
         for i in 0..N {
             x[i] = Lanes::select(done | astray, x[i], moved[i]);
         }
+        level = Lanes::select(done | astray, level, uprightness(&jacobian, is_symmetric));
         lost = lost | astray;
         if convergence.done().all() {
-            let (x, effort) = accepted(x, jacobian[0][0], convergence.iterations);
+            let (x, effort) = accepted(x, level, convergence.iterations);
             return (x.map(|x| Lanes::select(lost, poison(), x)), effort.iterations);
-        }
-        if from_zero.any() {
-            convergence.expect_half(from_zero);
-            from_zero = LaneMask::from_bool(false);
         }
     }
 }
@@ -221,15 +220,32 @@ fn corrected_end<const L: usize, const N: usize>(
     (moved, largest)
 }
 
-/// An infinite slope corrects nothing.
+/// The number by which `newton::is_upright` judges: slope or determinant.
+#[inline(always)]
+fn uprightness<const L: usize, const N: usize>(jacobian: &Matrix<L, N>, is_symmetric: bool) -> Lanes<L> {
+    match N {
+        1 => jacobian[0][0],
+        2 => {
+            let cross = if is_symmetric { jacobian[1][0] } else { jacobian[0][1] };
+            jacobian[0][0] * jacobian[1][1] - cross * jacobian[1][0]
+        }
+        _ => Lanes::from_f64(1.0),
+    }
+}
+
+/// An infinite slope corrects nothing, and a determinant that is not that of no step at all leads to another solution.
 #[inline(always)]
 fn accepted<const L: usize, const N: usize>(
     mut x: [Lanes<L>; N],
-    slope: Lanes<L>,
+    level: Lanes<L>,
     iterations: u32,
 ) -> ([Lanes<L>; N], Effort) {
     if N == 1 {
-        x[0] = Lanes::select(slope.is_finite(), x[0], poison());
+        let is_upright = Lanes::from_f64(UPRIGHT).less_equal(level) & level.is_finite();
+        x[0] = Lanes::select(is_upright, x[0], poison());
+    } else if N == 2 {
+        let is_upright = Lanes::from_f64(0.0).less(level);
+        x = x.map(|x| Lanes::select(is_upright, x, poison()));
     }
     (x, Effort::fast(iterations))
 }
@@ -278,7 +294,7 @@ pub(super) fn correction<const L: usize, const N: usize>(
         return b.map(|b| b / matrix[0][0]);
     }
     if N != 2 {
-        return if is_symmetric { symmetric(matrix, b) } else { general(matrix, b) };
+        return if is_symmetric { symmetric(matrix, b) } else { general::<L, N, true>(matrix, b) };
     }
     let (mut solution, is_safe) = of_pair(matrix, b, is_symmetric);
     if !is_safe.all() {
@@ -302,27 +318,31 @@ fn rarely<const L: usize, const N: usize>(
     b: &[Lanes<L>; N],
     is_symmetric: bool,
 ) -> [Lanes<L>; N] {
-    if is_symmetric { symmetric(matrix, b) } else { general(matrix, b) }
+    if is_symmetric { symmetric(matrix, b) } else { general::<L, N, true>(matrix, b) }
 }
 
-/// [`super::Factor`], by lane: the row that a lane takes for its pivot changes place with the first one by selection.
+/// [`super::Factor`], by lane: the row that a lane takes for its pivot changes place with the first one by selection. `UPRIGHT`: of a positive
+/// determinant, else NaN.
 #[inline(always)]
-pub(super) fn general<const L: usize, const N: usize>(
+pub(super) fn general<const L: usize, const N: usize, const UPRIGHT: bool>(
     matrix: &Matrix<L, N>,
     b: &[Lanes<L>; N],
 ) -> [Lanes<L>; N] {
     let (mut a, mut x) = (*matrix, *b);
     let mut usable = LaneMask::from_bool(true);
-    // As `f64::max` does: NaN does not count.
-    let mut scale = a.map(|row| row.iter().fold(Lanes::from_f64(0.0), |largest, x| x.abs().max(largest)));
+    let mut sign = Lanes::from_f64(1.0);
     for k in 0..N {
-        let (mut best, mut best_scale) = (a[k][k].abs(), scale[k]);
+        let zero = Lanes::from_f64(0.0);
+        let (mut entry, mut through, mut own) = (a[k][k].abs(), a[k][k].abs(), Lanes::from_f64(1.0));
         let mut chosen = [LaneMask::from_bool(false); N];
         for i in k + 1..N {
-            let size = a[i][k].abs();
-            let better = exceeds(size * best_scale, best * scale[i]);
-            best = Lanes::select(better, size, best);
-            best_scale = Lanes::select(better, scale[i], best_scale);
+            let (next, next_own) = (a[i][k].abs(), a[i][i].abs());
+            let next_through = next * a[k][i].abs();
+            let better =
+                exceeds(next_through * own, through * next_own) | (entry.equal(zero) & zero.less(next));
+            entry = Lanes::select(better, next, entry);
+            through = Lanes::select(better, next_through, through);
+            own = Lanes::select(better, next_own, own);
             for earlier in &mut chosen[..i] {
                 *earlier = *earlier & !better;
             }
@@ -333,10 +353,19 @@ pub(super) fn general<const L: usize, const N: usize>(
                 (a[k][j], a[i][j]) = swapped(chosen[i], a[k][j], a[i][j]);
             }
             (x[k], x[i]) = swapped(chosen[i], x[k], x[i]);
-            (scale[k], scale[i]) = swapped(chosen[i], scale[k], scale[i]);
+            if UPRIGHT {
+                sign = Lanes::select(chosen[i], -sign, sign);
+            }
         }
-        usable = usable & exceeds(a[k][k].abs(), scale[k] * PIVOT_ULPS) & !is_nan(scale[k]);
+        let taken = (0..k).fold(zero, |sum, i| sum + a[k][i].abs() * a[i][k].abs());
+        usable = usable & exceeds(a[k][k].abs(), taken * PIVOT_ULPS) & a[k][k].is_finite();
+        if UPRIGHT {
+            sign = Lanes::select(a[k][k].less(Lanes::from_f64(0.0)), -sign, sign);
+        }
         eliminate(&mut a, k);
+    }
+    if UPRIGHT {
+        usable = usable & Lanes::from_f64(0.0).less(sign);
     }
     substitute(&a, x).map(|x| Lanes::select(usable, x, poison()))
 }
@@ -353,7 +382,7 @@ fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L
     let mut stable = LaneMask::from_bool(true);
     for k in 0..N {
         let pivot = l[k][k];
-        stable = stable & exceeds(pivot.abs(), matrix[k][k].abs() * STABLE_PIVOT);
+        stable = stable & exceeds(pivot, matrix[k][k].abs() * STABLE_PIVOT);
         eliminate_symmetric(&mut l, k);
     }
     let mut x = substitute_symmetric(&l, *b);
@@ -395,7 +424,7 @@ impl<const L: usize> Solve<Lanes<L>> for LaneByLane {
 
     #[inline(always)]
     fn linear<const N: usize>(matrix: Matrix<L, N>, b: [Lanes<L>; N]) -> Result<[Lanes<L>; N], StepFailure> {
-        if L == 1 { Together::linear(matrix, b) } else { Ok(general(&matrix, &b)) }
+        if L == 1 { Together::linear(matrix, b) } else { Ok(general::<L, N, false>(&matrix, &b)) }
     }
 
     #[inline(always)]

@@ -96,7 +96,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
         let lists = &mut scratch.lists;
         self.residual_as::<S::OfElements<H::Exact>>(lists);
-        let relative = subtract(lists.x, lists.correction);
+        let relative = subtract(self.scheme.unknowns, lists.x, lists.correction);
         if self.scheme.unknowns == Unknowns::Momenta {
             std::mem::swap(&mut lists.u, &mut lists.by_p);
         }

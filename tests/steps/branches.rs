@@ -1,0 +1,456 @@
+//! The solution of a step is the one that continues the state, or an error: against a continuation in the step size that is as strict as it is slow.
+//!
+//! The equations of an implicit step have several solutions where `h² V''` is not small. The right one comes from no change at all as the step grows.
+//! Here it is followed in parts of 2e-3, each predicted from those before and solved by Newton's method in all stages of a Gauss method at once, in
+//! code that shares nothing with the library; a part in which the determinant changes its sign, or that is not solved, is halved up to sixteen times before the
+//! branch is said to end. [`Reference`] is that; random states of wells and fields, with steps from 0.05 to 2, are its input.
+
+use wzvi::error::StepFailure;
+use wzvi::prelude::*;
+
+/// Wells of one degree of freedom: Gauss methods eliminate the momenta.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.5 * a * q * q + b * q * q * q + c * q * q * q * q + d * (k * q).cos(),
+    embedding = [Midpoint, Gauss<2>, Gauss<3>, Gauss<4>, Gauss<6>, Gauss<8>],
+)]
+struct Well {
+    a: f64,
+    b: f64,
+    c: f64,
+    d: f64,
+    k: f64,
+}
+
+/// A mass that depends on the place, and a field that acts on the momentum.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p * (1.0 + e * q * q) + f * p * q * q + s * q.sin() + 0.5 * a * q * q + c * q * q * q * q + d * (k * q).cos(),
+    embedding = [Midpoint, Gauss<2>, Gauss<3>, Gauss<4>, Gauss<6>, Gauss<8>],
+)]
+struct Field {
+    a: f64,
+    c: f64,
+    d: f64,
+    k: f64,
+    e: f64,
+    f: f64,
+    s: f64,
+}
+
+/// Two sites in double wells.
+#[hamiltonian(
+    drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) + 2.0 * x.powi(4) - 3.0 * x * x + 2.0 * y.powi(4) - 3.0 * y * y + g * x * y * y,
+    embedding = [Midpoint, Gauss<2>, Gauss<4>],
+)]
+struct Sites {
+    g: f64,
+}
+
+/// First and second derivatives by `q` and `p`, in that order.
+trait Derivatives {
+    const DEGREES: usize;
+    fn derivatives(&self, q: &[f64], p: &[f64], gradient: &mut [f64], hessian: &mut [f64]);
+}
+
+impl Derivatives for Well {
+    const DEGREES: usize = 1;
+    fn derivatives(&self, q: &[f64], p: &[f64], gradient: &mut [f64], hessian: &mut [f64]) {
+        let Self { a, b, c, d, k } = *self;
+        let (q, p) = (q[0], p[0]);
+        let force = a * q + 3.0 * b * q * q + 4.0 * c * q.powi(3) - d * k * (k * q).sin();
+        gradient.copy_from_slice(&[force, p]);
+        let slope = a + 6.0 * b * q + 12.0 * c * q * q - d * k * k * (k * q).cos();
+        hessian.copy_from_slice(&[slope, 0.0, 0.0, 1.0]);
+    }
+}
+
+impl Derivatives for Field {
+    const DEGREES: usize = 1;
+    fn derivatives(&self, q: &[f64], p: &[f64], gradient: &mut [f64], hessian: &mut [f64]) {
+        let Self { a, c, d, k, e, f, s } = *self;
+        let (q, p) = (q[0], p[0]);
+        let force = p * p * e * q + 2.0 * f * p * q + s * q.cos() + a * q + 4.0 * c * q.powi(3)
+            - d * k * (k * q).sin();
+        gradient.copy_from_slice(&[force, p * (1.0 + e * q * q) + f * q * q]);
+        let slope = p * p * e + 2.0 * f * p - s * q.sin() + a + 12.0 * c * q * q - d * k * k * (k * q).cos();
+        let mixed = 2.0 * p * e * q + 2.0 * f * q;
+        hessian.copy_from_slice(&[slope, mixed, mixed, 1.0 + e * q * q]);
+    }
+}
+
+impl Derivatives for Sites {
+    const DEGREES: usize = 2;
+    fn derivatives(&self, q: &[f64], p: &[f64], gradient: &mut [f64], hessian: &mut [f64]) {
+        let (x, y, g) = (q[0], q[1], self.g);
+        let force = |x: f64| 8.0 * x.powi(3) - 6.0 * x;
+        gradient.copy_from_slice(&[force(x) + g * y * y, force(y) + 2.0 * g * x * y, p[0], p[1]]);
+        let slope = |x: f64| 24.0 * x * x - 6.0;
+        hessian.fill(0.0);
+        (hessian[0], hessian[1]) = (slope(x), 2.0 * g * y);
+        (hessian[4], hessian[5]) = (2.0 * g * y, slope(y) + 2.0 * g * x);
+        (hessian[10], hessian[15]) = (1.0, 1.0);
+    }
+}
+
+/// Gauss nodes, weights and coefficients, from the Lagrange polynomials at the roots of a Legendre polynomial.
+struct Reference {
+    b: Vec<f64>,
+    a: Vec<Vec<f64>>,
+}
+
+impl Reference {
+    fn new(stages: usize) -> Self {
+        let legendre = |n: usize, x: f64| {
+            let (mut before, mut value) = (1.0, x);
+            for k in 1..n {
+                (before, value) =
+                    (value, ((2 * k + 1) as f64 * x * value - k as f64 * before) / (k + 1) as f64);
+            }
+            (value, n as f64 * (before - x * value) / (1.0 - x * x))
+        };
+        let root = |i: usize| {
+            let mut x = -(std::f64::consts::PI * (i as f64 + 0.75) / (stages as f64 + 0.5)).cos();
+            for _ in 0..50 {
+                let (value, slope) = legendre(stages, x);
+                x -= value / slope;
+            }
+            x
+        };
+        let nodes: Vec<f64> = (0..stages).map(root).collect();
+        let c: Vec<f64> = nodes.iter().map(|x| 0.5 * (x + 1.0)).collect();
+        let b: Vec<f64> =
+            nodes.iter().map(|&x| 1.0 / ((1.0 - x * x) * legendre(stages, x).1.powi(2))).collect();
+        let lagrange = |j: usize, x: f64| -> f64 {
+            (0..stages).filter(|&m| m != j).map(|m| (x - c[m]) / (c[j] - c[m])).product()
+        };
+        // The quadrature itself is exact for the integrals.
+        let a = (0..stages)
+            .map(|i| {
+                (0..stages)
+                    .map(|j| (0..stages).map(|m| c[i] * b[m] * lagrange(j, c[i] * c[m])).sum())
+                    .collect()
+            })
+            .collect();
+        Self { b, a }
+    }
+
+    /// Stages of a step of size `h` by Newton's method from a start; they and the sign of the determinant, or nothing unless corrections halve.
+    fn solve<H: Derivatives>(
+        &self,
+        system: &H,
+        h: f64,
+        start: &[f64],
+        mut y: Vec<f64>,
+    ) -> Option<(Vec<f64>, bool)> {
+        let (s, n) = (self.b.len(), start.len());
+        let unknowns = s * n;
+        let mut last = f64::INFINITY;
+        for _ in 0..30 {
+            let (mut residual, mut matrix) = (vec![0.0; unknowns], vec![vec![0.0; unknowns]; unknowns]);
+            for i in 0..s {
+                for k in 0..n {
+                    residual[i * n + k] = y[i * n + k] - start[k];
+                    matrix[i * n + k][i * n + k] += 1.0;
+                }
+            }
+            for j in 0..s {
+                let (mut gradient, mut hessian) = (vec![0.0; n], vec![0.0; n * n]);
+                let (q, p) = y[j * n..(j + 1) * n].split_at(n / 2);
+                system.derivatives(q, p, &mut gradient, &mut hessian);
+                for i in 0..s {
+                    for k in 0..n {
+                        // dq = H_p, dp = -H_q
+                        let (row, sign) = if k < n / 2 { (k + n / 2, 1.0) } else { (k - n / 2, -1.0) };
+                        residual[i * n + k] -= sign * h * self.a[i][j] * gradient[row];
+                        for l in 0..n {
+                            matrix[i * n + k][j * n + l] -= sign * h * self.a[i][j] * hessian[row * n + l];
+                        }
+                    }
+                }
+            }
+            let is_reversed = eliminate(&mut matrix, &mut residual)?;
+            let size = |v: &[f64]| v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let correction = size(&residual);
+            y.iter_mut().zip(&residual).for_each(|(y, c)| *y -= c);
+            if correction <= 1e-13 * (1.0 + size(&y)) {
+                return Some((y, is_reversed));
+            }
+            if correction.is_nan() || correction > 0.5 * last {
+                return None;
+            }
+            last = correction;
+        }
+        None
+    }
+
+    /// The end of the step that continues the state; else the fraction up to which it does.
+    fn follow<H: Derivatives>(&self, system: &H, h: f64, start: &[f64]) -> Result<Vec<f64>, f64> {
+        const PART: f64 = 2e-3;
+        let (s, n) = (self.b.len(), start.len());
+        let still: Vec<f64> = (0..s * n).map(|k| start[k % n]).collect();
+        let (mut before, mut now) = ((-PART, still.clone()), (0.0, still));
+        let mut part = PART;
+        while now.0 < 1.0 {
+            let next = if now.0 + 1.001 * part >= 1.0 { 1.0 } else { now.0 + part };
+            let ratio = (next - now.0) / (now.0 - before.0);
+            let guess: Vec<f64> = if now.0 == 0.0 {
+                now.1.clone()
+            } else {
+                now.1.iter().zip(&before.1).map(|(a, b)| a + ratio * (a - b)).collect()
+            };
+            // A predicted part is within half of what it moves, where that is anything.
+            let moved = |y: &[f64], from: &[f64]| {
+                y.iter().zip(from).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()))
+            };
+            let solved = self.solve(system, next * h, start, guess.clone()).filter(|(y, is_reversed)| {
+                !is_reversed && (now.0 == 0.0 || moved(y, &guess) <= 0.5 * moved(y, &now.1) + 1e-3)
+            });
+            match solved {
+                Some((y, _)) => {
+                    before = std::mem::replace(&mut now, (next, y));
+                    part = (2.0 * part).min(PART);
+                }
+                None if part > PART / 65536.0 => part *= 0.5,
+                None => return Err(now.0),
+            }
+        }
+        let mut end = start.to_vec();
+        for j in 0..s {
+            let (mut gradient, mut hessian) = (vec![0.0; n], vec![0.0; n * n]);
+            let (q, p) = now.1[j * n..(j + 1) * n].split_at(n / 2);
+            system.derivatives(q, p, &mut gradient, &mut hessian);
+            for k in 0..n / 2 {
+                end[k] += h * self.b[j] * gradient[n / 2 + k];
+                end[n / 2 + k] -= h * self.b[j] * gradient[k];
+            }
+        }
+        Ok(end)
+    }
+}
+
+/// `b` becomes `A⁻¹ b`; whether the determinant is negative, or nothing where it vanishes.
+fn eliminate(matrix: &mut [Vec<f64>], b: &mut [f64]) -> Option<bool> {
+    let (n, mut is_reversed) = (b.len(), false);
+    for k in 0..n {
+        let best = (k..n).max_by(|&i, &j| matrix[i][k].abs().total_cmp(&matrix[j][k].abs()))?;
+        if best != k {
+            matrix.swap(k, best);
+            b.swap(k, best);
+            is_reversed = !is_reversed;
+        }
+        let pivot = matrix[k][k];
+        if pivot == 0.0 || !pivot.is_finite() {
+            return None;
+        }
+        is_reversed ^= pivot < 0.0;
+        let (above, below) = matrix.split_at_mut(k + 1);
+        for (i, row) in below.iter_mut().enumerate() {
+            let factor = row[k] / pivot;
+            if factor != 0.0 {
+                row[k..].iter_mut().zip(&above[k][k..]).for_each(|(x, y)| *x -= factor * y);
+                b[k + 1 + i] -= factor * b[k];
+            }
+        }
+    }
+    for k in (0..n).rev() {
+        let sum: f64 = (k + 1..n).map(|j| matrix[k][j] * b[j]).sum();
+        b[k] = (b[k] - sum) / matrix[k][k];
+    }
+    Some(is_reversed)
+}
+
+/// Numbers between -1 and 1.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+const WELLS: [Well; 6] = [
+    Well { a: -6.0, b: 0.0, c: 2.0, d: 0.0, k: 1.0 },
+    Well { a: 0.0, b: 0.0, c: 0.0, d: -1.0, k: 1.0 },
+    Well { a: 1.0, b: 0.0, c: 0.0, d: 0.5, k: 3.0 },
+    Well { a: 1.0, b: -0.3, c: 0.1, d: 0.0, k: 1.0 },
+    Well { a: -1.0, b: 0.0, c: 0.25, d: 0.0, k: 1.0 },
+    Well { a: 2.0, b: 1.0, c: 0.5, d: 1.0, k: 2.0 },
+];
+
+const FIELDS: [Field; 4] = [
+    Field { a: 0.0, c: 0.0, d: -1.0, k: 1.0, e: 0.0, f: 0.3, s: 0.0 },
+    Field { a: 0.0, c: 0.0, d: 0.0, k: 1.0, e: 1.0, f: 0.3, s: 1.0 },
+    Field { a: -2.0, c: 1.0, d: 0.0, k: 1.0, e: 0.2, f: 0.0, s: 0.0 },
+    Field { a: 1.0, c: 0.0, d: 0.7, k: 2.0, e: 0.0, f: -0.5, s: 0.0 },
+];
+
+/// What became of steps from random states.
+#[derive(Debug, Default, Clone, Copy)]
+struct Counts {
+    steps: u32,
+    right: u32,
+    hard: u32,
+    /// Another branch as `Ok`, or one where there is none.
+    wrong: u32,
+    /// The same, reported as doubtful.
+    doubtful: u32,
+    /// Refused, though the reference goes on.
+    lost: u32,
+    /// Refused, and rightly so.
+    refused: u32,
+}
+
+impl Counts {
+    fn add(&mut self, other: Self) {
+        let Self { steps, right, hard, wrong, doubtful, lost, refused } = other;
+        let pairs = [
+            (&mut self.steps, steps),
+            (&mut self.right, right),
+            (&mut self.hard, hard),
+            (&mut self.wrong, wrong),
+            (&mut self.doubtful, doubtful),
+            (&mut self.lost, lost),
+            (&mut self.refused, refused),
+        ];
+        pairs.into_iter().for_each(|(sum, one)| *sum += one);
+    }
+}
+
+/// One step from a state.
+fn step<H, E, const D: usize>(
+    system: &H,
+    h: f64,
+    q: [f64; D],
+    p: [f64; D],
+) -> Result<(Vec<f64>, wzvi::step::StepInfo), StepFailure>
+where
+    H: Discretized<E> + Hamiltonian<Vector = wzvi::nalgebra::SVector<f64, D>>,
+{
+    let mut state: State<wzvi::nalgebra::SVector<f64, D>> = State::new(q, p);
+    let info = wzvi::step::Stepper::<H, E>::new(system, h).unwrap().step(&mut state, &[]);
+    let info = info.map_err(|error| error.cause)?;
+    Ok((state.q.iter().chain(state.p.iter()).copied().collect(), info))
+}
+
+/// The largest distance of two ends, in units of what they are. Both are solved to rounding, which conditions of 1e5 leave below 1e-8; another branch
+/// is nearer only where two of them meet.
+fn apart(end: &[f64], other: &[f64]) -> f64 {
+    end.iter().zip(other).fold(0.0, |most, (a, b)| most.max((a - b).abs() / (1.0 + b.abs())))
+}
+
+/// Steps of one scheme from random states.
+fn compare<H, E, const D: usize>(system: &H, stages: usize, steps: u32, seed: u64) -> Counts
+where
+    H: Derivatives + Discretized<E> + Hamiltonian<Vector = wzvi::nalgebra::SVector<f64, D>>,
+{
+    let (reference, mut random) = (Reference::new(stages), Random(seed));
+    let mut counts = Counts { steps, ..Counts::default() };
+    for _ in 0..steps {
+        let h = 1.025 + 0.975 * random.next();
+        let q: [f64; D] = std::array::from_fn(|_| 2.0 * random.next());
+        let p: [f64; D] = std::array::from_fn(|_| 3.0 * random.next());
+        let taken = step::<H, E, D>(system, h, q, p);
+        let start: Vec<f64> = q.into_iter().chain(p).collect();
+        let followed = reference.follow(system, h, &start);
+        match (&taken, &followed) {
+            (Ok((end, info)), Ok(other)) if apart(end, other) < 1e-8 => {
+                counts.right += 1;
+                counts.hard += u32::from(info.is_hard);
+            }
+            (Ok((end, info)), other) => {
+                counts.wrong += u32::from(!info.is_doubtful);
+                counts.doubtful += u32::from(info.is_doubtful);
+                println!(
+                    "another: {stages} stages, h = {h:?}, q = {q:?}, p = {p:?}: {end:?}, {info:?} for {other:?}"
+                );
+            }
+            (Err(cause), Ok(end)) => {
+                counts.lost += 1;
+                println!("lost: {stages} stages, h = {h:?}, q = {q:?}, p = {p:?}: {cause} for {end:?}");
+            }
+            (Err(_), Err(_)) => counts.refused += 1,
+        }
+    }
+    counts
+}
+
+/// No other branch as `Ok`, and at most 1 % refused that can be followed. `STEPS=167 cargo test --release --test branches -- --nocapture` is 10^4 steps.
+#[cfg_attr(debug_assertions, ignore = "a law of many paths: cargo test --release")]
+#[test]
+fn random_steps_continue_their_state() {
+    let steps: u32 = std::env::var("STEPS").map_or(20, |steps| steps.parse().unwrap());
+    let mut all = Counts::default();
+    macro_rules! of {
+        ($system:expr, $name:expr, $($scheme:ty, $stages:expr);+) => {$(
+            let counts = compare::<_, $scheme, _>($system, $stages, steps, 7 + $stages);
+            println!("{} {}: {counts:?}", $name, stringify!($scheme));
+            all.add(counts);
+        )+};
+    }
+    for (i, well) in WELLS.iter().enumerate() {
+        of!(well, format!("well {i}"), Midpoint, 1; Gauss<2>, 2; Gauss<3>, 3; Gauss<4>, 4; Gauss<6>, 6; Gauss<8>, 8);
+    }
+    for (i, field) in FIELDS.iter().enumerate() {
+        of!(field, format!("field {i}"), Midpoint, 1; Gauss<2>, 2; Gauss<3>, 3; Gauss<4>, 4; Gauss<6>, 6; Gauss<8>, 8);
+    }
+    of!(&Sites { g: 0.1 }, "sites", Midpoint, 1; Gauss<2>, 2; Gauss<4>, 4);
+    println!("all: {all:?}");
+    assert_eq!(all.wrong, 0, "{all:?}");
+    assert!(100 * (all.lost + all.doubtful) <= all.steps, "{all:?}");
+}
+
+/// Newton's method from zero finds another branch of these, of which two have a determinant of the other sign.
+#[test]
+fn steps_that_took_another_branch_take_theirs() {
+    for (h, q, p, end) in [
+        (1.2110799095785991, 1.59361314169284, -2.913978209711982, [-0.49215, -0.53049]),
+        (1.5623668714255263, 0.36399835055286367, -0.3744768562063454, [1.1389, 1.3664]),
+    ] {
+        let (found, _) = step::<_, Midpoint, 1>(&WELLS[0], h, [q], [p]).unwrap();
+        assert!(apart(&found, &end) < 1e-4, "h = {h}: {found:?}");
+    }
+}
+
+/// Two sites whose branch folds at 0.685 of the step.
+#[test]
+fn a_step_without_solution_is_refused() {
+    let (q, p) = ([0.28970507888540187, 0.023464527220164122], [-0.6653666178918991, 2.2717320121626834]);
+    let refused = step::<_, Midpoint, 2>(&Sites { g: 0.1 }, 1.2400922435667148, q, p);
+    let Err(StepFailure::NoSolution { reached }) = refused else { panic!("{refused:?}") };
+    assert!((reached - 0.685).abs() < 1e-3, "{reached}");
+}
+
+/// They were said to end at 100 and at 83 % of the step.
+#[test]
+fn branches_that_go_on_are_followed() {
+    let (found, _) =
+        step::<_, Gauss<2>, 1>(&FIELDS[1], 0.216771236646276, [2.4226158039943133], [2.154383125221064])
+            .unwrap();
+    assert!(apart(&found, &[10.52593522, 0.38384452]) < 1e-8, "{found:?}");
+    let (found, _) =
+        step::<_, Gauss<2>, 1>(&WELLS[0], 1.8614907200976254, [1.0408675305068087], [-0.6035365078746842])
+            .unwrap();
+    assert!(apart(&found, &[0.96902141, 0.73301663]) < 1e-8, "{found:?}");
+}
+
+/// Steps of a run start from what the steps before extrapolate to, where the first of them has nothing: both have the same judge.
+#[test]
+fn a_run_stays_on_its_branch() {
+    let (well, reference) = (&WELLS[0], Reference::new(1));
+    for h in [0.2, 0.5, 0.8, 1.1] {
+        let mut state: State<wzvi::nalgebra::SVector<f64, 1>> = State::new([0.9], [0.4]);
+        let mut stepper = well.stepper::<Midpoint>(h).unwrap();
+        for n in 0..60 {
+            let followed = reference.follow(well, h, &[state.q[0], state.p[0]]);
+            let taken = stepper.step(&mut state, &[]);
+            match (taken, followed) {
+                (Ok(_), Ok(end)) => assert!(
+                    apart(&[state.q[0], state.p[0]], &end) < 1e-8,
+                    "h = {h}, {n}: {state:?} for {end:?}"
+                ),
+                (Err(_), Err(_)) => break,
+                (taken, followed) => panic!("h = {h}, {n}: {taken:?} for {followed:?}"),
+            }
+        }
+    }
+}
