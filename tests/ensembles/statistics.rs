@@ -377,6 +377,7 @@ fn tables_of_two_runs_do_not_lie_beside_each_other() {
         ("failed", "0"),
         ("extent", "whole"),
         ("targets", "missed"),
+        ("s", "0.6"),
     ];
     assert_eq!(columns, expected);
     assert_eq!((read("moments.part"), read("run.part")), ("mine".to_owned(), "mine".to_owned()));

@@ -109,7 +109,7 @@ fn what_is_at_rest_stays_there() {
     every_scheme!(check);
 }
 
-/// A step that ends behind the wall is halved until none does, and those parts are steps of that size.
+/// A step that ends behind the wall is halved until none does and the halves agree, and those parts are steps of that size.
 #[test]
 fn steps_are_halved_where_they_fail() {
     fn check<E>(scheme: &str)
@@ -125,14 +125,17 @@ fn steps_are_halved_where_they_fail() {
         };
         let halved =
             || Walled.simulate::<E>(h).start(start).steps(1).retry(Retry::halving(12)).run().unwrap();
-        let halvings = (1..=12)
+        let solvable = (1..=12)
             .find(|&halvings| {
                 let h = h / f64::from(1 << halvings);
                 Walled.simulate::<E>(h).start(start).steps(1 << halvings).run().is_ok()
             })
             .unwrap();
+        let whole = halved();
+        let halvings = whole.iterations().halvings;
+        assert!(halvings > solvable, "{scheme}: {halvings} {solvable}");
         let parts = Walled.simulate::<E>(h / f64::from(1 << halvings)).start(start).steps(1 << halvings);
-        let (parts, whole) = (parts.run().unwrap(), halved());
+        let parts = parts.run().unwrap();
         assert_eq!(
             (whole.last().q, whole.last().p),
             (parts.last().q, parts.last().p),

@@ -121,9 +121,13 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
     /// Subdivides every step of the run once more, if that may help against `error` and is allowed.
     pub(crate) fn refine(&mut self, error: &Error) -> Result<bool, ConfigError> {
         // A divided step whose halves do not agree is shorter than the steps of the run, and has been halved as often as it may be.
-        let is_unresolved = |own: f64| matches!(error, Error::Step(StepError { cause: StepFailure::Unresolved { .. }, h, .. }) if *h == own);
+        let own = self.stepper.step_size();
+        let is_unresolved = match error {
+            Error::Step(StepError { cause: StepFailure::Unresolved { .. }, h, .. }) => *h == own,
+            _ => false,
+        };
         let base = self.base();
-        let may = is_unresolved(self.stepper.step_size()) && base < self.retry.most && self.way != Way::Last;
+        let may = is_unresolved && base < self.retry.most && self.way != Way::Last;
         if may {
             self.way = Way::Halved(base + 1);
             self.watch = Watch::of::<H, E>(self.is_watched);
