@@ -97,8 +97,8 @@ const _: () = {
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("omega", self.omega), ("epsilon", self.epsilon)].get(index).copied()
         }
-        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            match (term, q, p) {
+        fn evaluate<S: Scalar>(&self, term: usize, q_: &[S], p_: &[S], t: f64) -> S {
+            match (term, q_, p_) {
                 (0, &[q], &[p]) => {
                     let omega: f64 = self.omega;
                     let epsilon: f64 = self.epsilon;
@@ -111,13 +111,13 @@ const _: () = {
         fn differentiate<S: Scalar>(
             &self,
             term: usize,
-            q: &[S],
-            p: &[S],
+            q_: &[S],
+            p_: &[S],
             t: f64,
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            match (term, q, p) {
+            match (term, q_, p_) {
                 (0, &[q], &[p]) => {
                     let omega: f64 = self.omega;
                     let epsilon: f64 = self.epsilon;
@@ -149,7 +149,7 @@ const _: () = {
         type Parameters<K: Constant> = [K; 2];
         fn parameters_beside<const L: usize>(
             systems: [&Self; L],
-        ) -> Option<Self::Parameters<Lanes<L>>> {
+        ) -> Option<Self::Parameters<Lanes<{ L }>>> {
             Some([
                 Lanes::new(systems.map(|system| system.omega)),
                 Lanes::new(systems.map(|system| system.epsilon)),
@@ -160,8 +160,8 @@ const _: () = {
             &self,
             t: S,
             h: S,
-            q: &[S],
-            p: &[S],
+            q_: &[S],
+            p_: &[S],
             dw: &[S],
             by_q: &mut [S],
             by_p: &mut [S],
@@ -169,23 +169,23 @@ const _: () = {
             Self::slopes_over::<
                 S,
                 f64,
-                BY_Q,
-                BY_P,
-            >(&[self.omega, self.epsilon], t, h, q, p, dw, by_q, by_p)
+                { BY_Q },
+                { BY_P },
+            >(&[self.omega, self.epsilon], t, h, q_, p_, dw, by_q, by_p)
         }
         #[inline(always)]
         fn slopes_over<S: Over<K>, K: Constant, const BY_Q: bool, const BY_P: bool>(
             parameters: &Self::Parameters<K>,
             t: S,
             h: S,
-            q: &[S],
-            p: &[S],
+            q_: &[S],
+            p_: &[S],
             dw: &[S],
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
             let [omega, epsilon] = *parameters;
-            let (&[q], &[p], &[]) = (q, p, dw) else {
+            let (&[q], &[p], &[]) = (q_, p_, dw) else {
                 return wzvi::gauss::unfit(by_q, by_p);
             };
             if BY_Q {
@@ -231,14 +231,14 @@ const _: () = {
             part: Half,
             t: f64,
             h: f64,
-            q: &[S],
-            p: &[S],
+            q_: &[S],
+            p_: &[S],
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
             match part {
                 Half::First => {
-                    match (q, p) {
+                    match (q_, p_) {
                         (&[q], &[p]) => {
                             let omega: f64 = self.omega;
                             if BY_Q {
@@ -252,7 +252,7 @@ const _: () = {
                     }
                 }
                 Half::Second => {
-                    match (q, p) {
+                    match (q_, p_) {
                         (&[q], &[p]) => {
                             let epsilon: f64 = self.epsilon;
                             if BY_Q {
@@ -269,10 +269,10 @@ const _: () = {
                 }
             }
         }
-        fn value_of_part(&self, part: Half, t: f64, q: &[f64], p: &[f64]) -> f64 {
+        fn value_of_part(&self, part: Half, t: f64, q_: &[f64], p_: &[f64]) -> f64 {
             match part {
                 Half::First => {
-                    match (q, p) {
+                    match (q_, p_) {
                         (&[q], &[p]) => {
                             let omega: f64 = self.omega;
                             (q * q * (omega * omega) + p * p) * 0.5
@@ -281,7 +281,7 @@ const _: () = {
                     }
                 }
                 Half::Second => {
-                    match (q, p) {
+                    match (q_, p_) {
                         (&[q], &[p]) => {
                             let epsilon: f64 = self.epsilon;
                             q * (q * q) * (t.cos() * epsilon)
@@ -310,8 +310,9 @@ const _: () = {
     use ::wzvi::__private::{
         binding as by_p, binding as by_q, binding as dw, binding as epsilon,
         binding as h, binding as index, binding as k, binding as omega, binding as p,
-        binding as parameters, binding as part, binding as q, binding as system,
-        binding as systems, binding as t, binding as term,
+        binding as p_, binding as parameters, binding as part, binding as q,
+        binding as q_, binding as system, binding as systems, binding as t,
+        binding as term,
     };
 };
 const _: () = {

@@ -516,7 +516,7 @@ const _: () = {
     impl Conservative for Bonds {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as V, binding as after, binding as at, binding as b0, binding as before,
+        binding as after, binding as at, binding as b0, binding as before,
         binding as bonds_2_i, binding as bonds_2_i_factor, binding as by_p,
         binding as by_q, binding as carry, binding as degrees, binding as difference,
         binding as dw, binding as end, binding as entry, binding as factor,

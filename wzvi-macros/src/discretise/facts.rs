@@ -50,7 +50,7 @@ struct Hamiltonians {
     forces: Forces,
     /// What stands behind the `H` of each noise.
     numbers: Vec<String>,
-    invariants: Vec<(Extent, Sum)>,
+    invariants: Vec<(Extent, String, Sum)>,
 }
 
 /// Facts about one system, shared by all its schemes.
@@ -129,7 +129,12 @@ impl Hamiltonians {
             noise,
             forces,
             numbers,
-            invariants: system.invariants.iter().map(|term| (term.extent, sum_of(of(term), &[]))).collect(),
+            invariants: system
+                .invariants
+                .iter()
+                .zip(&system.invariant_names)
+                .map(|(term, name)| (term.extent, name.clone(), sum_of(of(term), &[])))
+                .collect(),
         }
     }
 }

@@ -27,7 +27,9 @@ use crate::model::Model;
 pub(crate) use names::{Names, Surroundings, readable};
 pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
-pub(crate) use system::{count, friction_rate, number_of, parameter, parameter_names, validate, variables};
+pub(crate) use system::{
+    count, friction_rate, invariants, number_of, parameter, parameter_names, validate, variables,
+};
 
 /// Steps that are emitted another way, and what they read of the struct.
 #[derive(Default)]
@@ -61,6 +63,7 @@ pub(crate) fn emit(
             model.parameters.iter().map(|parameter| &parameter.tokens).chain(&beside.user_tokens),
         ),
         spelled: &model.type_checks,
+        generics: &model.item.generics,
     };
     wrapped(&model.item, facts, generated, &surroundings, texts)
 }

@@ -9,6 +9,8 @@ use crate::symbolic::{Graph, Rational, Symbol};
 /// A declared first integral with its rate of change.
 pub(crate) struct Invariant {
     pub(crate) extent: Extent,
+    /// Empty if it has none.
+    pub(crate) name: String,
     pub(crate) value: Sum,
     /// The first rate that is not proven zero.
     pub(crate) failure: Option<Failure>,
@@ -28,7 +30,7 @@ pub(super) fn invariant(
     graph: &mut Graph,
     space: &mut Space,
     (drift, noise, forces, t): (&Sum, &[(String, &Sum)], &Forces, Symbol),
-    (extent, value): (Extent, Sum),
+    (extent, name, value): (Extent, String, Sum),
 ) -> Invariant {
     let mut failure = None;
     let mut check = |graph: &mut Graph, space: &mut Space, along: String, rate: Rate| {
@@ -64,7 +66,7 @@ pub(super) fn invariant(
             failure = failure.or(Some(Failure { along, rate: None, knowledge }));
         }
     }
-    Invariant { extent, form: Form::of(graph, &value), value, failure }
+    Invariant { extent, name, form: Form::of(graph, &value), value, failure }
 }
 
 /// The rate of a function along the drift with its forces, and how it is made.
