@@ -195,7 +195,7 @@ pub mod prelude {
     pub use wzvi_runtime::retry::Retry;
     pub use wzvi_runtime::state::State;
     pub use wzvi_runtime::step::Stepper;
-    pub use wzvi_runtime::system::{Discretized, Hamiltonian};
+    pub use wzvi_runtime::system::{Discretized, Hamiltonian, SystemState};
     pub use wzvi_runtime::trajectory::Trajectory;
 }
 

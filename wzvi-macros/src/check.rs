@@ -52,8 +52,8 @@ fn check_consistency(
 fn check_invariants(graph: &mut Graph, facts: &Facts, diagnostics: &mut Diagnostics) {
     for Invariant { extent, failure, .. } in &facts.invariants {
         if let Some(Failure { along, rate, knowledge }) = failure {
-            let rate = facts.space.display(graph, rate, Rational::ONE);
-            diagnostics.report(messages::no_invariant(*extent, along, &rate, knowledge, graph));
+            let rate = rate.as_ref().map(|rate| facts.space.display(graph, rate, Rational::ONE));
+            diagnostics.report(messages::no_invariant(*extent, along, rate.as_deref(), knowledge, graph));
         }
     }
 }

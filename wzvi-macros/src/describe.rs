@@ -81,8 +81,11 @@ impl Texts {
                 );
                 for part in halves {
                     let derivation = text_of(part).split("\nFacts").next().unwrap_or_default();
-                    text.push('\n');
-                    text.push_str(derivation);
+                    // A half needs no correction: the other makes up for it.
+                    let name = part.to_string();
+                    let bare = name.strip_prefix("Uncorrected<").and_then(|rest| rest.strip_suffix('>'));
+                    let derivation = derivation.strip_prefix(&name).unwrap_or(derivation);
+                    text.push_str(&format!("\n{}{derivation}", bare.unwrap_or(&name)));
                 }
                 if flows.is_some() {
                     text.push_str(FLOWS);

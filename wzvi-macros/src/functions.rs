@@ -18,7 +18,7 @@ use syn::{Block, ImplItem, Item, ItemFn, ItemImpl, Path, Signature, braced};
 use crate::diagnostics::Diagnostics;
 use crate::input;
 
-pub(crate) use calls::may_be_shared;
+pub(crate) use calls::{may_be_shared, type_of};
 pub(crate) use define::define;
 
 /// The functions that a body may call.
@@ -39,6 +39,8 @@ pub(crate) struct Function {
     pub(crate) block: Block,
     /// What it calls itself.
     pub(crate) library: Library,
+    /// Whether it means something else where it is called from another type.
+    reads_self: bool,
 }
 
 /// An expansion that waits for definitions: `{kind} {crate path} {attribute} {item} {asked paths} {answers}`.
@@ -89,7 +91,17 @@ impl Question {
                     function.name = key(path);
                     library.functions.push(*function);
                 }
-                Answer::Methods(methods) => library.methods.extend(methods),
+                Answer::Methods(methods) => match other_owner(path, &self.item) {
+                    None => library.methods.extend(methods),
+                    Some(name) => {
+                        let functions = methods.into_iter().filter(|method| !method.reads_self);
+                        let named = functions.map(|function| Function {
+                            name: format!("{name}::{}", function.name),
+                            ..function
+                        });
+                        library.functions.extend(named);
+                    }
+                },
             }
         }
         Ok(library)
@@ -162,7 +174,13 @@ impl Parse for Answer {
             .library()
         };
         if let Ok(ItemFn { sig: signature, block, .. }) = syn::parse2(item.clone()) {
-            let function = Function { name: String::new(), signature, block: *block, library: library()? };
+            let function = Function {
+                name: String::new(),
+                signature,
+                block: *block,
+                library: library()?,
+                reads_self: false,
+            };
             return Ok(Self::Function(Box::new(function)));
         }
         let methods = syn::parse2::<ItemImpl>(item)?.items.into_iter().filter_map(|item| match item {
@@ -171,7 +189,9 @@ impl Parse for Answer {
         });
         let methods = methods.map(|method| {
             let name = method.sig.ident.to_string();
-            Ok(Function { name, signature: method.sig, block: method.block, library: library()? })
+            let reads_self =
+                reads_self(method.sig.to_token_stream()) || reads_self(method.block.to_token_stream());
+            Ok(Function { name, signature: method.sig, block: method.block, library: library()?, reads_self })
         });
         methods.collect::<syn::Result<_>>().map(Self::Methods)
     }
@@ -191,6 +211,21 @@ const OWNER: &str = "_needs_an_impl_with_the_attribute_hamiltonian_fn";
 /// The macro that has the methods of a struct: it is found in the module of both.
 fn owner(name: &Ident, span: Span) -> Path {
     format_ident!("{name}{OWNER}", span = span).into()
+}
+
+/// The type whose functions were asked for, where it is not the struct `item`, whose methods are read with its fields.
+fn other_owner(path: &Path, item: &TokenStream) -> Option<String> {
+    let name = path.get_ident()?.to_string();
+    let name = name.strip_suffix(OWNER)?;
+    asker(item).is_none_or(|own| own != name).then(|| name.to_owned())
+}
+
+fn reads_self(tokens: TokenStream) -> bool {
+    tokens.into_iter().any(|token| match token {
+        TokenTree::Ident(word) => word == "self" || word == "Self",
+        TokenTree::Group(group) => reads_self(group.stream()),
+        _ => false,
+    })
 }
 
 fn is_owner(path: &Path) -> bool {

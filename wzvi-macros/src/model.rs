@@ -251,6 +251,8 @@ pub(crate) struct System {
     /// `kT`
     pub(crate) temperature: Option<Term>,
     pub(crate) invariants: Vec<Term>,
+    /// Their names; empty for those without.
+    pub(crate) invariant_names: Vec<String>,
     pub(crate) embeddings: Vec<Located<Embedding>>,
     /// The struct: attributes, visibility, name, generics and fields, to be emitted unchanged.
     pub(crate) item: syn::ItemStruct,
@@ -360,6 +362,8 @@ pub(crate) struct Model {
     /// The rate of friction that steps take in exactly.
     pub(crate) conformal: Option<Expr>,
     pub(crate) invariants: Vec<Located<Expr>>,
+    /// As [`System::invariant_names`].
+    pub(crate) invariant_names: Vec<String>,
     pub(crate) embeddings: Vec<Located<Embedding>>,
     /// The struct: attributes, visibility, name, generics and fields, to be emitted unchanged.
     pub(crate) item: syn::ItemStruct,

@@ -293,6 +293,7 @@ pub(crate) fn written_out(system: &mut System) -> Option<Model> {
         bath,
         conformal: system.conformal,
         invariants,
+        invariant_names: system.invariant_names.clone(),
         embeddings: system.embeddings.clone(),
         item: system.item.clone(),
         crate_path: system.crate_path.clone(),

@@ -11,15 +11,15 @@ use crate::state::State;
 use crate::step::Stepper;
 use crate::system::{Discretized, Hamiltonian};
 
-/// Runs a system by one of its schemes, `E`: the only parameter to name, as in `kubo.simulate::<Midpoint>(0.02)`.
+/// Runs a system by one of its schemes, `Scheme`: the only parameter to name, as in `kubo.simulate::<Midpoint>(0.02)`.
 pub trait Integrate: Hamiltonian {
     /// Single steps of size `h` (time units of the Hamiltonian; negative runs backwards) with given increments.
     ///
     /// # Errors
     /// See [`Stepper::new`].
-    fn stepper<E>(&self, h: f64) -> Result<Stepper<'_, Self, E>, ConfigError>
+    fn stepper<Scheme>(&self, h: f64) -> Result<Stepper<'_, Self, Scheme>, ConfigError>
     where
-        Self: Discretized<E> + Sized,
+        Self: Discretized<Scheme> + Sized,
     {
         Stepper::new(self, h)
     }
@@ -29,19 +29,19 @@ pub trait Integrate: Hamiltonian {
     ///
     /// A run whose modified energy drifts much less than its energy is one to which the theory of symplectic methods applies; where both
     /// drift alike the step is too long for it.
-    fn shadow_energy<E>(&self, state: &State<Self::Vector>, h: f64) -> f64
+    fn shadow_energy<Scheme>(&self, state: &State<Self::Vector>, h: f64) -> f64
     where
-        Self: Discretized<E> + Conservative + Sized,
-        E: ModifiedBy,
+        Self: Discretized<Scheme> + Conservative + Sized,
+        Scheme: ModifiedBy,
     {
-        ModifiedHamiltonian::<E>::new(h).energy(self, state)
+        ModifiedHamiltonian::<Scheme>::new(h).energy(self, state)
     }
 
     /// One path in steps of size `h` (time units of the Hamiltonian; negative runs backwards). Whatever is wrong with
     /// the settings, [`Simulation::run`] says it.
-    fn simulate<E>(&self, h: f64) -> Simulation<'_, Self, E>
+    fn simulate<Scheme>(&self, h: f64) -> Simulation<'_, Self, Scheme>
     where
-        Self: Discretized<E> + Sized,
+        Self: Discretized<Scheme> + Sized,
     {
         Simulation::new(self, h)
     }
@@ -49,9 +49,9 @@ pub trait Integrate: Hamiltonian {
     /// Many paths in steps of size `h` (time units of the Hamiltonian; negative runs backwards), for their statistics.
     /// Whatever is wrong with the settings, [`Ensemble::run`] says it.
     #[cfg(feature = "ensemble")]
-    fn ensemble<E>(&self, h: f64) -> Ensemble<'_, Self, E>
+    fn ensemble<Scheme>(&self, h: f64) -> Ensemble<'_, Self, Scheme>
     where
-        Self: Discretized<E> + Sized,
+        Self: Discretized<Scheme> + Sized,
     {
         Ensemble::new(self, h)
     }
@@ -59,9 +59,9 @@ pub trait Integrate: Hamiltonian {
     /// The mean of one observable at the end, from coupled paths in steps of `h, h/2, h/4, ...` (time units of the Hamiltonian):
     /// cheaper than an ensemble where the error is to be small. Whatever is wrong with the settings, [`Multilevel::run`] says it.
     #[cfg(feature = "ensemble")]
-    fn multilevel<E>(&self, h: f64) -> Multilevel<'_, Self, E>
+    fn multilevel<Scheme>(&self, h: f64) -> Multilevel<'_, Self, Scheme>
     where
-        Self: Discretized<E> + Sized,
+        Self: Discretized<Scheme> + Sized,
     {
         Multilevel::new(self, h)
     }

@@ -30,6 +30,9 @@ pub struct Gradient<V> {
     pub p: V,
 }
 
+/// A state of the system `H`: `fn energies(states: &[SystemState<Kubo>])` names the type without its vectors.
+pub type SystemState<H> = State<<H as Hamiltonian>::Vector>;
+
 /// A stochastic Hamiltonian system `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = Σ_m (f_m - ∂H_m/∂q) ∘ dX_m` with `X_0 = t`, `X_k = W_k` and forces `f_m`: the
 /// noises with a Hamiltonian come first, then those with a force.
 pub trait Hamiltonian {
@@ -92,6 +95,19 @@ pub trait Hamiltonian {
     /// Number of first integrals that the compiler has proven.
     fn invariants(&self) -> usize {
         0
+    }
+
+    /// The names of the first integrals, `invariant = [name = |q, p| ...]`; empty for those without, and no list where none has one.
+    fn invariant_names(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// What tables and plots call a first integral: by its name, or `invariant_0`.
+    fn invariant_label(&self, index: usize) -> String {
+        match self.invariant_names().get(index) {
+            Some(name) if !name.is_empty() => (*name).to_owned(),
+            _ => format!("invariant_{index}"),
+        }
     }
 
     /// What the closure of the drift calls coordinates, momenta and time: for tables and plots.

@@ -413,7 +413,7 @@ const _: () = {
                     _,
                     S,
                     C,
-                    CAREFUL,
+                    { CAREFUL },
                 >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
             wzvi::apart!(Self);
@@ -453,16 +453,16 @@ const _: () = {
     impl Conservative for Chain {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as V, binding as after, binding as ahead, binding as at, binding as at1,
-        binding as b0, binding as b1, binding as before, binding as beta,
-        binding as by_p, binding as by_q, binding as carried1, binding as carry,
-        binding as degrees, binding as difference, binding as difference_squared,
-        binding as dw, binding as end, binding as factor, binding as first0,
-        binding as first1, binding as h, binding as i0, binding as i1, binding as index,
-        binding as into, binding as len, binding as low, binding as memory,
-        binding as outer, binding as p, binding as p_i, binding as part,
-        binding as place, binding as prepared, binding as product, binding as q,
-        binding as q0, binding as q0_squared, binding as q_i, binding as q_i_plus_1,
+        binding as after, binding as ahead, binding as at, binding as at1, binding as b0,
+        binding as b1, binding as before, binding as beta, binding as by_p,
+        binding as by_q, binding as carried1, binding as carry, binding as degrees,
+        binding as difference, binding as difference_squared, binding as dw,
+        binding as end, binding as factor, binding as first0, binding as first1,
+        binding as h, binding as i0, binding as i1, binding as index, binding as into,
+        binding as len, binding as low, binding as memory, binding as outer,
+        binding as p, binding as p_i, binding as part, binding as place,
+        binding as prepared, binding as product, binding as q, binding as q0,
+        binding as q0_squared, binding as q_i, binding as q_i_plus_1,
         binding as quarter_beta, binding as range, binding as s0, binding as s1,
         binding as segment, binding as size, binding as skipped, binding as t,
         binding as table, binding as term, binding as three_beta, binding as total,

@@ -168,33 +168,38 @@ const _: () = {
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 let dw = wzvi::increments(dw)?;
                 let mut next = Solution::nowhere();
-                solve::<S, f64, C, CAREFUL>(prepared, h, *q, *p, dw, carry, &mut next)?;
+                solve::<
+                    S,
+                    f64,
+                    C,
+                    { CAREFUL },
+                >(prepared, h, *q, *p, dw, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
-            type Beside<const L: usize> = Prepared<Lanes<L>>;
+            type Beside<const L: usize> = Prepared<Lanes<{ L }>>;
             fn beside<const L: usize>(
                 systems: [&Self; L],
                 prepared: [&Self::Prepared; L],
-            ) -> Option<Self::Beside<L>> {
+            ) -> Option<Self::Beside<{ L }>> {
                 Some(Beside::beside(prepared))
             }
             #[inline(always)]
             fn advance_beside<const L: usize>(
-                beside: &Self::Beside<L>,
+                beside: &Self::Beside<{ L }>,
                 t: f64,
                 h: f64,
-                q: &mut [Lanes<L>],
-                p: &mut [Lanes<L>],
-                dw: &[Lanes<L>],
-                memory: &mut Self::Memory<Lanes<L>>,
+                q: &mut [Lanes<{ L }>],
+                p: &mut [Lanes<{ L }>],
+                dw: &[Lanes<{ L }>],
+                memory: &mut Self::Memory<Lanes<{ L }>>,
             ) -> Result<Effort, StepFailure> {
                 let (prepared, carry) = (beside, &mut Plain);
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 let dw = wzvi::increments(dw)?;
                 let mut next = Solution::nowhere();
                 solve::<
-                    Lanes<L>,
-                    Lanes<L>,
+                    Lanes<{ L }>,
+                    Lanes<{ L }>,
                     Plain,
                     false,
                 >(prepared, h, *q, *p, dw, carry, &mut next)?;

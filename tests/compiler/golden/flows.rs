@@ -13,7 +13,7 @@ Verlet
 
 A step of size h is two of size h/2, with half of the increments each:
 
-Uncorrected<DeltaPlus>
+DeltaPlus
 
 Hamiltonians
   H0 = q² omega²/2 + p²/2 + q³ epsilon cos(t)
@@ -33,7 +33,7 @@ Step
   assign δp
   assign Δq
 
-Uncorrected<DeltaMinus>
+DeltaMinus
 
 Hamiltonians
   H0 = q² omega²/2 + p²/2 + q³ epsilon cos(t)
@@ -98,8 +98,8 @@ const _: () = {
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("omega", self.omega), ("epsilon", self.epsilon)].get(index).copied()
         }
-        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            match (term, q, p) {
+        fn evaluate<S: Scalar>(&self, term: usize, q_: &[S], p_: &[S], t: f64) -> S {
+            match (term, q_, p_) {
                 (0, &[q], &[p]) => {
                     let omega: f64 = self.omega;
                     let epsilon: f64 = self.epsilon;
@@ -112,13 +112,13 @@ const _: () = {
         fn differentiate<S: Scalar>(
             &self,
             term: usize,
-            q: &[S],
-            p: &[S],
+            q_: &[S],
+            p_: &[S],
             t: f64,
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            match (term, q, p) {
+            match (term, q_, p_) {
                 (0, &[q], &[p]) => {
                     let omega: f64 = self.omega;
                     let epsilon: f64 = self.epsilon;
@@ -150,7 +150,7 @@ const _: () = {
         type Parameters<K: Constant> = [K; 2];
         fn parameters_beside<const L: usize>(
             systems: [&Self; L],
-        ) -> Option<Self::Parameters<Lanes<L>>> {
+        ) -> Option<Self::Parameters<Lanes<{ L }>>> {
             Some([
                 Lanes::new(systems.map(|system| system.omega)),
                 Lanes::new(systems.map(|system| system.epsilon)),
@@ -161,8 +161,8 @@ const _: () = {
             &self,
             t: S,
             h: S,
-            q: &[S],
-            p: &[S],
+            q_: &[S],
+            p_: &[S],
             dw: &[S],
             by_q: &mut [S],
             by_p: &mut [S],
@@ -170,23 +170,23 @@ const _: () = {
             Self::slopes_over::<
                 S,
                 f64,
-                BY_Q,
-                BY_P,
-            >(&[self.omega, self.epsilon], t, h, q, p, dw, by_q, by_p)
+                { BY_Q },
+                { BY_P },
+            >(&[self.omega, self.epsilon], t, h, q_, p_, dw, by_q, by_p)
         }
         #[inline(always)]
         fn slopes_over<S: Over<K>, K: Constant, const BY_Q: bool, const BY_P: bool>(
             parameters: &Self::Parameters<K>,
             t: S,
             h: S,
-            q: &[S],
-            p: &[S],
+            q_: &[S],
+            p_: &[S],
             dw: &[S],
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
             let [omega, epsilon] = *parameters;
-            let (&[q], &[p], &[]) = (q, p, dw) else {
+            let (&[q], &[p], &[]) = (q_, p_, dw) else {
                 return wzvi::gauss::unfit(by_q, by_p);
             };
             if BY_Q {
@@ -232,14 +232,14 @@ const _: () = {
             part: Half,
             t: f64,
             h: f64,
-            q: &[S],
-            p: &[S],
+            q_: &[S],
+            p_: &[S],
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
             match part {
                 Half::First => {
-                    match (q, p) {
+                    match (q_, p_) {
                         (&[q], &[p]) => {
                             let omega: f64 = self.omega;
                             if BY_Q {
@@ -253,7 +253,7 @@ const _: () = {
                     }
                 }
                 Half::Second => {
-                    match (q, p) {
+                    match (q_, p_) {
                         (&[q], &[p]) => {
                             let epsilon: f64 = self.epsilon;
                             if BY_Q {
@@ -270,10 +270,10 @@ const _: () = {
                 }
             }
         }
-        fn value_of_part(&self, part: Half, t: f64, q: &[f64], p: &[f64]) -> f64 {
+        fn value_of_part(&self, part: Half, t: f64, q_: &[f64], p_: &[f64]) -> f64 {
             match part {
                 Half::First => {
-                    match (q, p) {
+                    match (q_, p_) {
                         (&[q], &[p]) => {
                             let omega: f64 = self.omega;
                             (q * q * (omega * omega) + p * p) * 0.5
@@ -282,7 +282,7 @@ const _: () = {
                     }
                 }
                 Half::Second => {
-                    match (q, p) {
+                    match (q_, p_) {
                         (&[q], &[p]) => {
                             let epsilon: f64 = self.epsilon;
                             q * (q * q) * (t.cos() * epsilon)
@@ -296,7 +296,7 @@ const _: () = {
     wzvi::composition! {
         [impl Discretized < Verlet > for Perturbed] Verlet, < Nystrom as Structure <
         Verlet >> ::Sequence, 2,
-        "Verlet\n\nA step of size h is two of size h/2, with half of the increments each:\n\nUncorrected<DeltaPlus>\n\nHamiltonians\n  H0 = q² omega²/2 + p²/2 + q³ epsilon cos(t)\n  H_A = q² omega²/2 + p²/2, a part of H0\n  H_B = q³ epsilon cos(t), a part of H0\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (omega² q_i²/2 + P²/2 + epsilon q_i³ cos(t_i))\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h (omega² q_i + 3 epsilon q_i² cos(t_i))\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nUncorrected<DeltaMinus>\n\nHamiltonians\n  H0 = q² omega²/2 + p²/2 + q³ epsilon cos(t)\n  H_A = q² omega²/2 + p²/2, a part of H0\n  H_B = q³ epsilon cos(t), a part of H0\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (omega² q_{i+1}²/2 + P²/2 + epsilon q_{i+1}³ cos(t_{i+1}))\n  Δq = q_{i+1} - q_i\n  q_{i+1} = Δq + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = 0\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp - h (omega² q_{i+1} + 3 epsilon q_{i+1}² cos(t_{i+1}))\n\nStep\n  assign δp\n  assign Δq\n\nStep, by the flows of H = T(p) + V(q), which are exact\n  kick of h/2 at t:      p <- p - h/2 ∂V/∂q\n  drift of h:            q <- q + h ∂T/∂p\n  kick of h/2 at t + h:  p <- p - h/2 ∂V/∂q, whose force is that of the first kick of the next step\n  (in compositions drifts and kicks that meet are one)\n\nFacts\n  H0 is not a first integral\n",
+        "Verlet\n\nA step of size h is two of size h/2, with half of the increments each:\n\nDeltaPlus\n\nHamiltonians\n  H0 = q² omega²/2 + p²/2 + q³ epsilon cos(t)\n  H_A = q² omega²/2 + p²/2, a part of H0\n  H_B = q³ epsilon cos(t), a part of H0\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (omega² q_i²/2 + P²/2 + epsilon q_i³ cos(t_i))\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h (omega² q_i + 3 epsilon q_i² cos(t_i))\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nDeltaMinus\n\nHamiltonians\n  H0 = q² omega²/2 + p²/2 + q³ epsilon cos(t)\n  H_A = q² omega²/2 + p²/2, a part of H0\n  H_B = q³ epsilon cos(t), a part of H0\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (omega² q_{i+1}²/2 + P²/2 + epsilon q_{i+1}³ cos(t_{i+1}))\n  Δq = q_{i+1} - q_i\n  q_{i+1} = Δq + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = 0\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp - h (omega² q_{i+1} + 3 epsilon q_{i+1}² cos(t_{i+1}))\n\nStep\n  assign δp\n  assign Δq\n\nStep, by the flows of H = T(p) + V(q), which are exact\n  kick of h/2 at t:      p <- p - h/2 ∂V/∂q\n  drift of h:            q <- q + h ∂T/∂p\n  kick of h/2 at t + h:  p <- p - h/2 ∂V/∂q, whose force is that of the first kick of the next step\n  (in compositions drifts and kicks that meet are one)\n\nFacts\n  H0 is not a first integral\n",
         wzvi::compose::of_one:: < Verlet, Nystrom > ()
     }
     wzvi::composition! {
@@ -304,15 +304,16 @@ const _: () = {
         Verlet, W > > for Perturbed where < W as Composes < Verlet, Parted < Nystrom > >
         > ::Sequence : Sequence < Self >] Composed < Verlet, W >, < W as Composes <
         Verlet, Parted < Nystrom > > > ::Sequence, < W as Composes < Verlet, Parted <
-        Nystrom > > > ::ORDER, Equations:: < Self, Verlet, Parted < Nystrom >, W, { 1552
+        Nystrom > > > ::ORDER, Equations:: < Self, Verlet, Parted < Nystrom >, W, { 1526
         + ROOM } > ::ALL, < W as Composes < Verlet, Parted < Nystrom > > > ::substeps()
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as by_p, binding as by_q, binding as dw, binding as epsilon,
         binding as h, binding as index, binding as k, binding as omega, binding as p,
-        binding as parameters, binding as part, binding as q, binding as system,
-        binding as systems, binding as t, binding as term,
+        binding as p_, binding as parameters, binding as part, binding as q,
+        binding as q_, binding as system, binding as systems, binding as t,
+        binding as term,
     };
 };
 const _: () = {

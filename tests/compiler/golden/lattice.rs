@@ -69,7 +69,7 @@ const _: () = {
         embedding::DeltaPlus,
     };
     #[automatically_derived]
-    impl<const N: usize> Hamiltonian for Lattice<N> {
+    impl<const N: usize> Hamiltonian for Lattice<{ N }> {
         type Vector = DVector<f64>;
         fn degrees(&self) -> usize {
             (N as isize) as usize * 2
@@ -109,7 +109,7 @@ const _: () = {
         }
     }
     #[automatically_derived]
-    impl<const N: usize> Elements for Lattice<N> {
+    impl<const N: usize> Elements for Lattice<{ N }> {
         const PLACES: Places = Places {
             components: 2,
             tables: &[Name { name: "", suffix: "" }],
@@ -457,7 +457,7 @@ const _: () = {
             is_linear: false,
         };
         #[automatically_derived]
-        impl<const N: usize> Discretized<DeltaPlus> for Lattice<N> {
+        impl<const N: usize> Discretized<DeltaPlus> for Lattice<{ N }> {
             const PLAN: Plan = Plan {
                 solver: Solver::Explicit,
                 unknowns: 0,
@@ -553,20 +553,20 @@ const _: () = {
         }
     };
     #[automatically_derived]
-    impl<const N: usize> Conservative for Lattice<N> {}
+    impl<const N: usize> Conservative for Lattice<{ N }> {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as V, binding as after, binding as at, binding as b0, binding as b1,
-        binding as b3, binding as before, binding as by_p, binding as by_q,
-        binding as carry, binding as degrees, binding as difference, binding as dw,
-        binding as end, binding as factor, binding as first0, binding as first1,
-        binding as from, binding as h, binding as half_k, binding as i0, binding as i1,
-        binding as index, binding as into, binding as k, binding as k_squared,
-        binding as len, binding as low, binding as memory, binding as most,
-        binding as next, binding as outer, binding as p, binding as p_2i,
-        binding as p_2i_plus_1, binding as part, binding as place, binding as points0,
-        binding as points1, binding as points2, binding as prepared, binding as product,
-        binding as product2, binding as q, binding as q_2_i_plus_1_mod_N,
+        binding as after, binding as at, binding as b0, binding as b1, binding as b3,
+        binding as before, binding as by_p, binding as by_q, binding as carry,
+        binding as degrees, binding as difference, binding as dw, binding as end,
+        binding as factor, binding as first0, binding as first1, binding as from,
+        binding as h, binding as half_k, binding as i0, binding as i1, binding as index,
+        binding as into, binding as k, binding as k_squared, binding as len,
+        binding as low, binding as memory, binding as most, binding as next,
+        binding as outer, binding as p, binding as p_2i, binding as p_2i_plus_1,
+        binding as part, binding as place, binding as points0, binding as points1,
+        binding as points2, binding as prepared, binding as product, binding as product2,
+        binding as q, binding as q_2_i_plus_1_mod_N,
         binding as q_2_i_plus_1_mod_N_plus_1, binding as q_2i, binding as q_2i_plus_1,
         binding as range, binding as run, binding as segment, binding as sin,
         binding as skip, binding as skipped, binding as t, binding as table,
@@ -597,7 +597,7 @@ const _: () = {
         clippy::restriction,
         clippy::cargo
     )]
-    impl<const N: usize> __WzviTypeChecks for Lattice<N> {
+    impl<const N: usize> __WzviTypeChecks for Lattice<{ N }> {
         fn __wzvi_type_checks(&self) {
             fn __wzvi_hamiltonian<
                 const N: usize,
@@ -642,7 +642,7 @@ const _: () = {
             {
                 let k = self.k;
                 __wzvi_hamiltonian::<
-                    N,
+                    { N },
                     _,
                 >(|q: [[f64; 2]; N], p: [[f64; 2]; N]| {
                     p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum::<f64>()

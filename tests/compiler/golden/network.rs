@@ -641,7 +641,7 @@ const _: () = {
     impl Conservative for Network {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as V, binding as after, binding as at, binding as b0, binding as before,
+        binding as after, binding as at, binding as b0, binding as before,
         binding as block, binding as by_p, binding as by_q, binding as carry,
         binding as degrees, binding as dw, binding as end, binding as entry,
         binding as factor, binding as few, binding as first, binding as first0,

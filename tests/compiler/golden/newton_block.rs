@@ -181,7 +181,7 @@ const _: () = {
                 2,
                 true,
                 true,
-                CAREFUL,
+                { CAREFUL },
             >(
                 &mut unknowns,
                 Block {
@@ -262,34 +262,34 @@ const _: () = {
                     S,
                     f64,
                     C,
-                    CAREFUL,
+                    { CAREFUL },
                 >(prepared, h, *q, *p, memory, carry, &mut next);
                 next.arrive(solved, q, p, carry)
             }
-            type Beside<const L: usize> = Prepared<Lanes<L>>;
+            type Beside<const L: usize> = Prepared<Lanes<{ L }>>;
             fn beside<const L: usize>(
                 systems: [&Self; L],
                 prepared: [&Self::Prepared; L],
-            ) -> Option<Self::Beside<L>> {
+            ) -> Option<Self::Beside<{ L }>> {
                 Some(Beside::beside(prepared))
             }
             #[inline(always)]
             fn advance_beside<const L: usize>(
-                beside: &Self::Beside<L>,
+                beside: &Self::Beside<{ L }>,
                 t: f64,
                 h: f64,
-                q: &mut [Lanes<L>],
-                p: &mut [Lanes<L>],
-                dw: &[Lanes<L>],
-                memory: &mut Self::Memory<Lanes<L>>,
+                q: &mut [Lanes<{ L }>],
+                p: &mut [Lanes<{ L }>],
+                dw: &[Lanes<{ L }>],
+                memory: &mut Self::Memory<Lanes<{ L }>>,
             ) -> Result<Effort, StepFailure> {
                 let (prepared, carry) = (beside, &mut Plain);
                 let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
                 wzvi::increments::<_, 0>(dw)?;
                 let mut next = Solution::nowhere();
                 let solved = solve::<
-                    Lanes<L>,
-                    Lanes<L>,
+                    Lanes<{ L }>,
+                    Lanes<{ L }>,
                     Plain,
                     false,
                 >(prepared, h, *q, *p, memory, carry, &mut next);

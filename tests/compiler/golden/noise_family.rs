@@ -439,7 +439,12 @@ const _: () = {
                 carry: &C,
             ) -> Result<Solution<S, 1>, StepFailure> {
                 let mut next = Solution::nowhere();
-                solve::<S, f64, C, CAREFUL>(prepared, h, q, p, dw, carry, &mut next)?;
+                solve::<
+                    S,
+                    f64,
+                    C,
+                    { CAREFUL },
+                >(prepared, h, q, p, dw, carry, &mut next)?;
                 Ok(next)
             }
         }
@@ -488,7 +493,7 @@ const _: () = {
                     Midpoint,
                     S,
                     C,
-                    CAREFUL,
+                    { CAREFUL },
                     1,
                     1,
                 >(self, prepared, t, h, q, p, dw, memory, carry)
@@ -528,7 +533,7 @@ const _: () = {
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as V, binding as after, binding as at, binding as b0, binding as before,
+        binding as after, binding as at, binding as b0, binding as before,
         binding as by_p, binding as by_q, binding as carry, binding as condition,
         binding as degrees, binding as dw, binding as dw_sigma, binding as end,
         binding as factor, binding as first0, binding as h, binding as half_h,

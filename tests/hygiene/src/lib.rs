@@ -6,6 +6,11 @@
 
 mod attributes;
 mod constants;
+/// Written by `tests/hygiene.rs`.
+#[allow(warnings, clippy::all, clippy::pedantic)]
+mod golden {
+    ::core::include!(::core::env!("GOLDEN_NAMES"));
+}
 mod macros;
 mod names;
 mod reexport;

@@ -85,7 +85,7 @@ struct Letters {
 
 #[::renamed::hamiltonian(
     drift = |h, dw| 0.5 * dw * dw + state * (1.0 - f64::cos(h)) + (if h > state { h } else { state * h }),
-    noise = [|state, _, q| q * state],
+    noise = [|memory, _, q| q * memory],
     embedding = [DeltaPlus, Midpoint],
     crate = ::renamed,
 )]
@@ -164,10 +164,10 @@ mod words {
     }
 
     #[::renamed::hamiltonian(
-        drift = |q, p| 0.5 * p * p * (h + t + dw + self.q.abs() + self.p.abs() + carry + prepared + S + C)
-            + (self.f64 + self.Option + self.Result + self.core + self.State + self.wzvi) * q.cos()
-            + (next + term + segment + memory + self.r#type + CAREFUL + SCHEME + wzvi::MASS) * q * q,
-        noise = [|q, p| S * q * p],
+        drift = |x, y| 0.5 * y * y * (h + t + dw + q.abs() + self.p.abs() + carry + prepared + S + C)
+            + (self.f64 + self.Option + self.Result + self.core + self.State + self.wzvi) * x.cos()
+            + (next + term + segment + memory + self.r#type + CAREFUL + SCHEME + wzvi::MASS) * x * x,
+        noise = [|x, y| S * x * y],
         embedding = [Uncorrected<DeltaPlus>, Midpoint],
         invariant = |_, _| h,
         crate = ::renamed,

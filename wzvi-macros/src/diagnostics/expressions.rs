@@ -1,11 +1,12 @@
 //! The messages about the bodies of closures. One function per mistake.
 
 use proc_macro2::TokenStream;
-use quote::ToTokens;
+use quote::{ToTokens, quote};
 use syn::Error;
 
 use super::messages::{at, suggest};
-use crate::input::closest;
+use crate::input::{closest, source};
+use crate::lower::is_real_method;
 
 pub(crate) fn unsupported(found: impl ToTokens, what: &str, remedy: &str) -> Error {
     at(found, format!("{what} cannot be compiled to a symbolic expression; {remedy}"))
@@ -22,13 +23,62 @@ pub(crate) fn too_deep(found: impl ToTokens, limit: usize) -> Error {
     )
 }
 
+/// `p ^ 2` or `p**2`.
+pub(crate) fn power(base: &syn::Expr, exponent: &syn::Expr) -> Error {
+    let text = source(exponent);
+    let method = if text.trim_matches(['(', ')', '-']).parse::<u32>().is_ok() { "powi" } else { "powf" };
+    at(
+        quote!(#base #exponent),
+        format!("Rust has no operator for powers; write `{}.{method}({text})`", receiver(base)),
+    )
+}
+
+/// An expression as what a method is called on.
+fn receiver(expr: &syn::Expr) -> String {
+    let text = source(expr);
+    let is_operand = !matches!(expr, syn::Expr::Binary(_) | syn::Expr::Unary(_) | syn::Expr::Cast(_));
+    let is_number = matches!(expr, syn::Expr::Lit(_));
+    match (is_operand, is_number) {
+        (true, false) => text,
+        (true, true) => format!("{text}_f64"),
+        (false, _) => format!("({text})"),
+    }
+}
+
+/// `sin(q)`
+pub(crate) fn function_as_method(name: &syn::Ident, method: &str, arguments: &[&syn::Expr]) -> Error {
+    let call = match arguments {
+        [first, rest @ ..] => {
+            let rest: Vec<String> = rest.iter().map(|argument| source(argument)).collect();
+            format!("{}.{method}({})", receiver(first), rest.join(", "))
+        }
+        [] => format!("x.{method}()"),
+    };
+    at(name, format!("functions of `f64` are methods: write `{call}`"))
+}
+
+/// The method of `f64` that a name of a function means.
+pub(crate) fn meant_method(name: &str) -> Option<&str> {
+    match name {
+        "log" => Some("ln"),
+        _ => synonym(name).filter(|&meant| meant != "len").or_else(|| is_real_method(name).then_some(name)),
+    }
+}
+
 pub(crate) fn unknown_name(name: &syn::Ident, fields: &[String], locals: &[String]) -> Error {
     let fields_text = match fields {
         [] => "the struct has no fields".to_owned(),
         fields => format!("the fields are {}", quoted(fields)),
     };
     let suggestion = closest(&name.to_string(), fields.iter().chain(locals).map(String::as_str));
-    at(name, suggest(format!("no field or variable named `{name}`; {fields_text}"), suggestion))
+    let text = format!("no field or variable named `{name}`; {fields_text}");
+    at(
+        name,
+        match suggestion {
+            Some(_) => suggest(text, suggestion),
+            None => format!("{text}; a Hamiltonian reads no variables around it: make it a field"),
+        },
+    )
 }
 
 pub(crate) fn unknown_field(name: impl ToTokens, fields: &[String]) -> Error {

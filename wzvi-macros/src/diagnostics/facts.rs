@@ -68,23 +68,25 @@ pub(crate) fn word_without_flows(embedding: &Located<Embedding>) -> Error {
     )
 }
 
-/// A declared first integral that changes along the flow of the drift or of a noise, or may.
+/// A declared first integral that changes along the flow of the drift or of a noise, or may; without `rate` at a boundary, or by the bath.
 pub(crate) fn no_invariant(
     extent: Extent,
     along: &str,
-    rate: &str,
+    rate: Option<&str>,
     knowledge: &Knowledge,
     graph: &Graph,
 ) -> Error {
+    let of = rate.map_or_else(|| along.to_owned(), |rate| format!("{along} = {rate}"));
     let message = match knowledge {
         Knowledge::Refuted(witness) => {
-            format!("this is not a first integral of {along} = {rate}{}", at_witness(witness, graph))
+            let is = if rate.is_some() { ", which is" } else { ": it jumps by" };
+            format!("this is not a first integral of {of}{is} {}", at_witness(witness, graph))
         }
         Knowledge::Unknown(reason) => format!(
-            "this could not be proven to be a first integral of {along} = {rate}: {reason}; leave it out and evaluate it \
+            "this could not be proven to be a first integral of {of}: {reason}; leave it out and evaluate it \
              with an observer, or write both sides in the same functions"
         ),
-        Knowledge::Proven => format!("this is a first integral of {along} = {rate}"),
+        Knowledge::Proven => format!("this is a first integral of {of}"),
     };
     Error::new_spanned(extent, message)
 }
@@ -120,8 +122,8 @@ fn at_witness(witness: &Witness, graph: &Graph) -> String {
         .collect();
     let value = witness.value;
     match point.is_empty() {
-        true => format!(", which is {value}"),
-        false => format!(", which is {value} at {}", point.join(", ")),
+        true => value.to_string(),
+        false => format!("{value} at {}", point.join(", ")),
     }
 }
 

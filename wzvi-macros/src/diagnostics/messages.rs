@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use proc_macro2::{Span, TokenStream};
+use proc_macro2::{Ident, Span, TokenStream};
 use quote::ToTokens;
 use syn::{Error, Item};
 
@@ -100,8 +100,21 @@ pub(crate) fn intended_key(key: &syn::Ident) -> Option<&'static str> {
 }
 
 pub(crate) fn unknown_key(key: &syn::Ident) -> Error {
+    if is_of_ito(key) {
+        return at(key, STRATONOVICH);
+    }
     let suggestion = intended_key(key);
     at(key, suggest(format!("unknown key `{key}`; the keys are {KEYS}"), suggestion))
+}
+
+const STRATONOVICH: &str = "noises are in the sense of Stratonovich; an equation of Ito, `dX = a dt + Σ_k b_k dW_k`, has the Stratonovich drift \
+                            `a - ½ Σ_k (∂b_k/∂X) b_k`: see \"From Ito to Stratonovich\" in docs/guide/noise.md";
+
+/// Whether a name asks for another sense of the stochastic integral, or for a scheme that has it.
+fn is_of_ito(name: &syn::Ident) -> bool {
+    let name = name.to_string().to_lowercase();
+    ["ito", "itô", "stratonovich", "eulermaruyama", "milstein", "interpretation", "calculus"]
+        .contains(&name.as_str())
 }
 
 /// What other texts call the same thing.
@@ -182,11 +195,21 @@ pub(crate) fn family_of_invariants(count: impl ToTokens) -> Error {
     at(count, "first integrals are listed one by one: `invariant = [|q, p| ..., |q, p| ...]`")
 }
 
+pub(crate) fn name_of_other(name: &Ident) -> Error {
+    at(
+        name,
+        "first integrals have names, `invariant = [energy = |q, p| ...]`, and no other Hamiltonians: leave it out",
+    )
+}
+
 pub(crate) fn not_a_scheme(found: impl ToTokens) -> Error {
     at(found, format!("expected an embedding; there are {SCHEMES}"))
 }
 
 pub(crate) fn unknown_embedding(name: &syn::Ident) -> Error {
+    if is_of_ito(name) {
+        return at(name, format!("there is no embedding `{name}`: {STRATONOVICH}"));
+    }
     let names = [
         "DeltaPlus",
         "Midpoint",
@@ -287,6 +310,16 @@ pub(crate) fn swapped_names(q: &syn::Pat, p: &syn::Pat) -> Error {
 
 pub(crate) fn momenta_disagree(momenta: impl ToTokens, q: &Shape, p: &Shape) -> Error {
     at(momenta, format!("the momenta are `{p}`, but the coordinates are `{q}`; both need the same shape"))
+}
+
+pub(crate) fn field_named_like_variable(variable: &Ident) -> Error {
+    at(
+        variable,
+        format!(
+            "the struct has a field `{variable}`, too: in this closure the name means the variable, and nothing tells them apart; give \
+             one of them another name, as in `|x, y|`"
+        ),
+    )
 }
 
 pub(crate) fn shapes_disagree(pattern: impl ToTokens, found: &Shape, drift: &Shape) -> Error {

@@ -38,12 +38,22 @@ pub(crate) fn boundaries(graph: &mut Graph, value: Expr, state: &[Symbol]) -> Ve
                 let sides = [(zero, one), (one, zero)].map(|(a, b)| graph.compare(Relation::Less, a, b));
                 (left, right, sides)
             }
-            Node::Apply(Function::Signum, arguments) => {
+            &Node::Apply(Function::Signum, ref arguments) => {
                 let argument = arguments[0];
                 (argument, graph.integer(0), [graph.integer(1), graph.integer(-1)])
             }
+            &Node::Apply(Function::Abs, ref arguments) => {
+                let argument = arguments[0];
+                (argument, graph.integer(0), [argument, graph.negate(argument)])
+            }
+            &Node::Apply(Function::Min | Function::Max, ref arguments) => {
+                let sides = [arguments[0], arguments[1]];
+                (sides[0], sides[1], sides)
+            }
             _ => continue,
         };
+        // On their boundary the sides of the others are equal.
+        let may_jump = matches!(graph.node(decision), Node::Compare(..) | Node::Apply(Function::Signum, _));
         if !graph.depends_on(left, state) && !graph.depends_on(right, state) {
             continue;
         }
@@ -52,7 +62,10 @@ pub(crate) fn boundaries(graph: &mut Graph, value: Expr, state: &[Symbol]) -> Ve
         if matches!(graph.test_zero(jump), ZeroTest::Zero) {
             continue;
         }
-        let crossing = crossing(graph, (left, right), jump, state);
+        let crossing = match crossing(graph, (left, right), jump, state) {
+            Crossing::Undecided if !may_jump => Crossing::Kink,
+            crossing => crossing,
+        };
         let (first, second) = if graph.depends_on(left, state) { (left, right) } else { (right, left) };
         let place = format!("{} = {}", graph.display(first), graph.display(second));
         found.push(Boundary { place, crossing });
@@ -87,7 +100,7 @@ fn solved(
     state: &[Symbol],
 ) -> Option<HashMap<Symbol, Expr>> {
     let slope = graph.derivative(difference, symbol);
-    if graph.is_zero(slope) || graph.depends_on(slope, state) {
+    if graph.is_zero(slope) || graph.depends_on(slope, state) || graph.has_pieces(difference, &[symbol]) {
         return None;
     }
     let zero = graph.integer(0);
@@ -161,6 +174,46 @@ mod tests {
         let smooth = "H0 is continuous, its slope, too";
         states("|q, p| 0.5 * p * p + if q > a { (q - a).powi(2) } else { 0.0 }", &[KEPT, smooth], &["jumps"]);
         states("|q, p| 0.5 * p * p + if q > a { q * q } else { q * q }", &[KEPT], &["where"]);
+    }
+
+    #[test]
+    fn functions_with_edges_are_branches() {
+        let kink = "where q = a, H0 is continuous, its slope jumps";
+        let polynomial = ["kept by the step to rounding", "modified energy"];
+        states(
+            "|q, p| 0.5 * p * p + (q - a).abs()",
+            &[KEPT, "H0 is continuous, its slope jumps"],
+            &polynomial,
+        );
+        states("|q, p| 0.5 * p * p + q.max(a)", &[KEPT, kink], &polynomial);
+        states("|q, p| 0.5 * p * p + (q * q + p * p).min(a)", &[KEPT, "its slope jumps"], &polynomial);
+        // Both sides are affine with the same slope, and so is neither the surface nor the step.
+        let nested = "|q, p| 0.5 * p * p + if (if q > 0.0 { q } else { q + 1.0 }) > 0.5 { q } else { 0.5 }";
+        states(nested, &["was not decided to be continuous"], &polynomial);
+    }
+
+    fn errors(attribute: &str) -> String {
+        expand(attribute.parse().unwrap(), "struct System { a: f64 }".parse().unwrap()).to_string()
+    }
+
+    #[test]
+    fn first_integrals_do_not_jump() {
+        let found = errors(
+            "drift = |q, p| 0.5 * p * p + q * q, invariant = |q, _| (q - 1.0).signum(), embedding = Midpoint",
+        );
+        assert!(found.contains("motions across q - 1 = 0: it jumps by 2"), "{found}");
+        let found = errors("drift = |q, p| 0.5 * p * p, invariant = |_, p| p.abs(), embedding = Midpoint");
+        assert!(!found.contains("compile_error"), "{found}");
+    }
+
+    #[test]
+    fn what_a_sum_decides_is_not_linear_in_it() {
+        for body in
+            ["q.iter().sum::<f64>().signum()", "if q.iter().sum::<f64>() > 1.0 { q[0] } else { p[0] }"]
+        {
+            let found = errors(&format!("drift = |q: &[f64], p: &[f64]| {body}, embedding = DeltaPlus"));
+            assert!(found.contains("compile_error"), "{body}: {found}");
+        }
     }
 
     #[test]

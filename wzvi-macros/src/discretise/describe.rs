@@ -190,7 +190,8 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
         let is_kept = invariant.form.is_kept(embedding, has_noise);
         let keeps = if is_kept { "kept by the step to rounding" } else { followed(facts, embedding) };
         let value = facts.space.display(graph, &invariant.value, Rational::ONE);
-        line(text, format_args!("  first integral {value}: {keeps}"));
+        let name = if invariant.name.is_empty() { String::new() } else { format!("{} = ", invariant.name) };
+        line(text, format_args!("  first integral {name}{value}: {keeps}"));
     }
 }
 

@@ -50,7 +50,7 @@ struct Hamiltonians {
     forces: Forces,
     /// What stands behind the `H` of each noise.
     numbers: Vec<String>,
-    invariants: Vec<(Extent, Sum)>,
+    invariants: Vec<(Extent, String, Sum)>,
 }
 
 /// Facts about one system, shared by all its schemes.
@@ -129,7 +129,12 @@ impl Hamiltonians {
             noise,
             forces,
             numbers,
-            invariants: system.invariants.iter().map(|term| (term.extent, sum_of(of(term), &[]))).collect(),
+            invariants: system
+                .invariants
+                .iter()
+                .zip(&system.invariant_names)
+                .map(|(term, name)| (term.extent, name.clone(), sum_of(of(term), &[])))
+                .collect(),
         }
     }
 }
@@ -194,7 +199,7 @@ impl Facts {
         }
         let boundaries: Vec<Vec<Boundary>> =
             [&drift].into_iter().chain(&noise).map(|sum| boundaries_of(graph, sum, t)).collect();
-        conserves_energy.extend(boundaries[0].iter().map(kept_across));
+        conserves_energy.extend(boundaries[0].iter().map(|boundary| kept_across("H0", boundary)));
         let all_parted = || elements.iter().chain(parted.clone());
         Self {
             noise: noise_class(
@@ -349,12 +354,12 @@ fn boundaries_of(graph: &mut Graph, hamiltonian: &Sum, t: Symbol) -> Vec<Boundar
     hamiltonian.iter().flat_map(of_element).collect()
 }
 
-/// Whether a motion that crosses a boundary has the same energy on both sides.
-fn kept_across(boundary: &Boundary) -> Knowledge {
+/// Whether a function with this name has the same value on both sides of its boundary.
+fn kept_across(name: &str, boundary: &Boundary) -> Knowledge {
     match &boundary.crossing {
         Crossing::Smooth | Crossing::Kink => Knowledge::Proven,
         Crossing::Jump(witness) => Knowledge::Refuted(witness.clone()),
-        Crossing::Undecided => Knowledge::Unknown(format!("H0 may jump where {}", boundary.place)),
+        Crossing::Undecided => Knowledge::Unknown(format!("{name} may jump where {}", boundary.place)),
     }
 }
 
@@ -382,8 +387,9 @@ fn noise_class(graph: &mut Graph, noise: &[&Element], forces: &[&Element], is_ab
 
 fn is_affine(graph: &mut Graph, element: &Element) -> bool {
     let state = state_of(element);
-    state.iter().all(|&symbol| {
-        let slope = graph.derivative(element.value, symbol);
-        !graph.depends_on(slope, &state)
-    })
+    !graph.has_pieces(element.value, &state)
+        && state.iter().all(|&symbol| {
+            let slope = graph.derivative(element.value, symbol);
+            !graph.depends_on(slope, &state)
+        })
 }

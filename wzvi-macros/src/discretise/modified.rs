@@ -45,7 +45,9 @@ const SECOND: [&str; 3] = ["H_pp(H_q,H_q)", "H_qq(H_p,H_p)", "H_pq(H_q,H_p)"];
 
 /// The formula, and for `T(p) + V(q)` what its terms are; `None` where there is no modified Hamiltonian, or none is known.
 pub(crate) fn text(graph: &mut Graph, facts: &Facts, embedding: &Embedding) -> Option<String> {
-    let Terms { first, second } = Terms::of(embedding).filter(|_| facts.is_conservative)?;
+    // The order is that of a smooth function, and the brackets are those of one piece.
+    let has_one = facts.is_conservative && facts.boundaries[0].is_empty();
+    let Terms { first, second } = Terms::of(embedding).filter(|_| has_one)?;
     let mut formula = "H0".to_owned();
     if !first.is_zero() {
         signed(&mut formula, first, &format!("h {FIRST}"));

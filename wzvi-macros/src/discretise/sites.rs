@@ -151,6 +151,7 @@ impl Site {
             bath: None,
             conformal: system.conformal,
             invariants: Vec::new(),
+            invariant_names: Vec::new(),
             embeddings: Vec::new(),
             item: system.item.clone(),
             crate_path: system.crate_path.clone(),

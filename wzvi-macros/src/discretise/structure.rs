@@ -229,7 +229,11 @@ impl BlockSolver<'_> {
             .flat_map(|&x| self.symbols.views(x))
             .map(|(view, _)| view)
             .collect();
-        let is_linear = jacobian.iter().flatten().all(|&entry| !self.graph.depends_on(entry, &members));
+        let is_linear = jacobian.iter().flatten().all(|&entry| !self.graph.depends_on(entry, &members))
+            && iterates
+                .iter()
+                .chain(assigned)
+                .all(|&x| !self.graph.has_pieces(self.equations.phi(x), &members));
         if is_linear {
             let rhs = self.at_zero(iterates, assigned);
             return Solution::Linear { matrix: jacobian, rhs };

@@ -99,7 +99,7 @@ impl Parts<'_> {
                 .iter()
                 .filter(|(symbol, _)| {
                     let factor = self.graph.derivative(expr, *symbol);
-                    self.graph.depends_on(factor, &names)
+                    self.graph.depends_on(factor, &names) || self.graph.has_pieces(expr, &[*symbol])
                 })
                 .collect();
             if nonlinear.is_empty() {

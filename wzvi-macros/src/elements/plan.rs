@@ -68,13 +68,14 @@ fn has_constant_curvature(system: &mut System) -> bool {
         // The components of a covector are in the place of slopes already.
         let displacements: Vec<Symbol> = element.displacements().map(|(symbol, _)| symbol).collect();
         let slopes = if displacements.is_empty() { &state } else { &displacements };
-        slopes.iter().all(|&x| {
-            let slope = graph.derivative(element.value, x);
-            state.iter().all(|&y| {
-                let curvature = graph.derivative(slope, y);
-                allowed(graph, curvature, &moving)
+        !graph.has_pieces(element.value, &state)
+            && slopes.iter().all(|&x| {
+                let slope = graph.derivative(element.value, x);
+                state.iter().all(|&y| {
+                    let curvature = graph.derivative(slope, y);
+                    allowed(graph, curvature, &moving)
+                })
             })
-        })
     };
     let mut of_noise = noise.iter().flat_map(|noise| &noise.term.elements);
     let mut of_drift = drift.elements.iter().chain(force.iter().flat_map(|force| &force.elements));

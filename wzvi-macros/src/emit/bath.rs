@@ -78,7 +78,7 @@ pub(super) fn emit(model: &mut Model, kinetic: Option<Kinetic>) -> TokenStream {
 
 /// The code of `roots`, which read parameters and coordinates, and the names of these.
 fn evaluated(model: &mut Model, roots: &[Expr], scalar: &TokenStream) -> (Body, Vec<proc_macro2::Ident>) {
-    let letters = Letters::of(model, Names::beside(&["into"]));
+    let letters = Letters::of(model, Names::default());
     let names = model.phase.q.iter().zip(&letters.q).map(|(&q, name)| (q, name.clone(), Level::State));
     let inputs = Inputs { names: names.collect(), ..Inputs::default() };
     let body = body(model, &letters, &inputs, scalar, roots);

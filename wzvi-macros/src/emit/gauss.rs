@@ -59,7 +59,7 @@ pub(super) fn emit(model: &mut Model, facts: &Facts, texts: &Texts) -> TokenStre
 fn field(model: &mut Model) -> TokenStream {
     let slopes = StepSlopes::new(model);
     let degrees = model.phase.q.len();
-    let mut letters = Letters::of(model, Names::beside(&["t", "h", "by_q", "by_p", "parameters"]));
+    let mut letters = Letters::of(model, Names::default());
     let dw = increment_names(&mut letters.names, slopes.dw.len());
     let (q, p) = (&letters.q, &letters.p);
     let of_state =
@@ -160,7 +160,7 @@ fn stiffness(model: &mut Model, slopes: &StepSlopes) -> TokenStream {
     if slopes.stiffness.is_empty() {
         return TokenStream::new();
     }
-    let letters = Letters::of(model, Names::beside(&["k"]));
+    let letters = Letters::of(model, Names::default());
     let inputs = Inputs { names: Vec::new(), definitions: HashMap::new() };
     let roots: Vec<Expr> = slopes.stiffness.iter().map(|&(.., value)| value).collect();
     let f64 = f64_type();

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-use super::names::Names;
+use super::names::{Names, plain};
 use super::print::f64_type;
 use super::program::Level;
 use super::step::increment_names;
@@ -70,11 +70,10 @@ struct Segment {
 impl Segment {
     fn new(model: &mut Model, scheme: &Scheme) -> Self {
         let symbols = &scheme.lagrangian.symbols;
-        let mut letters = Letters::of(model, Names::beside(&["h", "t"]));
+        let mut letters = Letters::of(model, Names::default());
         let dw = increment_names(&mut letters.names, symbols.dw.len());
         let [start, end] = ["start", "end"].map(|node| {
-            let wishes =
-                letters.q.iter().map(|q| format!("{}_{node}", q.to_string().trim_start_matches('_')));
+            let wishes = letters.q.iter().map(|q| format!("{}_{node}", plain(&q.to_string())));
             letters.names.take_all(wishes.collect::<Vec<_>>())
         });
         let graph = &mut model.graph;

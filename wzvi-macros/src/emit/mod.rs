@@ -28,7 +28,7 @@ pub(crate) use names::{Names, Surroundings, readable};
 pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
 pub(crate) use system::{
-    count, friction_rate, number_of, parameter, parameter_names, reads_time, validate, variables,
+    count, friction_rate, invariants, number_of, parameter, parameter_names, reads_time, validate, variables,
 };
 
 /// Steps that are emitted another way, and what they read of the struct.
@@ -63,6 +63,7 @@ pub(crate) fn emit(
             model.parameters.iter().map(|parameter| &parameter.tokens).chain(&beside.user_tokens),
         ),
         spelled: &model.type_checks,
+        generics: &model.item.generics,
     };
     wrapped(&model.item, facts, generated, &surroundings, texts)
 }

@@ -1,7 +1,8 @@
 //! Names in emitted code: unmistakable while it is put together, those of the user's formulas where it is read.
 //!
-//! An emitter marks each of its own names with two underscores, and writes everything of this library by its path. When
-//! the code of a struct is complete, [`readable`] knows all of its words and takes the marks off.
+//! An emitter marks each of its own names with two underscores, and writes everything of this library by its path. Names of variables
+//! and of parts of formulas come from [`Names`] and have a mark of their own, so that nothing of the user's can mean what an emitter
+//! calls the same. When the code of a struct is complete, [`readable`] knows all of its words and takes the marks off.
 
 use std::collections::HashSet;
 
@@ -13,31 +14,21 @@ pub(crate) use readable::{Surroundings, readable};
 
 /// What stands before a name of ours.
 const MARK: &str = "__";
+/// What stands before a name that [`Names`] has made: no emitter starts one with a digit.
+const OF_FORMULA: &str = "__0";
+
+/// A name without its mark.
+pub(crate) fn plain(name: &str) -> &str {
+    name.strip_prefix(OF_FORMULA).or_else(|| name.strip_prefix(MARK)).unwrap_or(name)
+}
 
 /// The names of one function body: no two are the same.
 #[derive(Clone, Default)]
 pub(crate) struct Names {
     taken: HashSet<String>,
-    /// Names that are taken with any number after them.
-    numbered: &'static [&'static str],
 }
 
 impl Names {
-    /// For a body that reads `live` names besides those that it asks for.
-    pub(crate) fn beside(live: &[&str]) -> Self {
-        Self { taken: live.iter().map(|name| format!("{MARK}{name}")).collect(), numbered: &[] }
-    }
-
-    /// The same, and it numbers others from 0 on.
-    pub(crate) fn and_numbered(self, numbered: &'static [&'static str]) -> Self {
-        Self { numbered, ..self }
-    }
-
-    fn is_numbered(&self, word: &str) -> bool {
-        let is_number = |rest: &str| !rest.is_empty() && rest.chars().all(|c| c.is_ascii_digit());
-        self.numbered.iter().any(|name| word.strip_prefix(name).is_some_and(is_number))
-    }
-
     /// Nothing else is called `name` from here on.
     pub(crate) fn avoid(&mut self, name: &Ident) {
         self.taken.insert(name.to_string());
@@ -45,15 +36,12 @@ impl Names {
 
     /// A name as near to `wish` as possible: a variable of the user, or a part of a formula.
     pub(crate) fn take(&mut self, wish: &str) -> Ident {
-        let mut word = as_word(wish);
-        if self.is_numbered(&word) {
-            word.push('_');
-        }
+        let word = as_word(wish);
         let separator = if word.ends_with(|last: char| last.is_ascii_digit()) { "_" } else { "" };
-        let mut name = format!("{MARK}{word}");
+        let mut name = format!("{OF_FORMULA}{word}");
         let mut number = 2_u32;
         while !self.taken.insert(name.clone()) {
-            name = format!("{MARK}{word}{separator}{number}");
+            name = format!("{OF_FORMULA}{word}{separator}{number}");
             number += 1;
         }
         Ident::new(&name, Span::call_site())
@@ -109,18 +97,18 @@ mod tests {
     #[test]
     fn variables_keep_their_names() {
         let cases = [
-            ("sigma", "__sigma"),
-            ("θ", "__θ"),
-            ("q[0]", "__q0"),
-            ("q[1][2]", "__q1_2"),
-            ("q[i + 1]", "__q_i_plus_1"),
-            ("q[2 i + 1]", "__q_2i_plus_1"),
-            ("2 i + 1", "__index_2i_plus_1"),
-            ("2 i - j", "__index_2i_minus_j"),
-            ("mass[0][i]", "__mass0_i"),
-            ("self.0", "__field0"),
-            ("_", "__x"),
-            ("", "__x"),
+            ("sigma", "__0sigma"),
+            ("θ", "__0θ"),
+            ("q[0]", "__0q0"),
+            ("q[1][2]", "__0q1_2"),
+            ("q[i + 1]", "__0q_i_plus_1"),
+            ("q[2 i + 1]", "__0q_2i_plus_1"),
+            ("2 i + 1", "__0index_2i_plus_1"),
+            ("2 i - j", "__0index_2i_minus_j"),
+            ("mass[0][i]", "__0mass0_i"),
+            ("self.0", "__0field0"),
+            ("_", "__0x"),
+            ("", "__0x"),
         ];
         for (wish, name) in cases {
             assert_eq!(Names::default().take(wish).to_string(), name);
@@ -128,18 +116,9 @@ mod tests {
     }
 
     #[test]
-    fn series_are_left_alone() {
-        let mut names = Names::beside(&[]).and_numbered(&["s", "at"]);
-        let taken: Vec<String> =
-            names.take_all(["s0", "at12", "s", "s0"]).iter().map(ToString::to_string).collect();
-        assert_eq!(taken, ["__s0_", "__at12_", "__s", "__s0_2"]);
-    }
-
-    #[test]
     fn no_two_names_are_the_same() {
-        let mut names = Names::beside(&["h"]);
-        let taken = names.take_all(["h", "q", "q", "q0", "q[0]", "q"]);
+        let taken = Names::default().take_all(["q", "q", "q0", "q[0]", "q"]);
         let taken: Vec<String> = taken.iter().map(ToString::to_string).collect();
-        assert_eq!(taken, ["__h2", "__q", "__q2", "__q0", "__q0_2", "__q3"]);
+        assert_eq!(taken, ["__0q", "__0q2", "__0q0", "__0q0_2", "__0q3"]);
     }
 }

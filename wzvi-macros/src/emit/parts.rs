@@ -60,7 +60,7 @@ fn statements(
     h: Option<Symbol>,
     finish: impl Fn(&[TokenStream]) -> TokenStream,
 ) -> TokenStream {
-    let letters = Letters::of(model, Names::beside(&["t", "h", "by_q", "by_p"]));
+    let letters = Letters::of(model, Names::default());
     let (q, p) = (&letters.q, &letters.p);
     let of_state = model.phase.q.iter().zip(q).chain(model.phase.p.iter().zip(p));
     let mut names: Vec<_> = of_state.map(|(&symbol, name)| (symbol, name.clone(), Level::State)).collect();

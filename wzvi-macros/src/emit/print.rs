@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
 
-use super::names::Names;
+use super::names::{Names, plain};
 use super::program::{Level, Op, Operation, Program};
 use crate::diagnostics::internal::broken;
 use crate::symbolic::{Function, Relation};
@@ -111,7 +111,7 @@ impl<'p> Printer<'p> {
 
     /// The name of `op` without its mark, if it has one.
     fn word(&self, op: Op) -> Option<String> {
-        self.bound.get(&op).map(|name| name.to_string().trim_start_matches('_').to_owned())
+        self.bound.get(&op).map(|name| plain(&name.to_string()).to_owned())
     }
 
     /// What a person might call the value, and whether that is only what kind it is.

@@ -25,24 +25,6 @@ use flow::Flow;
 use prepare::Prepared;
 use solve::Arguments;
 
-/// What a step names besides its letters.
-const LIVE: [&str; 14] = [
-    "t",
-    "h",
-    "prepared",
-    "memory",
-    "carry",
-    "next",
-    "taken",
-    "solved",
-    "solve",
-    "equations",
-    "rounded",
-    "iterate",
-    "lane",
-    "unknowns",
-];
-
 /// A step as code that reads no system but what is prepared of it.
 pub(crate) struct Kernel {
     /// `__Prepared<__K>`, `__Memory<__S>` and the function `__solve`.
@@ -60,7 +42,7 @@ impl Kernel {
     pub(crate) fn new(model: &mut Model, facts: &Facts, scheme: &Scheme) -> Self {
         let flow = Flow::new(&mut model.graph, &model.parameters, scheme, facts.noise == NoiseClass::None);
         let noises = scheme.lagrangian.symbols.dw.len();
-        let Letters { q, p, mut names, .. } = Letters::of_state(model, Names::beside(&LIVE));
+        let Letters { q, p, mut names, .. } = Letters::of_state(model, Names::default());
         let arguments = Arguments { q, p, dw: increment_names(&mut names, noises) };
         let prepared = Prepared::new(&flow, model, &mut names);
         let solve::Solution { functions, statements } = solve::solution(&flow, &prepared, &arguments, names);

@@ -141,10 +141,7 @@ pub(crate) fn emit(model: &mut Model) -> TokenStream {
         let noises = count(model.noises());
         number_of("noises", &quote!(#noises))
     });
-    let invariants = (!model.invariants.is_empty()).then(|| {
-        let invariants = count(model.invariants.len());
-        number_of("invariants", &quote!(#invariants))
-    });
+    let invariants = invariants(&model.invariant_names);
     let reads_time = model.graph.depends_on(model.drift.value, &[model.phase.t]).then(reads_time);
     let parameter = parameter(&model.graph, &model.parameters);
     let variables = variables(&model.labels, model.graph.symbol_name(model.phase.t));
@@ -239,7 +236,7 @@ pub(crate) fn validate(embeddings: &[Located<Embedding>], has_friction: bool) ->
 /// What a system with friction that steps take in says of itself.
 pub(crate) fn friction_rate(graph: &mut Graph, parameters: &[Parameter], rate: Expr) -> TokenStream {
     let f64 = f64_type();
-    let mut names = Names::beside(&[]);
+    let mut names = Names::default();
     let own = parameter_names(&mut names, graph, parameters);
     let letters = Letters { q: Vec::new(), p: Vec::new(), parameters: own, names };
     let Body { statements, values } =
@@ -361,6 +358,21 @@ pub(crate) fn parameter(graph: &Graph, parameters: &[Parameter]) -> Option<Token
     })
 }
 
+/// How many first integrals there are, and their names; the defaults of the trait if there are none.
+pub(crate) fn invariants(names: &[String]) -> Option<TokenStream> {
+    let number = count(names.len());
+    let number = (!names.is_empty()).then(|| number_of("invariants", &quote!(#number)))?;
+    let str = quote!(&'static __wzvi::str);
+    let names = names.iter().any(|name| !name.is_empty()).then(|| {
+        quote! {
+            fn invariant_names(&self) -> &'static [#str] {
+                &[#(#names),*]
+            }
+        }
+    });
+    Some(quote!(#number #names))
+}
+
 /// What people are told that the variables are called; the default of the trait if that is the same.
 pub(crate) fn variables(labels: &[Labels; 2], t: &str) -> Option<TokenStream> {
     let is_default = |labels: &Labels, name: &str| match labels {
@@ -392,7 +404,7 @@ fn arms(
     roots: &[Vec<Expr>],
     finish: &dyn Fn(&[TokenStream]) -> TokenStream,
 ) -> Vec<TokenStream> {
-    let letters = Letters::of(model, Names::beside(&["t", "by_q", "by_p", "into"]));
+    let letters = Letters::of(model, Names::default());
     let (q, p) = (&letters.q, &letters.p);
     let state = model.phase.q.iter().zip(q).chain(model.phase.p.iter().zip(p));
     let mut names: Vec<_> = state.map(|(&symbol, name)| (symbol, name.clone(), Level::State)).collect();

@@ -15,8 +15,12 @@ use crate::lower::{is_real_method, is_self, real_function};
 pub(super) struct Calls {
     bound: HashSet<String>,
     pub(super) called: Vec<ExprPath>,
+    /// The struct whose Hamiltonians call.
+    own: Option<Ident>,
     /// Where a method of the struct is called.
     pub(super) method: Option<Span>,
+    /// Other types of which a function is called.
+    pub(super) types: Vec<Ident>,
     /// Constants by paths that mean something else elsewhere.
     pub(super) constants: Vec<ExprPath>,
 }
@@ -27,7 +31,8 @@ impl Calls {
         let mut seen = HashSet::new();
         let methods = name.zip(self.method).map(|(name, span)| super::owner(name, span));
         let paths = self.called.into_iter().map(|call| call.path);
-        paths.chain(methods).filter(|path| seen.insert(key(path))).collect()
+        let types = self.types.iter().map(|name| super::owner(name, name.span()));
+        paths.chain(methods).chain(types).filter(|path| seen.insert(key(path))).collect()
     }
 
     fn is_bound(&self, path: &Path) -> bool {
@@ -38,18 +43,19 @@ impl Calls {
 pub(super) fn of_closures<'a>(closures: impl Iterator<Item = &'a ExprClosure>, name: &Ident) -> Vec<Path> {
     let mut all = Calls::default();
     for closure in closures {
-        let mut calls = Calls::default();
+        let mut calls = Calls { own: Some(name.clone()), ..Calls::default() };
         Bound(&mut calls.bound).visit_expr_closure(closure);
         calls.visit_expr_closure(closure);
         all.called.extend(calls.called);
+        all.types.extend(calls.types);
         all.method = all.method.or(calls.method);
     }
     all.paths(Some(name))
 }
 
-/// The calls of a function with these parameters.
-pub(super) fn of_function(signature: &syn::Signature, block: &syn::Block) -> Calls {
-    let mut calls = Calls::default();
+/// The calls of a function with these parameters, which may be one of the type `own`.
+pub(super) fn of_function(own: Option<&Ident>, signature: &syn::Signature, block: &syn::Block) -> Calls {
+    let mut calls = Calls { own: own.cloned(), ..Calls::default() };
     Bound(&mut calls.bound).visit_signature(signature);
     Bound(&mut calls.bound).visit_block(block);
     calls.visit_block(block);
@@ -66,14 +72,22 @@ pub(crate) fn may_be_shared(path: &ExprPath) -> bool {
     path.qself.is_none() && is_function && real_function(path).is_none()
 }
 
+/// The type in `Type::function`.
+pub(crate) fn type_of(path: &Path) -> Option<&Ident> {
+    let first = path.segments.first().filter(|_| path.segments.len() == 2 && path.leading_colon.is_none())?;
+    first.ident.to_string().starts_with(char::is_uppercase).then_some(&first.ident)
+}
+
 impl<'s> Visit<'s> for Calls {
     fn visit_expr_call(&mut self, call: &'s ExprCall) {
         match &*call.func {
             Expr::Path(path) if may_be_shared(path) && !self.is_bound(&path.path) => {
-                if path.path.segments.first().is_some_and(|first| first.ident == "Self") {
-                    self.method.get_or_insert(path.path.span());
-                } else {
-                    self.called.push(path.clone());
+                match type_of(&path.path) {
+                    Some(name) if *name == "Self" || self.own.as_ref() == Some(name) => {
+                        self.method.get_or_insert(path.path.span());
+                    }
+                    Some(name) => self.types.push(name.clone()),
+                    None => self.called.push(path.clone()),
                 }
             }
             Expr::Path(_) => {}

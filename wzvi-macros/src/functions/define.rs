@@ -54,7 +54,7 @@ fn crate_argument(input: syn::parse::ParseStream<'_>) -> syn::Result<Path> {
 
 fn of_function(function: &ItemFn, diagnostics: &mut Diagnostics) -> Vec<Path> {
     check_signature(&function.sig, diagnostics);
-    let found = calls::of_function(&function.sig, &function.block);
+    let found = calls::of_function(None, &function.sig, &function.block);
     for constant in &found.constants {
         diagnostics.report(messages::relative_constant(constant));
     }
@@ -68,11 +68,15 @@ fn of_impl(methods: &ItemImpl, diagnostics: &mut Diagnostics) -> Vec<Path> {
     if let Some((path, _)) = &methods.trait_ {
         diagnostics.report(messages::methods_of_trait(path));
     }
+    let own = match &*methods.self_ty {
+        Type::Path(path) => path.path.segments.last().map(|last| last.ident.clone()),
+        _ => None,
+    };
     let mut asked: Vec<Path> = Vec::new();
     for item in &methods.items {
         let ImplItem::Fn(method) = item else { continue };
         check_signature(&method.sig, diagnostics);
-        for path in calls::of_function(&method.sig, &method.block).paths(None) {
+        for path in calls::of_function(own.as_ref(), &method.sig, &method.block).paths(None) {
             if !asked.iter().any(|known| super::key(known) == super::key(&path)) {
                 asked.push(path);
             }

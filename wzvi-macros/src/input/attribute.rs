@@ -104,6 +104,8 @@ pub(crate) struct Hamiltonian {
     pub(crate) tokens: TokenStream,
     /// `[|q, p, k| ...; count]`: one noise per `k`, the closure's last parameter.
     pub(crate) family: Option<syn::Expr>,
+    /// Of a first integral: `[name = |q, p| ...]`.
+    pub(crate) name: Option<Ident>,
 }
 
 /// One `key = value`.
@@ -238,6 +240,11 @@ impl Entry {
         if list.is_empty() {
             diagnostics.report(messages::empty_list(&self.key, &self.value));
         }
+        if self.key != "invariant"
+            && let Some(name) = list.iter().find_map(|hamiltonian| hamiltonian.name.as_ref())
+        {
+            diagnostics.report(messages::name_of_other(name));
+        }
         list
     }
 
@@ -281,7 +288,7 @@ fn hamiltonian(input: ParseStream<'_>) -> syn::Result<Hamiltonian> {
     if closure.asyncness.is_some() {
         return Err(messages::async_closure(closure.asyncness.to_token_stream()));
     }
-    Ok(Hamiltonian { closure, tokens, family: None })
+    Ok(Hamiltonian { closure, tokens, family: None, name: None })
 }
 
 /// One Hamiltonian, or `[H_A, H_B]`.
@@ -319,7 +326,15 @@ fn hamiltonian_list(input: ParseStream<'_>) -> syn::Result<Vec<Hamiltonian>> {
             }
             list.push(member);
         } else {
+            let name: Option<Ident> = match content.peek(syn::Ident) && content.peek2(Token![=]) {
+                true => Some(content.parse()?),
+                false => None,
+            };
+            if name.is_some() {
+                content.parse::<Token![=]>()?;
+            }
             let mut next = hamiltonian(&content)?;
+            next.name = name;
             if content.peek(Token![;]) {
                 if !list.is_empty() {
                     return Err(messages::family_in_list(rest(&content)?));

@@ -8,7 +8,7 @@ use super::interpreter::{Closure, Interpreter};
 use super::names::{is_self, real_function};
 use super::value::Value;
 use crate::diagnostics::{expressions, messages};
-use crate::functions::{Function, key, may_be_shared};
+use crate::functions::{Function, key, may_be_shared, type_of};
 
 impl<'a> Interpreter<'a, '_> {
     pub(super) fn closure(&mut self, syntax: &'a ExprClosure) -> Value {
@@ -36,7 +36,13 @@ impl<'a> Interpreter<'a, '_> {
             Syntax::Path(path) => match path.path.get_ident() {
                 Some(name) => match self.scope.find_from_anywhere(name) {
                     Some(binding) => binding.value.borrow().clone(),
-                    None => self.report(expressions::function_call(path)),
+                    None => {
+                        let arguments: Vec<&Syntax> = syntax.args.iter().collect();
+                        self.report(match expressions::meant_method(&name.to_string()) {
+                            Some(method) => expressions::function_as_method(name, method, &arguments),
+                            None => expressions::function_call(path),
+                        })
+                    }
                 },
                 None => match real_function(path) {
                     Some(function) => Value::Function(function.into()),
@@ -62,8 +68,9 @@ impl<'a> Interpreter<'a, '_> {
             return None;
         }
         let name = key(&path.path);
-        match name.strip_prefix("Self::") {
-            Some(method) => self.method(method),
+        let is_own = |known: &&syn::Ident| **known == "Self" || **known == self.system.item.ident;
+        match type_of(&path.path).filter(is_own).and(path.path.segments.last()) {
+            Some(method) => self.method(&method.ident.to_string()),
             None => self.library?.functions.iter().find(|function| function.name == name),
         }
     }

@@ -23,6 +23,8 @@ mod tests;
 mod type_checks;
 mod value;
 
+use syn::ext::IdentExt;
+use syn::visit::Visit;
 use syn::{Expr as Syntax, Lit, ReturnType};
 
 use crate::diagnostics::{Diagnostics, expressions, messages};
@@ -40,6 +42,22 @@ use value::Value;
 pub(crate) use floats::is_real_method;
 pub(crate) use names::{is_self, real_function};
 
+/// A field with the name of a variable of a closure could be meant where the variable is read: it is reported once.
+fn check_names(container: &Container, declaration: &Declaration, diagnostics: &mut Diagnostics) {
+    let mut names = patterns::Names::default();
+    for closure in declaration.closures() {
+        let variables = closure.closure.inputs.len() - usize::from(closure.family.is_some());
+        closure.closure.inputs.iter().take(variables).for_each(|pattern| names.visit_pat(pattern));
+    }
+    for field in &container.fields {
+        if let syn::Member::Named(name) = &field.member
+            && let Some(variable) = names.0.iter().find(|variable| *variable == name)
+        {
+            diagnostics.report(messages::field_named_like_variable(variable));
+        }
+    }
+}
+
 /// Lowers every closure. `None` only after an error was reported.
 pub(crate) fn lower(
     container: Container,
@@ -47,6 +65,7 @@ pub(crate) fn lower(
     phase_space: &PhaseSpace,
     diagnostics: &mut Diagnostics,
 ) -> Option<System> {
+    check_names(&container, &declaration, diagnostics);
     let mut graph = Graph::new();
     let mut symbols = Symbols::new(phase_space.names.clone());
     symbols.declare_phase(&mut graph, &phase_space.q, &phase_space.p);
@@ -105,6 +124,13 @@ pub(crate) fn lower(
         scale: None,
         temperature: required(temperature)?,
         invariants: invariants.into_iter().collect::<Option<_>>()?,
+        invariant_names: declaration
+            .invariants
+            .iter()
+            .map(|invariant| {
+                invariant.name.as_ref().map_or_else(String::new, |name| name.unraw().to_string())
+            })
+            .collect(),
         embeddings: declaration.embeddings,
         item: container.item,
         crate_path: declaration.crate_path,

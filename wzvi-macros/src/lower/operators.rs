@@ -7,7 +7,7 @@ use super::interpreter::Interpreter;
 use super::names::is_real_type;
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
-use crate::input::{Kind, is_integer_type};
+use crate::input::{Kind, is_integer_type, peeled};
 use crate::model::index::Index;
 use crate::symbolic::{Expr, Rational, Relation};
 
@@ -73,6 +73,13 @@ impl<'a> Interpreter<'a, '_> {
         if let Some(operator) = compound(&syntax.op) {
             return self.assign_compound(syntax, operator);
         }
+        if matches!(syntax.op, BinOp::BitXor(_)) {
+            let (base, exponent) = (last_operand(&syntax.left), first_operand(&syntax.right));
+            self.report(expressions::power(base, exponent));
+            // The left side may have others.
+            let _ = matches!(&*syntax.left, Syntax::Binary(_)).then(|| self.evaluate(&syntax.left));
+            return Value::Poison;
+        }
         if !is_arithmetic(&syntax.op) {
             return self.comparison(syntax);
         }
@@ -86,7 +93,10 @@ impl<'a> Interpreter<'a, '_> {
         }
         let mut chain = Chain::Value(self.evaluate(first));
         for &link in spine.iter().rev() {
-            let right = self.evaluate(&link.right);
+            let right = match power_of(link) {
+                Some(exponent) => self.report(expressions::power(last_operand(&link.left), exponent)),
+                None => self.evaluate(&link.right),
+            };
             chain = self.extend(chain, link, right);
         }
         self.close(chain)
@@ -356,6 +366,33 @@ fn is_arithmetic(operator: &BinOp) -> bool {
 
 fn is_logical(operator: &BinOp) -> bool {
     matches!(operator, BinOp::And(_) | BinOp::Or(_))
+}
+
+/// The exponent of `p**2`, which is `p * (*2)` in Rust.
+fn power_of(link: &ExprBinary) -> Option<&Syntax> {
+    match (&link.op, &*link.right) {
+        (BinOp::Mul(_), Syntax::Unary(ExprUnary { op: UnOp::Deref(_), expr, .. })) => {
+            matches!(peeled(expr), Syntax::Lit(_) | Syntax::Unary(_)).then_some(&**expr)
+        }
+        _ => None,
+    }
+}
+
+/// The operand before an operator, whatever binds tighter than it in other languages.
+fn last_operand(syntax: &Syntax) -> &Syntax {
+    match syntax {
+        Syntax::Binary(binary) => last_operand(&binary.right),
+        Syntax::Unary(unary) => last_operand(&unary.expr),
+        other => other,
+    }
+}
+
+/// The operand after one.
+fn first_operand(syntax: &Syntax) -> &Syntax {
+    match syntax {
+        Syntax::Binary(binary) => first_operand(&binary.left),
+        other => other,
+    }
 }
 
 /// The operator of a compound assignment.

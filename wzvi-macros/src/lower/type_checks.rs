@@ -4,35 +4,82 @@ use std::collections::HashSet;
 
 use proc_macro2::{Group, Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
-use syn::Member;
 use syn::visit_mut::VisitMut;
+use syn::{GenericParam, Generics, Member};
 
 use super::dereference::Dereference;
 use super::scope::context;
 use crate::emit::embedding_type;
 use crate::input::{Container, Declaration, Field, Given, Hamiltonian, Kind, Shape};
 
+/// Names of ours that none of the user's tokens has.
+struct Fresh {
+    words: HashSet<String>,
+}
+
+impl Fresh {
+    fn beside(system: &Container, declaration: &Declaration) -> Self {
+        let mut used = Vec::new();
+        identifiers(system.item.to_token_stream(), &mut used);
+        let closures = declaration.closures().map(|closure| &closure.tokens);
+        let friction = declaration.friction.iter().map(|friction| &friction.given);
+        let given = friction.chain(&declaration.temperature).map(|given| &given.tokens);
+        closures.chain(given).for_each(|tokens| identifiers(tokens.clone(), &mut used));
+        Self { words: used.iter().map(Ident::to_string).collect() }
+    }
+
+    fn name(&self, wish: &str) -> Ident {
+        let mut name = wish.to_owned();
+        while self.words.contains(&name) {
+            name.push('_');
+        }
+        Ident::new(&name, Span::call_site())
+    }
+}
+
+/// The functions that take closures, by the parameters of these.
+struct Takers {
+    of_state: Ident,
+    of_time: Ident,
+    family: Ident,
+    family_of_time: Ident,
+    friction: Ident,
+}
+
 /// A block of dead code with every closure, its parameters typed by the phase space, and with every scheme as it was
 /// written: it has to name the type that it was read as, and its import is in use.
 pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: &Shape) -> TokenStream {
     let name = &system.item.ident;
-    let (parameters, arguments, condition) = system.item.generics.split_for_impl();
+    let (parameters, _, condition) = system.item.generics.split_for_impl();
+    let arguments = arguments(&system.item.generics);
+    let fresh = Fresh::beside(system, declaration);
+    let takers = Takers {
+        of_state: fresh.name("__wzvi_hamiltonian"),
+        of_time: fresh.name("__wzvi_hamiltonian_of_time"),
+        family: fresh.name("__wzvi_family"),
+        family_of_time: fresh.name("__wzvi_family_of_time"),
+        friction: fresh.name("__wzvi_friction"),
+    };
+    let Takers { of_state, of_time, family, family_of_time, friction } = &takers;
+    let [checks_trait, type_checks, scheme] =
+        ["__WzviTypeChecks", "__wzvi_type_checks", "__wzvi_scheme"].map(|wish| fresh.name(wish));
+    let [f, e, i, r] = ["F", "E", "I", "R"].map(|wish| fresh.name(wish));
     let energies = declaration
         .hamiltonians()
-        .map(|hamiltonian| check(system, hamiltonian, with_plain_scalars(system, hamiltonian)));
-    let covectors = declaration.covectors().map(|covector| {
-        let entries = match shape {
-            Shape::Real => quote!(__wzvi_real),
-            Shape::Array(..) => quote!(__wzvi_entries),
-        };
-        check(system, covector, with_entries(system, covector, &entries))
+        .map(|hamiltonian| check(system, &takers, hamiltonian, with_plain_scalars(system, hamiltonian)));
+    let entries = fresh.name(match shape {
+        Shape::Real => "__wzvi_real",
+        Shape::Array(..) => "__wzvi_entries",
     });
+    let covectors = declaration
+        .covectors()
+        .map(|covector| check(system, &takers, covector, with_entries(system, covector, &entries)));
     let given = declaration.friction.iter().map(|friction| &friction.given).chain(&declaration.temperature);
-    let given = given.map(|given| check_given(system, given));
+    let given = given.map(|given| check_given(system, &takers, given));
     let checks = energies.chain(covectors).chain(given);
     let schemes = declaration.embeddings.iter().zip(&declaration.embedding_types).map(|(embedding, written)| {
         let meant = embedding_type(&embedding.value, &declaration.crate_path);
-        quote! { __wzvi_scheme(::core::marker::PhantomData::<#meant>, ::core::marker::PhantomData::<#written>); }
+        quote! { #scheme(::core::marker::PhantomData::<#meant>, ::core::marker::PhantomData::<#written>); }
     });
     let vector = shape.tokens();
     // Functions inside of a method do not see the generics around it.
@@ -44,14 +91,14 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
     let declared = quote! { #( #declared )* };
     let real = quote! { ::core::primitive::f64 };
     let of_covectors = declaration.covectors().next().map(|_| match shape {
-        Shape::Real => quote! { fn __wzvi_real(_: #real) -> #real { 0.0 } },
+        Shape::Real => quote! { fn #entries(_: #real) -> #real { 0.0 } },
         Shape::Array(point, _) => {
             let entry = point.tokens();
-            quote! { fn __wzvi_entries<I: ::core::iter::IntoIterator<Item = #entry>>(_: I) -> #real { 0.0 } }
+            quote! { fn #entries<#i: ::core::iter::IntoIterator<Item = #entry>>(_: #i) -> #real { 0.0 } }
         }
     });
     let of_friction = declaration.friction.is_some().then(|| {
-        quote! { fn __wzvi_friction<#declared R, F: ::core::ops::Fn(#vector) -> R>(_: F) {} }
+        quote! { fn #friction<#declared #r, #f: ::core::ops::Fn(#vector) -> #r>(_: #f) {} }
     });
     // Lints would fire at the user's tokens a second time; `rustc` and clippy see the closures nowhere else, but what
     // they would say about style in generated code helps nobody.
@@ -63,28 +110,28 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
     quote! {
         const _: () = {
             #allow
-            trait __WzviTypeChecks {
-                fn __wzvi_type_checks(&self);
+            trait #checks_trait {
+                fn #type_checks(&self);
             }
             #[automatically_derived]
             #allow
-            impl #parameters __WzviTypeChecks for #name #arguments #condition {
-                fn __wzvi_type_checks(&self) {
-                    fn __wzvi_hamiltonian<#declared F: ::core::ops::Fn(#vector, #vector) -> #real>(_: F) {}
-                    fn __wzvi_hamiltonian_of_time<
-                        #declared F: ::core::ops::Fn(#vector, #vector, #real) -> #real
-                    >(_: F) {}
-                    fn __wzvi_family<
-                        #declared F: ::core::ops::Fn(#vector, #vector, ::core::primitive::usize) -> #real
-                    >(_: F) {}
-                    fn __wzvi_family_of_time<
-                        #declared F: ::core::ops::Fn(
+            impl #parameters #checks_trait for #name #arguments #condition {
+                fn #type_checks(&self) {
+                    fn #of_state<#declared #f: ::core::ops::Fn(#vector, #vector) -> #real>(_: #f) {}
+                    fn #of_time<
+                        #declared #f: ::core::ops::Fn(#vector, #vector, #real) -> #real
+                    >(_: #f) {}
+                    fn #family<
+                        #declared #f: ::core::ops::Fn(#vector, #vector, ::core::primitive::usize) -> #real
+                    >(_: #f) {}
+                    fn #family_of_time<
+                        #declared #f: ::core::ops::Fn(
                             #vector, #vector, #real, ::core::primitive::usize,
                         ) -> #real
-                    >(_: F) {}
+                    >(_: #f) {}
                     #of_covectors
                     #of_friction
-                    fn __wzvi_scheme<E>(_: ::core::marker::PhantomData<E>, _: ::core::marker::PhantomData<E>) {}
+                    fn #scheme<#e>(_: ::core::marker::PhantomData<#e>, _: ::core::marker::PhantomData<#e>) {}
                     #( #schemes )*
                     #( #checks )*
                 }
@@ -93,19 +140,37 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
     }
 }
 
+/// The generics of the struct as arguments. Numbers stand in braces: a type around may have their name.
+fn arguments(generics: &Generics) -> TokenStream {
+    let arguments = generics.params.iter().map(|parameter| match parameter {
+        GenericParam::Lifetime(lifetime) => lifetime.lifetime.to_token_stream(),
+        GenericParam::Type(ty) => ty.ident.to_token_stream(),
+        GenericParam::Const(number) => {
+            let number = &number.ident;
+            quote!({ #number })
+        }
+    });
+    quote!(<#( #arguments ),*>)
+}
+
 /// One closure as `rewritten`, with the fields it names in scope.
-fn check(system: &Container, hamiltonian: &Hamiltonian, rewritten: TokenStream) -> TokenStream {
+fn check(
+    system: &Container,
+    takers: &Takers,
+    hamiltonian: &Hamiltonian,
+    rewritten: TokenStream,
+) -> TokenStream {
     let fields = fields_in(system, &hamiltonian.tokens);
     let closure = with_our_self(rewritten);
     let function = match (hamiltonian.closure.inputs.len(), &hamiltonian.family) {
-        (2, None) => quote! { __wzvi_hamiltonian },
-        (_, None) => quote! { __wzvi_hamiltonian_of_time },
-        (3, Some(_)) => quote! { __wzvi_family },
-        _ => quote! { __wzvi_family_of_time },
+        (2, None) => &takers.of_state,
+        (_, None) => &takers.of_time,
+        (3, Some(_)) => &takers.family,
+        _ => &takers.family_of_time,
     };
     let sizes = system.item.generics.const_params().map(|size| &size.ident);
     let generics = if system.item.generics.const_params().next().is_some() {
-        quote! { ::<#( #sizes, )* _> }
+        quote! { ::<#( { #sizes }, )* _> }
     } else {
         quote! {}
     };
@@ -113,15 +178,16 @@ fn check(system: &Container, hamiltonian: &Hamiltonian, rewritten: TokenStream) 
 }
 
 /// An expression of fields, or a closure of the coordinates.
-fn check_given(system: &Container, given: &Given) -> TokenStream {
+fn check_given(system: &Container, takers: &Takers, given: &Given) -> TokenStream {
     let fields = fields_in(system, &given.tokens);
     let expression = with_our_self(given.tokens.clone());
     if !matches!(given.value, syn::Expr::Closure(_)) {
         return quote! { { #( #fields )* let _ = #expression; } };
     }
     let sizes: Vec<_> = system.item.generics.const_params().map(|size| &size.ident).collect();
-    let generics = (!sizes.is_empty()).then(|| quote! { ::<#( #sizes, )* _, _> });
-    quote! { { #( #fields )* __wzvi_friction #generics (#expression); } }
+    let generics = (!sizes.is_empty()).then(|| quote! { ::<#( { #sizes }, )* _, _> });
+    let friction = &takers.friction;
+    quote! { { #( #fields )* #friction #generics (#expression); } }
 }
 
 /// The fields that `tokens` name, as variables.
@@ -132,7 +198,7 @@ fn fields_in(system: &Container, tokens: &TokenStream) -> Vec<TokenStream> {
 }
 
 /// A closure whose entries are taken by a function inside, so that what it maps may borrow its parameters.
-fn with_entries(system: &Container, covector: &Hamiltonian, entries: &TokenStream) -> TokenStream {
+fn with_entries(system: &Container, covector: &Hamiltonian, entries: &Ident) -> TokenStream {
     let mut closure = plain_scalars(system, covector).unwrap_or_else(|| covector.closure.clone());
     let body = &closure.body;
     *closure.body = syn::parse_quote!({ #entries(#body) });

@@ -1,6 +1,6 @@
 //! Constructors of conditions, and of what depends on one: as those of numbers, in canonical form.
 
-use super::{Expr, Graph, Node, Relation};
+use super::{Expr, Function, Graph, Node, Relation, Symbol};
 
 impl Graph {
     pub(crate) fn compare(&mut self, relation: Relation, a: Expr, b: Expr) -> Expr {
@@ -58,5 +58,18 @@ impl Graph {
             (None, &Node::Not(opposite)) => self.select(opposite, otherwise, then),
             (None, _) => self.intern(Node::Select { condition, then, otherwise }),
         }
+    }
+
+    /// Whether `symbols` decide between pieces of `expr`. Then its derivatives are those of one piece, and say nothing of how pieces differ:
+    /// that of a step function is zero.
+    pub(crate) fn has_pieces(&self, expr: Expr, symbols: &[Symbol]) -> bool {
+        let decides = |part: Expr| match self.node(part) {
+            Node::Compare(..) => true,
+            Node::Apply(function, _) => {
+                matches!(function, Function::Abs | Function::Signum | Function::Min | Function::Max)
+            }
+            _ => false,
+        };
+        self.reachable(&[expr]).into_iter().any(|part| decides(part) && self.depends_on(part, symbols))
     }
 }

@@ -18,7 +18,7 @@ use crate::system::Hamiltonian;
 /// | `t`, `x`, `y`, `px`, `py` | time, coordinates and momenta, as the closure of the drift calls them; `q[0]`, `q[1][2]` of arrays | [`Trajectory::table`] |
 /// | what was observed | under its own name; `q_` if another column is called `q` | [`Trajectory::table`] |
 /// | `energy` | the drift Hamiltonian `H_0` | [`PathTable::energies`] |
-/// | `invariant_0`, ... | the proven first integrals, in the order of the attribute | [`PathTable::energies`] |
+/// | `invariant_0`, ... | the proven first integrals, in the order of the attribute; under their names where they have some | [`PathTable::energies`] |
 /// | `dw_0`, ... | the increment of each noise since the row before; 0 in the first row | [`PathTable::increments`] |
 ///
 /// All columns are real numbers.
@@ -55,7 +55,7 @@ impl<V: Vector, E> PathTable<'_, V, E> {
     pub fn energies<H: Hamiltonian<Vector = V>>(mut self, system: &H) -> Self {
         self.push("energy", |state| system.energy(state));
         for index in 0..system.invariants() {
-            self.push(&format!("invariant_{index}"), |state| system.invariant(index, state));
+            self.push(&system.invariant_label(index), |state| system.invariant(index, state));
         }
         self
     }

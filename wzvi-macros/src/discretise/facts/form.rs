@@ -47,12 +47,13 @@ fn is_of_degree(graph: &mut Graph, element: &Element, degree: Degree) -> bool {
     let state = state_of(element);
     let coordinates = element.coordinates().count();
     let is_momentum = |at: usize| at >= coordinates;
-    (0..state.len()).all(|a| {
-        let slope = graph.derivative(element.value, state[a]);
-        (a..state.len()).all(|b| {
-            let curvature = graph.derivative(slope, state[b]);
-            let is_allowed = degree == Degree::Quadratic || is_momentum(a) != is_momentum(b);
-            !graph.depends_on(curvature, &state) && (is_allowed || graph.is_zero(curvature))
+    !graph.has_pieces(element.value, &state)
+        && (0..state.len()).all(|a| {
+            let slope = graph.derivative(element.value, state[a]);
+            (a..state.len()).all(|b| {
+                let curvature = graph.derivative(slope, state[b]);
+                let is_allowed = degree == Degree::Quadratic || is_momentum(a) != is_momentum(b);
+                !graph.depends_on(curvature, &state) && (is_allowed || graph.is_zero(curvature))
+            })
         })
-    })
 }

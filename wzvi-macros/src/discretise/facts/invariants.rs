@@ -1,7 +1,7 @@
 //! First integrals: what the drift, the noises and the forces do to a function.
 
 use super::forces::{self, Forces};
-use super::{Form, Knowledge, Rate};
+use super::{Form, Knowledge, Rate, boundaries_of, kept_across};
 use crate::discretise::sums::{Increments, Space, Sum};
 use crate::model::Extent;
 use crate::symbolic::{Graph, Rational, Symbol};
@@ -9,17 +9,20 @@ use crate::symbolic::{Graph, Rational, Symbol};
 /// A declared first integral with its rate of change.
 pub(crate) struct Invariant {
     pub(crate) extent: Extent,
+    /// Empty if it has none.
+    pub(crate) name: String,
     pub(crate) value: Sum,
     /// The first rate that is not proven zero.
     pub(crate) failure: Option<Failure>,
     pub(crate) form: Form,
 }
 
-/// The rate that stands in the way of a first integral.
+/// What stands in the way of a first integral.
 pub(crate) struct Failure {
-    /// Along what, and how it is made.
+    /// Along what it changes, and how that rate is made; or where.
     pub(crate) along: String,
-    pub(crate) rate: Sum,
+    /// Unless it is no rate.
+    pub(crate) rate: Option<Sum>,
     pub(crate) knowledge: Knowledge,
 }
 
@@ -27,7 +30,7 @@ pub(super) fn invariant(
     graph: &mut Graph,
     space: &mut Space,
     (drift, noise, forces, t): (&Sum, &[(String, &Sum)], &Forces, Symbol),
-    (extent, value): (Extent, Sum),
+    (extent, name, value): (Extent, String, Sum),
 ) -> Invariant {
     let mut failure = None;
     let mut check = |graph: &mut Graph, space: &mut Space, along: String, rate: Rate| {
@@ -36,7 +39,7 @@ pub(super) fn invariant(
         }
         match rate.known(|sum| space.vanishes(graph, sum, Increments::Each)) {
             Knowledge::Proven => {}
-            knowledge => failure = Some(Failure { along, rate: rate.sum, knowledge }),
+            knowledge => failure = Some(Failure { along, rate: Some(rate.sum), knowledge }),
         }
     };
     let (rate, along) = rate_of_drift(graph, space, (drift, forces, t), &value);
@@ -54,9 +57,16 @@ pub(super) fn invariant(
     if forces.is_warm && value.iter().any(|weighted| weighted.element.momenta().next().is_some()) {
         let knowledge =
             Knowledge::Unknown("a bath with a temperature acts on every momentum with friction".to_owned());
-        failure = failure.or(Some(Failure { along: "the bath".to_owned(), rate: Sum::new(), knowledge }));
+        failure = failure.or(Some(Failure { along: "the bath".to_owned(), rate: None, knowledge }));
     }
-    Invariant { extent, form: Form::of(graph, &value), value, failure }
+    // Its derivatives are those between the boundaries.
+    for boundary in boundaries_of(graph, &value, t) {
+        if let knowledge @ (Knowledge::Refuted(_) | Knowledge::Unknown(_)) = kept_across("it", &boundary) {
+            let along = format!("motions across {}", boundary.place);
+            failure = failure.or(Some(Failure { along, rate: None, knowledge }));
+        }
+    }
+    Invariant { extent, name, form: Form::of(graph, &value), value, failure }
 }
 
 /// The rate of a function along the drift with its forces, and how it is made.

@@ -53,6 +53,10 @@ pub(super) fn isolate(
 /// `φ` solved for its own unknown, where it is affine in it.
 fn isolated(graph: &mut Graph, symbols: &StepSymbols, phi: Expr, unknown: Unknown) -> Option<(Expr, Pivot)> {
     let of_state = symbols.of_state();
+    let views: Vec<Symbol> = symbols.views(unknown).iter().map(|(view, _)| *view).collect();
+    if graph.has_pieces(phi, &views) {
+        return None;
+    }
     let base = graph.symbol(symbols.base(unknown));
     let mut slope = Vec::new();
     let mut at_base = std::collections::HashMap::new();

@@ -183,7 +183,7 @@ fn integrals(point: &str, least: usize, drift: &str, noise: &str, declared: &[(&
             let rate = found.failure.as_ref().map_or_else(String::new, |failure| {
                 format!(
                     "{} {:?}",
-                    facts.space.display(&mut graph, &failure.rate, Rational::ONE),
+                    facts.space.display(&mut graph, &failure.rate.clone().unwrap_or_default(), Rational::ONE),
                     failure.knowledge
                 )
             });

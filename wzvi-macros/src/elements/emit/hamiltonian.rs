@@ -5,7 +5,9 @@ use quote::quote;
 
 use super::{degrees, noise_count, vector_type};
 use crate::elements::split;
-use crate::emit::{count, f64_type, friction_rate, number_of, parameter, reads_time, validate, variables};
+use crate::emit::{
+    f64_type, friction_rate, invariants, number_of, parameter, reads_time, validate, variables,
+};
 use crate::model::System;
 
 /// `impl Hamiltonian`
@@ -17,8 +19,7 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
     let degrees = degrees(model);
     let noises = (!model.noise.is_empty()).then(|| number_of("noises", &noise_count(model)));
     let (usize, f64) = (quote!(__wzvi::usize), f64_type());
-    let invariants = count(model.invariants.len());
-    let invariants = (!model.invariants.is_empty()).then(|| number_of("invariants", &quote!(#invariants)));
+    let invariants = invariants(&model.invariant_names);
     let invariant = invariants.is_some().then(|| {
         quote! {
             fn invariant(&self, __number: #usize, __state: &__wzvi::State<Self::Vector>) -> #f64 {

@@ -46,23 +46,9 @@ pub(super) struct Context<'a> {
     pub(super) definitions: HashMap<Symbol, Expr>,
 }
 
-/// What the code around an element names.
-const LIVE: [&str; 33] = [
-    "after", "ahead", "at", "base", "block", "by_p", "by_q", "end", "factor", "few", "first", "into", "lane",
-    "len", "low", "most", "nan", "next", "p", "part", "place", "q", "run", "scale", "size", "skipped", "t",
-    "taken", "total", "until", "value", "wanted", "weight",
-];
-
-/// Loop variables, slices, buffers, and what is carried from one place to another.
-const NUMBERED: [&str; 8] = ["at", "b", "carried", "i", "list", "points", "s", "slope"];
-
 /// What parameters are called.
 pub(super) fn parameters(graph: &Graph, parameters: &[Parameter]) -> Vec<Ident> {
-    parameter_names(&mut names(), graph, parameters)
-}
-
-fn names() -> Names {
-    Names::beside(&LIVE).and_numbered(&NUMBERED)
+    parameter_names(&mut Names::default(), graph, parameters)
 }
 
 /// The loops of an element around what computes `outputs`.
@@ -83,7 +69,7 @@ pub(super) fn emit(
     let roots: Vec<Expr> = outputs.iter().map(|(root, _)| *root).collect();
 
     let parameters = parameters(context.graph, context.parameters);
-    let mut taken = names();
+    let mut taken = Names::default();
     parameters.iter().for_each(|name| taken.avoid(name));
     let slots = element.locals.iter().map(|local| context.graph.symbol_name(local.symbol));
     let locals = taken.take_all(slots);

@@ -55,6 +55,7 @@ pub(crate) fn emit(model: &mut System, facts: &Facts, schemes: &[Step<'_>], text
         crate_path: &model.crate_path,
         tokens: with_header(&model.item, user_tokens(model).iter()),
         spelled: &model.type_checks,
+        generics: &model.item.generics,
     };
     wrapped(&model.item, facts, generated, &surroundings, texts)
 }

@@ -30,7 +30,7 @@ impl Prepared {
         let read_by_step: Vec<Op> = constants.iter().chain(&truths).copied().collect();
         let used = flow.program.uses(&flow.prepared_roots(&read_by_step));
 
-        let mut own = Names::beside(&["h"]);
+        let mut own = Names::default();
         let parameters = parameter_names(&mut own, &model.graph, &model.parameters);
         let mut printer = Printer::new(&flow.program, f64_type(), &flow.hints, own);
         printer.set(flow.h, format_ident!("__h"));

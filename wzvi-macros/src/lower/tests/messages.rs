@@ -77,6 +77,48 @@ fn habits_from_elsewhere_are_recognised() {
 }
 
 #[test]
+fn operators_and_functions_of_other_languages_are_recognised() {
+    body("p**2", &[("p**2", "write `p.powi(2)`")]);
+    body("0.5 * p**2 + q", &[("p**2", "write `p.powi(2)`")]);
+    body("(q + p)**0.5", &[("(q + p)**0.5", "write `(q + p).powf(0.5)`")]);
+    body("p^2", &[("p^2", "write `p.powi(2)`")]);
+    body("0.5 * p^2 + a * q^2 / 2.0", &[("p^2", "write `p.powi(2)`"), ("q^2", "write `q.powi(2)`")]);
+    body("sin(q)", &[("sin", "write `q.sin()`")]);
+    body("a * sqrt(q * q + p * p)", &[("sqrt", "write `(q * q + p * p).sqrt()`")]);
+    body("atan2(q, p)", &[("atan2", "write `q.atan2(p)`")]);
+    attribute("drift = |q, p| p, ito = true, embedding = Midpoint", &[("ito", "docs/guide/noise.md")]);
+    attribute("drift = |q, p| p, embedding = EulerMaruyama", &[("EulerMaruyama", "sense of Stratonovich")]);
+    body("stiffness * q", &[("stiffness", "reads no variables around it: make it a field")]);
+    body("sgma * q", &[("sgma", "did you mean `sigma`?")]);
+}
+
+#[test]
+fn fields_with_the_names_of_variables_are_refused() {
+    let item = "struct Charged { q: f64, t: f64, mass: f64 }";
+    let (drift, noise) = ("drift = |q, p| p * p / mass", "noise = [|x, y, t| x * t]");
+    assert_messages(
+        &format!("{drift}, embedding = Midpoint"),
+        item,
+        &[("q", "the struct has a field `q`, too")],
+    );
+    assert_messages(
+        &format!("{drift}, {noise}, embedding = Midpoint"),
+        item,
+        &[("q", "the struct has a field `q`"), ("t", "the struct has a field `t`")],
+    );
+    assert_messages("drift = |x, y| q * y / mass + self.t * x, embedding = Midpoint", item, &[]);
+}
+
+#[test]
+fn names_belong_to_first_integrals() {
+    attribute("drift = |q, p| p, invariant = [momentum = |q, p| p, |q, p| p * p], embedding = Midpoint", &[]);
+    attribute(
+        "drift = |q, p| p, noise = [kick = |q, p| q], embedding = Midpoint",
+        &[("kick", "leave it out")],
+    );
+}
+
+#[test]
 fn momenta_before_coordinates_are_refused() {
     attribute("drift = |p, q| p, embedding = Midpoint", &[("p, q", "write `|q, p|`")]);
     attribute(
