@@ -220,8 +220,8 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             for (value, observable) in self.values.iter_mut().zip(&job.observables) {
                 *value = observable(state);
             }
-            if let Some(energy) = job.own_energy {
-                self.values[energy] = job.system_of(path).energy(state);
+            for (index, observable) in &job.own {
+                self.values[*index] = observable(job.system_of(path), state);
             }
             self.piece.see(place, Some(&self.values), &job.wanted);
             if let Some(paths) = &mut self.piece.statistics.paths {
