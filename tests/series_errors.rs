@@ -188,7 +188,7 @@ fn averages(
 
 #[test]
 fn chains_see_what_one_path_does_not() {
-    let of = |system, target| {
+    let of = |system: &Wells, target: Option<f64>| {
         let starts = [-1.0, 1.0, -1.0, 1.0].into_iter().zip(1..);
         let runs: Vec<_> = starts.map(|(q, seed)| averages(system, q, seed, target)).collect();
         assert!(runs.iter().all(|run| run.met_targets == target.map(|_| true) && !run.is_partial));
@@ -196,8 +196,8 @@ fn chains_see_what_one_path_does_not() {
     };
     let apart = of(&HIGH, Some(0.01));
     assert!(!apart.agree() && apart.disagreement > 5.0 && apart.error_bound > 0.5, "{apart:?}");
-    // Some 1500 correlation times each, of 17 units of time.
-    let together = of(&LOW, None);
+    // Thousands of correlation times each, over a barrier of 1.2 kT.
+    let together = of(&Wells { height: 0.3, ..LOW }, None);
     assert!(together.agree() && together.mean.abs() < 4.0 * 0.02, "{together:?}");
     assert!(Chains::of("q", &[averages(&LOW, 1.0, 1, Some(0.2))]).is_err());
     assert!(Chains::of("p", &[averages(&LOW, 1.0, 1, Some(0.2))]).is_err());
