@@ -5,6 +5,8 @@
 
 mod checkpoint;
 mod control;
+mod large_tables;
+mod rare;
 mod runs;
 mod starts;
 mod statistics;

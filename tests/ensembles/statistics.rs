@@ -289,7 +289,7 @@ fn files_are_read_back() {
     let mut lines = moments.lines();
     assert_eq!(
         lines.next(),
-        Some("time,observable,count,lost,not_finite,mean,standard_error,error_bound,variance")
+        Some("time,observable,count,lost,not_finite,mean,standard_error,error_bound,largest_share,variance")
     );
     assert_eq!(lines.clone().count(), 3 * 3);
     let first: Vec<&str> = lines.next().unwrap().split(',').collect();

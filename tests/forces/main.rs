@@ -6,6 +6,7 @@
 mod balance;
 mod bath;
 mod friction;
+mod gjf;
 mod noise;
 mod orders;
 mod principle;

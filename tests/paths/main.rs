@@ -11,4 +11,5 @@ mod refused;
 mod report;
 mod results;
 mod series;
+mod series_errors;
 mod stability;

@@ -58,9 +58,9 @@ fn check_invariants(graph: &mut Graph, facts: &Facts, diagnostics: &mut Diagnost
     }
 }
 
-/// `Baoab` and `Obabo` are made of the flows of `T(p)` and `V(q, t)`.
+/// `Baoab` and the like are made of the flows of `T(p)` and `V(q, t)`.
 fn check_flows(system: &mut System, facts: &Facts, diagnostics: &mut Diagnostics) {
-    let is_word = |known: &&Located<Embedding>| matches!(known.value, Embedding::Baoab | Embedding::Obabo);
+    let is_word = |known: &&Located<Embedding>| known.value.is_word();
     let words: Vec<_> = system.embeddings.iter().filter(is_word).cloned().collect();
     let listed: Vec<Embedding> = words.iter().map(|known| known.value.clone()).collect();
     if !words.is_empty() && Flows::of(system, facts, &listed).is_none() {

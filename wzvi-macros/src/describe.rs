@@ -102,16 +102,24 @@ impl Texts {
 
 /// How a step with a bath is taken.
 fn thermostat(embedding: &Embedding, has_force: bool) -> String {
-    let relax = |share: &str| {
-        format!(
-            "  friction and noise of {share}: p <- E p + R ξ, E = exp(-{share} Γ M⁻¹), R Rᵀ = kT (M - E M Eᵀ)\n"
-        )
+    let relaxes = |share: &str, decay: &str| {
+        format!("  friction and noise of {share}: p <- E p + R ξ, E = {decay}, R Rᵀ = kT (M - E M Eᵀ)\n")
     };
+    let relax = |share: &str| relaxes(share, &format!("exp(-{share} Γ M⁻¹)"));
     let slope = if has_force { "(∂V/∂q - F)" } else { "∂V/∂q" };
     let kick = format!("  kick of h/2:  p <- p - h/2 {slope}\n");
     let half_drift = "  drift of h/2:  q <- q + h/2 M⁻¹ p\n";
     let step = match embedding {
         Embedding::Baoab => format!("{kick}{half_drift}{}{half_drift}{kick}", relax("h")),
+        Embedding::Gjf => {
+            let part = relaxes("h", "(1 + h/2 Γ M⁻¹)⁻¹ (1 - h/2 Γ M⁻¹)");
+            format!("{kick}{half_drift}{part}{half_drift}{kick}")
+        }
+        Embedding::GjI => {
+            let [kick, drift] = [&kick, half_drift].map(|part| part.replace("h/2", "s h/2"));
+            let factor = "  with s = √(tanh(γh/2)/(γh/2)), γ the rate of the friction\n";
+            format!("{kick}{drift}{}{drift}{kick}{factor}", relax("h"))
+        }
         Embedding::Obabo => {
             let drift = "  drift of h:  q <- q + h M⁻¹ p\n";
             format!("{0}{kick}{drift}{kick}{0}", relax("h/2"))
@@ -125,7 +133,13 @@ fn thermostat(embedding: &Embedding, has_force: bool) -> String {
         _ => String::new(),
     };
     let driven = "the increments of the noises, then √h times the normals ξ of each part with friction";
-    format!("\nStep\n{step}  driven by {driven}\n")
+    let diffusion = match embedding {
+        Embedding::Gjf | Embedding::GjI => "D = kT/(m γ), that of the equation, for any h",
+        _ => {
+            "D = kT/(m γ) (γh/2) coth(γh/2), too fast by (γh)²/12, and so is a slow passage where friction is large; Gjf has it right"
+        }
+    };
+    format!("\nStep\n{step}  driven by {driven}\n  a free particle diffuses with {diffusion}\n")
 }
 
 /// How a step of `Verlet` is taken of `T(p) + V(q, t)`.

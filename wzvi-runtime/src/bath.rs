@@ -21,11 +21,24 @@
 //! |---|---|---|
 //! | [`Baoab`] | kick, drift, O, drift, kick | `T(p) + V(q, t)` |
 //! | [`Obabo`] | O, kick, drift, kick, O | `T(p) + V(q, t)` |
+//! | [`Gjf`] | kick, drift, O with Cayley's map in the place of the exponential, drift, kick | `T(p) + V(q, t)` |
+//! | [`GjI`] | kick, drift, O, drift, kick, with kicks and drifts over a shorter time | `T(p) + V(q, t)`, one rate |
 //! | [`Thermostat<E>`](Thermostat) | O, step of `E`, O | any `H` that `E` serves |
 //!
 //! (B. Leimkuhler, C. Matthews, *Molecular Dynamics*, Springer 2015, chapter 7; G. Bussi, M. Parrinello, "Accurate sampling using Langevin
 //! dynamics", Phys. Rev. E 75, 2007). With a harmonic force `Baoab` has the exact variance of `q`, `Obabo` that of `p`, and `Thermostat<Midpoint>`
 //! both, whatever step size and friction.
+//!
+//! Distributions are right to order `h²` at any friction, but not how fast they are reached. A particle that nothing holds diffuses with `D = kT/(m γ)` in the
+//! equation, and with all of these but `Gjf` and `GjI` with
+//!
+//! ```text
+//! D = kT/(m γ) · (γh/2) coth(γh/2) = kT/(m γ) · (1 + (γh)²/12 - (γh)⁴/720 + ...)
+//! ```
+//!
+//! because the O part lasts `h` and the positions move by half-steps around it; so do rates of passages over barriers where friction is large: by 8 % at `γh = 1`.
+//! `Gjf` and `GjI` have this diffusion and the variance of the positions in a harmonic well both exactly (N. Grønbech-Jensen, "Complete set of stochastic Verlet-type thermostats for correct
+//! Langevin simulations", Mol. Phys. 118, 2020).
 //!
 //! What drives a step are the increments of the noises that the system lists, and after them `√h` times the standard normals of its O parts: for
 //! each O part, in the order of the step, one for each degree of freedom. A system without temperature has none, which is friction alone.
@@ -48,6 +61,8 @@ use crate::scalar::Scalar;
 use crate::system::Hamiltonian;
 
 #[doc(hidden)]
+pub use modes::Decay;
+#[doc(hidden)]
 pub use relaxation::Relaxation;
 #[doc(hidden)]
 pub use splitting::{Letters, Splitting};
@@ -57,7 +72,8 @@ pub use thermostat::Around;
 /// Half a kick, half a drift, friction and noise, half a drift, half a kick: one force for each step, explicit, for `T(p) + V(q, t)`. The
 /// positions of a harmonic oscillator have the exact variance, its momenta too little by the factor `1 - h² ω² / 4`; otherwise the
 /// bias of averages is of order 2, and of order 4 where friction is large (B. Leimkuhler, C. Matthews, "Rational construction of stochastic
-/// numerical methods for molecular sampling", Appl. Math. Res. Express 2013).
+/// numerical methods for molecular sampling", Appl. Math. Res. Express 2013). Diffusion, and passages over barriers where friction is large, are too fast by the factor
+/// `(γh/2) coth(γh/2)`, 1.08 at `γh = 1`: where times matter and `γh` is no small number, take [`Gjf`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Baoab;
 
@@ -66,6 +82,19 @@ pub struct Baoab;
 /// [`Verlet`](crate::compose::Verlet), so that it can be made exact by accepting or rejecting that.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Obabo;
+
+/// [`Baoab`] whose momenta keep `c = (1 - γh/2)/(1 + γh/2)` in the place of `e^{-γh}`: a free particle diffuses with `D = kT/(m γ)`, and the positions of a harmonic
+/// oscillator have the exact variance, whatever `h` and `γ` (N. Grønbech-Jensen, O. Farago, "A simple and effective Verlet-type algorithm for simulating
+/// Langevin dynamics", Mol. Phys. 111, 2013). Momenta alternate in sign from `γh = 2` on, where positions stay right. Several rates and matrices are taken by
+/// Cayley's map of `Γ M⁻¹`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Gjf;
+
+/// [`Baoab`] whose kicks and drifts last `s h` with `s = √(tanh(γh/2)/(γh/2))` in the place of `h`: exact in the same as [`Gjf`], with the decay `e^{-γh}` of the momenta
+/// (N. Grønbech-Jensen, Mol. Phys. 118, 2020). One rate of friction for all degrees of freedom, and no other noises: else
+/// [`ConfigError`](crate::error::ConfigError). Ensembles with [`systems`](crate::ensemble::Ensemble::systems) take a stepper for each path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GjI;
 
 /// Friction and noise of half the step, a step of `E` without them, friction and noise of the other half. It samples as well as `E` keeps the energy:
 /// `Thermostat<Midpoint>` has the exact distribution of positions and momenta for every quadratic Hamiltonian and every `h`,
@@ -92,7 +121,7 @@ pub fn validate<T: Damped>(system: &T) -> Result<(), ConfigError> {
     }
     if degrees != 0 {
         // Forwards, by any step: friction alone may go back.
-        Relaxation::new(system, degrees, 1.0, 1.0).map_err(ConfigError::Bath)?;
+        Relaxation::new(system, degrees, 1.0, (1.0, Decay::Exponential)).map_err(ConfigError::Bath)?;
     }
     Ok(())
 }

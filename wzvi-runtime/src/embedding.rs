@@ -10,7 +10,7 @@
 
 use std::marker::PhantomData;
 
-pub use crate::bath::{Baoab, Obabo, Thermostat};
+pub use crate::bath::{Baoab, GjI, Gjf, Obabo, Thermostat};
 pub use crate::gauss::Gauss;
 
 pub use crate::compose::{

@@ -49,6 +49,7 @@ mod statistics;
 mod table;
 
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 pub use crate::lanes::instructions::{InstructionSet, Kernel};
 use account::Account;
@@ -74,7 +75,7 @@ use crate::execution::Execution;
 use crate::increments::Noise;
 use crate::interrupt::Interrupt;
 use crate::noise::{Paths as PathsOfNoise, StepNormals, Truncation};
-use crate::options::{Observables, options};
+use crate::options::{Observables, OwnObservable, options};
 pub use crate::persist::FileError;
 pub use crate::persist::table::{Column, Table};
 use crate::recording::Request;
@@ -110,6 +111,8 @@ struct Setup<'a, H: Hamiltonian> {
     settings: Settings,
     recorded: Request,
     observables: Observables<'a, H::Vector>,
+    /// Those that read the system of the path, by number.
+    own: Vec<(usize, OwnObservable<'a, H, H::Vector>)>,
     events: Observables<'a, H::Vector>,
     sections: Sections<'a, H::Vector>,
     wanted: Extras,
@@ -152,6 +155,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             settings: Settings::default(),
             recorded: Request::default(),
             observables: Observables::default(),
+            own: Vec::new(),
             events: Observables::default(),
             sections: Sections::default(),
             wanted: Extras {
@@ -192,6 +196,20 @@ impl<'a, H: Discretized<E>, E, R, P> Ensemble<'a, H, E, StepNormals, R, P> {
 
 impl<'a, H: Discretized<E>, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     options!(start, end, exact, record, observe, temperatures, section, execution, instructions);
+
+    /// Observes a function of the system of each path, too.
+    fn observe_own(
+        mut self,
+        name: impl Into<String>,
+        observable: impl Fn(&H, &State<H::Vector>) -> f64 + Send + Sync + 'a,
+    ) -> Self
+    where
+        H: Sync,
+    {
+        let (system, own, index) = (self.setup.system, Arc::new(observable), self.setup.observables.len());
+        self.setup.own.push((index, own.clone()));
+        self.observe(name, move |state| own(system, state))
+    }
 
     /// The first state of each path, at one time for all: that of [`Draw::path`], or drawn at random by the seed of the ensemble (0 if it has
     /// none). It is called once for each path, from several threads, and has to depend on nothing but its argument.

@@ -24,9 +24,9 @@ mod few;
 pub mod gauss;
 pub mod increments;
 pub mod integrate;
-#[cfg(all(feature = "interrupt", feature = "ensemble", not(target_family = "wasm")))]
+#[cfg(all(feature = "interrupt", not(target_family = "wasm")))]
 mod interrupt;
-#[cfg(all(feature = "ensemble", any(not(feature = "interrupt"), target_family = "wasm")))]
+#[cfg(any(not(feature = "interrupt"), target_family = "wasm"))]
 #[path = "interrupt/absent.rs"]
 mod interrupt;
 pub mod lanes;

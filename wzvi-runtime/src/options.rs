@@ -11,6 +11,10 @@ use crate::state::State;
 /// A function of the state.
 pub(crate) type Observable<'a, V> = Arc<dyn Fn(&State<V>) -> f64 + Send + Sync + 'a>;
 
+/// A function of the system of a path and its state.
+#[cfg(feature = "ensemble")]
+pub(crate) type OwnObservable<'a, H, V> = Arc<dyn Fn(&H, &State<V>) -> f64 + Send + Sync + 'a>;
+
 /// Functions of the state, by name.
 pub(crate) struct Observables<'a, V>(Vec<(String, Observable<'a, V>)>);
 
@@ -38,13 +42,13 @@ impl<'a, V> Observables<'a, V> {
     }
 
     #[cfg(feature = "ensemble")]
-    pub(crate) fn len(&self) -> usize {
-        self.0.len()
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 
     #[cfg(feature = "ensemble")]
-    pub(crate) fn is_empty(&self) -> bool {
-        self.0.is_empty()
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
     }
 
     /// Names and functions. `what` they are, in the plural, is for errors.
@@ -145,14 +149,13 @@ macro_rules! options {
     };
     (@ temperatures) => {
         /// Observes `kinetic temperature` and `configurational temperature`, in units of energy: `p · ∂H/∂p / d` and `q · ∂H/∂q / d`, whose averages are the
-        /// temperature under the Gibbs measure, the second where the system is confined; of the system that began the run.
+        /// temperature under the Gibbs measure, the second where the system is confined; of the system of the path.
         pub fn observe_temperatures(self) -> Self
         where
             H: Sync,
         {
-            let system = self.setup.system;
-            self.observe("kinetic temperature", move |state| crate::series::kinetic(system, state))
-                .observe("configurational temperature", move |state| crate::series::configurational(system, state))
+            self.observe_own("kinetic temperature", crate::series::kinetic)
+                .observe_own("configurational temperature", crate::series::configurational)
         }
 
         /// The same of each degree of freedom, numbered from 0: `kinetic temperature 0`, ..., `configurational temperature 0`, ... The start, or a system
@@ -165,10 +168,10 @@ macro_rules! options {
             let of_start = |start: &crate::state::State<H::Vector>| crate::state::Vector::components(&start.q).len();
             let degrees = self.setup.span.start.as_ref().map_or(system.degrees(), of_start);
             for i in 0..degrees {
-                self = self.observe(format!("kinetic temperature {i}"), move |state| {
+                self = self.observe_own(format!("kinetic temperature {i}"), move |system, state| {
                     crate::series::kinetic_of(system, state, i)
                 });
-                self = self.observe(format!("configurational temperature {i}"), move |state| {
+                self = self.observe_own(format!("configurational temperature {i}"), move |system, state| {
                     crate::series::configurational_of(system, state, i)
                 });
             }

@@ -71,8 +71,8 @@ pub(crate) struct StepsShown {
 
 impl StepsShown {
     /// From one node to another.
-    pub(crate) fn new(is_quiet: bool, first: u64, end: u64) -> Self {
-        let progress = Progress::with("steps", is_quiet, false);
+    pub(crate) fn new(is_quiet: bool, is_stoppable: bool, first: u64, end: u64) -> Self {
+        let progress = Progress::with("steps", is_quiet, is_stoppable && cfg!(feature = "interrupt"));
         let is_seen = progress.watch.is_some();
         Self { line: is_seen.then(|| (progress, Due::new(None, Some(PAUSE), first, end))), first, end }
     }

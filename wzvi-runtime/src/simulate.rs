@@ -15,6 +15,7 @@ use crate::progress::StepsShown;
 use crate::recording::Request;
 use crate::retry::{Halved, Retry, Serves, Subdivision, Whole};
 use crate::section::Sections;
+use crate::series::Tally;
 use crate::span::{Grid, Span};
 use crate::state::{State, Vector};
 use crate::step::StepInfo;
@@ -121,6 +122,19 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
 
 impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     options!(start, end, exact, record, observe, temperatures, section);
+
+    /// Observes a function of the system, too.
+    fn observe_own(
+        self,
+        name: impl Into<String>,
+        observable: impl Fn(&H, &State<H::Vector>) -> f64 + Send + Sync + 'a,
+    ) -> Self
+    where
+        H: Sync,
+    {
+        let system = self.setup.system;
+        self.observe(name, move |state| observable(system, state))
+    }
 
     /// Where the increments come from; [`Increments`](crate::increments::Increments) for given ones. A `&mut` to a
     /// source leaves it with the caller, to continue with. A system without noise takes any source and asks it
@@ -234,7 +248,7 @@ where
         if let Some(looks) = &mut looks {
             looks.arrive(first, &state);
         }
-        let shown = StepsShown::new(is_quiet, first, grid.steps);
+        let shown = StepsShown::new(is_quiet, false, first, grid.steps);
         let due = keeper.next().min(shown.next());
         let dense = looks_inside.then(|| Box::new(DenseOutput::of(&start)));
         let mut monitor = Nodes { observer, keeper: &mut keeper, shown, due, grid, looks, dense };
@@ -353,9 +367,21 @@ pub(crate) struct Run<'r, 's, 'a, V> {
     pub(crate) wiener: &'r mut Sums,
     pub(crate) looks: Option<&'r mut Between<'s, 'a, V>>,
     pub(crate) watch: &'r mut Watch<V>,
+    /// The averages of a run that keeps no path.
+    pub(crate) tally: Option<&'r mut Tally<'a, V>>,
 }
 
 impl<'r, 's, 'a, V> Run<'r, 's, 'a, V> {
+    fn averaging(
+        state: &'r mut State<V>,
+        account: &'r mut Records<V>,
+        tally: &'r mut Tally<'a, V>,
+        watch: &'r mut Watch<V>,
+    ) -> Self {
+        let Records { recorder, wiener, .. } = account;
+        Self { state, recorder, wiener, looks: None, watch, tally: Some(tally) }
+    }
+
     fn new(
         state: &'r mut State<V>,
         account: &'r mut Records<V>,
@@ -363,7 +389,7 @@ impl<'r, 's, 'a, V> Run<'r, 's, 'a, V> {
         watch: &'r mut Watch<V>,
     ) -> Self {
         let Records { recorder, wiener, .. } = account;
-        Self { state, recorder, wiener, looks: looks.as_deref_mut(), watch }
+        Self { state, recorder, wiener, looks: looks.as_deref_mut(), watch, tally: None }
     }
 }
 

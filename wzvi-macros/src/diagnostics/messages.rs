@@ -12,7 +12,7 @@ use crate::input::{Shape, closest};
 const KEYS: &str = "`drift`, `noise`, `force`, `noise_force`, `friction`, `damping`, `temperature`, `embedding`, `invariant` \
                     and `crate`";
 const SCHEMES: &str = "`DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Mixed<Drift, Noise>`, `Verlet`, `Gauss<S>`, \
-                       `Corrected<E>`, `Uncorrected<E>`, and, with friction, `Baoab`, `Obabo` and `Thermostat<E>`";
+                       `Corrected<E>`, `Uncorrected<E>`, and, with friction, `Baoab`, `Obabo`, `Gjf`, `GjI` and `Thermostat<E>`";
 const PATTERNS: &str = "supported are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
                         time as an optional third parameter";
 
@@ -222,6 +222,8 @@ pub(crate) fn unknown_embedding(name: &syn::Ident) -> Error {
         "Uncorrected",
         "Baoab",
         "Obabo",
+        "Gjf",
+        "GjI",
         "Thermostat",
     ];
     let suggestion = scheme_synonym(&name.to_string()).or_else(|| closest(&name.to_string(), names));
@@ -247,6 +249,8 @@ fn scheme_synonym(name: &str) -> Option<&'static str> {
         "SymplecticEulerB" | "EulerB" => "DeltaMinus",
         "Langevin" | "BAOAB" => "Baoab",
         "OBABO" => "Obabo",
+        "GJF" => "Gjf",
+        "GJI" => "GjI",
         _ => return None,
     })
 }

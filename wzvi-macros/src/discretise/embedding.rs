@@ -26,6 +26,8 @@ pub(crate) enum Embedding {
     /// Kicks, drifts and the flow of the bath in turn.
     Baoab,
     Obabo,
+    Gjf,
+    GjI,
     /// Half of the flow of the bath, a step of `E`, the other half; `E` is no thermostat.
     Thermostat(Box<Embedding>),
     /// `E` of the system without its bath, inside of a thermostat; users have no name for it.
@@ -48,9 +50,13 @@ impl Embedding {
     pub(crate) fn quadrature(&self) -> (Rational, Rational) {
         match self {
             Self::DeltaPlus => (Rational::ZERO, Rational::ZERO),
-            Self::Midpoint | Self::Verlet | Self::Gauss(_) | Self::Baoab | Self::Obabo => {
-                (Rational::HALF, Rational::HALF)
-            }
+            Self::Midpoint
+            | Self::Verlet
+            | Self::Gauss(_)
+            | Self::Baoab
+            | Self::Obabo
+            | Self::Gjf
+            | Self::GjI => (Rational::HALF, Rational::HALF),
             Self::DeltaMinus => (Rational::ONE, Rational::ONE),
             &Self::Lambda(n, d) => {
                 let l =
@@ -74,7 +80,8 @@ impl Embedding {
             Self::Gauss(1) => vec![Self::Midpoint],
             Self::Isolated(inner) if **inner == Self::Verlet => inner.parts(),
             Self::Isolated(inner) if inner.stages().is_some() => Vec::new(),
-            Self::Gauss(_) | Self::Baoab | Self::Obabo | Self::Thermostat(_) => Vec::new(),
+            Self::Gauss(_) | Self::Thermostat(_) => Vec::new(),
+            word if word.is_word() => Vec::new(),
             whole => vec![whole.clone()],
         }
     }
@@ -106,17 +113,21 @@ impl Embedding {
         }
     }
 
+    /// Whether it takes turns of kicks, drifts and the flow of the bath.
+    pub(crate) fn is_word(&self) -> bool {
+        matches!(self, Self::Baoab | Self::Obabo | Self::Gjf | Self::GjI)
+    }
+
     /// Whether friction is taken in by a flow of its own.
     pub(crate) fn is_thermostat(&self) -> bool {
-        matches!(self, Self::Baoab | Self::Obabo | Self::Thermostat(_))
+        self.is_word() || matches!(self, Self::Thermostat(_))
     }
 
     /// Whether steps are made of the flows of `T(p)` and `V(q, t)`, where these are known.
     pub(crate) fn takes_flows(&self) -> bool {
         match self {
-            Self::Verlet | Self::Baoab | Self::Obabo => true,
             Self::Thermostat(inner) | Self::Isolated(inner) => inner.takes_flows(),
-            _ => false,
+            _ => *self == Self::Verlet || self.is_word(),
         }
     }
 
@@ -144,6 +155,8 @@ impl fmt::Display for Embedding {
             Self::Uncorrected(inner) => write!(f, "Uncorrected<{inner}>"),
             Self::Baoab => f.write_str("Baoab"),
             Self::Obabo => f.write_str("Obabo"),
+            Self::Gjf => f.write_str("Gjf"),
+            Self::GjI => f.write_str("GjI"),
             Self::Thermostat(inner) => write!(f, "Thermostat<{inner}>"),
             Self::Isolated(inner) => inner.fmt(f),
         }

@@ -144,6 +144,8 @@ pub(crate) fn embedding_type(embedding: &Embedding, wzvi: &impl ToTokens) -> Tok
         }
         Embedding::Baoab => quote!(#wzvi::embedding::Baoab),
         Embedding::Obabo => quote!(#wzvi::embedding::Obabo),
+        Embedding::Gjf => quote!(#wzvi::embedding::Gjf),
+        Embedding::GjI => quote!(#wzvi::embedding::GjI),
         Embedding::Thermostat(inner) => wrapped("Thermostat", inner),
         Embedding::Isolated(inner) => {
             let inner = embedding_type(inner, wzvi);

@@ -4,6 +4,15 @@ use super::matrix::{cholesky, diagonalise, inverse_transposed, triangularise};
 use crate::error::BathError;
 use crate::scalar::{Mask, Scalar};
 
+/// How much of the momenta an O part leaves, of a mode with the rate `λ` over the time `s`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decay {
+    /// `e^{-s λ}`, as the flow does.
+    Exponential,
+    /// `(1 - s λ/2)/(1 + s λ/2)`
+    Cayley,
+}
+
 /// Time and temperature of an O part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bath {
@@ -13,14 +22,37 @@ pub(super) struct Bath {
     pub(super) temperature: f64,
     /// `1 / √h` of the whole step: what drives it is `√h ξ`.
     pub(super) unit: f64,
+    pub(super) decay: Decay,
 }
 
 impl Bath {
     /// `E` and `R √(M⁻¹) / √h` of a mode with this rate.
     #[inline(always)]
     pub(super) fn mode<S: Scalar>(&self, rate: S) -> (S, S) {
-        let x = -(rate * self.time);
-        (x.exp(), (-(x * 2.0).exp_m1() * self.temperature).sqrt() * self.unit)
+        match self.decay {
+            Decay::Exponential => {
+                let x = -(rate * self.time);
+                (x.exp(), (-(x * 2.0).exp_m1() * self.temperature).sqrt() * self.unit)
+            }
+            // 1 - E² = 4 x/(1 + x)² with x = s λ/2.
+            Decay::Cayley => {
+                let (x, one) = (rate * (0.5 * self.time), S::from_f64(1.0));
+                let sum = one + x;
+                ((one - x) / sum, (x * (4.0 * self.temperature)).sqrt() / sum * self.unit)
+            }
+        }
+    }
+
+    /// `1 - E` of a mode.
+    #[inline(always)]
+    fn lost<S: Scalar>(&self, rate: S) -> S {
+        match self.decay {
+            Decay::Exponential => -(-(rate * self.time)).exp_m1(),
+            Decay::Cayley => {
+                let x = rate * (0.5 * self.time);
+                x * 2.0 / (S::from_f64(1.0) + x)
+            }
+        }
     }
 }
 
@@ -96,15 +128,18 @@ impl<S: Scalar> Modes<'_, S> {
         Ok(())
     }
 
-    /// `e^{-s μ}`
+    /// The smallest rate `μ` and `e^{-s μ}`, which is taken out of all; nothing is taken out of what is no exponential.
     pub(super) fn slowest(&self, bath: &Bath, d: usize) -> (S, S) {
+        if bath.decay == Decay::Cayley {
+            return (S::from_f64(0.0), S::from_f64(1.0));
+        }
         let smallest = (1..d).fold(self.rates[0], |least, k| least.min(self.rates[k * (d + 1)]));
         (smallest, (-(smallest * bath.time)).exp())
     }
 
-    /// `1 - exp(-s (λ_k - μ))`
+    /// `1 - E` of the rate `λ_k - μ`
     pub(super) fn faster(&self, bath: &Bath, smallest: S, k: usize, d: usize) -> S {
-        -(-((self.rates[k * (d + 1)] - smallest) * bath.time)).exp_m1()
+        bath.lost(self.rates[k * (d + 1)] - smallest)
     }
 
     /// `W⁻¹` at row `k` and column `j`

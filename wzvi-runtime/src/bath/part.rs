@@ -3,32 +3,42 @@
 use std::ops::Range;
 
 use super::diagonal::{BLOCK, Diagonal};
+use super::modes::Decay;
 use super::relaxation::Momenta;
 use super::{Damped, Relaxation};
 use crate::carry::Carry;
 use crate::error::{ConfigError, StepFailure};
 use crate::scalar::Scalar;
 
-/// The constants of the O parts of steps of size `h`, of which there are `parts`; none of a system whose size only its state knows.
+/// The O parts of a step: how many, with an equal share each, and how momenta decay in them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shares {
+    pub(super) parts: usize,
+    pub(super) decay: Decay,
+}
+
+impl Shares {
+    fn of_one(self) -> (f64, Decay) {
+        (1.0 / self.parts as f64, self.decay)
+    }
+}
+
+/// The constants of the O parts of steps of size `h`; none of a system whose size only its state knows.
 ///
 /// # Errors
 /// [`ConfigError::Bath`]
 pub(super) fn prepare<T: Damped>(
     system: &T,
     h: f64,
-    parts: usize,
+    shares: Shares,
 ) -> Result<Option<Relaxation>, ConfigError> {
     let degrees = system.degrees();
     if degrees == 0 {
         Relaxation::check(system).map_err(ConfigError::Bath)?;
         return Ok(None);
     }
-    let relaxation = Relaxation::new(system, degrees, h, share(parts)).map_err(ConfigError::Bath)?;
+    let relaxation = Relaxation::new(system, degrees, h, shares.of_one()).map_err(ConfigError::Bath)?;
     Ok(Some(relaxation))
-}
-
-fn share(parts: usize) -> f64 {
-    1.0 / parts as f64
 }
 
 /// Constants of steps of one size, of a system of so many degrees of freedom.
@@ -41,9 +51,9 @@ struct Own {
 
 impl Own {
     #[cold]
-    fn new<T: Damped>(system: &T, degrees: usize, h: f64, parts: usize) -> Result<Self, StepFailure> {
+    fn new<T: Damped>(system: &T, degrees: usize, h: f64, shares: Shares) -> Result<Self, StepFailure> {
         system.check(degrees)?;
-        let relaxation = Relaxation::new(system, degrees, h, share(parts)).map_err(StepFailure::Bath)?;
+        let relaxation = Relaxation::new(system, degrees, h, shares.of_one()).map_err(StepFailure::Bath)?;
         Ok(Self { h, degrees, relaxation })
     }
 }
@@ -91,10 +101,10 @@ impl<S: Scalar> Memory<S> {
         &'m mut self,
         system: &'m T,
         prepared: &'m Option<Relaxation>,
-        (h, parts, degrees): (f64, usize, usize),
+        (h, shares, degrees): (f64, Shares, usize),
         (dw, noises): (&'m [S], usize),
     ) -> Result<Parts<'m, T, S>, StepFailure> {
-        let expected = noises + normals(system, degrees, parts);
+        let expected = noises + normals(system, degrees, shares.parts);
         if dw.len() != expected {
             return Err(StepFailure::Increments { expected, got: dw.len() });
         }
@@ -105,12 +115,12 @@ impl<S: Scalar> Memory<S> {
                 let own = self.own.take().filter(|own| own.h == h && own.degrees == degrees);
                 let own = match own {
                     Some(own) => own,
-                    None => Own::new(system, degrees, h, parts)?,
+                    None => Own::new(system, degrees, h, shares)?,
                 };
                 &self.own.insert(own).relaxation
             }
         };
-        let per_part = (expected - noises) / parts;
+        let per_part = (expected - noises) / shares.parts;
         let Self { room, blocks, .. } = self;
         Ok(Parts { system, relaxation, normals: &dw[noises..], per_part, room, blocks })
     }

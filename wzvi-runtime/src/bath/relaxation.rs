@@ -7,6 +7,8 @@
 //! R Rᵀ = kT (M - E M Eᵀ) = kT W (1 - exp(-2 s Λ)) Wᵀ
 //! ```
 //!
+//! [`Decay::Cayley`] has `E = (1 + s Γ M⁻¹/2)⁻¹ (1 - s Γ M⁻¹/2)` in the place of the exponential.
+//!
 //! No difference of nearly equal numbers is in it, neither for small friction nor for large, and degrees of freedom without friction keep their
 //! momenta to the last bit.
 
@@ -14,7 +16,7 @@ use std::ops::Mul;
 
 use super::Damped;
 use super::diagonal::Diagonal;
-use super::modes::{Bath, Factors, Modes, refuse_negative};
+use super::modes::{Bath, Decay, Factors, Modes, refuse_negative};
 use crate::carry::Carry;
 use crate::error::{BathError, StepFailure};
 use crate::scalar::Scalar;
@@ -57,11 +59,16 @@ pub(super) struct Momenta<'m, S> {
 }
 
 impl Relaxation {
-    /// That of the fraction `share` of a step of size `h`.
+    /// That of the fraction `share` of a step of size `h`, with this decay.
     ///
     /// # Errors
     /// [`BathError`] for a friction, a temperature or a mass that makes no sense, and for steps backwards in time.
-    pub fn new<T: Damped>(system: &T, degrees: usize, h: f64, share: f64) -> Result<Self, BathError> {
+    pub fn new<T: Damped>(
+        system: &T,
+        degrees: usize,
+        h: f64,
+        (share, decay): (f64, Decay),
+    ) -> Result<Self, BathError> {
         let temperature = Self::check(system)?;
         let mut gamma = vec![0.0; if T::IS_MATRIX { degrees * degrees } else { degrees }];
         if !T::PER_STATE {
@@ -76,7 +83,7 @@ impl Relaxation {
         if h < 0.0 {
             return Err(BathError::Backwards { h });
         }
-        let bath = Bath { time: share * h, temperature, unit: h.abs().sqrt().recip() };
+        let bath = Bath { time: share * h, temperature, unit: h.abs().sqrt().recip(), decay };
         let inverse_mass = inverse_mass(system, degrees);
         let mass = if is_list::<T>() { Factors::default() } else { Factors::of(&inverse_mass, degrees)? };
         if T::PER_STATE {

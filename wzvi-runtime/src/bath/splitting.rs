@@ -1,4 +1,4 @@
-//! Kicks, drifts and O parts in turn: [`Baoab`] and [`Obabo`].
+//! Kicks, drifts and O parts in turn: [`Baoab`], [`Obabo`], [`Gjf`] and [`GjI`].
 //!
 //! Kicks and drifts are the flows of [`compose::flows`](crate::compose), with the increments of the noises; the force at the end of a step is that at the
 //! start of the next.
@@ -9,17 +9,19 @@ use std::fmt::Debug;
 use std::marker::PhantomData;
 
 use super::beside::Baths;
+use super::modes::Decay;
+use super::part::Shares;
 use super::part::{self, Relaxes};
 use super::relaxation::is_list;
 use super::windowed::WithBath;
-use super::{Baoab, Damped, Obabo, Relaxation, with_bath};
+use super::{Baoab, Damped, GjI, Gjf, Obabo, Relaxation, with_bath};
 use crate::carry::{Carry, Plain};
 use crate::compose::flows::{Flows, FlowsBeside, FlowsOf, KickDrift, Slopes};
 use crate::compose::sequence::{Followed, Half, Sequence, Substep};
 use crate::compose::stages::{self, Rooms, Stage, Stages, Take};
 use crate::compose::windowed::{self, Givens, takes_windows};
 use crate::elements::Taken;
-use crate::error::{ConfigError, StepFailure};
+use crate::error::{BathError, ConfigError, StepFailure};
 use crate::gauss::{Field, Shape};
 use crate::lanes::Lanes;
 use crate::memory::{StepMemory, Threads};
@@ -38,18 +40,37 @@ pub trait Letters: Debug {
     const RELAXES_BEFORE: &'static [usize];
     /// The first of two drifts with an O part between.
     const DRIFTS_AROUND: Option<usize> = None;
+    /// What the O parts leave of the momenta.
+    const DECAY: Decay = Decay::Exponential;
+    /// Whether kicks and drifts are [`shortened`].
+    const IS_SHORTENED: bool = false;
 }
 
-impl Letters for Baoab {
-    const FLOWS: &'static [(Half, f64, f64)] = &[
-        (Half::Second, 0.5, 0.0),
-        (Half::First, 0.5, 0.0),
-        (Half::First, 0.5, 0.5),
-        (Half::Second, 0.5, 1.0),
-    ];
-    const RELAXES_BEFORE: &'static [usize] = &[2];
-    const DRIFTS_AROUND: Option<usize> = Some(1);
+/// The O parts of a word.
+const fn shares<W: Letters>() -> Shares {
+    Shares { parts: W::RELAXES_BEFORE.len(), decay: W::DECAY }
 }
+
+/// A word with the letters of [`Baoab`].
+macro_rules! baoab {
+    ($word:ty $(, $constant:ident: $type:ty = $value:expr)?) => {
+        impl Letters for $word {
+            const FLOWS: &'static [(Half, f64, f64)] = &[
+                (Half::Second, 0.5, 0.0),
+                (Half::First, 0.5, 0.0),
+                (Half::First, 0.5, 0.5),
+                (Half::Second, 0.5, 1.0),
+            ];
+            const RELAXES_BEFORE: &'static [usize] = &[2];
+            const DRIFTS_AROUND: Option<usize> = Some(1);
+            $(const $constant: $type = $value;)?
+        }
+    };
+}
+
+baoab!(Baoab);
+baoab!(Gjf, DECAY: Decay = Decay::Cayley);
+baoab!(GjI, IS_SHORTENED: bool = true);
 
 impl Letters for Obabo {
     const FLOWS: &'static [(Half, f64, f64)] =
@@ -137,9 +158,11 @@ where
 
     fn prepare(system: &F, h: f64, _: &[Substep]) -> Result<Self::Prepared, ConfigError> {
         stages::check(system)?;
-        let relaxation = part::prepare(system, h, W::RELAXES_BEFORE.len())?;
+        let relaxation = part::prepare(system, h, shares::<W>())?;
         let substeps: Vec<Substep> = W::FLOWS.iter().map(|&(half, weight, _)| (half, weight)).collect();
-        let flows = Stages::listed(W::FLOWS.iter().copied());
+        let factor = if W::IS_SHORTENED { shortened(system, h)? } else { 1.0 };
+        let flows = W::FLOWS.iter().map(|&(half, weight, node)| (half, factor * weight, node));
+        let flows = Stages::listed(flows);
         Ok(Prepared { flows, still: Stages::of(&substeps), relaxation })
     }
 
@@ -156,7 +179,7 @@ where
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let Memory { flows: memory, bath } = memory;
-        let (degrees, noises, parts) = (q.len(), system.noises(), W::RELAXES_BEFORE.len());
+        let (degrees, noises) = (q.len(), system.noises());
         if !system.fits(degrees) {
             system.check(degrees)?;
         }
@@ -174,7 +197,7 @@ where
                 return Ok(Effort::fast(0));
             }
         }
-        let parts = bath.parts(system, &prepared.relaxation, (h, parts, degrees), (dw, noises))?;
+        let parts = bath.parts(system, &prepared.relaxation, (h, shares::<W>(), degrees), (dw, noises))?;
         let Stages(list) = if parts.are_still() { &prepared.still } else { &prepared.flows };
         let mut word = Word::<_, _, S, W>::new(FlowsOf { system, t, h, count: list.len() }, parts);
         let effort = stages::advance(system, &mut word, list, q, p, &dw[..noises], memory, carry)?;
@@ -214,7 +237,8 @@ where
     type Beside<const L: usize> = Beside<F, L>;
 
     fn beside<const L: usize>(systems: [&F; L], prepared: [&Prepared; L]) -> Option<Beside<F, L>> {
-        if !is_list::<F>() || F::PER_STATE {
+        // Each system has kicks and drifts of its own length.
+        if !is_list::<F>() || F::PER_STATE || W::IS_SHORTENED {
             return None;
         }
         let first = *prepared.first()?;
@@ -245,6 +269,29 @@ where
     }
 }
 
+/// The factor `s = √(tanh(γh/2)/(γh/2))` of the time in kicks and drifts of [`GjI`], with which `s² (1 + c)/(1 - c) = 2/(γh)` for `c = e^{-γh}`: the diffusion of a
+/// free particle is right.
+///
+/// # Errors
+/// [`BathError::Rates`] unless all degrees of freedom have one rate, [`ConfigError::Setting`] beside noises, whose increments would be shortened, too.
+fn shortened<T: Damped>(system: &T, h: f64) -> Result<f64, ConfigError> {
+    if system.noises() > 0 {
+        let wrong = "`GjI` takes kicks over a shorter time than the noises of the system have: take `Gjf`";
+        return Err(ConfigError::Setting(wrong.into()));
+    }
+    // A system that does not know its size has one rate for any.
+    let mut rates = vec![f64::NAN; system.degrees().max(1)];
+    if !T::IS_MATRIX && !T::PER_STATE {
+        system.damping(&vec![0.0; rates.len()], &mut rates);
+    }
+    let rate = rates[0];
+    if !(rate >= 0.0 && rates.iter().all(|other| *other == rate)) {
+        return Err(ConfigError::Bath(BathError::Rates));
+    }
+    let x = 0.5 * h * rate;
+    Ok(if x == 0.0 { 1.0 } else { (x.tanh() / x).sqrt() })
+}
+
 /// A step window by window, and its heat; `None` where friction and masses are no lists.
 #[inline(always)]
 fn in_windows<'m, F: Flows + Damped, S: Scalar, W: Letters>(
@@ -256,13 +303,13 @@ fn in_windows<'m, F: Flows + Damped, S: Scalar, W: Letters>(
     bath: &mut part::Memory<S>,
 ) -> Option<Result<(Taken<'m>, f64), StepFailure>> {
     let (degrees, parts) = (givens.q.len(), W::RELAXES_BEFORE.len());
-    let size = (givens.h, parts, degrees);
+    let size = (givens.h, shares::<W>(), degrees);
     let driven = match bath.parts(system, &prepared.relaxation, size, (dw, system.noises())) {
         Ok(driven) => driven,
         Err(failure) => return Some(Err(failure)),
     };
     let relaxing = driven.by_place(parts, degrees)?;
-    let word = |flows| WithBath::new::<W>(flows, relaxing, givens.h);
+    let word = |flows| WithBath::new::<W>(flows, relaxing, &prepared.flows.0, givens.h);
     let taken = windows.advance(system, &prepared.flows.0, givens, word);
     Some(taken.map(|(taken, word)| (taken, word.heat())))
 }

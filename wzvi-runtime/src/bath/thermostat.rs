@@ -7,7 +7,8 @@ use std::fmt::Debug;
 use std::marker::PhantomData;
 
 use super::beside::Baths;
-use super::part::{self, Relaxes, normals};
+use super::modes::Decay;
+use super::part::{self, Relaxes, Shares, normals};
 use super::relaxation::is_list;
 use super::{Damped, Relaxation, with_bath};
 use crate::carry::{Carry, Plain};
@@ -24,7 +25,7 @@ use crate::solve::Effort;
 use crate::system::{Discretized, Exchange, Segment};
 
 /// O parts in front of and behind a step.
-const PARTS: usize = 2;
+const SHARES: Shares = Shares { parts: 2, decay: Decay::Exponential };
 
 /// Steps of `E`, of the system without its bath, between two O parts.
 #[derive(Clone, Copy, Debug)]
@@ -117,7 +118,7 @@ impl<T: Damped + Discretized<E>, E> Sequence<T> for Around<E> {
     type Carry<S: Scalar> = <T as Discretized<E>>::Carry<S>;
 
     fn increments(system: &T, degrees: usize) -> usize {
-        Discretized::<E>::increments(system, degrees) + normals(system, degrees, PARTS)
+        Discretized::<E>::increments(system, degrees) + normals(system, degrees, SHARES.parts)
     }
 
     fn exchanged(system: &T, memory: &Self::Memory<f64>) -> Exchange {
@@ -138,7 +139,7 @@ impl<T: Damped + Discretized<E>, E> Sequence<T> for Around<E> {
     }
 
     fn prepare(system: &T, h: f64, _: &[Substep]) -> Result<Self::Prepared, ConfigError> {
-        let relaxation = part::prepare(system, h, PARTS)?;
+        let relaxation = part::prepare(system, h, SHARES)?;
         Ok(Prepared { step: Discretized::<E>::prepare(system, h)?, relaxation })
     }
 
@@ -163,7 +164,7 @@ impl<T: Damped + Discretized<E>, E> Sequence<T> for Around<E> {
         }
         let Memory { kept, lost, bath } = memory;
         let noises = Discretized::<E>::increments(system, degrees);
-        let size = (h, PARTS, degrees);
+        let size = (h, SHARES, degrees);
         let mut parts = bath.parts(system, &prepared.relaxation, size, (dw, noises))?;
         let (effort, heat) = between(&mut parts, [q, p], (kept, lost), carry, |[q, p], memory, carry| {
             let (prepared, dw) = (&prepared.step, &dw[..noises]);
@@ -202,7 +203,7 @@ impl<T: Damped + Discretized<E>, E> Sequence<T> for Around<E> {
         if got != expected {
             return Err(StepFailure::Dimension { expected, got });
         }
-        let (dw, mut parts) = beside.baths.parts(PARTS, dw)?;
+        let (dw, mut parts) = beside.baths.parts(SHARES.parts, dw)?;
         let Memory { kept, lost, .. } = memory;
         let taken = between(&mut parts, [q, p], (kept, lost), &mut Plain, |[q, p], memory, _| {
             <T as Discretized<E>>::advance_beside(&beside.step, t, h, q, p, dw, memory)

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::part::ByPlace;
 use super::splitting::Letters;
+use crate::compose::stages::Stage;
 use crate::compose::windowed::KicksAndDrifts;
 use crate::elements::{Letter, Word};
 
@@ -31,9 +32,14 @@ pub(super) struct WithBath<'m> {
 }
 
 impl<'m> WithBath<'m> {
-    /// The word `W`, whose drifts take a time each.
+    /// The word `W` in steps of size `h`, with these kicks and drifts.
     #[inline(always)]
-    pub(super) fn new<W: Letters>(flows: KicksAndDrifts<'m>, relaxing: ByPlace<'m>, h: f64) -> Self {
+    pub(super) fn new<W: Letters>(
+        flows: KicksAndDrifts<'m>,
+        relaxing: ByPlace<'m>,
+        stages: &[Stage],
+        h: f64,
+    ) -> Self {
         let mut word = Self { flows, relaxing, parts: [Part::Flow(0); MOST], count: 0 };
         let relaxes_before = |flow: usize| W::RELAXES_BEFORE.iter().position(|&before| before == flow);
         let mut flow = 0;
@@ -44,8 +50,7 @@ impl<'m> WithBath<'m> {
             // Lists of masses say what a drift is, unless a noise drifts too.
             match relaxes_before(flow + 1) {
                 Some(part) if W::DRIFTS_AROUND == Some(flow) && !flows.have_noise() => {
-                    let (_, weight, _) = W::FLOWS[flow];
-                    word.push(Part::RelaxBetween(part, weight * h));
+                    word.push(Part::RelaxBetween(part, stages[flow].weight * h));
                     flow += 2;
                 }
                 _ => {

@@ -1,5 +1,7 @@
 //! From what the user said of an ensemble to a run that makes sense.
 
+use std::sync::Arc;
+
 use super::histogram::Histogram;
 use super::job::{Job, Stop};
 use super::passage::{Passage, Watch};
@@ -13,7 +15,7 @@ use crate::increments::Interval;
 use crate::noise::StepNormals;
 use crate::options::Observables;
 use crate::span::Grid;
-use crate::state::Vector;
+use crate::state::{State, Vector};
 use crate::system::Discretized;
 
 /// More recorded nodes than anyone looks at.
@@ -106,7 +108,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         let mut observables =
             if is_standard { standard(system, start.q.components().len()) } else { setup.observables };
         // The last one of those that nobody asked for.
-        let own_energy = (is_standard && !systems.is_empty()).then(|| observables.len() - 1);
+        let energy = observables.len().saturating_sub(1);
         let own_work = setup.wanted.has_work.then(|| observables.len());
         if own_work.is_some() {
             let is_between = recorded.iter().any(|recorded| recorded.is_inside);
@@ -115,6 +117,13 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             WORK.into_iter().for_each(|name| observables.push(name.into(), |_| f64::NAN));
         }
         let (names, observables) = observables.checked("observables")?;
+        let mut own = setup.own;
+        if is_standard {
+            own.push((energy, Arc::new(|system: &H, state: &State<H::Vector>| system.energy(state))));
+        }
+        if systems.is_empty() {
+            own.clear();
+        }
         let (event_names, events) = setup.events.checked("events")?;
         if has_pairs && !events.is_empty() {
             return Err(ConfigError::Setting(
@@ -143,7 +152,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             start,
             starts,
             systems,
-            own_energy,
+            own,
             own_work,
             seed,
             grid,

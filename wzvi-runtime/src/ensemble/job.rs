@@ -7,7 +7,7 @@ use super::source::Source;
 use super::starts::{self, ByPath, Drawn, STARTS};
 use super::statistics::Wanted;
 use crate::error::ConfigError;
-use crate::options::Observable;
+use crate::options::{Observable, OwnObservable};
 use crate::recording::Recorded;
 use crate::retry::Retry;
 use crate::section::Sections;
@@ -26,8 +26,8 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) starts: Option<ByPath<'a, State<H::Vector>>>,
     /// Those of all paths, if each has its own; else none.
     pub(super) systems: Vec<H>,
-    /// The observable that is the energy of a path's own system.
-    pub(super) own_energy: Option<usize>,
+    /// The observables that read a path's own system, by number, if each has its own.
+    pub(super) own: Vec<(usize, OwnObservable<'a, H, H::Vector>)>,
     /// The first of the observables `work`, `shadow work` and `heat` of a path.
     pub(super) own_work: Option<usize>,
     pub(super) seed: u64,

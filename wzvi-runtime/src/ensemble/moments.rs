@@ -107,6 +107,16 @@ impl Welford {
         if self.count < 2 { f64::NAN } else { self.squares / (self.count - 1) as f64 }
     }
 
+    /// The sum of all samples.
+    pub(super) fn sum(&self) -> f64 {
+        self.mean * self.count as f64
+    }
+
+    /// The sum of the squares of the deviations from the mean.
+    pub(super) fn squares(&self) -> f64 {
+        self.squares
+    }
+
     pub(super) fn standard_error(&self) -> f64 {
         (self.variance() / self.count as f64).sqrt()
     }
@@ -285,8 +295,18 @@ impl Moments {
         (self.covariance(observable, observable) / self.count as f64).sqrt()
     }
 
-    /// As [`error_bound`]; NaN where the variance is.
+    /// The share of the largest deviation in the sum of the squares of all; NaN where the variance is, and where there is no deviation.
+    pub(super) fn largest_share(&self, observable: usize) -> f64 {
+        let Some(extremes) = self.extremes.get(observable) else { return f64::NAN };
+        let squares = self.covariance(observable, observable) * self.count.saturating_sub(1) as f64;
+        extremes.largest_deviation(self.mean(observable)).powi(2) / squares
+    }
+
+    /// As [`error_bound`]; NaN where the variance is, and where all samples are the same number.
     pub(super) fn error_bound(&self, observable: usize) -> f64 {
+        if self.is_constant(observable) {
+            return f64::NAN;
+        }
         let Some(extremes) = self.extremes.get(observable) else { return f64::NAN };
         let largest = extremes.largest_deviation(self.mean(observable));
         error_bound(self.count, self.covariance(observable, observable), largest)

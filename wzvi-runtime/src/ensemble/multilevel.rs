@@ -344,7 +344,11 @@ where
                 let count = level.samples.count();
                 count >= self.most_paths || *best as f64 <= count as f64 * (1.0 + TOLERANCE)
             });
-            wanted = best;
+            // The bound of what has not been seen falls with the number of paths: no level more than doubles before the next look, or a first look that
+            // saw nothing would ask for far too many.
+            let doubled = best.iter().zip(&self.levels);
+            wanted =
+                doubled.map(|(best, level)| level.samples.count().saturating_mul(2).min(*best)).collect();
             if is_enough {
                 if self.bias() <= BIAS_PART.sqrt() * self.target || self.levels.len() > self.finest {
                     return Ok(self.estimate(false));
@@ -370,7 +374,7 @@ where
             start: start.clone(),
             starts: None,
             systems: Vec::new(),
-            own_energy: None,
+            own: Vec::new(),
             own_work: None,
             seed: normals.seed_number().unwrap_or(0),
             grid: Grid::of(start.t, h, steps),

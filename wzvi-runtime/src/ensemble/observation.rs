@@ -220,8 +220,8 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             for (value, observable) in self.values.iter_mut().zip(&job.observables) {
                 *value = observable(state);
             }
-            if let Some(energy) = job.own_energy {
-                self.values[energy] = job.system_of(path).energy(state);
+            for (index, observable) in &job.own {
+                self.values[*index] = observable(job.system_of(path), state);
             }
             if let Some(first) = job.own_work {
                 let own = group.work_of(lane, node).map_err(Error::from)?;

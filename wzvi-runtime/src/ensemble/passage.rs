@@ -23,6 +23,10 @@ pub struct Passages {
     histogram: Histogram,
     censored: u64,
     lost: u64,
+    /// The time at which all start.
+    start: f64,
+    /// Time that the others spent on the way.
+    waits: Welford,
     /// Time that all paths together spent on the way.
     exposure: f64,
     /// Path by path, if paths are kept.
@@ -78,6 +82,8 @@ impl Passages {
             histogram: watch.histogram.clone(),
             censored: 0,
             lost: 0,
+            start: watch.start,
+            waits: Welford::default(),
             exposure: 0.0,
             kept: keeps_paths.then(Vec::new),
         }
@@ -103,7 +109,11 @@ impl Passages {
                 time
             }
         };
-        self.exposure += (until - watch.start).abs();
+        let wait = (until - watch.start).abs();
+        self.exposure += wait;
+        if !matches!(passage, Passage::At(_)) {
+            self.waits.push(wait);
+        }
     }
 
     /// The paths of both. The order matters to the last bit.
@@ -113,6 +123,7 @@ impl Passages {
         self.histogram.merge(&other.histogram);
         self.censored += other.censored;
         self.lost += other.lost;
+        self.waits.merge(&other.waits);
         self.exposure += other.exposure;
         if let (Some(ours), Some(theirs)) = (&mut self.kept, &other.kept) {
             ours.extend(theirs);
@@ -125,6 +136,7 @@ impl Passages {
         self.quantiles.pass(tape);
         self.histogram.pass(tape);
         tape.words([&mut self.censored, &mut self.lost]);
+        self.waits.pass(tape);
         tape.number(&mut self.exposure);
         let Some(kept) = &mut self.kept else { return };
         let length = tape.length(kept.len());
@@ -188,9 +200,19 @@ impl Passages {
         if self.exposure > 0.0 { self.passed() as f64 / self.exposure } else { f64::NAN }
     }
 
-    /// The standard error of [`Passages::rate`], `rate / √passed`.
+    /// The standard error of [`Passages::rate`] as a ratio of two means over paths, `√(Σ (d - rate T)²) / Σ T` with `d = 1` for a path that passed, 0 for
+    /// others, and its time `T` on the way: for any law of the times. NaN if none passed: the rate is then below three passages in the time that all
+    /// paths spent, with 95 % confidence.
     pub fn rate_error(&self) -> f64 {
-        self.rate() / (self.passed() as f64).sqrt()
+        if self.passed() == 0 {
+            return f64::NAN;
+        }
+        let (rate, passed) = (self.rate(), self.passed() as f64);
+        // By the spread of the times of both kinds: sums of what is positive.
+        let missed = 1.0 - rate * (self.times.mean() - self.start).abs();
+        let waited =
+            self.waits.squares() + self.waits.sum() * (self.waits.sum() / self.waits.count().max(1) as f64);
+        (passed * missed * missed + rate * rate * (self.times.squares() + waited)).sqrt() / self.exposure
     }
 }
 

@@ -110,6 +110,9 @@ pub enum TargetStatus {
     Met,
     /// It was not: the number of paths, or whoever stopped the run, was in the way.
     NotMet,
+    /// The error is small enough by its estimate, but one path has more than a tenth of the variance ([`StatisticsNode::largest_share`]): the mean of
+    /// such a heavy tail rests on paths that are too rare to have been seen.
+    Dominated,
     /// The observable is the same number on every path, so that nothing is known of its error: either it is a constant, or what changes it is
     /// rarer than `3 / paths` (with 95 % confidence).
     Constant,
@@ -380,6 +383,9 @@ impl fmt::Display for Statistics {
                 let words = match status {
                     TargetStatus::Met => "target met",
                     TargetStatus::NotMet => "target not met",
+                    TargetStatus::Dominated => {
+                        "target not met: one path has more than a tenth of the variance"
+                    }
                     TargetStatus::Constant => "the same on all paths",
                 };
                 write!(f, " ({words})")?;

@@ -27,7 +27,7 @@ impl Statistics {
     /// # Errors
     /// [`FileError`] for the first file that cannot be written; unless that is in the middle of renaming, all files are as they were.
     pub fn write_csv(&self, folder: impl AsRef<Path>) -> Result<(), FileError> {
-        self.write_tables(folder.as_ref(), "csv", |table, file| table.write_csv(file))
+        self.write_tables(folder.as_ref(), "csv", |first, rest, file| first.write_csv_parts(rest, file))
     }
 
     /// One file with an object of all [`Statistics::tables`]: `{"run":{"system":["Kubo"], ...}, ...}`. Numbers that are
@@ -54,7 +54,9 @@ impl Statistics {
     /// Those of [`Statistics::write_csv`].
     #[cfg(feature = "columnar")]
     pub fn write_parquet(&self, folder: impl AsRef<Path>) -> Result<(), FileError> {
-        self.write_tables(folder.as_ref(), "parquet", |table, file| table.write_parquet(file))
+        self.write_tables(folder.as_ref(), "parquet", |first, rest, file| {
+            first.write_parquet_parts(rest, file)
+        })
     }
 
     /// All tables in files of one kind: all are on the disk before the first one is replaced.
@@ -62,15 +64,16 @@ impl Statistics {
         &self,
         folder: &Path,
         extension: &str,
-        write: impl Fn(&Table, &mut BufWriter<File>) -> io::Result<()>,
+        write: impl Fn(&Table, Parts<'_>, &mut BufWriter<File>) -> io::Result<()>,
     ) -> Result<(), FileError> {
         file::create_folder(folder)?;
-        let stage = |table: &Table| {
-            let path = folder.join(table.name()).with_extension(extension);
-            Staged::write(&path, |file| write(table, file))
+        let stage = |mut parts: Parts<'_>| {
+            let first = parts.next()?;
+            let path = folder.join(first.name()).with_extension(extension);
+            Some(Staged::write(&path, |file| write(&first, parts, file)))
         };
         // The first one is that of the run.
-        let staged = self.tables().iter().map(stage).collect::<Result<Vec<_>, _>>()?;
+        let staged = self.in_parts().into_iter().filter_map(stage).collect::<Result<Vec<_>, _>>()?;
         file::publish_set(staged)
     }
 
@@ -79,7 +82,7 @@ impl Statistics {
     /// | table | one row for each | columns |
     /// |---|---|---|
     /// | `run` | run | `system`, `scheme`, `version`, `step_size`, `start`, `steps`, `seed`, `noise`, `paths_wanted`, `paths`, `failed`, `extent` (`whole` or `partial`), `targets` (`met`, `missed` or `none`), each parameter that is the same for all paths |
-    /// | `moments` | time, observable | `count`, `lost`, `not_finite`, `mean`, `standard_error`, `error_bound`, `variance` |
+    /// | `moments` | time, observable | `count`, `lost`, `not_finite`, `mean`, `standard_error`, `error_bound`, `largest_share`, `variance` |
     /// | `covariances` | time, pair of observables | `covariance` |
     /// | `quantiles` | time, observable, fraction | `quantile` |
     /// | `histograms` | time, observable, bin | `lower`, `upper`, `count`, `density` |
@@ -96,18 +99,34 @@ impl Statistics {
     /// All tables are always there, some without rows: files of an earlier run are replaced, whatever that one had. Histograms have a bin below the first one that begins at minus
     /// infinity, one above the last, and one without edges for what is not a number; their density is not a number.
     pub fn tables(&self) -> Vec<Table> {
-        vec![
-            self.run(),
-            self.moments(),
-            self.covariances(),
-            self.quantiles(),
-            self.histograms(),
-            self.passage_counts(),
-            self.passage_times(),
+        let whole = |parts: Parts<'_>| {
+            parts.reduce(|mut table, part| {
+                table.append(part);
+                table
+            })
+        };
+        self.in_parts().into_iter().filter_map(whole).collect()
+    }
+
+    /// A table that is small.
+    fn whole(&self, table: fn(&Self) -> Table) -> Parts<'_> {
+        Box::new(std::iter::once_with(move || table(self)))
+    }
+
+    /// The tables, each part by part and made when it is asked for: files take the memory of a part.
+    fn in_parts(&self) -> [Parts<'_>; 12] {
+        [
+            self.whole(Self::run),
+            self.whole(Self::moments),
+            self.whole(Self::covariances),
+            self.whole(Self::quantiles),
+            self.whole(Self::histograms),
+            self.whole(Self::passage_counts),
+            self.whole(Self::passage_times),
             self.path_passages(),
-            self.crossing_counts(),
+            self.whole(Self::crossing_counts),
             self.crossing_states(),
-            self.failure_list(),
+            self.whole(Self::failure_list),
             self.kept_paths(),
         ]
     }
@@ -174,7 +193,7 @@ impl Statistics {
                 ("lost", COUNT),
                 ("not_finite", COUNT),
             ],
-            ["mean", "standard_error", "error_bound", "variance"],
+            ["mean", "standard_error", "error_bound", "largest_share", "variance"],
         );
         for (node, index, name) in self.each() {
             table.row([
@@ -186,6 +205,7 @@ impl Statistics {
                 Number(node.mean(index)),
                 Number(node.standard_error(index)),
                 Number(node.error_bound(index)),
+                Number(node.largest_share(index)),
                 Number(node.variance(index)),
             ]);
         }
@@ -263,20 +283,23 @@ impl Statistics {
         table
     }
 
-    fn path_passages(&self) -> Table {
-        let columns = [("path", COUNT), ("event", TEXT), ("outcome", TEXT), ("time", NUMBER)];
-        let mut table = Table::new("path_passages", columns, []);
-        for passages in self.passages() {
-            for (path, passage) in (0..).zip(passages.by_path().unwrap_or_default()) {
-                let (outcome, time) = match *passage {
-                    Passage::At(time) => ("passed", time),
-                    Passage::Censored => ("censored", f64::NAN),
-                    Passage::Lost(time) => ("lost", time),
-                };
-                table.row([Count(path), Text(passages.name()), Text(outcome), Number(time)]);
-            }
-        }
-        table
+    fn path_passages(&self) -> Parts<'_> {
+        let empty = || {
+            let columns = [("path", COUNT), ("event", TEXT), ("outcome", TEXT), ("time", NUMBER)];
+            Table::new("path_passages", columns, [])
+        };
+        let each = self.passages().iter().flat_map(|passages| {
+            let kept = (0..).zip(passages.by_path().unwrap_or_default());
+            kept.map(move |(path, passage)| (path, passages.name(), *passage))
+        });
+        parts(empty, each, |table, (path, event, passage)| {
+            let (outcome, time) = match passage {
+                Passage::At(time) => ("passed", time),
+                Passage::Censored => ("censored", f64::NAN),
+                Passage::Lost(time) => ("lost", time),
+            };
+            table.row([Count(path), Text(event), Text(outcome), Number(time)]);
+        })
     }
 
     fn crossing_counts(&self) -> Table {
@@ -296,23 +319,26 @@ impl Statistics {
         table
     }
 
-    fn crossing_states(&self) -> Table {
-        let columns = [("section", COUNT), ("path", COUNT), ("direction", TEXT), ("time", NUMBER)];
+    fn crossing_states(&self) -> Parts<'_> {
         let degrees = self.crossings().first().map_or(0, Crossings::degrees);
-        let names: Vec<String> =
-            ["q", "p"].iter().flat_map(|letter| (0..degrees).map(move |i| format!("{letter}{i}"))).collect();
-        let mut table = Table::new("crossing_states", columns, names.iter().map(String::as_str));
-        for (section, crossings) in (0..).zip(self.crossings()) {
-            for PathCrossing { path, direction, t, q, p } in crossings.iter() {
-                let direction = match direction {
-                    Direction::Rising => "rising",
-                    Direction::Falling => "falling",
-                };
-                let place = [Count(section), Count(path), Text(direction), Number(t)];
-                table.row(place.into_iter().chain(q.iter().chain(p).map(|&x| Number(x))));
-            }
-        }
-        table
+        let empty = move || {
+            let columns = [("section", COUNT), ("path", COUNT), ("direction", TEXT), ("time", NUMBER)];
+            let letters = ["q", "p"].iter();
+            let names: Vec<String> =
+                letters.flat_map(|letter| (0..degrees).map(move |i| format!("{letter}{i}"))).collect();
+            Table::new("crossing_states", columns, names.iter().map(String::as_str))
+        };
+        let each = (0..).zip(self.crossings());
+        let each =
+            each.flat_map(|(section, crossings)| crossings.iter().map(move |crossing| (section, crossing)));
+        parts(empty, each, |table, (section, PathCrossing { path, direction, t, q, p })| {
+            let direction = match direction {
+                Direction::Rising => "rising",
+                Direction::Falling => "falling",
+            };
+            let place = [Count(section), Count(path), Text(direction), Number(t)];
+            table.row(place.into_iter().chain(q.iter().chain(p).map(|&x| Number(x))));
+        })
     }
 
     fn failure_list(&self) -> Table {
@@ -325,24 +351,25 @@ impl Statistics {
         table
     }
 
-    fn kept_paths(&self) -> Table {
-        let columns = [("path", COUNT), ("time", NUMBER)];
+    fn kept_paths(&self) -> Parts<'_> {
         let varying = self.origin.as_ref().map_or(&[][..], |origin| &origin.varying);
-        let known =
-            columns.iter().map(|(name, _)| (*name).to_owned()).chain(self.observables().iter().cloned());
-        let parameters = beside(known, varying.iter().map(|(name, _)| name));
-        let names = parameters.iter().chain(self.observables()).map(String::as_str);
-        let mut table = Table::new("paths", columns, names);
-        let Some(paths) = self.paths() else { return table };
-        for path in 0..paths.count() {
-            for (number, node) in self.nodes().iter().enumerate() {
-                let values = paths.at(path, number).unwrap_or_default().iter();
-                let values = values.map(|&value| Number(value));
-                let own = varying.iter().map(|(_, own)| Number(own.get(path).copied().unwrap_or(f64::NAN)));
-                table.row([Count(path as u64), Number(node.time())].into_iter().chain(own).chain(values));
-            }
-        }
-        table
+        let empty = move || {
+            let columns = [("path", COUNT), ("time", NUMBER)];
+            let known = columns.iter().map(|(name, _)| (*name).to_owned());
+            let known = known.chain(self.observables().iter().cloned());
+            let parameters = beside(known, varying.iter().map(|(name, _)| name));
+            Table::new("paths", columns, parameters.iter().chain(self.observables()).map(String::as_str))
+        };
+        let each = self.paths().into_iter().flat_map(move |paths| {
+            let nodes = move |path| self.nodes().iter().enumerate().map(move |node| (paths, path, node));
+            (0..paths.count()).flat_map(nodes)
+        });
+        parts(empty, each, move |table, (paths, path, (number, node))| {
+            let values = paths.at(path, number).unwrap_or_default().iter();
+            let values = values.map(|&value| Number(value));
+            let own = varying.iter().map(|(_, own)| Number(own.get(path).copied().unwrap_or(f64::NAN)));
+            table.row([Count(path as u64), Number(node.time())].into_iter().chain(own).chain(values));
+        })
     }
 }
 
@@ -358,6 +385,29 @@ fn beside<'n>(known: impl Iterator<Item = String>, names: impl Iterator<Item = &
         all.push(name);
     }
     all.split_off(first)
+}
+
+/// The rows of a table, some at a time; the first part is always there.
+type Parts<'a> = Box<dyn Iterator<Item = Table> + 'a>;
+
+/// Rows of a part: some megabytes of numbers.
+const PART: usize = 1 << 15;
+
+/// The table of a row for each of these, in parts.
+fn parts<'a, T>(
+    empty: impl Fn() -> Table + 'a,
+    rows: impl Iterator<Item = T> + 'a,
+    write: impl Fn(&mut Table, T) + 'a,
+) -> Parts<'a> {
+    let (mut rows, mut is_first) = (rows.peekable(), true);
+    Box::new(std::iter::from_fn(move || {
+        let is_wanted = std::mem::take(&mut is_first) || rows.peek().is_some();
+        is_wanted.then(|| {
+            let mut table = empty();
+            rows.by_ref().take(PART).for_each(|row| write(&mut table, row));
+            table
+        })
+    }))
 }
 
 struct Bin {

@@ -31,6 +31,8 @@ pub enum BathError {
     },
     /// The matrix of the kinetic energy is not positive definite.
     Masses,
+    /// The degrees of freedom do not have one rate of friction, which `GjI` takes.
+    Rates,
     /// Steps backwards in time, which nothing with friction can take.
     Backwards {
         /// Step size.
@@ -59,6 +61,10 @@ impl fmt::Display for BathError {
                 f,
                 "the system has friction, but the masses of its kinetic energy are not a positive definite matrix"
             ),
+            Self::Rates => write!(
+                f,
+                "`GjI` takes one rate of friction for all degrees of freedom: take `Gjf` for others"
+            ),
             Self::Backwards { h } => write!(
                 f,
                 "the step size is {}: a system with friction has no way back in time; take a positive one",
@@ -81,6 +87,7 @@ impl BathError {
             Self::Mass { degree, inverse } => [3, degree as u64, inverse.to_bits()],
             Self::Masses => [4, 0, 0],
             Self::Backwards { h } => [5, h.to_bits(), 0],
+            Self::Rates => [6, 0, 0],
         }
     }
 
@@ -93,6 +100,7 @@ impl BathError {
             3 => Self::Mass { degree: usize::try_from(a).ok()?, inverse: f64::from_bits(b) },
             4 => Self::Masses,
             5 => Self::Backwards { h: x },
+            6 => Self::Rates,
             _ => return None,
         })
     }

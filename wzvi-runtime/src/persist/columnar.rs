@@ -18,10 +18,24 @@ impl Table {
     /// # Errors
     /// Those of `to`.
     pub fn write_parquet(&self, to: &mut (impl Write + Send)) -> io::Result<()> {
-        self.write_columns(to).map_err(io::Error::other)
+        self.write_groups(std::iter::empty(), to).map_err(io::Error::other)
     }
 
-    fn write_columns(&self, to: &mut (impl Write + Send)) -> Result<(), ParquetError> {
+    /// The rows of this one and those of others with the same columns, a group each.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn write_parquet_parts(
+        &self,
+        rest: impl Iterator<Item = Self>,
+        to: &mut (impl Write + Send),
+    ) -> io::Result<()> {
+        self.write_groups(rest, to).map_err(io::Error::other)
+    }
+
+    fn write_groups(
+        &self,
+        rest: impl Iterator<Item = Self>,
+        to: &mut (impl Write + Send),
+    ) -> Result<(), ParquetError> {
         let fields = self.columns().iter().map(|(name, column)| {
             let (physical, logical) = match column {
                 Column::Number(_) => (Physical::DOUBLE, None),
@@ -35,6 +49,15 @@ impl Table {
         let schema = Type::group_type_builder(self.name()).with_fields(fields).build()?;
         let properties = Arc::new(WriterProperties::builder().build());
         let mut file = SerializedFileWriter::new(to, Arc::new(schema), properties)?;
+        self.write_group(&mut file)?;
+        for part in rest {
+            part.write_group(&mut file)?;
+        }
+        file.close()?;
+        Ok(())
+    }
+
+    fn write_group(&self, file: &mut SerializedFileWriter<impl Write + Send>) -> Result<(), ParquetError> {
         let mut rows = file.next_row_group()?;
         for (_, column) in self.columns() {
             let Some(mut writer) = rows.next_column()? else { break };
@@ -54,7 +77,6 @@ impl Table {
             writer.close()?;
         }
         rows.close()?;
-        file.close()?;
         Ok(())
     }
 }

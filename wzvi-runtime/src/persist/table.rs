@@ -68,12 +68,35 @@ impl Table {
     /// # Errors
     /// Those of `to`.
     pub fn write_csv(&self, to: &mut impl Write) -> io::Result<()> {
+        self.write_csv_names(to)?;
+        self.write_csv_rows(to)
+    }
+
+    /// The rows of this one and those of others with the same columns.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn write_csv_parts(
+        &self,
+        rest: impl Iterator<Item = Self>,
+        to: &mut impl Write,
+    ) -> io::Result<()> {
+        self.write_csv(to)?;
+        for part in rest {
+            part.write_csv_rows(to)?;
+        }
+        Ok(())
+    }
+
+    fn write_csv_names(&self, to: &mut impl Write) -> io::Result<()> {
         let mut line = String::new();
         for (i, (name, _)) in self.columns.iter().enumerate() {
             separate(&mut line, i);
             quote(&mut line, name);
         }
-        writeln!(to, "{line}")?;
+        writeln!(to, "{line}")
+    }
+
+    fn write_csv_rows(&self, to: &mut impl Write) -> io::Result<()> {
+        let mut line = String::new();
         for row in 0..self.rows() {
             line.clear();
             for (i, (_, column)) in self.columns.iter().enumerate() {

@@ -1,10 +1,12 @@
 //! One long path that is not kept: its averages, until they are exact enough.
 
-use std::ops::ControlFlow;
+use std::fmt;
 
 use super::BatchMeans;
-use crate::error::{ConfigError, Error, UnknownName};
+use super::tally::{Tally, Targets};
+use crate::error::{Error, UnknownName};
 use crate::increments::Noise;
+use crate::interrupt::Interrupt;
 use crate::retry::Serves;
 use crate::simulate::{Observer, Simulation};
 use crate::state::State;
@@ -12,11 +14,11 @@ use crate::system::{Discretized, Exchange};
 
 /// Averages along one path: [`Simulation::time_averages`] begins it, [`TimeAveraging::run`] runs it.
 #[must_use = "nothing happens before `run`"]
-#[derive(Debug)]
 pub struct TimeAveraging<'a, H: Discretized<E>, E, N, O, R> {
     simulation: Simulation<'a, H, E, N, O, R>,
     discarded: f64,
-    targets: Vec<(String, f64)>,
+    targets: Targets,
+    stop: Option<Box<dyn Fn() -> bool + 'a>>,
 }
 
 /// The average of one observable.
@@ -28,11 +30,13 @@ pub struct TimeAverage {
     pub mean: f64,
     /// The variance of the values.
     pub variance: f64,
-    /// The standard error of the mean, correlations included.
+    /// The standard error of the mean, correlations included ([`BatchMeans::standard_error`]); NaN while the path is too short to know it.
     pub standard_error: f64,
-    /// An upper estimate of it: [`BatchMeans::error_bound`].
+    /// `mean ± 1.96 error_bound` covers the mean in 95 %: [`BatchMeans::error_bound`].
     pub error_bound: f64,
-    /// The integrated autocorrelation time, in time units.
+    /// Degrees of freedom of the error ([`BatchMeans::degrees`]).
+    pub degrees: f64,
+    /// The integrated autocorrelation time, in time units; NaN as the error is.
     pub time: f64,
 }
 
@@ -47,8 +51,10 @@ pub struct TimeAverages<V> {
     pub steps: u64,
     /// Energy that it took from forces and bath, in units of energy.
     pub exchanged: Exchange,
-    /// Whether all targets were met, if there were any.
+    /// Whether all targets are met, if there are any.
     pub met_targets: Option<bool>,
+    /// Whether the run was stopped before its end and its targets.
+    pub is_partial: bool,
 }
 
 impl<V> TimeAverages<V> {
@@ -74,15 +80,21 @@ impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     /// let averages = run.discard(20.0).until_error("q²", 1e-3).run()?;
     /// println!("{:?}", averages.of("q²")?);
     /// ```
+    ///
+    /// With `checkpoint` (feature `serde`) a run that was stopped goes on from its file, as one that keeps its path does; targets may then differ.
     pub fn time_averages(self) -> TimeAveraging<'a, H, E, N, O, R> {
-        TimeAveraging { simulation: self, discarded: 0.0, targets: Vec::new() }
+        TimeAveraging { simulation: self, discarded: 0.0, targets: Vec::new(), stop: None }
     }
 }
 
-/// When it is looked again whether errors are small enough: after so many values, and after a fiftieth more.
-const LOOKS: u64 = 64;
+impl<H: Discretized<E>, E, N, O, R> fmt::Debug for TimeAveraging<'_, H, E, N, O, R> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut all = f.debug_struct("TimeAveraging");
+        all.field("discarded", &self.discarded).field("targets", &self.targets).finish_non_exhaustive()
+    }
+}
 
-impl<H, E, N, O, R> TimeAveraging<'_, H, E, N, O, R>
+impl<'a, H, E, N, O, R> TimeAveraging<'a, H, E, N, O, R>
 where
     H: Discretized<E>,
     N: Noise + Serves<R>,
@@ -95,10 +107,21 @@ where
     }
 
     /// Ends the run when the error of the average of an observable is `target` (units of the observable) or less, correlations included; the end of the
-    /// run is then a limit. Compared is an upper estimate ([`BatchMeans::error_bound`]), which is there once the path has lasted for some 640 correlation
-    /// times. Asked more than once, all errors must be that small.
+    /// run is then a limit. Compared is [`BatchMeans::error_bound`], which is known once the path has lasted for some 200 correlation times. Asked more than
+    /// once, all errors must be that small.
+    ///
+    /// **One path does not know what it has not seen.** A path that has stayed in one of two wells has a small error of the mean over that well, and
+    /// meets the target. Where a system may have more than one region, run several paths from starts in different ones, and compare their
+    /// means: [`Chains`](super::Chains).
     pub fn until_error(mut self, observable: impl Into<String>, target: f64) -> Self {
         self.targets.push((observable.into(), target));
+        self
+    }
+
+    /// Ends the run early when `stop` says so: a deadline, for one. The averages are then those of what is done
+    /// ([`TimeAverages::is_partial`]). It is asked about ten times a second. With the feature `interrupt`, Ctrl-C stops a run, too.
+    pub fn stop_when(mut self, stop: impl Fn() -> bool + 'a) -> Self {
+        self.stop = Some(Box::new(stop));
         self
     }
 
@@ -106,59 +129,31 @@ where
     ///
     /// # Errors
     /// Those of [`Simulation::run`]; [`Error::Name`] for a target of an observable that there is not, [`Error::Config`] for targets that are not positive
-    /// and settings that averages have no use for: times, sections, checkpoints, observers.
+    /// and settings that averages have no use for: times, sections, observers. `Error::Checkpoint` for a checkpoint that cannot be written or gone on from.
     pub fn run(self) -> Result<TimeAverages<H::Vector>, Error> {
-        let Self { mut simulation, discarded, targets } = self;
-        let (names, functions) = simulation.take_observables()?;
-        let mut wanted = vec![f64::INFINITY; names.len()];
-        for (name, target) in &targets {
-            let place = names.iter().position(|known| known == name);
-            let place = place.ok_or_else(|| UnknownName {
-                kind: "observable",
-                name: name.clone(),
-                known: names.clone(),
-            })?;
-            if !(target.is_finite() && *target > 0.0) {
-                let wrong = format!("an error of {target} for `{name}`: take a finite number above 0");
-                return Err(ConfigError::Setting(wrong).into());
-            }
-            wanted[place] = wanted[place].min(*target);
-        }
-        let (h, stride) = simulation.spacing();
-        let mut batches = vec![BatchMeans::new(); names.len()];
-        let (mut next, mut met) = (LOOKS, false);
-        let has_targets = !targets.is_empty();
-        let end = simulation.visit(|state, time| {
-            if time.abs() < discarded {
-                return ControlFlow::Continue(());
-            }
-            for (batches, function) in batches.iter_mut().zip(&functions) {
-                batches.add(function(state));
-            }
-            let count = batches.first().map_or(0, BatchMeans::count);
-            if has_targets && count >= next {
-                next = count + LOOKS.max(count / 50);
-                met = batches
-                    .iter()
-                    .zip(&wanted)
-                    .all(|(batches, wanted)| *wanted == f64::INFINITY || batches.error_bound() <= *wanted);
-            }
-            if met { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        })?;
-        let averages = names.into_iter().zip(&batches).map(|(name, batches)| TimeAverage {
-            name,
+        let Self { mut simulation, discarded, targets, stop } = self;
+        let observed = simulation.take_observables()?;
+        let ((h, stride), interrupt) = (simulation.spacing(), Interrupt::watch());
+        let mut tally = Tally::new(observed, stride, discarded, &targets)?;
+        let stop = || interrupt.requested() || stop.as_ref().is_some_and(|stop| stop());
+        let end = simulation.visit(&mut tally, &stop)?;
+        let met_targets = (!targets.is_empty()).then(|| tally.meets_targets());
+        let average = |(name, batches): (&String, &BatchMeans)| TimeAverage {
+            name: name.clone(),
             mean: batches.mean(),
             variance: batches.variance(),
             standard_error: batches.standard_error(),
             error_bound: batches.error_bound(),
+            degrees: batches.degrees(),
             time: batches.time() * (h * stride as f64).abs(),
-        });
+        };
         Ok(TimeAverages {
-            averages: averages.collect(),
+            averages: tally.batches().map(average).collect(),
             last: end.last,
             steps: end.steps,
             exchanged: end.exchanged,
-            met_targets: has_targets.then_some(met),
+            met_targets,
+            is_partial: end.is_stopped,
         })
     }
 }

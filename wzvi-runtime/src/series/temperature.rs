@@ -13,13 +13,16 @@ use crate::trajectory::Trajectory;
 pub struct Share {
     /// `kT`, in units of energy.
     pub temperature: f64,
-    /// Its standard error, correlations included ([`BatchMeans::standard_error`]).
+    /// Its standard error, correlations included ([`BatchMeans::standard_error`]); NaN while the path is too short to know it.
     pub standard_error: f64,
+    /// `temperature ± 1.96 error_bound` covers it in 95 % ([`BatchMeans::error_bound`]).
+    pub error_bound: f64,
 }
 
 impl Share {
     fn of(batches: &BatchMeans) -> Self {
-        Self { temperature: batches.mean(), standard_error: batches.standard_error() }
+        let (standard_error, error_bound) = (batches.standard_error(), batches.error_bound());
+        Self { temperature: batches.mean(), standard_error, error_bound }
     }
 }
 

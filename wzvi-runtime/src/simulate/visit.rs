@@ -1,27 +1,36 @@
-//! A run that keeps nothing: its nodes are seen, and may end it.
+//! A run that keeps no path: its nodes are averaged over, until that is enough.
 
 use std::ops::ControlFlow;
+use std::time::Duration;
 
-use super::{Observer, Simulation, prepared};
+use super::{Observer, OnePath, Records, Run, Simulation, prepared};
+use crate::checkpoint::Keeper;
+use crate::due::Due;
 use crate::error::{ConfigError, Error};
 use crate::increments::Noise;
 use crate::memory::Threads;
-use crate::options::Observable;
+use crate::progress::StepsShown;
+use crate::recording::Recording;
 use crate::retry::{Serves, Subdivision};
+use crate::series::{Observed, Tally};
 use crate::state::{State, Vector};
 use crate::steps::{Monitor, Single, take_steps};
 use crate::system::{Discretized, Exchange};
+use crate::trajectory::Recorder;
 
 /// Where such a run ended.
 pub(crate) struct End<V> {
     pub(crate) last: State<V>,
     pub(crate) steps: u64,
     pub(crate) exchanged: Exchange,
+    /// Whether somebody stopped it.
+    pub(crate) is_stopped: bool,
 }
 
 /// Why it ended before its end.
 enum Halt {
     Enough(u64),
+    Stopped(u64),
     Failed(Error),
 }
 
@@ -31,36 +40,62 @@ impl From<Error> for Halt {
     }
 }
 
-/// Shows every `stride`-th node.
-struct Visitor<F> {
+/// Between two questions whether to stop.
+const PAUSE: Duration = Duration::from_millis(100);
+
+/// Averages over every `stride`-th node, and saves the run.
+struct Visitor<'k, 'a, V> {
     start: f64,
-    stride: u64,
-    see: F,
+    tally: &'k mut Tally<'a, V>,
+    keeper: &'k mut Keeper,
+    shown: StepsShown,
+    stop: &'k dyn Fn() -> bool,
+    asks: Due,
 }
 
-impl<T, V, N, F> Monitor<Single<'_, T, V, N, ()>> for Visitor<F>
+impl<'s, 'a, H, E, N> Monitor<OnePath<'_, 's, H, E, N>> for Visitor<'_, 'a, H::Vector>
 where
-    for<'p> Single<'p, T, V, N, ()>: crate::steps::Advance<Error = Error>,
-    F: FnMut(&State<V>, f64) -> ControlFlow<()>,
+    H: Discretized<E>,
+    N: Noise,
 {
     type Error = Halt;
 
     #[inline(always)]
-    fn next(&self, _: &Single<'_, T, V, N, ()>, node: u64) -> u64 {
-        (node / self.stride + 1).saturating_mul(self.stride)
+    fn next(&self, _: &OnePath<'_, 's, H, E, N>, node: u64) -> u64 {
+        let value = (node / self.tally.stride + 1).saturating_mul(self.tally.stride);
+        value.min(self.asks.next()).min(self.keeper.next()).min(self.shown.next())
     }
 
     #[inline(always)]
-    fn look(&mut self, path: &mut Single<'_, T, V, N, ()>, node: u64) -> Result<(), Halt> {
-        match (self.see)(path.state, path.state.t - self.start) {
-            ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(Halt::Enough(node)),
+    fn look(&mut self, path: &mut OnePath<'_, 's, H, E, N>, node: u64) -> Result<(), Halt> {
+        let has_value = node.is_multiple_of(self.tally.stride);
+        let verdict = match has_value {
+            true => self.tally.see(path.state, path.state.t - self.start),
+            false => ControlFlow::Continue(()),
+        };
+        let halt = match verdict {
+            ControlFlow::Break(()) => Some(Halt::Enough(node)),
+            ControlFlow::Continue(()) if self.asks.is_due(node) && self.is_stopped() => {
+                Some(Halt::Stopped(node))
+            }
+            ControlFlow::Continue(()) => None,
+        };
+        self.shown.look(node);
+        if self.keeper.is_due(node) || halt.is_some() {
+            let Subdivision { stepper, watch, .. } = &mut *path.stepper;
+            let mut run = Run::averaging(path.state, path.account, self.tally, watch);
+            self.keeper.save(stepper, &mut run, node)?;
         }
+        halt.map_or(Ok(()), Err)
     }
 }
 
-/// Names and functions of the observables of a run.
-type Named<'a, V> = (Vec<String>, Vec<Observable<'a, V>>);
+impl<V> Visitor<'_, '_, V> {
+    fn is_stopped(&mut self) -> bool {
+        self.asks.done();
+        (self.stop)()
+    }
+}
 
 impl<'a, H, E, N, O, R> Simulation<'a, H, E, N, O, R>
 where
@@ -69,7 +104,7 @@ where
     O: Observer<H::Vector>,
 {
     /// Names and functions of the observables, which the run then has no more.
-    pub(crate) fn take_observables(&mut self) -> Result<Named<'a, H::Vector>, ConfigError> {
+    pub(crate) fn take_observables(&mut self) -> Result<Observed<'a, H::Vector>, ConfigError> {
         std::mem::take(&mut self.setup.observables).checked("observables")
     }
 
@@ -78,17 +113,16 @@ where
         (self.setup.h, self.setup.recorded.every.unwrap_or(1).max(1))
     }
 
-    /// Runs the path, and shows `see` the nodes with the time since the start, until it has seen enough.
+    /// Runs the path, and shows its nodes to `tally`, until that has enough or `stop` says so.
     pub(crate) fn visit(
         self,
-        see: impl FnMut(&State<H::Vector>, f64) -> ControlFlow<()>,
+        tally: &mut Tally<'a, H::Vector>,
+        stop: &dyn Fn() -> bool,
     ) -> Result<End<H::Vector>, Error> {
-        let (_, stride) = self.spacing();
         let Self { setup, noise, .. } = self;
         let asked = [
             (!setup.recorded.times.is_empty(), "`record_at`"),
             (!setup.sections.is_empty(), "`section`"),
-            (setup.keeping.is_set(), "`checkpoint`"),
             (O::LOOKS, "`inspect`"),
             (setup.span.is_exact, "`exactly`"),
         ];
@@ -97,12 +131,22 @@ where
                 ConfigError::Setting(format!("{what} in a run that keeps no path: leave it out")).into()
             );
         }
-        let (system, h, threads) = (setup.system, setup.h, Threads::asked(setup.threads)?);
-        let mut stepper = Subdivision::<H, E>::new(system, h, setup.retry, setup.is_watched, threads)?;
+        let (system, h, retry, threads) =
+            (setup.system, setup.h, setup.retry, Threads::asked(setup.threads)?);
+        let mut stepper = Subdivision::<H, E>::new(system, h, retry, setup.is_watched, threads)?;
         let (mut state, grid) = setup.span.checked::<H, E>(system, h)?;
         let processes = system.increments(state.q.components().len());
         let mut noise = prepared::<H, E, N>(noise, &grid, processes)?;
-        let mut dw = vec![0.0; processes];
+        let recorder = Recorder::new(&state, h, processes, &Recording::default(), grid.steps)?;
+        let mut account = Records::new(recorder, processes, setup.keeping.is_set());
+        let mut keeper = setup.keeping.open(
+            &mut stepper.stepper,
+            &mut Run::averaging(&mut state, &mut account, tally, &mut stepper.watch),
+            noise.as_ref(),
+            (&grid, retry, &setup.sections),
+        )?;
+        let (first, mut dw) = (keeper.first(), vec![0.0; processes]);
+        let has_enough = tally.has_enough();
         let mut path = Single {
             stepper: &mut stepper,
             state: &mut state,
@@ -110,14 +154,23 @@ where
             dw: &mut dw,
             start: grid.start,
             h,
-            account: &mut (),
+            account: &mut account,
         };
-        let mut monitor = Visitor { start: grid.start, stride, see };
-        let steps = match take_steps(&mut path, 0..grid.steps, &mut monitor) {
-            Ok(()) => grid.steps,
-            Err(Halt::Enough(node)) => node,
+        let mut monitor = Visitor {
+            start: grid.start,
+            tally,
+            keeper: &mut keeper,
+            shown: StepsShown::new(setup.is_quiet, true, first, grid.steps),
+            stop,
+            asks: Due::new(None, Some(PAUSE), first, grid.steps),
+        };
+        let steps = if has_enough { first } else { grid.steps };
+        let (steps, is_stopped) = match take_steps(&mut path, first..steps, &mut monitor) {
+            Ok(()) => (steps, false),
+            Err(Halt::Enough(node)) => (node, false),
+            Err(Halt::Stopped(node)) => (node, node < grid.steps),
             Err(Halt::Failed(error)) => return Err(error),
         };
-        Ok(End { last: state, steps, exchanged: stepper.stepper.exchanged() })
+        Ok(End { last: state, steps, exchanged: stepper.stepper.exchanged(), is_stopped })
     }
 }

@@ -162,8 +162,15 @@ impl StatisticsNode {
     /// An upper estimate of the standard error of the mean, `√((variance + 10 D² / count) / count)` with the largest deviation `D` from the
     /// mean that was seen: as if that had come ten times more. The standard error itself is zero until a rare event is seen, and with
     /// heavy tails too small just where the mean is, too; this one is what [`Ensemble::until_error`](crate::ensemble::Ensemble::until_error) compares.
+    /// NaN where the observable is the same number on all paths, as an event that was never seen.
     pub fn error_bound(&self, observable: usize) -> f64 {
         self.independent().error_bound(observable)
+    }
+
+    /// The share of the path that is farthest from the mean in the variance of an observable. An error in which one path has a large share is that of this
+    /// path: see [`TargetStatus::Dominated`](crate::ensemble::TargetStatus::Dominated).
+    pub fn largest_share(&self, observable: usize) -> f64 {
+        self.independent().largest_share(observable)
     }
 
     /// Whether an observable is the same number on all paths: then nothing is known of how often, and how far, it is another.

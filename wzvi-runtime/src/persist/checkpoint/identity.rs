@@ -10,6 +10,7 @@ use crate::names::short_name;
 use crate::recording::Recording;
 use crate::retry::Retry;
 use crate::section::Sections;
+use crate::series::Tally;
 use crate::span::Grid;
 use crate::state::{State, Vector};
 use crate::step::Stepper;
@@ -55,6 +56,14 @@ pub(crate) fn between<V>(grid: &Grid, sections: &Sections<'_, V>, start: &State<
         let values = sections.values(start).into_iter().map(f64::to_bits);
         fields.push(("what the sections are at the start (checksum)".to_owned(), checksum(values)));
     }
+    fields
+}
+
+/// What a run without a path averages.
+pub(super) fn averages<V>(tally: &Tally<'_, V>, start: &State<V>) -> Fields {
+    let (mut fields, values) = tally.settings(start);
+    let values = values.into_iter().map(f64::to_bits);
+    fields.push(("what is averaged, at the start (checksum)".to_owned(), checksum(values)));
     fields
 }
 

@@ -10,7 +10,7 @@ use crate::carry::Carry;
 use crate::due::Due;
 use crate::error::Error;
 use crate::increments::{Identity, Noise};
-use crate::numbers::Tape;
+use crate::numbers::{Numbers, Tape};
 use crate::retry::Retry;
 use crate::section::Sections;
 use crate::simulate::Run;
@@ -57,6 +57,8 @@ impl Keeping {
         let own = Own::new(&checkpoint.path)?;
         let mut settings = identity::settings(stepper, degrees, run.recorder.recording(), retry, noise);
         settings.extend(identity::between(grid, sections, state));
+        settings
+            .extend(run.tally.as_ref().map(|tally| identity::averages(tally, state)).into_iter().flatten());
         let mut keep = Keep {
             due: Due::new(checkpoint.count, checkpoint.interval(), 0, steps),
             settings,
@@ -141,7 +143,7 @@ impl Keep {
         stepper: &mut Stepper<'_, H, E, C>,
         run: &mut Run<'_, '_, '_, H::Vector>,
     ) -> Result<u64, CheckpointError> {
-        let Run { state, recorder, wiener: path, looks, watch } = run;
+        let Run { state, recorder, wiener: path, looks, watch, tally } = run;
         self.compare(&saved, state.q.components().len())?;
         let step = saved.step;
         if step > steps {
@@ -157,6 +159,7 @@ impl Keep {
                     recorder.pass(tape);
                     looks.iter_mut().for_each(|looks| looks.pass(recorder, tape));
                     watch.pass(tape);
+                    tally.iter_mut().for_each(|tally| tally.pass(tape));
                 })
             })
             .and_then(|()| Tape::read(format::bits(&saved.wiener), |tape| path.pass(tape)));
@@ -191,7 +194,7 @@ impl Keep {
         run: &mut Run<'_, '_, '_, H::Vector>,
         step: u64,
     ) -> Result<(), CheckpointError> {
-        let Run { state, recorder, wiener: path, looks, watch } = run;
+        let Run { state, recorder, wiener: path, looks, watch, tally } = run;
         self.own.check_ours()?;
         self.nodes.append(recorder)?;
         let (nodes, checksum) = self.nodes.written();
@@ -207,6 +210,7 @@ impl Keep {
                 recorder.pass(tape);
                 looks.iter_mut().for_each(|looks| looks.pass(recorder, tape));
                 watch.pass(tape);
+                tally.iter_mut().for_each(|tally| tally.pass(tape));
             })),
             wiener: format::words(Tape::write(|tape| path.pass(tape))),
             nodes,

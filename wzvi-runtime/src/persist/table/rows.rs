@@ -25,6 +25,20 @@ impl Table {
         Self { name: name.into(), columns: columns.map(|(name, column)| (name.to_owned(), column)).collect() }
     }
 
+    /// The rows of another table with the same columns, behind those of this one.
+    pub(crate) fn append(&mut self, other: Self) {
+        for ((_, ours), (_, theirs)) in self.columns.iter_mut().zip(other.columns) {
+            match (ours, theirs) {
+                (Column::Number(ours), Column::Number(theirs)) => ours.extend(theirs),
+                (Column::Count(ours), Column::Count(theirs)) => ours.extend(theirs),
+                (Column::Text(ours), Column::Text(theirs)) => ours.extend(theirs),
+                (Column::Number(_) | Column::Count(_) | Column::Text(_), _) => {
+                    debug_assert!(false, "the types of the table `{}`", self.name);
+                }
+            }
+        }
+    }
+
     /// One more row, whose entries have the types of the columns.
     pub(crate) fn row<'a>(&mut self, cells: impl IntoIterator<Item = Cell<'a>>) {
         for ((_, column), cell) in self.columns.iter_mut().zip(cells) {

@@ -1,0 +1,48 @@
+//! Tables of many kept paths are written row by row, not made whole in memory.
+
+
+use allocation_counter::measure;
+use wzvi::ensemble::Statistics;
+use wzvi::prelude::*;
+
+/// A rotation.
+#[hamiltonian(drift = |q, p| 0.5 * (q * q + p * p), embedding = Midpoint)]
+pub struct Oscillator;
+
+const PATHS: u64 = 200_000;
+
+fn statistics() -> Statistics {
+    let run =
+        Oscillator.ensemble::<Midpoint>(0.1).starts(|draw| State::new([draw.normal()], [draw.normal()]));
+    let run = run.paths(PATHS).steps(1).threads(1).observe("q", |state| state.q[0]);
+    run.first_passage("zero", |state| state.q[0]).keep_paths(1 << 30).run().expect("an ensemble")
+}
+
+#[test]
+fn files_of_kept_paths_take_the_memory_of_a_part() {
+    let statistics = statistics();
+    let folder = std::env::temp_dir().join(format!("wzvi-large-tables-{}", std::process::id()));
+    let csv = measure(|| statistics.write_csv(&folder).expect("files"));
+    println!("csv {} bytes", csv.bytes_max);
+    // 400 000 rows of three numbers are 9.6 MB, and 200 000 names twice are 14 MB and more; a part of 32 768 rows has below 4 MB, doubled as its
+    // vectors grow, and its encoded pages.
+    assert!(csv.bytes_max < 8 << 20, "{}", csv.bytes_max);
+    #[cfg(feature = "columnar")]
+    {
+        let parquet = measure(|| statistics.write_parquet(&folder).expect("files"));
+        println!("parquet {} bytes", parquet.bytes_max);
+        assert!(parquet.bytes_max < 12 << 20, "{}", parquet.bytes_max);
+    }
+    // The same rows as the tables in memory.
+    let tables = statistics.tables();
+    for name in ["paths", "path_passages"] {
+        let table = tables.iter().find(|table| table.name() == name).expect("a table");
+        let mut text = Vec::new();
+        table.write_csv(&mut text).expect("bytes");
+        assert!(
+            table.rows() as u64 >= PATHS
+                && std::fs::read(folder.join(name).with_extension("csv")).expect("a file") == text
+        );
+    }
+    std::fs::remove_dir_all(folder).expect("removed");
+}

@@ -1,0 +1,235 @@
+//! `Gjf` and `GjI`: steps of the reference, at every size and in lanes; the law of positions and the diffusion of linear systems, exactly.
+
+
+use serde_json::Value;
+use wzvi::ensemble::InstructionSet;
+use wzvi::error::{BathError, ConfigError};
+use wzvi::prelude::*;
+
+/// `p²/2m + k q²/2 + b q⁴/4`
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p / m + 0.5 * k * q * q + 0.25 * b * q.powi(4),
+    friction = gamma,
+    temperature = kt,
+    embedding = [Baoab, Gjf, GjI],
+)]
+#[derive(Clone, Debug)]
+pub struct Oscillator {
+    pub m: f64,
+    pub k: f64,
+    pub b: f64,
+    pub gamma: f64,
+    pub kt: f64,
+}
+
+/// So many of them beside each other.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| (0..q.len())
+        .map(|i| 0.5 * p[i] * p[i] / m + 0.5 * q[i] * q[i] + 0.25 * q[i].powi(4))
+        .sum::<f64>(),
+    friction = gamma,
+    temperature = kt,
+    embedding = [Gjf, GjI],
+)]
+#[derive(Clone, Debug)]
+pub struct Many {
+    pub m: f64,
+    pub gamma: f64,
+    pub kt: f64,
+}
+
+/// Two free masses with a friction matrix.
+#[hamiltonian(
+    drift = |[x, y], [px, py]| 0.5 * (px * px / m + py * py / n),
+    damping = damping,
+    temperature = kt,
+    embedding = [Gjf, GjI],
+)]
+#[derive(Clone, Debug)]
+pub struct Plane {
+    pub m: f64,
+    pub n: f64,
+    pub damping: [[f64; 2]; 2],
+    pub kt: f64,
+}
+
+/// A noise beside the bath.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p,
+    noise = [|q, _| -s * q],
+    friction = gamma,
+    temperature = kt,
+    embedding = [Gjf, GjI],
+)]
+#[derive(Clone, Debug)]
+pub struct Shaken {
+    pub s: f64,
+    pub gamma: f64,
+    pub kt: f64,
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_str().expect("a text").parse().expect("a number")
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().expect("a list").iter().map(number).collect()
+}
+
+/// Steps of the reference, of one oscillator and of three beside each other.
+fn check_reference<E>(case: &Value)
+where
+    Oscillator: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
+    Many: Discretized<E, Vector = wzvi::nalgebra::DVector<f64>>,
+{
+    let of = |name: &str| number(&case[name]);
+    let (m, kt, gamma, h, q0, p0) = (of("m"), of("kT"), of("friction_rate"), of("h"), of("q0"), of("p0"));
+    let single = Oscillator { m, k: 1.0, b: 1.0, gamma, kt };
+    let many = Many { m, gamma, kt };
+    let mut state = State::new([q0], [p0]);
+    let mut states = State::new(vec![q0; 3], vec![p0; 3]);
+    let (mut stepper, mut steppers) = (single.stepper::<E>(h).unwrap(), many.stepper::<E>(h).unwrap());
+    let (normals, q, p) = (numbers(&case["normals"]), numbers(&case["q"]), numbers(&case["p"]));
+    assert_eq!(normals.len(), 6);
+    for ((normal, q), p) in normals.iter().zip(q).zip(p) {
+        let dw = h.sqrt() * normal;
+        stepper.step(&mut state, &[dw]).unwrap();
+        steppers.step(&mut states, &[dw; 3]).unwrap();
+        for (found, expected) in [(state.q[0], q), (state.p[0], p), (states.q[2], q), (states.p[1], p)] {
+            // Some ten roundings of numbers of the size of 1, six times.
+            assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn steps_are_those_of_the_reference() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/gjf_steps.json");
+    let data: Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    check_reference::<Gjf>(&data["GJF"]);
+    check_reference::<GjI>(&data["GJ-I"]);
+}
+
+/// The linear map of a step of an oscillator without quartic term, by rows, and what a normal adds.
+fn linear<E>(system: &Oscillator, h: f64) -> ([[f64; 2]; 2], [f64; 2])
+where
+    Oscillator: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
+{
+    let of = |q: f64, p: f64, dw: f64| {
+        let mut state = State::new([q], [p]);
+        system.stepper::<E>(h).unwrap().step(&mut state, &[dw]).unwrap();
+        [state.q[0], state.p[0]]
+    };
+    let (a, b) = (of(1.0, 0.0, 0.0), of(0.0, 1.0, 0.0));
+    ([[a[0], b[0]], [a[1], b[1]]], of(0.0, 0.0, h.sqrt()))
+}
+
+/// `⟨q²⟩` of `X = M X Mᵀ + s sᵀ`, by doubling the number of steps: `M ← M²`, `S ← S + M S Mᵀ`.
+fn variance_of_position(mut m: [[f64; 2]; 2], s: [f64; 2]) -> f64 {
+    let mut sum = [[s[0] * s[0], s[0] * s[1]], [s[1] * s[0], s[1] * s[1]]];
+    let product = |a: [[f64; 2]; 2], b: [[f64; 2]; 2]| {
+        let entry = |i: usize, j: usize| a[i][0] * b[0][j] + a[i][1] * b[1][j];
+        [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]]
+    };
+    for _ in 0..40 {
+        let transposed = [[m[0][0], m[1][0]], [m[0][1], m[1][1]]];
+        let more = product(product(m, sum), transposed);
+        (0..4).for_each(|i| sum[i / 2][i % 2] += more[i / 2][i % 2]);
+        m = product(m, m);
+    }
+    sum[0][0]
+}
+
+/// Every normal moves a free particle by `b + a d/(1 - c)` in the end, where a step is `q + a p + b ξ`, `c p + d ξ`.
+fn diffusion<E>(system: &Oscillator, h: f64) -> f64
+where
+    Oscillator: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
+{
+    let ([[_, a], [_, c]], [b, d]) = linear::<E>(system, h);
+    (b + a * d / (1.0 - c)).powi(2) / (2.0 * h)
+}
+
+#[test]
+fn positions_and_diffusion_are_those_of_the_equation() {
+    for x in [0.2, 1.0, 3.0] {
+        let (h, m, kt) = (0.4, 0.8, 1.3);
+        let gamma = x / h;
+        let free = Oscillator { m, k: 0.0, b: 0.0, gamma, kt };
+        let well = Oscillator { k: 2.5, ..free };
+        // A sum of ten roundings, divided by 1 - c, which is 0.2 or more.
+        let close =
+            |found: f64, exact: f64| assert!((found / exact - 1.0).abs() < 1e-13, "{x}: {found} {exact}");
+        let exact = kt / (m * gamma);
+        close(diffusion::<Gjf>(&free, h), exact);
+        close(diffusion::<GjI>(&free, h), exact);
+        close(diffusion::<Baoab>(&free, h), exact * (0.5 * x) / (0.5 * x).tanh());
+        for (map, normal) in [linear::<Gjf>(&well, h), linear::<GjI>(&well, h), linear::<Baoab>(&well, h)] {
+            // Sums of some hundred terms.
+            let found = variance_of_position(map, normal);
+            assert!((found * 2.5 / kt - 1.0).abs() < 1e-12, "{x}: {found}");
+        }
+    }
+}
+
+#[test]
+fn friction_matrices_are_taken_by_cayley_s_map() {
+    let (h, m, n, damping, kt) = (0.5, 0.8, 2.0, [[1.5, 0.4], [0.4, 3.0]], 1.3);
+    let plane = Plane { m, n, damping, kt };
+    let column = |p: [f64; 2], dw: [f64; 2]| {
+        let mut state = State::new([0.0, 0.0], p);
+        plane.stepper::<Gjf>(h).unwrap().step(&mut state, &dw).unwrap();
+        [state.p[0], state.p[1]]
+    };
+    let kept = [column([1.0, 0.0], [0.0; 2]), column([0.0, 1.0], [0.0; 2])];
+    let noise = [column([0.0; 2], [h.sqrt(), 0.0]), column([0.0; 2], [0.0, h.sqrt()])];
+    let rate = |i: usize, j: usize| 0.5 * h * damping[i][j] / [m, n][j];
+    for i in 0..2 {
+        for j in 0..2 {
+            let unit = f64::from(u8::from(i == j));
+            let left: f64 = (0..2).map(|k| (f64::from(u8::from(i == k)) + rate(i, k)) * kept[j][k]).sum();
+            assert!((left - (unit - rate(i, j))).abs() < 1e-14, "{i} {j} {left}");
+            // R Rᵀ = kT (M - E M Eᵀ)
+            let square: f64 = (0..2).map(|k| noise[k][i] * noise[k][j]).sum();
+            let rest = unit * [m, n][i] - (0..2).map(|k| kept[k][i] * [m, n][k] * kept[k][j]).sum::<f64>();
+            assert!((square - kt * rest).abs() < 1e-14, "{i} {j} {square}");
+        }
+    }
+    let error = plane.stepper::<GjI>(h).expect_err("two rates");
+    assert_eq!(error, ConfigError::Bath(BathError::Rates));
+    let shaken = Shaken { s: 0.1, gamma: 1.0, kt: 1.0 };
+    assert!(shaken.stepper::<GjI>(h).is_err() && shaken.stepper::<Gjf>(h).is_ok());
+}
+
+/// Runs in lanes of several widths and path by path.
+macro_rules! check_lanes {
+    ($run:expr) => {{
+        let run = || $run.paths(21).seed(5).observe("q", |state| state.q[0]).threads(1);
+        let lanes = run().instructions(InstructionSet::Baseline).run_in::<4>().expect("a run");
+        assert!(lanes.variance("q").expect("a variance") > 0.0);
+        assert!(run().run().expect("a run") == lanes && run().run_in::<1>().expect("a run") == lanes);
+    }};
+}
+
+#[test]
+fn paths_in_lanes_are_those_by_themselves() {
+    let single = Oscillator { m: 0.8, k: 1.0, b: 1.0, gamma: 0.9, kt: 1.3 };
+    let start = || State::new([0.3], [-0.4]);
+    check_lanes!(single.ensemble::<Gjf>(0.2).start(start()).steps(20));
+    check_lanes!(single.ensemble::<GjI>(0.2).start(start()).steps(20));
+    let systems = || (0..21).map(|i| Oscillator { gamma: 0.5 + 0.1 * f64::from(i), ..single.clone() });
+    check_lanes!(single.ensemble::<Gjf>(0.2).systems_from(systems()).start(start()).steps(20));
+    check_lanes!(single.ensemble::<GjI>(0.2).systems_from(systems()).start(start()).steps(20));
+    // Large enough to go window by window.
+    let many = Many { m: 0.8, gamma: 0.9, kt: 1.3 };
+    let wave = |phase: f64| (0..523).map(|i| (0.7 * f64::from(i) + phase).sin()).collect::<Vec<_>>();
+    check_lanes!(many.ensemble::<Gjf>(0.1).start(State::new(wave(0.0), wave(1.0))).steps(11));
+    check_lanes!(many.ensemble::<GjI>(0.1).start(State::new(wave(0.0), wave(1.0))).steps(11));
+}
+
+#[test]
+fn equations_say_how_fast_a_free_particle_diffuses() {
+    let of = |text: &str| text.lines().find(|line| line.contains("diffuses")).expect("a fact").to_owned();
+    assert!(of(<Oscillator as Discretized<Baoab>>::EQUATIONS).contains("(γh/2) coth(γh/2)"));
+    assert!(of(<Oscillator as Discretized<Gjf>>::EQUATIONS).contains("that of the equation"));
+    assert!(of(<Oscillator as Discretized<GjI>>::EQUATIONS).contains("that of the equation"));
+}
