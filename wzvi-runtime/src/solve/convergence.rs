@@ -23,8 +23,6 @@ const ROUNDING_OF_GUESS: f64 = 8.0;
 #[derive(Clone, Copy)]
 pub(crate) struct Convergence {
     last: f64,
-    /// What the next correction has to be below.
-    allowed: f64,
     /// The cube of the relative correction that is good enough: `ROUNDING³` or `last² ROUNDING unseen`.
     enough: f64,
     unseen: f64,
@@ -51,9 +49,8 @@ impl Convergence {
     pub(crate) fn new(is_guess: bool) -> Self {
         let last = if is_guess { FROM_GUESS } else { f64::INFINITY };
         let enough = ROUNDING * ROUNDING * ROUNDING;
-        let (allowed, unseen) = (0.5 * last, UNSEEN);
-        let (iterations, is_patient, is_beyond_rounding) = (0, false, is_guess);
-        Self { last, allowed, enough, unseen, iterations, is_guess, is_patient, is_beyond_rounding }
+        let (iterations, unseen, is_patient, is_beyond_rounding) = (0, UNSEEN, false, is_guess);
+        Self { last, enough, unseen, iterations, is_guess, is_patient, is_beyond_rounding }
     }
 
     /// From a start that claims nothing, with corrections that need only halve: whoever judges solutions by other means.
@@ -63,7 +60,7 @@ impl Convergence {
 
     /// A start that turned out to be zero claims nothing: there was no solution to extrapolate.
     pub(super) fn claim_nothing(&mut self) {
-        (self.last, self.allowed, self.is_beyond_rounding) = (f64::INFINITY, f64::INFINITY, false);
+        (self.last, self.is_beyond_rounding) = (f64::INFINITY, false);
     }
 
     /// The first correction from zero.
@@ -86,7 +83,7 @@ impl Convergence {
         // `relative <= ROUNDING || relative (relative / last)² <= ROUNDING unseen` without dividing.
         let verdict = if square * relative <= self.enough {
             Verdict::Converged
-        } else if relative < self.allowed {
+        } else if self.allows(relative, self.last, self.iterations == 0) {
             self.expect(relative, square);
             Verdict::Contracting
         } else {
@@ -104,19 +101,18 @@ impl Convergence {
         if let Some(verdict) = self.glance(relative) {
             return verdict;
         }
+        let is_first = self.iterations == 0;
         self.iterations += 1;
         if !relative.is_finite() {
             return Verdict::Straying;
         }
-        let beyond = beyond_rounding(roundings(self.is_guess && self.iterations == 1));
+        let beyond = beyond_rounding(roundings(self.is_guess && is_first));
         if beyond == 0.0 {
             return Verdict::Converged;
         }
         // What is rounding may have been the larger part of the correction before.
-        let allowed =
-            if self.is_beyond_rounding { self.allowed } else { self.allowed.max(self.after(relative)) };
-        // False for NaN, too.
-        if beyond < allowed {
+        let last = if self.is_beyond_rounding { self.last } else { self.last.max(relative) };
+        if self.allows(beyond, last, is_first) {
             self.is_beyond_rounding = true;
             self.expect(beyond, beyond * beyond);
             return Verdict::Contracting;
@@ -127,27 +123,22 @@ impl Convergence {
     /// Quadratic convergence from a correction of this size, with its square.
     #[inline(always)]
     fn expect(&mut self, relative: f64, square: f64) {
-        (self.last, self.allowed) = (relative, self.after(relative));
+        self.last = relative;
         // `relative` is above `ROUNDING` here, so that neither product underflows.
         let (predicted, floor) = (self.unseen * ROUNDING * square, ROUNDING * ROUNDING * ROUNDING);
         self.enough = if predicted > floor { predicted } else { floor };
     }
 
-    /// What the correction after one of this size has to be below.
+    /// Whether a correction may follow one of the size `last`; false for NaN. Nearly all are near, and cost one comparison more.
     #[inline(always)]
-    fn after(&self, relative: f64) -> f64 {
-        let half = 0.5 * relative;
-        if self.is_patient {
-            return half;
-        }
-        let (curved, near) = (CURVATURE * relative * relative, if half < NEAR { half } else { NEAR });
-        if curved > near { curved } else { near }
+    fn allows(&self, relative: f64, last: f64, is_first: bool) -> bool {
+        let halves = relative < 0.5 * last;
+        halves && (relative < NEAR || is_first || self.is_patient || relative < CURVATURE * last * last)
     }
 
     /// A correction that does not count as one of a sequence: the next is judged by itself.
     pub(crate) fn forget(&mut self) {
-        (self.last, self.allowed) = (f64::INFINITY, f64::INFINITY);
-        self.enough = ROUNDING * ROUNDING * ROUNDING;
+        (self.last, self.enough) = (f64::INFINITY, ROUNDING * ROUNDING * ROUNDING);
         self.is_beyond_rounding = false;
     }
 }
