@@ -69,7 +69,7 @@ const _: () = {
         embedding::DeltaPlus,
     };
     #[automatically_derived]
-    impl<const N: usize> Hamiltonian for Lattice<N> {
+    impl<const N: usize> Hamiltonian for Lattice<{ N }> {
         type Vector = DVector<f64>;
         fn degrees(&self) -> usize {
             (N as isize) as usize * 2
@@ -109,7 +109,7 @@ const _: () = {
         }
     }
     #[automatically_derived]
-    impl<const N: usize> Elements for Lattice<N> {
+    impl<const N: usize> Elements for Lattice<{ N }> {
         const PLACES: Places = Places {
             components: 2,
             tables: &[Name { name: "", suffix: "" }],
@@ -457,7 +457,7 @@ const _: () = {
             is_linear: false,
         };
         #[automatically_derived]
-        impl<const N: usize> Discretized<DeltaPlus> for Lattice<N> {
+        impl<const N: usize> Discretized<DeltaPlus> for Lattice<{ N }> {
             const PLAN: Plan = Plan {
                 solver: Solver::Explicit,
                 unknowns: 0,
@@ -552,7 +552,7 @@ const _: () = {
         }
     };
     #[automatically_derived]
-    impl<const N: usize> Conservative for Lattice<N> {}
+    impl<const N: usize> Conservative for Lattice<{ N }> {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as after, binding as at, binding as b0, binding as b1, binding as b3,
@@ -596,7 +596,7 @@ const _: () = {
         clippy::restriction,
         clippy::cargo
     )]
-    impl<const N: usize> __WzviTypeChecks for Lattice<N> {
+    impl<const N: usize> __WzviTypeChecks for Lattice<{ N }> {
         fn __wzvi_type_checks(&self) {
             fn __wzvi_hamiltonian<
                 const N: usize,
@@ -641,7 +641,7 @@ const _: () = {
             {
                 let k = self.k;
                 __wzvi_hamiltonian::<
-                    N,
+                    { N },
                     _,
                 >(|q: [[f64; 2]; N], p: [[f64; 2]; N]| {
                     p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum::<f64>()
