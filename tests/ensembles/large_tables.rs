@@ -1,6 +1,5 @@
 //! Tables of many kept paths are written row by row, not made whole in memory.
 
-
 use allocation_counter::measure;
 use wzvi::ensemble::Statistics;
 use wzvi::prelude::*;

@@ -1,6 +1,5 @@
 //! Errors of what is rare, of heavy tails and of rates; observables of each path's own system.
 
-
 use wzvi::ensemble::{Column, TargetStatus};
 use wzvi::prelude::*;
 

@@ -1,6 +1,5 @@
 //! `Gjf` and `GjI`: steps of the reference, at every size and in lanes; the law of positions and the diffusion of linear systems, exactly.
 
-
 use serde_json::Value;
 use wzvi::ensemble::InstructionSet;
 use wzvi::error::{BathError, ConfigError};

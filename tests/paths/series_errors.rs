@@ -1,6 +1,5 @@
 //! Errors of averages along a path cover the mean in 95 %, or are not given; runs of averages are stopped, kept and compared as others are.
 
-
 use std::cell::Cell;
 
 use wzvi::prelude::*;
