@@ -24,7 +24,11 @@ pub struct Additive {
 }
 
 fn kubo(seed: u64) -> Ensemble<'static, Kubo, Midpoint> {
-    let run = KUBO.ensemble::<Midpoint>(0.05).start(State::new([0.0], [1.0])).seed(seed).until(1.0);
+    kubo_from_start(seed).until(1.0)
+}
+
+fn kubo_from_start(seed: u64) -> Ensemble<'static, Kubo, Midpoint> {
+    let run = KUBO.ensemble::<Midpoint>(0.05).start(State::new([0.0], [1.0])).seed(seed);
     run.observe("q", |state| state.q[0]).observe("p", |state| state.p[0])
 }
 
@@ -187,7 +191,7 @@ fn a_stopped_run_keeps_what_is_done() {
 fn a_stop_does_not_wait_for_a_block() {
     let start = Instant::now();
     let end = || start.elapsed() > Duration::from_millis(50);
-    let run = kubo(2).paths(1_000_000).steps(1 << 40).stop_when(end).run().unwrap();
+    let run = kubo_from_start(2).paths(1_000_000).steps(1 << 40).stop_when(end).run().unwrap();
     assert!(run.is_partial());
 }
 

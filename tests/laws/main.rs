@@ -6,6 +6,8 @@
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
 
 mod bath;
+mod branches;
 mod convergence;
 mod multilevel;
+mod series_errors;
 mod stiff;

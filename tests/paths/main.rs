@@ -11,5 +11,4 @@ mod refused;
 mod report;
 mod results;
 mod series;
-mod series_errors;
 mod stability;

@@ -4,7 +4,6 @@
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
 
 mod accuracy;
-mod branches;
 mod compensation;
 mod composition;
 mod conditions;

@@ -52,7 +52,7 @@ where
     H: Discretized<E> + Conservative,
 {
     let h = end / steps as f64;
-    let path = system.simulate::<E>(h).start(start.clone()).steps(steps).run().unwrap();
+    let path = system.simulate::<E>(h).start(start.clone()).steps(steps).unwatched().run().unwrap();
     [path.energy_drift(system), path.shadow_energy_drift(system)]
 }
 

@@ -167,14 +167,22 @@ mod tests {
         ];
         for (number, (name, sample, mean, target)) in (0..).zip(cases) {
             let mut draws = Draws { key: [5, 0, 0, number, 0, 0, 7, 0], block: 0 };
-            let (runs, mut far, mut paths) = (1000, 0, 0);
+            let (runs, mut met, mut far, mut paths) = (1000, 0, 0, 0);
             for _ in 0..runs {
-                let (found, n, status) = run(target, 1 << 24, |to| sample(&mut draws, to));
-                assert_eq!(status, TargetStatus::Met, "{name} {target}");
-                far += u32::from((found - mean).abs() > 1.96 * target);
-                paths += n;
+                let (found, n, status) = run(target, 1 << 20, |to| sample(&mut draws, to));
+                // The largest of the heavy samples may have too large a share of the variance, whatever their number.
+                assert!(
+                    status == TargetStatus::Met || name == "heavy" && status == TargetStatus::Dominated,
+                    "{name} {target}"
+                );
+                if status == TargetStatus::Met {
+                    met += 1;
+                    far += u32::from((found - mean).abs() > 1.96 * target);
+                    paths += n;
+                }
             }
-            let (fraction, paths) = (f64::from(far) / f64::from(runs), paths as f64 / f64::from(runs));
+            assert!(met > runs / 2, "{name} {target}: {met} of {runs} were met");
+            let (fraction, paths) = (f64::from(far) / f64::from(met), paths as f64 / f64::from(met));
             println!("{name}, target {target:.1e}: beyond 1.96 targets in {fraction:.3}, {paths:.0} paths");
             assert!(fraction < 0.05 + 3.0 * 0.0069, "{name} {target}: {fraction}");
         }

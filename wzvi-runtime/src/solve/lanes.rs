@@ -129,8 +129,8 @@ impl<const L: usize> LaneConvergence<L> {
 #[inline(always)]
 fn allowed<const L: usize>(relative: Lanes<L>, square: Lanes<L>) -> Lanes<L> {
     let (half, near, curved) = (relative * 0.5, Lanes::from_f64(NEAR), square * CURVATURE);
-    let near = Lanes::select(half.less(near), half, near);
-    Lanes::select(exceeds(curved, near), curved, near)
+    let near = Lanes::select(exceeds(curved, near), curved, near);
+    Lanes::select(half.less(near), half, near)
 }
 
 /// `nearly_relative_to` of `f64`, by lane.

@@ -47,12 +47,10 @@ struct Sites {
 
 /// First and second derivatives by `q` and `p`, in that order.
 trait Derivatives {
-    const DEGREES: usize;
     fn derivatives(&self, q: &[f64], p: &[f64], gradient: &mut [f64], hessian: &mut [f64]);
 }
 
 impl Derivatives for Well {
-    const DEGREES: usize = 1;
     fn derivatives(&self, q: &[f64], p: &[f64], gradient: &mut [f64], hessian: &mut [f64]) {
         let Self { a, b, c, d, k } = *self;
         let (q, p) = (q[0], p[0]);
@@ -64,7 +62,6 @@ impl Derivatives for Well {
 }
 
 impl Derivatives for Field {
-    const DEGREES: usize = 1;
     fn derivatives(&self, q: &[f64], p: &[f64], gradient: &mut [f64], hessian: &mut [f64]) {
         let Self { a, c, d, k, e, f, s } = *self;
         let (q, p) = (q[0], p[0]);
@@ -78,7 +75,6 @@ impl Derivatives for Field {
 }
 
 impl Derivatives for Sites {
-    const DEGREES: usize = 2;
     fn derivatives(&self, q: &[f64], p: &[f64], gradient: &mut [f64], hessian: &mut [f64]) {
         let (x, y, g) = (q[0], q[1], self.g);
         let force = |x: f64| 8.0 * x.powi(3) - 6.0 * x;
@@ -374,8 +370,8 @@ where
     counts
 }
 
-/// No other branch as `Ok`, and at most 1 % refused that can be followed. `STEPS=167 cargo test --release --test branches -- --nocapture` is 10^4 steps.
-#[cfg_attr(debug_assertions, ignore = "a law of many paths: cargo test --release")]
+/// No other branch as `Ok`, and at most 1 % refused that can be followed. `STEPS=167 cargo test --release --test laws branches -- --nocapture` is 10^4 steps.
+#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 #[test]
 fn random_steps_continue_their_state() {
     let steps: u32 = std::env::var("STEPS").map_or(20, |steps| steps.parse().unwrap());
