@@ -77,7 +77,7 @@ pub(crate) fn solve_by_continuation<H: Discretized<E>, E, C: Carry<f64>>(
     if is_hopeless || inputs.into_iter().any(|x| !x.is_finite()) {
         return Err(cause);
     }
-    match hard.from_zero() {
+    match hard.solve_whole() {
         Ok(found) if found.effort.is_certain() => Ok(found),
         found => match hard.follow() {
             Ok(end) => Ok(end),
@@ -102,7 +102,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
     ///
     /// # Errors
     /// Those of [`Discretized::advance_carrying`].
-    pub(crate) fn from_zero(&self) -> Outcome<H, E, C> {
+    pub(crate) fn solve_whole(&self) -> Outcome<H, E, C> {
         self.solve(&self.prepared, self.h, &self.dw, Default::default())
     }
 

@@ -130,9 +130,9 @@ fn sweeps_with_noise_go_in_lanes() {
 /// `hard_steps_keep_their_lane_to_themselves`.
 #[test]
 fn hard_steps_of_a_sweep_are_those_of_steppers() {
-    let hard = hard_sweep::<Midpoint>(0.6);
+    let hard = hard_sweep::<Midpoint>(0.8);
     assert!(hard > 50, "{hard} hard steps: too few to test anything");
-    hard_sweep::<Gauss<2>>(0.9);
+    hard_sweep::<Gauss<2>>(1.2);
     hard_sweep::<Composed<Midpoint, Yoshida4>>(0.6);
 }
 

@@ -84,7 +84,7 @@ impl Folding {
         steps: u64,
         every: u64,
     ) -> Simulation<'_, Self, Midpoint, Wiener, Unobserved, Halved> {
-        let run = self.simulate(2.5).start(State::new([2.2], [0.8])).noise(Wiener::seed(11));
+        let run = self.simulate(2.5).start(State::new([2.2], [0.8])).noise(Wiener::seed(14));
         run.steps(steps).record_every(every).retry(Retry::halving(10))
     }
 }

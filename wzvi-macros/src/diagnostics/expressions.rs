@@ -49,7 +49,7 @@ fn receiver(expr: &syn::Expr) -> String {
 pub(crate) fn function_as_method(name: &syn::Ident, method: &str, arguments: &[&syn::Expr]) -> Error {
     let call = match arguments {
         [first, rest @ ..] => {
-            let rest: Vec<String> = rest.iter().map(|argument| source(argument)).collect();
+            let rest: Vec<String> = rest.iter().copied().map(source).collect();
             format!("{}.{method}({})", receiver(first), rest.join(", "))
         }
         [] => format!("x.{method}()"),

@@ -32,21 +32,21 @@ pub(crate) enum Crossing {
 pub(crate) fn boundaries(graph: &mut Graph, value: Expr, state: &[Symbol]) -> Vec<Boundary> {
     let mut found = Vec::new();
     for decision in graph.reachable(&[value]) {
-        let (left, right, sides) = match graph.node(decision) {
-            &Node::Compare(_, left, right) => {
+        let (left, right, sides) = match *graph.node(decision) {
+            Node::Compare(_, left, right) => {
                 let (zero, one) = (graph.integer(0), graph.integer(1));
                 let sides = [(zero, one), (one, zero)].map(|(a, b)| graph.compare(Relation::Less, a, b));
                 (left, right, sides)
             }
-            &Node::Apply(Function::Signum, ref arguments) => {
+            Node::Apply(Function::Signum, ref arguments) => {
                 let argument = arguments[0];
                 (argument, graph.integer(0), [graph.integer(1), graph.integer(-1)])
             }
-            &Node::Apply(Function::Abs, ref arguments) => {
+            Node::Apply(Function::Abs, ref arguments) => {
                 let argument = arguments[0];
                 (argument, graph.integer(0), [argument, graph.negate(argument)])
             }
-            &Node::Apply(Function::Min | Function::Max, ref arguments) => {
+            Node::Apply(Function::Min | Function::Max, ref arguments) => {
                 let sides = [arguments[0], arguments[1]];
                 (sides[0], sides[1], sides)
             }

@@ -113,7 +113,7 @@ fn checked<H: Discretized<E>, E, C: Carry<f64>>(
 ) -> Result<Option<Taken<H, E, C>>, StepFailure> {
     // With noise every step starts from zero, the first as all others, and a path alone as in lanes.
     let is_none = 2 * hard.q.components().len() > MOST_CHECKED || !hard.dw.is_empty();
-    if is_none || !is_iterated || hard.from_zero().is_ok_and(|found| found.effort.is_certain()) {
+    if is_none || !is_iterated || hard.solve_whole().is_ok_and(|found| found.effort.is_certain()) {
         return Ok(None);
     }
     match hard.follow() {
