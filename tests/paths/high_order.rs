@@ -121,7 +121,7 @@ fn steps_are_halved_where_they_fail() {
         let fails = |h: &f64| Walled.simulate::<E>(*h).start(start).steps(1).run().is_err();
         let Some(h) = [1.0, 1.5, 2.0, 3.0, 5.0].into_iter().find(fails) else {
             // Implicit steps of any of these sizes have one before the wall.
-            assert!(scheme.starts_with("Composed<Midpoint") || scheme.starts_with("Gauss"), "{scheme}");
+            assert!(scheme.starts_with("Composed<Midpoint") || scheme.contains("Gauss"), "{scheme}");
             return;
         };
         let halved =
