@@ -92,7 +92,7 @@ pub struct Gjf;
 
 /// [`Baoab`] whose kicks and drifts last `s h` with `s = √(tanh(γh/2)/(γh/2))` in the place of `h`: exact in the same as [`Gjf`], with the decay `e^{-γh}` of the momenta
 /// (N. Grønbech-Jensen, Mol. Phys. 118, 2020). One rate of friction for all degrees of freedom, and no other noises: else
-/// [`ConfigError`](crate::error::ConfigError). Ensembles with [`systems`](crate::ensemble::Ensemble::systems) take a stepper for each path.
+/// [`ConfigError`]. Ensembles with [`systems`](crate::ensemble::Ensemble::systems) take a stepper for each path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GjI;
 

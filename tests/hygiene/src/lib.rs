@@ -6,8 +6,8 @@
 
 mod attributes;
 mod constants;
-/// Written by `tests/hygiene.rs`.
-#[allow(warnings, clippy::all, clippy::pedantic)]
+/// Written by `tests/compiler/hygiene.rs`.
+#[allow(warnings, non_snake_case, clippy::all, clippy::pedantic)]
 mod golden {
     ::core::include!(::core::env!("GOLDEN_NAMES"));
 }

@@ -42,7 +42,7 @@ pub trait Letters: Debug {
     const DRIFTS_AROUND: Option<usize> = None;
     /// What the O parts leave of the momenta.
     const DECAY: Decay = Decay::Exponential;
-    /// Whether kicks and drifts are [`shortened`].
+    /// Whether kicks and drifts are shortened.
     const IS_SHORTENED: bool = false;
 }
 
