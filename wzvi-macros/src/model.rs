@@ -18,6 +18,7 @@ use crate::discretise::embedding::Embedding;
 use crate::input::{Emission, Labels, Shape};
 use crate::symbolic::{Expr, Graph, Symbol};
 
+pub(crate) mod display;
 pub(crate) mod index;
 pub(crate) mod symbols;
 
@@ -75,7 +76,7 @@ impl ToTokens for Extent {
 }
 
 /// A list or an integer that the struct or a constant holds.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) struct Table {
     /// As it is displayed.
     pub(crate) name: String,

@@ -162,7 +162,7 @@ impl<'a> Writer<'a> {
                 images.insert(symbol, self.turns(&range, body, values)?);
             } else if let Some(local) = self.symbols.local_of(symbol) {
                 let slot = local.slot.clone();
-                let moved = slot.map(&with).ok_or(NotWrittenOut)?;
+                let moved = slot.map(with).ok_or(NotWrittenOut)?;
                 if moved != slot {
                     images.insert(symbol, self.slot(moved));
                 }

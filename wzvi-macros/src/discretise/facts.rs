@@ -8,7 +8,6 @@ use super::branches::{Boundary, Crossing, boundaries};
 use super::embedding::{Correction, Embedding};
 use super::sums::{Half, Increments, Space, Sum, Weighted};
 use crate::diagnostics::internal::Promised;
-use crate::elements::describe::noise_numbers;
 use crate::elements::kinetic::is_diagonal;
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, Extent, Reads, System, Term};
@@ -109,7 +108,7 @@ impl Hamiltonians {
             sum_of(of(&noise.term), &[number])
         });
         let mut noise: Vec<Sum> = noise.collect();
-        let mut numbers = noise_numbers(system);
+        let mut numbers = system.noise_numbers();
         let hamiltonians = system.noise.iter().filter(|noise| !noise.is_force).count();
         let friction = system.friction.as_ref().filter(|_| {
             system.conformal.is_some() || system.embeddings.iter().any(|known| known.value.is_thermostat())
@@ -142,8 +141,7 @@ impl Hamiltonians {
 /// The space of a system.
 pub(crate) fn space_of(system: &System) -> Space {
     let elements = system.terms().flat_map(|term| term.values.iter().chain(&term.elements));
-    let tables = system.tables.iter().map(|table| (table.name.clone(), table.is_unsigned)).collect();
-    Space::new(system.size.clone(), system.components, system.names.clone(), tables, elements)
+    Space::new(system.size.clone(), system.components, system.names.clone(), system.tables.clone(), elements)
 }
 
 /// The drift, the noises and noise forces times their increments, and the force, with the elements of each term that `of` picks.

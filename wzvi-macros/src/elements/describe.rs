@@ -10,71 +10,19 @@ use crate::discretise::Scheme;
 use crate::discretise::describe::{derivation, properties};
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
-use crate::model::index::{Atom, Index};
-use crate::model::{Element, Noise, System, Table};
-
-const LETTERS: [&str; 6] = ["i", "j", "k", "l", "m", "n"];
-
-/// An index for a reader.
-pub(crate) fn index<'a>(
-    index: &Index,
-    table: &dyn Fn(u32) -> &'a str,
-    letter: &dyn Fn(u32) -> &'a str,
-) -> String {
-    let mut text = String::new();
-    for (atom, coefficient) in &index.terms {
-        let inner = |part: &Index| self::index(part, table, letter);
-        let operand = |part: &Index| match (part.terms.as_slice(), part.constant) {
-            ([(_, 1)], 0) | ([], 0..) => inner(part),
-            _ => format!("({})", inner(part)),
-        };
-        let two =
-            |both: &(Index, Index), sign: &str| format!("{}{sign}{}", operand(&both.0), operand(&both.1));
-        let two_of =
-            |both: &(Index, Index), name: &str| format!("{name}({}, {})", inner(&both.0), inner(&both.1));
-        let atom = match atom {
-            Atom::Loop(variable) => letter(*variable).to_owned(),
-            Atom::Size => "n".to_owned(),
-            Atom::Given(id, indices) => {
-                let indices: Vec<String> = indices.iter().map(|i| format!("[{}]", inner(i))).collect();
-                format!("{}{}", table(*id), indices.concat())
-            }
-            Atom::Product(both) => two(both, " * "),
-            Atom::Quotient(both) => format!("({})", two(both, " / ")),
-            Atom::Remainder(both) => format!("({} mod {})", operand(&both.0), operand(&both.1)),
-            Atom::Minimum(both) => two_of(both, "min"),
-            Atom::Maximum(both) => two_of(both, "max"),
-        };
-        let sign = match (text.is_empty(), *coefficient < 0) {
-            (true, false) => "",
-            (true, true) => "-",
-            (false, false) => " + ",
-            (false, true) => " - ",
-        };
-        let size = coefficient.unsigned_abs();
-        let _ = if size == 1 { write!(text, "{sign}{atom}") } else { write!(text, "{sign}{size} {atom}") };
-    }
-    let constant = index.constant;
-    let _ = match (text.is_empty(), constant) {
-        (true, constant) => write!(text, "{constant}"),
-        (false, 0) => Ok(()),
-        (false, constant) if constant < 0 => write!(text, " - {}", constant.unsigned_abs()),
-        (false, constant) => write!(text, " + {constant}"),
-    };
-    text
-}
+use crate::model::display::{Names, letter_at};
+use crate::model::index::Index;
+use crate::model::{Element, Noise, System};
 
 /// The name of a loop variable of `element`, by its nesting.
 fn letter(element: &Element, variable: u32) -> &'static str {
     let depth = element.loops.iter().position(|known| known.variable == variable);
-    depth.map_or("k", |depth| LETTERS[depth.min(LETTERS.len() - 1)])
+    depth.map_or("k", letter_at)
 }
 
 /// An index in the loops of `element`.
 pub(crate) fn index_in(system: &System, element: &Element, index: &Index) -> String {
-    let tables: &[Table] = &system.tables;
-    let table = |id: u32| tables.get(id as usize).map_or("?", |table| table.name.as_str());
-    self::index(index, &table, &|variable| letter(element, variable))
+    Names { tables: &system.tables, letter: &|variable| letter(element, variable) }.index(index)
 }
 
 /// `Σ_{i=0}^{n-1} (...)`
@@ -94,21 +42,6 @@ fn term(model: &System, elements: &[Element]) -> String {
     if parts.is_empty() { "0".to_owned() } else { parts.join(" + ") }
 }
 
-/// The number of each noise as it is written behind `H`: `_k` for the members of a family, after the noises before it.
-pub(crate) fn noise_numbers(model: &System) -> Vec<String> {
-    let table = |id: u32| model.tables.get(id as usize).map_or("?", |table| table.name.as_str());
-    let numbers = model.noise.iter().zip(model.noise_offsets()).map(|(noise, offset)| {
-        let first = offset.shifted(1).promised("numbers of noises are integers");
-        match (&noise.family, offset.as_integer()) {
-            (None, Some(_)) => index(&first, &table, &|_| "k"),
-            (None, None) => format!("_({})", index(&first, &table, &|_| "k")),
-            (Some(_), Some(0)) => "_k".to_owned(),
-            (Some(_), _) => format!("_(k + {})", index(&offset, &table, &|_| "k")),
-        }
-    });
-    numbers.collect()
-}
-
 /// Every Hamiltonian.
 pub(crate) fn hamiltonians(model: &System) -> String {
     let mut text = "Hamiltonians, as sums of elements\n".to_owned();
@@ -117,7 +50,7 @@ pub(crate) fn hamiltonians(model: &System) -> String {
         let _ = writeln!(text, "  {name} = {}, a part of H0", term(model, &part.elements));
     }
     let is_listed = |noise: &&(String, &Noise)| !noise.1.is_force;
-    let noise: Vec<(String, &Noise)> = noise_numbers(model).into_iter().zip(&model.noise).collect();
+    let noise: Vec<(String, &Noise)> = model.noise_numbers().into_iter().zip(&model.noise).collect();
     for (number, noise) in noise.iter().filter(is_listed) {
         let _ = writeln!(text, "  H{number} = {}", term(model, &noise.term.elements));
     }
@@ -158,8 +91,7 @@ pub(crate) fn describe(
 /// The equations of one site, which are those of all.
 fn sites(model: &mut System, scheme: &Scheme, text: &mut String) {
     let last = model.size.shifted(-1).promised("sizes are integers");
-    let table = |id: u32| model.tables.get(id as usize).map_or("?", |table| table.name.as_str());
-    let last = index(&last, &table, &|_| "k");
+    let last = Names { tables: &model.tables, letter: &|_| "k" }.index(&last);
     let _ = writeln!(text, "\nThe sites k = 0..{last} are not coupled: each is a system of its own");
     derivation(&mut model.graph, scheme, text);
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::discretise::facts::Facts;
-use crate::elements::describe::{hamiltonians, noise_numbers};
+use crate::elements::describe::hamiltonians;
 use crate::elements::kinetic::Kinetic;
 use crate::model::{Element, Reads, System};
 
@@ -17,7 +17,7 @@ pub(crate) fn is_nystrom(model: &mut System, facts: &Facts) -> bool {
 /// The text of `Gauss<stages>`, without its facts.
 pub(crate) fn describe(model: &System, stages: u32) -> String {
     let mut text = format!("Gauss<{stages}>\n\n{}", hamiltonians(model));
-    let numbers = noise_numbers(model);
+    let numbers = model.noise_numbers();
     let terms = numbers.iter().map(|number| format!(" + ΔW{number} H{number}"));
     let _ = write!(
         text,

@@ -216,7 +216,7 @@ impl<'a> Interpreter<'a, '_> {
 
     /// An index for a reader.
     pub(super) fn display(&self, index: &Index) -> String {
-        self.symbols.display(index, self.tables.as_list())
+        self.symbols.reader(self.tables.as_list(), |names| names.index(index))
     }
 
     pub(super) fn index(&mut self, syntax: &'a ExprIndex) -> Value {

@@ -2,12 +2,10 @@
 
 use std::collections::HashMap;
 
+use super::display::{Names, letter_at};
 use super::index::{Atom, Index, Loop};
 use super::{Local, Slot, Table};
 use crate::symbolic::{Expr, Graph, Symbol};
-
-/// Names of loop variables, by nesting; deeper ones repeat the last.
-const LETTERS: [&str; 6] = ["i", "j", "k", "l", "m", "n"];
 
 /// What a sum symbol stands for: `Σ_(range) body`.
 #[derive(Clone)]
@@ -61,7 +59,7 @@ impl Symbols {
 
     /// A new loop variable inside of `depth` loops.
     pub(crate) fn variable(&mut self, depth: usize) -> u32 {
-        self.letters.push(LETTERS[depth.min(LETTERS.len() - 1)]);
+        self.letters.push(letter_at(depth));
         (self.letters.len() - 1) as u32
     }
 
@@ -72,7 +70,7 @@ impl Symbols {
             None => {
                 let name = match self.named_coordinate(&slot) {
                     Some(coordinate) => format!("δ{}", graph.symbol_name(coordinate)),
-                    None => self.slot_name(&slot, tables),
+                    None => self.reader(tables, |names| names.slot(&slot, &self.names, 1)),
                 };
                 self.declare(graph, slot, name)
             }
@@ -124,36 +122,16 @@ impl Symbols {
         positions.into_iter().map(|position| self.locals[position].clone()).collect()
     }
 
-    fn slot_name(&self, slot: &Slot, tables: &[Table]) -> String {
-        let [q, p] = &self.names;
-        match slot {
-            Slot::Coordinate(index) => format!("{q}[{}]", self.display(index, tables)),
-            Slot::Momentum(index) => format!("{p}[{}]", self.display(index, tables)),
-            Slot::Displacement(index) => format!("δ{q}[{}]", self.display(index, tables)),
-            Slot::Number(index) if index.terms.len() == 1 && index.constant == 0 => {
-                self.display(index, tables)
-            }
-            Slot::Number(index) => format!("({})", self.display(index, tables)),
-            Slot::Entry(table, indices) => {
-                let name = tables.get(*table as usize).map_or("", |table| table.name.as_str());
-                let indices: Vec<String> =
-                    indices.iter().map(|index| format!("[{}]", self.display(index, tables))).collect();
-                format!("{name}{}", indices.concat())
-            }
-        }
-    }
-
-    /// An index for a reader.
-    pub(crate) fn display(&self, index: &Index, tables: &[Table]) -> String {
-        let table = |id: u32| tables.get(id as usize).map_or("?", |table| table.name.as_str());
+    /// What indices are called.
+    pub(crate) fn reader<T>(&self, tables: &[Table], read: impl FnOnce(&Names<'_>) -> T) -> T {
         let letter = |variable: u32| self.letters.get(variable as usize).copied().unwrap_or("i");
-        crate::elements::describe::index(index, &table, &letter)
+        read(&Names { tables, letter: &letter })
     }
 }
 
 impl Slot {
     /// The slot with every index in it mapped; `None` on overflow.
-    pub(crate) fn map(&self, f: &dyn Fn(&Index) -> Option<Index>) -> Option<Self> {
+    pub(crate) fn map(&self, f: impl Fn(&Index) -> Option<Index>) -> Option<Self> {
         Some(match self {
             Self::Coordinate(index) => Self::Coordinate(f(index)?),
             Self::Momentum(index) => Self::Momentum(f(index)?),

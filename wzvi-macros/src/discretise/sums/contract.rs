@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::solve::{Equation, Meeting, Placement, solve};
-use super::{Groups, Half, Space, Sum, Weighted, map_slot, variable};
+use super::{Groups, Half, Space, Sum, Weighted, variable};
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::{Element, Local};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
@@ -45,8 +45,7 @@ impl Factor {
                 end: moved(&known.end)?,
             })
         };
-        let local =
-            |Local { symbol, slot }: &Local| Some(Local { symbol: *symbol, slot: map_slot(slot, moved)? });
+        let local = |Local { symbol, slot }: &Local| Some(Local { symbol: *symbol, slot: slot.map(moved)? });
         Some(Self {
             locals: locals.iter().map(local).collect::<Option<_>>()?,
             increments: increments.iter().map(moved).collect::<Option<_>>()?,
@@ -176,7 +175,7 @@ impl Space {
         for (factor, part) in [(one, slope), (two, speed)] {
             let mut images = HashMap::new();
             for local in &factor.locals {
-                let slot = map_slot(&local.slot, |index| placed.moved(&placement.image(self, index)?))?;
+                let slot = local.slot.map(|index| placed.moved(&placement.image(self, index)?))?;
                 let symbol = self.symbol(graph, &slot);
                 if symbol != local.symbol {
                     images.insert(local.symbol, graph.symbol(symbol));

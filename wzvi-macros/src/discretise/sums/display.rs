@@ -5,49 +5,24 @@ use std::fmt::Write;
 use super::locality::is_condition;
 use super::{Space, Sum};
 use crate::diagnostics::internal::Promised;
-use crate::elements::describe::index as index_text;
+use crate::model::display::{Names, letter_at};
 use crate::model::index::{Index, Loop};
 use crate::model::{Element, Slot};
 use crate::symbolic::{Expr, Graph, Rational};
 
-const LETTERS: [&str; 6] = ["i", "j", "k", "l", "m", "n"];
-
 impl Space {
-    /// Where loop variables of depth 0, 1, ... are `i`, `j`, ...
+    /// What indices are called, where loop variables of depth 0, 1, ... are `i`, `j`, ...
+    fn reader<T>(&self, read: impl FnOnce(&Names<'_>) -> T) -> T {
+        let letter = |variable: u32| letter_at(variable.saturating_sub(self.first) as usize);
+        read(&Names { tables: &self.tables, letter: &letter })
+    }
+
     pub(crate) fn index(&self, index: &Index) -> String {
-        let letter = |variable: u32| {
-            let depth = variable.saturating_sub(self.first) as usize;
-            LETTERS[depth.min(LETTERS.len() - 1)]
-        };
-        let table = |id: u32| self.tables.get(id as usize).map_or("?", |(name, _)| name.as_str());
-        index_text(index, &table, &letter)
+        self.reader(|names| names.index(index))
     }
 
     pub(super) fn slot_name(&self, slot: &Slot) -> String {
-        let [q, p] = &self.names;
-        match slot {
-            Slot::Coordinate(index) => format!("{q}{}", self.component(index)),
-            Slot::Momentum(index) => format!("{p}{}", self.component(index)),
-            Slot::Displacement(index) => format!("δ{q}{}", self.component(index)),
-            Slot::Number(index) if index.terms.len() == 1 && index.constant == 0 => self.index(index),
-            Slot::Number(index) => format!("({})", self.index(index)),
-            Slot::Entry(table, indices) => {
-                let name = self.tables.get(*table as usize).map_or("?", |(name, _)| name.as_str());
-                let indices: Vec<String> =
-                    indices.iter().map(|index| format!("[{}]", self.index(index))).collect();
-                format!("{name}{}", indices.concat())
-            }
-        }
-    }
-
-    /// `[point]`, or `[point][component]` for points of several components.
-    fn component(&self, index: &Index) -> String {
-        match index.divided(self.components) {
-            Some((point, component)) if self.components > 1 => {
-                format!("[{}][{component}]", self.index(&point))
-            }
-            _ => format!("[{}]", self.index(index)),
-        }
+        self.reader(|names| names.slot(slot, &self.names, self.components))
     }
 
     /// `factor Σ_(i=0..n-1) [...] + ...`

@@ -109,7 +109,7 @@ impl<'s> Site<'s> {
         let mut images = HashMap::new();
         for local in &element.locals {
             let constant = |index: &Index| self.integer(index, values).map(Index::integer);
-            let slot = super::map_slot(&local.slot, constant)?;
+            let slot = local.slot.map(constant)?;
             let image = self.variable(graph, slot, is_other)?;
             images.insert(local.symbol, image);
         }

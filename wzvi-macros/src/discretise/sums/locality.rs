@@ -14,7 +14,7 @@
 //!
 //! With `n = 1 .. 10 w + 5` all sizes are decided.
 
-use super::{Space, Sum, Weighted, map_slot};
+use super::{Space, Sum, Weighted};
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::{Element, Slot};
 
@@ -62,9 +62,9 @@ impl Space {
             |known: &Loop| Some(Loop { start: lift(&known.start)?, end: lift(&known.end)?, ..known.clone() });
         let lift_slot = |slot: &Slot| match slot {
             Slot::Coordinate(_) | Slot::Momentum(_) | Slot::Displacement(_) => {
-                map_slot(slot, |index| lifted(index, n, self.components))
+                slot.map(|index| lifted(index, n, self.components))
             }
-            _ => map_slot(slot, lift),
+            _ => slot.map(lift),
         };
         let lift_one = |Weighted { element, increments }: &Weighted| {
             let locals = element.locals.iter().map(|local| {

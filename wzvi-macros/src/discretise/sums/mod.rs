@@ -22,7 +22,7 @@ mod vanish;
 use std::collections::HashMap;
 
 use crate::model::index::{Atom, Bounds, Index, Loop};
-use crate::model::{Element, Local, Slot};
+use crate::model::{Element, Local, Slot, Table};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 pub(crate) use contract::Increments;
@@ -70,8 +70,7 @@ pub(crate) struct Space {
     /// Components of a point.
     components: i128,
     names: [String; 2],
-    /// Name and sign of each table.
-    tables: Vec<(String, bool)>,
+    tables: Vec<Table>,
     symbols: HashMap<Slot, Symbol>,
     slots: HashMap<Symbol, Slot>,
     /// Loop variables of the user are below it.
@@ -83,7 +82,7 @@ impl Space {
         size: Index,
         components: i128,
         names: [String; 2],
-        tables: Vec<(String, bool)>,
+        tables: Vec<Table>,
         elements: impl Iterator<Item = &'e Element>,
     ) -> Self {
         let mut space = Self {
@@ -118,7 +117,7 @@ impl Space {
     }
 
     fn is_unsigned(&self, table: u32) -> bool {
-        self.tables.get(table as usize).is_some_and(|(_, is_unsigned)| *is_unsigned)
+        self.tables.get(table as usize).is_some_and(|table| table.is_unsigned)
     }
 
     /// Whether `index >= 0` wherever the loops go, for every size; `false` if that is not known.
@@ -212,17 +211,6 @@ impl Groups {
         }
         sum
     }
-}
-
-/// The slot with its indices mapped.
-fn map_slot(slot: &Slot, map: impl Fn(&Index) -> Option<Index>) -> Option<Slot> {
-    Some(match slot {
-        Slot::Coordinate(index) => Slot::Coordinate(map(index)?),
-        Slot::Momentum(index) => Slot::Momentum(map(index)?),
-        Slot::Displacement(index) => Slot::Displacement(map(index)?),
-        Slot::Number(index) => Slot::Number(map(index)?),
-        Slot::Entry(table, indices) => Slot::Entry(*table, indices.iter().map(map).collect::<Option<_>>()?),
-    })
 }
 
 /// The loop variable as an index.

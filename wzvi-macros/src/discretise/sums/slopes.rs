@@ -3,9 +3,9 @@
 //! With a sum `G = Σ_i δ_i p_i` of free numbers `δ`, the contraction `Σ_s ∂F/∂x_s ∂G/∂p_s` is `Σ_i δ_i ∂F/∂x_i`: what
 //! stands beside `δ_i` in it is the slope at `i`.
 
-use super::{Half, Increments, Space, Sum, Weighted, map_slot, variable};
+use super::{Half, Increments, Space, Sum, Weighted, variable};
 use crate::model::index::{Index, Loop};
-use crate::model::{Element, Local, Slot};
+use crate::model::{Element, Local, Slot, Table};
 use crate::symbolic::Graph;
 
 /// A part of `∂F/∂x` at the point `at`, which is the variable of the outermost loop where that is possible.
@@ -39,7 +39,7 @@ impl Space {
         component: i128,
     ) -> Option<Vec<Slope>> {
         let free = u32::try_from(self.tables.len()).ok()?;
-        self.tables.push(("δ".to_owned(), false));
+        self.tables.push(Table { name: "δ".to_owned(), ..Table::default() });
         let own = self.variable(0);
         let place = variable(own).multiply(&Index::integer(self.components))?.shifted(component)?;
         let slots = [Slot::Entry(free, vec![variable(own)]), Slot::Momentum(place)];
@@ -91,7 +91,7 @@ impl Space {
         }
         let mut images = std::collections::HashMap::new();
         for local in &element.locals {
-            let symbol = self.symbol(graph, &map_slot(&local.slot, moved)?);
+            let symbol = self.symbol(graph, &local.slot.map(moved)?);
             images.insert(local.symbol, graph.symbol(symbol));
         }
         let value = *graph.substitute(&[element.value], &images).first()?;

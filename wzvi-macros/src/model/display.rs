@@ -1,0 +1,113 @@
+//! Indices and slots for a reader.
+
+use std::fmt::Write;
+
+use super::index::{Atom, Index};
+use super::{Slot, System, Table};
+use crate::diagnostics::internal::Promised;
+
+/// Names of loop variables, by nesting; deeper ones repeat the last.
+const LETTERS: [&str; 6] = ["i", "j", "k", "l", "m", "n"];
+
+/// The name of the loop variable inside of `depth` loops.
+pub(crate) fn letter_at(depth: usize) -> &'static str {
+    LETTERS[depth.min(LETTERS.len() - 1)]
+}
+
+/// What the parts of an index are called.
+pub(crate) struct Names<'a> {
+    pub(crate) tables: &'a [Table],
+    /// Of a loop variable.
+    pub(crate) letter: &'a dyn Fn(u32) -> &'static str,
+}
+
+impl Names<'_> {
+    fn table(&self, id: u32) -> &str {
+        self.tables.get(id as usize).map_or("?", |table| table.name.as_str())
+    }
+
+    pub(crate) fn index(&self, index: &Index) -> String {
+        let mut text = String::new();
+        for (atom, coefficient) in &index.terms {
+            let atom = self.atom(atom);
+            let sign = match (text.is_empty(), *coefficient < 0) {
+                (true, false) => "",
+                (true, true) => "-",
+                (false, false) => " + ",
+                (false, true) => " - ",
+            };
+            let size = coefficient.unsigned_abs();
+            let _ =
+                if size == 1 { write!(text, "{sign}{atom}") } else { write!(text, "{sign}{size} {atom}") };
+        }
+        let constant = index.constant;
+        let _ = match (text.is_empty(), constant) {
+            (true, constant) => write!(text, "{constant}"),
+            (false, 0) => Ok(()),
+            (false, constant) if constant < 0 => write!(text, " - {}", constant.unsigned_abs()),
+            (false, constant) => write!(text, " + {constant}"),
+        };
+        text
+    }
+
+    fn atom(&self, atom: &Atom) -> String {
+        let operand = |part: &Index| match (part.terms.as_slice(), part.constant) {
+            ([(_, 1)], 0) | ([], 0..) => self.index(part),
+            _ => format!("({})", self.index(part)),
+        };
+        let two =
+            |both: &(Index, Index), sign: &str| format!("{}{sign}{}", operand(&both.0), operand(&both.1));
+        let two_of = |both: &(Index, Index), name: &str| {
+            format!("{name}({}, {})", self.index(&both.0), self.index(&both.1))
+        };
+        match atom {
+            Atom::Loop(variable) => (self.letter)(*variable).to_owned(),
+            Atom::Size => "n".to_owned(),
+            Atom::Given(id, indices) => self.entry(*id, indices),
+            Atom::Product(both) => two(both, " * "),
+            Atom::Quotient(both) => format!("({})", two(both, " / ")),
+            Atom::Remainder(both) => format!("({})", two(both, " mod ")),
+            Atom::Minimum(both) => two_of(both, "min"),
+            Atom::Maximum(both) => two_of(both, "max"),
+        }
+    }
+
+    fn entry(&self, table: u32, indices: &[Index]) -> String {
+        let indices = indices.iter().map(|index| format!("[{}]", self.index(index)));
+        format!("{}{}", self.table(table), indices.collect::<String>())
+    }
+
+    /// What stands at `slot`, by the names of coordinates and momenta, of whose components each point has so many.
+    pub(crate) fn slot(&self, slot: &Slot, [q, p]: &[String; 2], components: i128) -> String {
+        // `[point]`, or `[point][component]` for points of several components.
+        let at = |index: &Index| match index.divided(components) {
+            Some((point, component)) if components > 1 => format!("[{}][{component}]", self.index(&point)),
+            _ => format!("[{}]", self.index(index)),
+        };
+        match slot {
+            Slot::Coordinate(index) => format!("{q}{}", at(index)),
+            Slot::Momentum(index) => format!("{p}{}", at(index)),
+            Slot::Displacement(index) => format!("δ{q}{}", at(index)),
+            Slot::Number(index) if index.terms.len() == 1 && index.constant == 0 => self.index(index),
+            Slot::Number(index) => format!("({})", self.index(index)),
+            Slot::Entry(table, indices) => self.entry(*table, indices),
+        }
+    }
+}
+
+impl System {
+    /// The number of each noise as it is written behind `H`: `_k` for the members of a family, after the noises before it.
+    pub(crate) fn noise_numbers(&self) -> Vec<String> {
+        let names = Names { tables: &self.tables, letter: &|_| "k" };
+        let numbers = self.noise.iter().zip(self.noise_offsets()).map(|(noise, offset)| {
+            let first = offset.shifted(1).promised("numbers of noises are integers");
+            match (&noise.family, offset.as_integer()) {
+                (None, Some(_)) => names.index(&first),
+                (None, None) => format!("_({})", names.index(&first)),
+                (Some(_), Some(0)) => "_k".to_owned(),
+                (Some(_), _) => format!("_(k + {})", names.index(&offset)),
+            }
+        });
+        numbers.collect()
+    }
+}
