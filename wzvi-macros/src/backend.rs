@@ -9,14 +9,14 @@ use crate::describe::{Split, Texts, derived, stepped};
 use crate::discretise::describe::{describe, hamiltonians, properties};
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
+use crate::discretise::facts::flows::Flows;
+use crate::discretise::facts::kinetic::Kinetic;
+use crate::discretise::facts::split;
 use crate::discretise::gauss::{self, StepSlopes};
 use crate::discretise::sites::Site;
 use crate::discretise::{Scheme, discretise};
 use crate::elements;
-use crate::elements::flows::Flows;
-use crate::elements::kinetic::Kinetic;
 use crate::elements::plan::{Strategy, strategy};
-use crate::elements::split;
 use crate::emit::{Beside, emit};
 use crate::model::{Located, Model, System};
 

@@ -2,9 +2,9 @@
 
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::embedding::{Correction, Embedding};
+use crate::discretise::facts::flows::Flows;
+use crate::discretise::facts::split;
 use crate::discretise::facts::{Facts, Failure, Invariant};
-use crate::elements::flows::Flows;
-use crate::elements::split;
 use crate::model::{Located, System};
 use crate::symbolic::{Graph, Rational};
 

@@ -6,13 +6,13 @@ use crate::backend::{in_loops, straight_line};
 use crate::check::check;
 use crate::diagnostics::{Diagnostics, internal};
 use crate::discretise::facts::Facts;
-use crate::elements::collect::collect;
-use crate::elements::friction::friction;
 use crate::emit::stubs::Stubs;
 use crate::functions::{self, Library};
 use crate::input;
 use crate::lower::lower;
-use crate::unroll::{unroll, written_out};
+use crate::passes::collect::collect;
+use crate::passes::friction::friction;
+use crate::passes::unroll::{unroll, written_out};
 
 /// The expansion of `#[hamiltonian(attribute)] item`: the struct with its integrators, or errors at the user's tokens
 /// with the struct and stubs, so that `rustc` adds nothing to them.

@@ -1,8 +1,8 @@
 //! The texts of the schemes that were listed, from those of the schemes that were derived.
 
 use crate::discretise::embedding::Embedding;
-use crate::elements::flows::Flows;
-use crate::elements::split::Form;
+use crate::discretise::facts::flows::Flows;
+use crate::discretise::facts::split::Form;
 
 /// What `EQUATIONS` and the documentation say.
 pub(crate) struct Texts {

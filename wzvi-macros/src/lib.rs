@@ -17,8 +17,8 @@ mod functions;
 mod input;
 mod lower;
 mod model;
+mod passes;
 mod symbolic;
-mod unroll;
 
 /// Turns the Hamiltonians of a system into variational integrators.
 ///

@@ -4,19 +4,22 @@
 use self::forces::{Forces, commuting_forces};
 use self::form::Form;
 use self::invariants::invariant;
+use self::kinetic::is_diagonal;
 use super::branches::{Boundary, Crossing, boundaries};
 use super::embedding::{Correction, Embedding};
 use super::sums::{Half, Increments, Space, Sum, Weighted};
 use crate::diagnostics::internal::Promised;
-use crate::elements::kinetic::is_diagonal;
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, Extent, Reads, System, Term};
 use crate::symbolic::zero::Witness;
 use crate::symbolic::{Graph, Rational, Symbol};
 
+pub(crate) mod flows;
 mod forces;
 mod form;
 mod invariants;
+pub(crate) mod kinetic;
+pub(crate) mod split;
 
 pub(crate) use self::form::is_quadratic;
 pub(crate) use self::invariants::{Failure, Invariant};

@@ -17,13 +17,8 @@
 //!          --emit--> `Elements`: values, slopes and curvatures in loops; the iteration is `wzvi::elements`
 //! ```
 
-pub(crate) mod collect;
 pub(crate) mod describe;
 pub(crate) mod emit;
-pub(crate) mod flows;
-pub(crate) mod friction;
-pub(crate) mod kinetic;
 pub(crate) mod parts;
 pub(crate) mod plan;
-pub(crate) mod split;
 pub(crate) mod staged;

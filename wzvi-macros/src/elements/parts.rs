@@ -1,6 +1,8 @@
 //! The parts of the step Hamiltonian as sums of elements, each with the increments that weigh it: `ℓ_e = -w c_e H_e(P, Q_l)`
 //! is an element of the discrete Lagrangian, and its slopes and curvatures are those of `D_1 L_d`, `D_2 L_d` and `∂L_d/∂P`.
 
+use std::collections::HashMap;
+
 use crate::discretise::facts::{Facts, summed};
 use crate::discretise::quadrature::{Part, Quadrature};
 use crate::discretise::sums::{Sum, Weighted};
@@ -50,4 +52,23 @@ pub(crate) fn family_of(Weighted { element, increments }: &Weighted) -> Option<u
 pub(crate) fn unweighted(elements: &[Element]) -> Sum {
     let weighted = |element: &Element| Weighted { element: element.clone(), increments: Vec::new() };
     elements.iter().map(weighted).collect()
+}
+
+/// Elements of `K = s H(q, p / s)` with `s = e^{γ (t - t_i)}` in the place of those of `H`, and of `s f(q, p / s)` in the place of those of a force.
+pub(crate) fn scale_momenta(system: &mut System, parts: &mut [PartElements]) {
+    let graph = &mut system.graph;
+    let symbol = graph.new_symbol("s");
+    system.scale = Some(symbol);
+    let scale = graph.symbol(symbol);
+    for Weighted { element, .. } in
+        parts.iter_mut().flat_map(|part| part.values.iter_mut().chain(&mut part.elements))
+    {
+        let mut images = HashMap::new();
+        for (momentum, _) in element.momenta() {
+            let own = graph.symbol(momentum);
+            images.insert(momentum, graph.divide(own, scale));
+        }
+        let scaled = graph.substitute(&[element.value], &images)[0];
+        element.value = graph.multiply(scale, scaled);
+    }
 }

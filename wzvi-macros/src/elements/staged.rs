@@ -2,17 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::discretise::facts::Facts;
 use crate::elements::describe::hamiltonians;
-use crate::elements::kinetic::Kinetic;
-use crate::model::{Element, Reads, System};
-
-/// Whether the step Hamiltonian is a constant quadratic form of the momenta plus a function of coordinates and time, and forces read no more.
-pub(crate) fn is_nystrom(model: &mut System, facts: &Facts) -> bool {
-    let moves = |element: &Element| matches!(element.reads(), Reads::Momenta | Reads::Both);
-    let is_noisy = model.noise.iter().flat_map(|noise| &noise.term.elements).any(moves);
-    facts.is_separable && !is_noisy && model.conformal.is_none() && Kinetic::of(model).is_some()
-}
+use crate::model::System;
 
 /// The text of `Gauss<stages>`, without its facts.
 pub(crate) fn describe(model: &System, stages: u32) -> String {

@@ -8,7 +8,7 @@ use super::names::Names;
 use super::print::f64_type;
 use super::program::Level;
 use super::system::{Body, Inputs, Letters, body};
-use crate::elements::kinetic::Kinetic;
+use crate::discretise::facts::kinetic::Kinetic;
 use crate::model::{Bath, Model};
 use crate::symbolic::Expr;
 

@@ -10,7 +10,7 @@ use super::system::count;
 use crate::describe::Texts;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
-use crate::elements::flows::Flows;
+use crate::discretise::facts::flows::Flows;
 
 /// The plan of a step that is made of flows.
 pub(super) fn explicit_plan(facts: &Facts) -> TokenStream {

@@ -21,7 +21,7 @@ use crate::describe::Texts;
 use crate::discretise::Scheme;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
-use crate::elements::kinetic::Kinetic;
+use crate::discretise::facts::kinetic::Kinetic;
 use crate::model::Model;
 
 pub(crate) use names::{Names, Surroundings, readable};

@@ -13,7 +13,7 @@ use super::program::Level;
 use super::system::{Body, Inputs, Letters, body, count};
 use crate::describe::Texts;
 use crate::discretise::facts::Facts;
-use crate::elements::split::Form;
+use crate::discretise::facts::split::Form;
 use crate::model::Model;
 use crate::symbolic::{Expr, Symbol};
 

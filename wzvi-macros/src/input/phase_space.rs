@@ -10,7 +10,7 @@ use syn::{Pat, Type};
 use super::attribute::{Declaration, Hamiltonian};
 use super::system::{literal, source};
 use crate::diagnostics::{Diagnostics, messages};
-use crate::unroll::DEGREES;
+use crate::passes::unroll::DEGREES;
 
 /// How coordinates (and momenta) are arranged.
 #[derive(Clone, PartialEq, Eq, Debug)]

@@ -4,11 +4,11 @@
 
 use crate::diagnostics::Diagnostics;
 use crate::discretise::facts::{Facts, Knowledge, NoiseClass};
-use crate::elements::collect::collect;
 use crate::input;
 use crate::lower::lower;
+use crate::passes::collect::collect;
+use crate::passes::unroll::unroll;
 use crate::symbolic::{Graph, Rational};
-use crate::unroll::unroll;
 
 use Knowledge::{Proven, Refuted};
 use NoiseClass::{Additive, Multiplicative, Position};

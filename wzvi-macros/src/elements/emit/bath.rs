@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::parts::Numbers;
-use crate::elements::kinetic::Kinetic;
+use crate::discretise::facts::kinetic::Kinetic;
 use crate::emit::bath::Damped;
 use crate::emit::count;
 use crate::model::System;

@@ -8,8 +8,8 @@ use super::discretized::plan;
 use crate::describe::Texts;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
+use crate::discretise::facts::flows::is_nystrom;
 use crate::elements::plan::Unknowns;
-use crate::elements::staged::is_nystrom;
 use crate::emit::{compose, embedding_type};
 use crate::model::System;
 

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::{degrees, noise_count, vector_type};
-use crate::elements::split;
+use crate::discretise::facts::split;
 use crate::emit::{
     f64_type, friction_rate, invariants, number_of, parameter, reads_time, validate, variables,
 };

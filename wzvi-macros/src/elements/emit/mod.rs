@@ -28,8 +28,7 @@ use crate::diagnostics::internal::Promised;
 use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::sums::{Sum, Weighted};
-use crate::elements::friction;
-use crate::elements::parts::{parts, unweighted};
+use crate::elements::parts::{parts, scale_momenta, unweighted};
 use crate::elements::plan::Strategy;
 use crate::emit::step::mentions;
 use crate::emit::{Surroundings, count, f64_type, with_header, wrapped};
@@ -332,7 +331,7 @@ fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
 fn elements(model: &mut System, facts: &Facts) -> TokenStream {
     let mut parts = parts(model, facts);
     if model.conformal.is_some() {
-        friction::take_in(model, &mut parts);
+        scale_momenta(model, &mut parts);
     }
     let [part_values, part_slopes] = [Wanted::Value, Wanted::Slopes].map(|wanted| parts::arms(model, wanted));
     let [value, slopes, curvature] = [Wanted::Value, Wanted::Slopes, Wanted::Curvature].map(|wanted| {

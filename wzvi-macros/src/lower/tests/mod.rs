@@ -11,11 +11,11 @@ use std::collections::HashMap;
 use proc_macro2::TokenStream;
 
 use crate::diagnostics::Diagnostics;
-use crate::elements::collect::collect;
 use crate::input;
 use crate::model::Model;
+use crate::passes::collect::collect;
+use crate::passes::unroll::{unroll, written_out};
 use crate::symbolic::{Expr, Graph, Node, Relation, Symbol};
-use crate::unroll::{unroll, written_out};
 
 /// The fields of every test system, with their values.
 const STRUCT: &str = "struct System<const N: usize> { a: f64, sigma: f64, n: i32, masses: [f64; 3], table: Vec<f64>, \

@@ -119,6 +119,6 @@ fn form(system: &mut System, part: usize) -> Result<Form, &'static str> {
 }
 
 /// Whether a term reads the time.
-pub(super) fn reads_time(graph: &Graph, term: &Term, t: Symbol) -> bool {
+pub(crate) fn reads_time(graph: &Graph, term: &Term, t: Symbol) -> bool {
     term.elements.iter().any(|element| graph.depends_on(element.value, &[t]))
 }

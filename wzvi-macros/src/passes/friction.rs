@@ -6,11 +6,8 @@
 //! | other friction, no thermostat | the force `-Γ M⁻¹ p` |
 //! | a thermostat | a flow of its own, beside the steps |
 
-use std::collections::HashMap;
-
-use super::kinetic::Kinetic;
-use super::parts::PartElements;
 use crate::diagnostics::{Diagnostics, facts as messages};
+use crate::discretise::facts::kinetic::Kinetic;
 use crate::discretise::facts::space_of;
 use crate::discretise::sums::{Half, Increments, Sum, Weighted};
 use crate::model::{Element, Friction, System, Term};
@@ -153,23 +150,4 @@ fn draw(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics)
     });
     force.values.extend(negative.iter().cloned());
     force.elements.extend(negative);
-}
-
-/// Elements of `K = s H(q, p / s)` with `s = e^{γ (t - t_i)}` in the place of those of `H`, and of `s f(q, p / s)` in the place of those of a force.
-pub(crate) fn take_in(system: &mut System, parts: &mut [PartElements]) {
-    let graph = &mut system.graph;
-    let symbol = graph.new_symbol("s");
-    system.scale = Some(symbol);
-    let scale = graph.symbol(symbol);
-    for Weighted { element, .. } in
-        parts.iter_mut().flat_map(|part| part.values.iter_mut().chain(&mut part.elements))
-    {
-        let mut images = HashMap::new();
-        for (momentum, _) in element.momenta() {
-            let own = graph.symbol(momentum);
-            images.insert(momentum, graph.divide(own, scale));
-        }
-        let scaled = graph.substitute(&[element.value], &images)[0];
-        element.value = graph.multiply(scale, scaled);
-    }
 }

@@ -1,9 +1,9 @@
 //! Whether the step Hamiltonian is `T(p) + V(q, t)`, whose two flows are known: drift and kick.
 
-use super::staged::is_nystrom;
+use super::Facts;
+use super::kinetic::Kinetic;
 use crate::discretise::embedding::Embedding;
-use crate::discretise::facts::Facts;
-use crate::model::{Reads, System};
+use crate::model::{Element, Reads, System};
 
 /// What is known of `T(p) + V(q, t)`.
 #[derive(Clone, Copy, Debug)]
@@ -38,4 +38,11 @@ impl Flows {
         let force_reads_time = read.contains(&Reads::Coordinates);
         Some(Self { is_nystrom: is_nystrom(system, facts), force_reads_time })
     }
+}
+
+/// Whether the step Hamiltonian is a constant quadratic form of the momenta plus a function of coordinates and time, and forces read no more.
+pub(crate) fn is_nystrom(model: &mut System, facts: &Facts) -> bool {
+    let moves = |element: &Element| matches!(element.reads(), Reads::Momenta | Reads::Both);
+    let is_noisy = model.noise.iter().flat_map(|noise| &noise.term.elements).any(moves);
+    facts.is_separable && !is_noisy && model.conformal.is_none() && Kinetic::of(model).is_some()
 }

@@ -10,8 +10,8 @@ use crate::diagnostics::{Diagnostics, expressions};
 use crate::model::index::Loop;
 use crate::model::symbols::{Sum, Symbols};
 use crate::model::{Element, Family, Reads, System, Table, Term};
+use crate::passes::unroll::{NotWrittenOut, Writer};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
-use crate::unroll::{NotWrittenOut, Writer};
 
 /// Makes the elements of every term; reports what is no sum of elements.
 pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
