@@ -6,8 +6,8 @@ use std::rc::Rc;
 use proc_macro2::TokenStream;
 
 use crate::describe::{Split, Texts, derived, stepped};
+use crate::diagnostics::Located;
 use crate::discretise::describe::{describe, hamiltonians, properties};
-use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::facts::flows::Flows;
 use crate::discretise::facts::kinetic::Kinetic;
@@ -17,8 +17,9 @@ use crate::discretise::sites::Site;
 use crate::discretise::{Scheme, discretise};
 use crate::elements;
 use crate::elements::plan::{Strategy, strategy};
+use crate::embedding::Embedding;
 use crate::emit::{Beside, emit};
-use crate::model::{Located, Model, System};
+use crate::model::{Model, System};
 
 /// The struct with everything that the compiler gives it: the Hamiltonians, and the steps that cost less that way, as
 /// straight-line code.

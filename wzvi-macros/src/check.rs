@@ -1,11 +1,12 @@
 //! What the mathematics forbids: inconsistent schemes that were not asked for, first integrals that are none.
 
+use crate::diagnostics::Located;
 use crate::diagnostics::{Diagnostics, facts as messages};
-use crate::discretise::embedding::{Correction, Embedding};
 use crate::discretise::facts::flows::Flows;
 use crate::discretise::facts::split;
 use crate::discretise::facts::{Facts, Failure, Invariant};
-use crate::model::{Located, System};
+use crate::embedding::{Correction, Embedding};
+use crate::model::System;
 use crate::symbolic::{Graph, Rational};
 
 /// Every check, in order; all of them report.

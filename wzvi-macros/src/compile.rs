@@ -7,8 +7,8 @@ use crate::check::check;
 use crate::diagnostics::{Diagnostics, internal};
 use crate::discretise::facts::Facts;
 use crate::emit::stubs::Stubs;
-use crate::functions::{self, Library};
-use crate::input;
+use crate::functions;
+use crate::input::{self, Library};
 use crate::lower::lower;
 use crate::passes::collect::collect;
 use crate::passes::friction::friction;
@@ -18,8 +18,9 @@ use crate::passes::unroll::{unroll, written_out};
 /// with the struct and stubs, so that `rustc` adds nothing to them.
 pub(crate) fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
     match functions::questions(&attribute, &item) {
-        Some(questions) => questions,
-        None => expand_with(attribute, item, Library::default()),
+        // Mistakes are reported first: `rustc` would show nothing but a macro that it cannot find.
+        Some(questions) if !has_errors(attribute.clone(), item.clone()) => questions,
+        _ => expand_with(attribute, item, Library::default()),
     }
 }
 
@@ -38,8 +39,9 @@ pub(crate) fn expand_with(attribute: TokenStream, item: TokenStream, library: Li
     }
 }
 
-/// Whether the expansion would report errors.
-pub(crate) fn has_errors(attribute: TokenStream, item: TokenStream, library: Library) -> bool {
+/// Whether the expansion would report errors whatever the shared functions are.
+fn has_errors(attribute: TokenStream, item: TokenStream) -> bool {
+    let library = Library { is_pending: true, ..Library::default() };
     let mut diagnostics = Diagnostics::new();
     let mut stubs = Stubs::unrecognised(TokenStream::new());
     compile(attribute, item, library, &mut stubs, &mut diagnostics);

@@ -1,8 +1,8 @@
 //! The texts of the schemes that were listed, from those of the schemes that were derived.
 
-use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::flows::Flows;
 use crate::discretise::facts::split::Form;
+use crate::embedding::Embedding;
 
 /// What `EQUATIONS` and the documentation say.
 pub(crate) struct Texts {

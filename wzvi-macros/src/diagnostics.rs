@@ -4,10 +4,14 @@ pub(crate) mod expressions;
 pub(crate) mod facts;
 pub(crate) mod internal;
 pub(crate) mod messages;
+mod spelling;
 
 use std::collections::HashSet;
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Ident, Span, TokenStream, TokenTree};
+use quote::ToTokens;
+
+pub(crate) use spelling::{closest, source};
 
 /// The errors so far. It has to be finished: dropping it would lose them.
 #[must_use = "errors are lost unless `finish` turns them into tokens"]
@@ -64,5 +68,34 @@ impl Diagnostics {
 impl Drop for Diagnostics {
     fn drop(&mut self) {
         debug_assert!(self.finished || std::thread::panicking(), "diagnostics were dropped unread");
+    }
+}
+
+/// What the user wrote, and where.
+#[derive(Clone, Copy)]
+pub(crate) struct Located<T> {
+    pub(crate) value: T,
+    pub(crate) extent: Extent,
+}
+
+/// From the first to the last token: stable `rustc` joins no spans.
+#[derive(Clone, Copy)]
+pub(crate) struct Extent {
+    first: Span,
+    last: Span,
+}
+
+impl Extent {
+    pub(crate) fn of(tokens: &impl ToTokens) -> Self {
+        let mut tokens = tokens.to_token_stream().into_iter();
+        let first = tokens.next().map_or_else(Span::call_site, |token| token.span());
+        Self { first, last: tokens.last().map_or(first, |token| token.span()) }
+    }
+}
+
+/// Two tokens that an error message can span.
+impl ToTokens for Extent {
+    fn to_tokens(&self, tokens: &mut TokenStream) {
+        tokens.extend([self.first, self.last].map(|span| TokenTree::from(Ident::new("_", span))));
     }
 }

@@ -13,35 +13,13 @@ mod define;
 use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, format_ident, quote};
 use syn::parse::{Parse, ParseStream};
-use syn::{Block, ImplItem, Item, ItemFn, ItemImpl, Path, Signature, braced};
+use syn::{ImplItem, Item, ItemFn, ItemImpl, Path, braced};
 
 use crate::diagnostics::Diagnostics;
-use crate::input;
+use crate::input::{self, Function, Library};
+use crate::lower::key;
 
-pub(crate) use calls::{may_be_shared, type_of};
 pub(crate) use define::define;
-
-/// The functions that a body may call.
-#[derive(Default)]
-pub(crate) struct Library {
-    pub(crate) functions: Vec<Function>,
-    /// Those of the struct, called as `self.name(...)`.
-    pub(crate) methods: Vec<Function>,
-    /// Whether definitions are still to come: calls of functions that are not known are no mistakes yet.
-    pub(crate) is_pending: bool,
-}
-
-/// A shared function.
-pub(crate) struct Function {
-    /// The path by which it is called, without spaces.
-    pub(crate) name: String,
-    pub(crate) signature: Signature,
-    pub(crate) block: Block,
-    /// What it calls itself.
-    pub(crate) library: Library,
-    /// Whether it means something else where it is called from another type.
-    reads_self: bool,
-}
 
 /// An expansion that waits for definitions: `{kind} {crate path} {attribute} {item} {asked paths} {answers}`.
 pub(super) struct Question {
@@ -232,42 +210,26 @@ fn is_owner(path: &Path) -> bool {
     path.get_ident().is_some_and(|name| name.to_string().ends_with(OWNER))
 }
 
-/// A path as calls are compared: without spaces.
-pub(crate) fn key(path: &impl ToTokens) -> String {
-    path.to_token_stream().to_string().replace(' ', "")
-}
-
-/// The questions of `#[hamiltonian(attribute)] item`, if it calls shared functions and has no mistakes of its own.
+/// The questions of `#[hamiltonian(attribute)] item`, if it calls shared functions and what is read so far has no mistakes.
 pub(crate) fn questions(attribute: &TokenStream, item: &TokenStream) -> Option<TokenStream> {
     let mut diagnostics = Diagnostics::new();
     let system = input::read_struct(item.clone(), &mut diagnostics);
     let declaration = input::read_attribute(attribute.clone(), &mut diagnostics);
-    let has_mistakes = diagnostics.has_errors();
-    drop(diagnostics.finish());
+    diagnostics.finish().ok()?;
     let (system, declaration) = (system?, declaration?);
-    if has_mistakes {
-        return None;
-    }
     let closures = declaration.closures().map(|hamiltonian| &hamiltonian.closure);
     let asked = calls::of_closures(closures, &system.item.ident);
-    if asked.is_empty() {
-        return None;
-    }
-    // Other mistakes are reported first: `rustc` would show nothing but a macro that it cannot find.
-    let pending = Library { is_pending: true, ..Library::default() };
-    if crate::compile::has_errors(attribute.clone(), item.clone(), pending) {
-        return None;
-    }
     let kind = syn::parse_quote!(hamiltonian);
-    let (attribute, item) = (attribute.clone(), item.clone());
-    Some(
-        Question { kind, crate_path: declaration.crate_path, attribute, item, asked, answers: Vec::new() }
-            .ask(),
-    )
+    let (attribute, item, crate_path) = (attribute.clone(), item.clone(), declaration.crate_path);
+    let question = Question { kind, crate_path, attribute, item, asked, answers: Vec::new() };
+    (!question.asked.is_empty()).then(|| question.ask())
 }
 
-/// One answer has come: the next question, or the expansion.
-pub(crate) fn proceed(tokens: TokenStream) -> TokenStream {
+/// One answer has come: the next question, or what the system is expanded to.
+pub(crate) fn proceed(
+    tokens: TokenStream,
+    expand: impl FnOnce(TokenStream, TokenStream, Library) -> TokenStream,
+) -> TokenStream {
     let question = match syn::parse2::<Question>(tokens) {
         Ok(question) => question,
         Err(error) => return error.to_compile_error(),
@@ -279,7 +241,7 @@ pub(crate) fn proceed(tokens: TokenStream) -> TokenStream {
         return define::carrier(&question);
     }
     match question.library() {
-        Ok(library) => crate::compile::expand_with(question.attribute, question.item, library),
+        Ok(library) => expand(question.attribute, question.item, library),
         Err(error) => error.to_compile_error(),
     }
 }

@@ -12,6 +12,7 @@ mod discretise;
 #[cfg(test)]
 mod effort;
 mod elements;
+mod embedding;
 mod emit;
 mod functions;
 mod input;
@@ -81,5 +82,5 @@ pub fn hamiltonian_fn(
 #[doc(hidden)]
 #[proc_macro]
 pub fn __continue(tokens: proc_macro::TokenStream) -> proc_macro::TokenStream {
-    functions::proceed(tokens.into()).into()
+    functions::proceed(tokens.into(), compile::expand_with).into()
 }

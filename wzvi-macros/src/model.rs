@@ -8,13 +8,13 @@
 //! variable is a component of `q` or `p`, an entry of a field, or a number made of loop variables; its index is an
 //! [`Index`]. The element of a small system has no loops and locals with constant indices: that is all that sets it apart.
 
-use proc_macro2::{Ident, Span, TokenStream, TokenTree};
-use quote::ToTokens;
+use proc_macro2::TokenStream;
 
 use self::index::{Index, Loop};
 use self::symbols::Symbols;
 use crate::diagnostics::internal::Promised;
-use crate::discretise::embedding::Embedding;
+use crate::diagnostics::{Extent, Located};
+use crate::embedding::Embedding;
 use crate::input::{Emission, Labels, Shape};
 use crate::symbolic::{Expr, Graph, Symbol};
 
@@ -44,35 +44,6 @@ pub(crate) struct Parameter {
     pub(crate) symbol: Symbol,
     /// An `f64` expression in which `self` is a reference to the struct.
     pub(crate) tokens: TokenStream,
-}
-
-/// A symbolic expression with the place where the user wrote it.
-#[derive(Clone, Copy)]
-pub(crate) struct Located<T> {
-    pub(crate) value: T,
-    pub(crate) extent: Extent,
-}
-
-/// From the first to the last token: stable `rustc` joins no spans.
-#[derive(Clone, Copy)]
-pub(crate) struct Extent {
-    first: Span,
-    last: Span,
-}
-
-impl Extent {
-    pub(crate) fn of(tokens: &impl ToTokens) -> Self {
-        let mut tokens = tokens.to_token_stream().into_iter();
-        let first = tokens.next().map_or_else(Span::call_site, |token| token.span());
-        Self { first, last: tokens.last().map_or(first, |token| token.span()) }
-    }
-}
-
-/// Two tokens that an error message can span.
-impl ToTokens for Extent {
-    fn to_tokens(&self, tokens: &mut TokenStream) {
-        tokens.extend([self.first, self.last].map(|span| TokenTree::from(Ident::new("_", span))));
-    }
 }
 
 /// A list or an integer that the struct or a constant holds.

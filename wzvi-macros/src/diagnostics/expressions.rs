@@ -5,8 +5,7 @@ use quote::{ToTokens, quote};
 use syn::Error;
 
 use super::messages::{at, suggest};
-use crate::input::{closest, source};
-use crate::lower::is_real_method;
+use super::{closest, source};
 
 pub(crate) fn unsupported(found: impl ToTokens, what: &str, remedy: &str) -> Error {
     at(found, format!("{what} cannot be compiled to a symbolic expression; {remedy}"))
@@ -55,14 +54,6 @@ pub(crate) fn function_as_method(name: &syn::Ident, method: &str, arguments: &[&
         [] => format!("x.{method}()"),
     };
     at(name, format!("functions of `f64` are methods: write `{call}`"))
-}
-
-/// The method of `f64` that a name of a function means.
-pub(crate) fn meant_method(name: &str) -> Option<&str> {
-    match name {
-        "log" => Some("ln"),
-        _ => synonym(name).filter(|&meant| meant != "len").or_else(|| is_real_method(name).then_some(name)),
-    }
 }
 
 pub(crate) fn unknown_name(name: &syn::Ident, fields: &[String], locals: &[String]) -> Error {
@@ -179,7 +170,7 @@ pub(crate) fn unknown_method(method: &syn::Ident, receiver: &str, known: &[&str]
 }
 
 /// What other languages call the same function.
-fn synonym(name: &str) -> Option<&'static str> {
+pub(crate) fn synonym(name: &str) -> Option<&'static str> {
     Some(match name {
         "pow" | "square" | "squared" | "sqr" | "cube" => "powi",
         "arcsin" => "asin",

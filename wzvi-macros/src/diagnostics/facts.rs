@@ -1,15 +1,15 @@
 //! The messages about the mathematics: what was derived contradicts what was declared.
 
+use std::fmt::Display;
+
 use syn::Error;
 
-use crate::discretise::embedding::Embedding;
-use crate::discretise::facts::Knowledge;
-use crate::model::{Extent, Located};
+use super::{Extent, Located};
 use crate::symbolic::Graph;
-use crate::symbolic::zero::Witness;
+use crate::symbolic::zero::{Knowledge, Witness};
 
 /// A bare scheme whose limit is not the Stratonovich system.
-pub(crate) fn inconsistent(embedding: &Located<Embedding>, defect: &str, constant: &Knowledge) -> Error {
+pub(crate) fn inconsistent(embedding: &Located<impl Display>, defect: &str, constant: &Knowledge) -> Error {
     let scheme = &embedding.value;
     let finding = match constant {
         Knowledge::Unknown(reason) => {
@@ -28,7 +28,7 @@ pub(crate) fn inconsistent(embedding: &Located<Embedding>, defect: &str, constan
 }
 
 /// The same for forces that are driven by noise.
-pub(crate) fn inconsistent_forces(embedding: &Located<Embedding>, defect: &str, force: &str) -> Error {
+pub(crate) fn inconsistent_forces(embedding: &Located<impl Display>, defect: &str, force: &str) -> Error {
     let scheme = &embedding.value;
     let hamiltonian = match defect {
         "0" => String::new(),
@@ -45,7 +45,7 @@ pub(crate) fn inconsistent_forces(embedding: &Located<Embedding>, defect: &str, 
 }
 
 /// A counter-term of noise forces, which has no Hamiltonian.
-pub(crate) fn correction_of_forces(embedding: &Located<Embedding>) -> Error {
+pub(crate) fn correction_of_forces(embedding: &Located<impl Display>) -> Error {
     let scheme = &embedding.value;
     Error::new_spanned(
         embedding.extent,
@@ -57,7 +57,7 @@ pub(crate) fn correction_of_forces(embedding: &Located<Embedding>) -> Error {
 }
 
 /// `Baoab` and the like of a system that is not `T(p) + V(q, t)`.
-pub(crate) fn word_without_flows(embedding: &Located<Embedding>) -> Error {
+pub(crate) fn word_without_flows(embedding: &Located<impl Display>) -> Error {
     let scheme = &embedding.value;
     Error::new_spanned(
         embedding.extent,
@@ -128,7 +128,7 @@ fn at_witness(witness: &Witness, graph: &Graph) -> String {
 }
 
 /// A counter-term whose indices the compiler cannot write.
-pub(crate) fn counter_term_of_elements(embedding: &Located<Embedding>) -> Error {
+pub(crate) fn counter_term_of_elements(embedding: &Located<impl Display>) -> Error {
     let scheme = &embedding.value;
     Error::new_spanned(
         embedding.extent,
@@ -139,7 +139,7 @@ pub(crate) fn counter_term_of_elements(embedding: &Located<Embedding>) -> Error 
     )
 }
 
-pub(crate) fn thermostat_without_friction(embedding: &Located<Embedding>) -> Error {
+pub(crate) fn thermostat_without_friction(embedding: &Located<impl Display>) -> Error {
     let scheme = &embedding.value;
     Error::new_spanned(
         embedding.extent,
@@ -157,7 +157,7 @@ pub(crate) fn temperature_without_friction(extent: Extent) -> Error {
 }
 
 /// A scheme that has no place for friction and its noise, beside those that have.
-pub(crate) fn friction_needs_thermostat(embedding: &Located<Embedding>, has_temperature: bool) -> Error {
+pub(crate) fn friction_needs_thermostat(embedding: &Located<impl Display>, has_temperature: bool) -> Error {
     let scheme = &embedding.value;
     let reason = match has_temperature {
         true => "this system has a temperature, whose noise goes with its friction",

@@ -6,8 +6,7 @@ use proc_macro2::{Ident, Span, TokenStream};
 use quote::ToTokens;
 use syn::{Error, Item};
 
-use crate::discretise::embedding::Embedding;
-use crate::input::{Shape, closest};
+use super::closest;
 
 const KEYS: &str = "`drift`, `noise`, `force`, `noise_force`, `friction`, `damping`, `temperature`, `embedding`, `invariant` \
                     and `crate`";
@@ -255,7 +254,7 @@ fn scheme_synonym(name: &str) -> Option<&'static str> {
     })
 }
 
-pub(crate) fn duplicate_embedding(found: impl ToTokens, embedding: &Embedding) -> Error {
+pub(crate) fn duplicate_embedding(found: impl ToTokens, embedding: &impl Display) -> Error {
     at(found, format!("`{embedding}` is listed twice; once is enough"))
 }
 
@@ -312,7 +311,7 @@ pub(crate) fn swapped_names(q: &syn::Pat, p: &syn::Pat) -> Error {
     )
 }
 
-pub(crate) fn momenta_disagree(momenta: impl ToTokens, q: &Shape, p: &Shape) -> Error {
+pub(crate) fn momenta_disagree(momenta: impl ToTokens, q: &impl Display, p: &impl Display) -> Error {
     at(momenta, format!("the momenta are `{p}`, but the coordinates are `{q}`; both need the same shape"))
 }
 
@@ -326,15 +325,23 @@ pub(crate) fn field_named_like_variable(variable: &Ident) -> Error {
     )
 }
 
-pub(crate) fn shapes_disagree(pattern: impl ToTokens, found: &Shape, drift: &Shape) -> Error {
-    let remedy = match drift {
-        Shape::Real => "give both closures one coordinate".to_owned(),
-        Shape::Array(..) => format!("write it as `q: {drift}` or destructure it"),
+pub(crate) fn shapes_disagree(
+    pattern: impl ToTokens,
+    found: &impl Display,
+    (drift, is_real): (&impl Display, bool),
+) -> Error {
+    let remedy = match is_real {
+        true => "give both closures one coordinate".to_owned(),
+        false => format!("write it as `q: {drift}` or destructure it"),
     };
     at(pattern, format!("this is `{found}`, but the phase space of the drift is `{drift}`; {remedy}"))
 }
 
-pub(crate) fn shapes_disagree_within(pattern: impl ToTokens, found: &Shape, expected: &Shape) -> Error {
+pub(crate) fn shapes_disagree_within(
+    pattern: impl ToTokens,
+    found: &impl Display,
+    expected: &impl Display,
+) -> Error {
     at(pattern, format!("this pattern has the shape `{found}`, but `{expected}` is expected here"))
 }
 

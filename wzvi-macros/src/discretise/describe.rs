@@ -4,13 +4,14 @@ use std::fmt::Write;
 
 use crate::discretise::Scheme;
 use crate::discretise::branches::{Boundary, Crossing};
-use crate::discretise::embedding::Embedding;
 use crate::discretise::equations::MomentumUpdate;
-use crate::discretise::facts::{Facts, Knowledge, NoiseClass};
+use crate::discretise::facts::{Facts, NoiseClass};
 use crate::discretise::lagrangian::StepSymbols;
 use crate::discretise::modified;
 use crate::discretise::structure::{Block, Solution, Unknown};
+use crate::embedding::Embedding;
 use crate::model::Model;
+use crate::symbolic::zero::Knowledge;
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// The text of one scheme.

@@ -6,12 +6,13 @@ use self::form::Form;
 use self::invariants::invariant;
 use self::kinetic::is_diagonal;
 use super::branches::{Boundary, Crossing, boundaries};
-use super::embedding::{Correction, Embedding};
 use super::sums::{Half, Increments, Space, Sum, Weighted};
+use crate::diagnostics::Extent;
 use crate::diagnostics::internal::Promised;
+use crate::embedding::{Correction, Embedding};
 use crate::model::index::{Atom, Index};
-use crate::model::{Element, Extent, Reads, System, Term};
-use crate::symbolic::zero::Witness;
+use crate::model::{Element, Reads, System, Term};
+use crate::symbolic::zero::Knowledge;
 use crate::symbolic::{Graph, Rational, Symbol};
 
 pub(crate) mod flows;
@@ -32,15 +33,6 @@ pub(crate) enum NoiseClass {
     Position,
     Momentum,
     Multiplicative,
-}
-
-/// What is known of a statement "this vanishes".
-#[derive(Clone, Debug)]
-pub(crate) enum Knowledge {
-    Proven,
-    Refuted(Witness),
-    /// Why neither is known.
-    Unknown(String),
 }
 
 /// What facts are about: every Hamiltonian as a sum, a noise times its increment.

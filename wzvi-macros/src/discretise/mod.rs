@@ -7,7 +7,6 @@
 
 pub(crate) mod branches;
 pub(crate) mod describe;
-pub(crate) mod embedding;
 pub(crate) mod equations;
 pub(crate) mod facts;
 pub(crate) mod gauss;
@@ -18,8 +17,8 @@ pub(crate) mod sites;
 pub(crate) mod structure;
 pub(crate) mod sums;
 
+use crate::embedding::Embedding;
 use crate::model::Model;
-use embedding::Embedding;
 use equations::Equations;
 use facts::{Facts, NoiseClass};
 use lagrangian::DiscreteLagrangian;

@@ -11,9 +11,9 @@
 //! variational integrators", Acta Numerica 2001, section 3.2). `Corrected` adds the increment form of
 //! the counter-term, at the quadrature point of the noise.
 
-use super::embedding::{Correction, Embedding};
 use super::facts::{Facts, NoiseClass};
 use crate::diagnostics::internal::Promised;
+use crate::embedding::{Correction, Embedding};
 use crate::symbolic::Rational;
 
 /// A part of the step Hamiltonian.

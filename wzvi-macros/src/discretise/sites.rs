@@ -14,8 +14,9 @@ use std::collections::HashMap;
 
 use proc_macro2::TokenStream;
 
+use crate::diagnostics::Located;
 use crate::model::index::{Atom, Index, Loop};
-use crate::model::{Element, Located, Model, Parameter, Phase, Slot, System, Term};
+use crate::model::{Element, Model, Parameter, Phase, Slot, System, Term};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// The small system at the site of a loop variable.

@@ -13,11 +13,11 @@
 
 use std::rc::Rc;
 
-use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::quadrature::{Part, Quadrature};
 use crate::discretise::sites::Site;
 use crate::discretise::{Scheme, discretise};
+use crate::embedding::Embedding;
 use crate::model::{Element, Reads, System, Term};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 

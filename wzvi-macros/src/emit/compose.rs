@@ -4,13 +4,12 @@ use proc_macro2::TokenStream;
 use quote::quote;
 use syn::ItemStruct;
 
-use super::embedding_type;
 use super::plan::Plan;
 use super::system::count;
 use crate::describe::Texts;
-use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::facts::flows::Flows;
+use crate::embedding::Embedding;
 
 /// The plan of a step that is made of flows.
 pub(super) fn explicit_plan(facts: &Facts) -> TokenStream {
@@ -47,7 +46,7 @@ pub(crate) fn flows(item: &ItemStruct, flows: Flows, facts: &Facts, in_place: &T
 pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
     let mut generated = TokenStream::new();
     for (embedding, text) in &texts.listed {
-        let scheme = embedding_type(embedding, &quote!(__wzvi));
+        let scheme = embedding.path(&quote!(__wzvi));
         if embedding.is_thermostat() {
             generated.extend(thermostat(embedding, text).emit(item, &item.generics, &scheme));
             continue;
@@ -64,8 +63,8 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
         // `Gauss<1>` is a step of `Midpoint`.
         let whole = match embedding.parts().as_slice() {
             [] => None,
-            [whole] => (whole != embedding).then(|| embedding_type(whole, &quote!(__wzvi))),
-            _ => Some(embedding_type(own, &quote!(__wzvi))),
+            [whole] => (whole != embedding).then(|| whole.path(&quote!(__wzvi))),
+            _ => Some(own.path(&quote!(__wzvi))),
         };
         if let Some(whole) = whole {
             let composition = Composition {
@@ -125,11 +124,11 @@ fn composed_of(item: &ItemStruct, base: &TokenStream, composed: &Composed, text:
 fn thermostat(embedding: &Embedding, text: &str) -> Composition {
     let sequence = match embedding {
         Embedding::Thermostat(inner) => {
-            let inner = embedding_type(inner, &quote!(__wzvi));
+            let inner = inner.path(&quote!(__wzvi));
             quote!(__wzvi::bath::Around<__wzvi::bath::Isolated<#inner>>)
         }
         word => {
-            let word = embedding_type(word, &quote!(__wzvi));
+            let word = word.path(&quote!(__wzvi));
             quote!(__wzvi::bath::Splitting<#word>)
         }
     };

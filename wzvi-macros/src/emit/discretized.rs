@@ -3,8 +3,8 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::{embedding_type, f64_type};
-use crate::discretise::embedding::Embedding;
+use super::f64_type;
+use crate::embedding::Embedding;
 
 /// Steps of systems beside each other.
 pub(crate) struct Beside {
@@ -54,7 +54,7 @@ impl Discretized<'_> {
         let Self { prepare, inline, advance, lagrangian, gradient, momentum, .. } = self;
         let name = &item.ident;
         let (generics, arguments, filter) = item.generics.split_for_impl();
-        let (scheme, f64) = (embedding_type(embedding, &quote!(__wzvi)), f64_type());
+        let (scheme, f64) = (embedding.path(&quote!(__wzvi)), f64_type());
         let new_memory = self.new_memory.as_ref().map(|body| {
             quote! {
                 fn memory(&self) -> Self::Memory<#f64> {

@@ -6,17 +6,17 @@ use std::collections::HashMap;
 use proc_macro2::{Group, Ident, Literal, TokenStream, TokenTree};
 use quote::{format_ident, quote};
 
+use super::compose;
 use super::names::Names;
 use super::plan::Plan;
 use super::print::f64_type;
 use super::program::Level;
 use super::step::increment_names;
 use super::system::{Body, Inputs, Letters, body, count, evaluation_over};
-use super::{compose, embedding_type};
 use crate::describe::Texts;
-use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::gauss::StepSlopes;
+use crate::embedding::Embedding;
 use crate::model::Model;
 use crate::symbolic::Expr;
 
@@ -44,7 +44,7 @@ pub(super) fn emit(model: &mut Model, facts: &Facts, texts: &Texts) -> TokenStre
     }
     .emit();
     for (embedding, stages, text) in staged {
-        let (scheme, stages) = (embedding_type(embedding, &quote!(__wzvi)), Literal::u32_unsuffixed(stages));
+        let (scheme, stages) = (embedding.path(&quote!(__wzvi)), Literal::u32_unsuffixed(stages));
         generated.extend(quote! {
             __wzvi::gauss! {
                 [impl #generics __wzvi::Discretized<#scheme> for #name #arguments #filter]

@@ -14,12 +14,11 @@ pub(crate) mod step;
 pub(crate) mod stubs;
 mod system;
 
-use proc_macro2::{Ident, Span, TokenStream};
+use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 
 use crate::describe::Texts;
 use crate::discretise::Scheme;
-use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::facts::kinetic::Kinetic;
 use crate::model::Model;
@@ -120,38 +119,4 @@ fn documentation(texts: &Texts) -> TokenStream {
     let blocks = texts.listed.iter().map(|(_, text)| format!("```text\n{text}\n```\n"));
     let text = format!("\n# Discrete equations\n\n{}", blocks.collect::<Vec<_>>().join("\n"));
     quote!(#[doc = #text])
-}
-
-/// The scheme as a type of the facade or of what stands for it, by its path.
-pub(crate) fn embedding_type(embedding: &Embedding, wzvi: &impl ToTokens) -> TokenStream {
-    let wrapped = |name: &str, inner: &Embedding| {
-        let (name, inner) = (Ident::new(name, Span::call_site()), embedding_type(inner, wzvi));
-        quote!(#wzvi::embedding::#name<#inner>)
-    };
-    match embedding {
-        Embedding::DeltaPlus => quote!(#wzvi::embedding::DeltaPlus),
-        Embedding::Midpoint => quote!(#wzvi::embedding::Midpoint),
-        Embedding::DeltaMinus => quote!(#wzvi::embedding::DeltaMinus),
-        Embedding::Verlet => quote!(#wzvi::embedding::Verlet),
-        Embedding::Gauss(stages) => {
-            let stages = proc_macro2::Literal::u32_unsuffixed(*stages);
-            quote!(#wzvi::embedding::Gauss<#stages>)
-        }
-        Embedding::Lambda(n, d) => quote!(#wzvi::embedding::Lambda<#n, #d>),
-        Embedding::Mixed(drift, noise) => {
-            let (drift, noise) = (embedding_type(drift, wzvi), embedding_type(noise, wzvi));
-            quote!(#wzvi::embedding::Mixed<#drift, #noise>)
-        }
-        Embedding::Baoab => quote!(#wzvi::embedding::Baoab),
-        Embedding::Obabo => quote!(#wzvi::embedding::Obabo),
-        Embedding::Gjf => quote!(#wzvi::embedding::Gjf),
-        Embedding::GjI => quote!(#wzvi::embedding::GjI),
-        Embedding::Thermostat(inner) => wrapped("Thermostat", inner),
-        Embedding::Isolated(inner) => {
-            let inner = embedding_type(inner, wzvi);
-            quote!(#wzvi::bath::Isolated<#inner>)
-        }
-        Embedding::Corrected(inner) => wrapped("Corrected", inner),
-        Embedding::Uncorrected(inner) => wrapped("Uncorrected", inner),
-    }
 }

@@ -3,7 +3,8 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use crate::discretise::facts::{Knowledge, NoiseClass};
+use crate::discretise::facts::NoiseClass;
+use crate::symbolic::zero::Knowledge;
 
 /// The fields of the constant; `solver` is the variant's name, `unknowns` a constant expression.
 pub(crate) struct Plan<'f> {

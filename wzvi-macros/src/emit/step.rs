@@ -4,7 +4,6 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::discretized::{Beside, Discretized};
-use super::embedding_type;
 use super::lagrangian;
 use super::names::Names;
 use super::plan::Plan;
@@ -230,7 +229,7 @@ fn momentum(kernel: &Kernel, scheme: &Scheme) -> TokenStream {
     }
     let symbols = &scheme.lagrangian.symbols;
     let (degrees, noises) = (count(symbols.u.len()), symbols.dw.len());
-    let embedding = embedding_type(&scheme.embedding, &quote!(__wzvi));
+    let embedding = scheme.embedding.path(&quote!(__wzvi));
     let (f64, option) = (f64_type(), quote!(__wzvi::Option));
     let increments = match noises {
         0 => quote!(__wzvi::increments::<_, 0>(__dw).ok()?;),

@@ -5,7 +5,6 @@ use proc_macro2::TokenStream;
 use quote::quote;
 use syn::{ItemStruct, Path};
 
-use crate::emit::embedding_type;
 use crate::input::Declaration;
 
 /// What is known of the system so far.
@@ -33,7 +32,7 @@ impl Stubs {
         let crate_path = &declaration.crate_path;
         self.schemes = if declaration.all_embeddings_known {
             let parameters = quote! { #parameters };
-            let types = declaration.embeddings.iter().map(|known| embedding_type(&known.value, crate_path));
+            let types = declaration.embeddings.iter().map(|known| known.value.path(crate_path));
             types.map(|ty| (parameters.clone(), ty)).collect()
         } else {
             // Whatever the program calls for may be what was misspelled.

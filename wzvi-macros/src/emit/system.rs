@@ -8,9 +8,10 @@ use quote::{format_ident, quote};
 use super::names::Names;
 use super::print::{Printer, f64_type};
 use super::program::{Level, Lowering, Op};
-use crate::discretise::embedding::Embedding;
+use crate::diagnostics::Located;
+use crate::embedding::Embedding;
 use crate::input::Labels;
-use crate::model::{Located, Model, Parameter};
+use crate::model::{Model, Parameter};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// A function body that evaluates expressions of symbols which are bound to names before it.

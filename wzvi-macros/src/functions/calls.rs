@@ -7,8 +7,7 @@ use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 use syn::{Expr, ExprCall, ExprClosure, ExprMethodCall, ExprPath, Path};
 
-use super::key;
-use crate::lower::{is_real_method, is_self, real_function};
+use crate::lower::{is_constant_name, is_self, key, may_be_shared, type_of};
 
 /// Calls of names that are neither variables nor functions of `f64`.
 #[derive(Default)]
@@ -62,22 +61,6 @@ pub(super) fn of_function(own: Option<&Ident>, signature: &syn::Signature, block
     calls
 }
 
-/// Whether a path names a function that somebody may have written for Hamiltonians: no function of `f64`, with or without
-/// its type, and no constructor.
-pub(crate) fn may_be_shared(path: &ExprPath) -> bool {
-    let segments = &path.path.segments;
-    let Some(last) = segments.last().map(|last| last.ident.to_string()) else { return false };
-    let is_bare_method = segments.len() == 1 && is_real_method(&last);
-    let is_function = !last.starts_with(char::is_uppercase) && !is_bare_method;
-    path.qself.is_none() && is_function && real_function(path).is_none()
-}
-
-/// The type in `Type::function`.
-pub(crate) fn type_of(path: &Path) -> Option<&Ident> {
-    let first = path.segments.first().filter(|_| path.segments.len() == 2 && path.leading_colon.is_none())?;
-    first.ident.to_string().starts_with(char::is_uppercase).then_some(&first.ident)
-}
-
 impl<'s> Visit<'s> for Calls {
     fn visit_expr_call(&mut self, call: &'s ExprCall) {
         match &*call.func {
@@ -105,10 +88,7 @@ impl<'s> Visit<'s> for Calls {
 
     fn visit_expr_path(&mut self, path: &'s ExprPath) {
         let segments = &path.path.segments;
-        let is_constant = segments.last().is_some_and(|last| {
-            let name = last.ident.to_string();
-            name.chars().any(char::is_uppercase) && !name.chars().any(char::is_lowercase)
-        });
+        let is_constant = segments.last().is_some_and(|last| is_constant_name(&last.ident));
         let from_the_root = path.path.leading_colon.is_some()
             || segments.len() > 1
                 && segments.first().is_some_and(|first| {

@@ -8,6 +8,7 @@ use syn::{FnArg, GenericParam, ImplItem, Item, ItemFn, ItemImpl, Path, Signature
 
 use super::{Question, calls};
 use crate::diagnostics::{Diagnostics, messages};
+use crate::lower::key;
 
 /// The expansion of `#[hamiltonian_fn(attribute)] item`.
 pub(crate) fn define(attribute: TokenStream, item: TokenStream) -> TokenStream {
@@ -77,7 +78,7 @@ fn of_impl(methods: &ItemImpl, diagnostics: &mut Diagnostics) -> Vec<Path> {
         let ImplItem::Fn(method) = item else { continue };
         check_signature(&method.sig, diagnostics);
         for path in calls::of_function(own.as_ref(), &method.sig, &method.block).paths(None) {
-            if !asked.iter().any(|known| super::key(known) == super::key(&path)) {
+            if !asked.iter().any(|known| key(known) == key(&path)) {
                 asked.push(path);
             }
         }

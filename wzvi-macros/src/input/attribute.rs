@@ -7,11 +7,10 @@ use syn::parse::{ParseStream, Parser};
 use syn::punctuated::Punctuated;
 use syn::{ExprClosure, Path, Token, token};
 
-use super::{embeddings, groups, nesting};
+use super::{Library, embeddings, groups, nesting};
+use crate::diagnostics::Located;
 use crate::diagnostics::{Diagnostics, messages};
-use crate::discretise::embedding::Embedding;
-use crate::functions::Library;
-use crate::model::Located;
+use crate::embedding::Embedding;
 
 /// The keys that users know, and [`STRATEGY`].
 pub(super) const KEYS: [&str; 11] = [

@@ -4,8 +4,8 @@ use quote::ToTokens;
 use syn::{GenericArgument, PathArguments, Type};
 
 use crate::diagnostics::{Diagnostics, messages};
-use crate::discretise::embedding::Embedding;
-use crate::model::{Extent, Located};
+use crate::diagnostics::{Extent, Located};
+use crate::embedding::Embedding;
 
 /// The schemes, each once; mistakes are reported.
 pub(super) fn read_embeddings(
@@ -14,7 +14,7 @@ pub(super) fn read_embeddings(
 ) -> Vec<(Located<Embedding>, Type)> {
     let mut embeddings: Vec<(Located<Embedding>, Type)> = Vec::new();
     for ty in types {
-        let Some(value) = diagnostics.accept(embedding(ty)) else { continue };
+        let Some(value) = diagnostics.accept(embedding(ty, Inside::List)) else { continue };
         if embeddings.iter().any(|(known, _)| known.value == value) {
             diagnostics.report(messages::duplicate_embedding(ty, &value));
         } else {
@@ -24,98 +24,72 @@ pub(super) fn read_embeddings(
     embeddings
 }
 
-/// A scheme, wrapped or not.
-fn embedding(ty: &Type) -> syn::Result<Embedding> {
+/// What a scheme stands inside of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Inside {
+    /// The list, or a thermostat.
+    List,
+    /// `Corrected` or `Uncorrected`.
+    Wrapper,
+    Mixed,
+}
+
+/// What stands inside of a wrapper is a scheme with one quadrature point for each term.
+fn embedding(ty: &Type, inside: Inside) -> syn::Result<Embedding> {
     let (name, arguments) = parts(ty)?;
-    match (name.to_string().as_str(), arguments.as_deref()) {
-        ("Gauss", Some([stages])) => gauss(ty, stages),
-        ("Gauss", _) => Err(messages::scheme_arguments(ty, "Gauss<4>")),
-        ("Thermostat", Some([GenericArgument::Type(inner)])) => thermostat(inner),
-        ("Thermostat", _) => Err(messages::scheme_arguments(ty, "Thermostat<Midpoint>")),
-        ("Baoab", None) => Ok(Embedding::Baoab),
-        ("Obabo", None) => Ok(Embedding::Obabo),
-        ("Gjf", None) => Ok(Embedding::Gjf),
-        ("GjI", None) => Ok(Embedding::GjI),
-        (plain @ ("Baoab" | "Obabo" | "Gjf" | "GjI"), Some(_)) => Err(messages::scheme_arguments(ty, plain)),
-        ("Verlet", None) => Ok(Embedding::Verlet),
-        ("Verlet", Some(_)) => Err(messages::scheme_arguments(ty, "Verlet")),
-        ("Composed", Some([GenericArgument::Type(base), _])) => Err(messages::composed(ty, base)),
-        ("Corrected", Some([inner])) => Ok(Embedding::Corrected(Box::new(unwrapped(inner)?))),
-        ("Uncorrected", Some([inner])) => Ok(Embedding::Uncorrected(Box::new(unwrapped(inner)?))),
-        ("Corrected" | "Uncorrected", _) => Err(messages::scheme_arguments(ty, "Corrected<Midpoint>")),
-        (_, arguments) => bare(ty, name, arguments),
-    }
-}
-
-/// `Thermostat<E>`
-fn thermostat(inner: &Type) -> syn::Result<Embedding> {
-    match embedding(inner)? {
-        inside if inside.is_thermostat() => Err(messages::thermostat_inside(inner)),
-        inside => Ok(Embedding::Thermostat(Box::new(inside))),
-    }
-}
-
-/// `Gauss<S>`
-fn gauss(ty: &Type, stages: &GenericArgument) -> syn::Result<Embedding> {
-    match lambda_argument(stages)? {
-        stages @ 1..=16 => Ok(Embedding::Gauss(stages)),
-        _ => Err(messages::gauss_stages(ty)),
-    }
-}
-
-/// A scheme inside `Corrected` or `Uncorrected`.
-fn unwrapped(argument: &GenericArgument) -> syn::Result<Embedding> {
-    let GenericArgument::Type(ty) = argument else { return Err(messages::not_a_scheme(argument)) };
-    let (name, arguments) = parts(ty)?;
-    if name == "Corrected" || name == "Uncorrected" {
-        return Err(messages::wrapper_inside(ty));
-    }
-    bare(ty, name, arguments.as_deref())
-}
-
-/// A scheme that is not wrapped.
-fn bare(ty: &Type, name: &syn::Ident, arguments: Option<&[&GenericArgument]>) -> syn::Result<Embedding> {
-    match (name.to_string().as_str(), arguments) {
-        ("Mixed", Some([drift, noise])) => {
-            Ok(Embedding::Mixed(Box::new(simple(drift)?), Box::new(simple(noise)?)))
+    let text = name.to_string();
+    let is_whole = inside == Inside::List;
+    let plain = Embedding::PLAIN.into_iter().find(|plain| plain.name() == text);
+    let plain = plain.filter(|plain| is_whole || plain.is_one_point());
+    let inner = |argument, inside| scheme(argument, inside).map(Box::new);
+    Ok(match (text.as_str(), arguments.as_deref(), plain) {
+        (_, None, Some(plain)) => plain,
+        (_, Some(_), Some(plain)) => return Err(messages::scheme_arguments(ty, plain.name())),
+        ("Lambda", Some([n, d]), _) => match (number(n)?, number(d)?) {
+            (n, d) if d == 0 || n > d => return Err(messages::lambda_range(ty)),
+            (n, d) => Embedding::Lambda(n, d),
+        },
+        ("Lambda", ..) => return Err(messages::scheme_arguments(ty, "Lambda<1, 3>")),
+        ("Mixed", ..) if inside == Inside::Mixed => return Err(messages::mixed_inside_mixed(ty)),
+        ("Mixed", Some([drift, noise]), _) => {
+            Embedding::Mixed(inner(drift, Inside::Mixed)?, inner(noise, Inside::Mixed)?)
         }
-        ("Mixed", _) => Err(messages::scheme_arguments(ty, "Mixed<Midpoint, DeltaPlus>")),
-        _ => point(ty, name, arguments),
-    }
-}
-
-/// A scheme inside `Mixed`.
-fn simple(argument: &GenericArgument) -> syn::Result<Embedding> {
-    let GenericArgument::Type(ty) = argument else { return Err(messages::not_a_scheme(argument)) };
-    let (name, arguments) = parts(ty)?;
-    if name == "Corrected" || name == "Uncorrected" {
-        return Err(messages::wrapper_inside(ty));
-    }
-    if name == "Mixed" {
-        return Err(messages::mixed_inside_mixed(ty));
-    }
-    point(ty, name, arguments.as_deref())
-}
-
-/// A scheme with one quadrature point.
-fn point(ty: &Type, name: &syn::Ident, arguments: Option<&[&GenericArgument]>) -> syn::Result<Embedding> {
-    match (name.to_string().as_str(), arguments) {
-        ("DeltaPlus", None) => Ok(Embedding::DeltaPlus),
-        ("Midpoint", None) => Ok(Embedding::Midpoint),
-        ("DeltaMinus", None) => Ok(Embedding::DeltaMinus),
-        (plain @ ("DeltaPlus" | "Midpoint" | "DeltaMinus"), Some(_)) => {
-            Err(messages::scheme_arguments(ty, plain))
+        ("Mixed", ..) => return Err(messages::scheme_arguments(ty, "Mixed<Midpoint, DeltaPlus>")),
+        ("Corrected" | "Uncorrected", ..) if !is_whole => return Err(messages::wrapper_inside(ty)),
+        ("Corrected", Some([whole]), _) => Embedding::Corrected(inner(whole, Inside::Wrapper)?),
+        ("Uncorrected", Some([whole]), _) => Embedding::Uncorrected(inner(whole, Inside::Wrapper)?),
+        ("Corrected" | "Uncorrected", ..) => {
+            return Err(messages::scheme_arguments(ty, "Corrected<Midpoint>"));
         }
-        ("Lambda", Some([n, d])) => {
-            let (n, d) = (lambda_argument(n)?, lambda_argument(d)?);
-            if d == 0 || n > d { Err(messages::lambda_range(ty)) } else { Ok(Embedding::Lambda(n, d)) }
+        ("Gauss", Some([stages]), _) if is_whole => match number(stages)? {
+            stages @ 1..=16 => Embedding::Gauss(stages),
+            _ => return Err(messages::gauss_stages(ty)),
+        },
+        ("Gauss", ..) if is_whole => return Err(messages::scheme_arguments(ty, "Gauss<4>")),
+        ("Composed", Some([GenericArgument::Type(base), _]), _) if is_whole => {
+            return Err(messages::composed(ty, base));
         }
-        ("Lambda", _) => Err(messages::scheme_arguments(ty, "Lambda<1, 3>")),
-        _ => Err(messages::unknown_embedding(name)),
+        ("Thermostat", Some([GenericArgument::Type(whole)]), _) if is_whole => {
+            match embedding(whole, Inside::List)? {
+                inner if inner.is_thermostat() => return Err(messages::thermostat_inside(whole)),
+                inner => Embedding::Thermostat(Box::new(inner)),
+            }
+        }
+        ("Thermostat", ..) if is_whole => {
+            return Err(messages::scheme_arguments(ty, "Thermostat<Midpoint>"));
+        }
+        _ => return Err(messages::unknown_embedding(name)),
+    })
+}
+
+fn scheme(argument: &GenericArgument, inside: Inside) -> syn::Result<Embedding> {
+    match argument {
+        GenericArgument::Type(ty) => embedding(ty, inside),
+        _ => Err(messages::not_a_scheme(argument)),
     }
 }
 
-fn lambda_argument(argument: &GenericArgument) -> syn::Result<u32> {
+fn number(argument: &GenericArgument) -> syn::Result<u32> {
     syn::parse2::<syn::LitInt>(argument.to_token_stream())
         .ok()
         .and_then(|literal| literal.base10_parse().ok())

@@ -4,14 +4,14 @@
 mod attribute;
 mod embeddings;
 mod groups;
+mod library;
 mod nesting;
 mod phase_space;
-mod spelling;
 mod system;
 
 pub(crate) use attribute::{Declaration, Emission, Friction, Given, Hamiltonian, read_attribute};
 pub(crate) use groups::peeled;
+pub(crate) use library::{Function, Library};
 pub(crate) use nesting::too_deep;
 pub(crate) use phase_space::{Labels, Length, PhaseSpace, Shape, read_phase_space};
-pub(crate) use spelling::closest;
-pub(crate) use system::{Container, Field, Kind, is_integer_type, read_struct, source};
+pub(crate) use system::{Container, Field, Kind, is_integer_type, read_struct};

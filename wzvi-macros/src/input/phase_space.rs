@@ -8,9 +8,11 @@ use syn::ext::IdentExt;
 use syn::{Pat, Type};
 
 use super::attribute::{Declaration, Hamiltonian};
-use super::system::{literal, source};
-use crate::diagnostics::{Diagnostics, messages};
-use crate::passes::unroll::DEGREES;
+use super::system::literal;
+use crate::diagnostics::{Diagnostics, messages, source};
+
+/// Degrees of freedom that are variables of their own in the symbolic graph.
+const DEGREES: usize = 1024;
 
 /// How coordinates (and momenta) are arranged.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -220,7 +222,7 @@ fn repeats(closure: &Hamiltonian, known: &PhaseSpace) -> syn::Result<()> {
         }
         match shape(pattern)? {
             Some(found) if found != *expected => {
-                return Err(messages::shapes_disagree(pattern, &found, expected));
+                return Err(messages::shapes_disagree(pattern, &found, (expected, *expected == Shape::Real)));
             }
             _ => {}
         }

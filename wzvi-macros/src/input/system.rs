@@ -7,7 +7,7 @@ use quote::ToTokens;
 use syn::{GenericArgument, GenericParam, Item, ItemStruct, Member, PathArguments, Type};
 
 use super::nesting;
-use crate::diagnostics::{Diagnostics, messages};
+use crate::diagnostics::{Diagnostics, messages, source};
 
 /// A struct that can carry a Hamiltonian system.
 pub(crate) struct Container {
@@ -117,21 +117,6 @@ fn list_or_other(kind: Kind, ty: &Type) -> Kind {
 
 fn other(ty: &Type) -> Kind {
     Kind::Other(source(ty))
-}
-
-/// The tokens as a user would write them: without the spaces that a token stream prints.
-pub(crate) fn source(tokens: &impl ToTokens) -> String {
-    let spaced = tokens.to_token_stream().to_string();
-    let mut text = String::with_capacity(spaced.len());
-    for (i, part) in spaced.split(' ').enumerate() {
-        let tight = |part: &str, ends: &str| part.chars().next().is_some_and(|c| ends.contains(c));
-        let after = text.chars().last().is_some_and(|c| "<[(&:.".contains(c));
-        if i > 0 && !after && !tight(part, "<>[](),;:.") {
-            text.push(' ');
-        }
-        text.push_str(part);
-    }
-    text
 }
 
 pub(crate) fn is_integer_type(name: &str) -> bool {

@@ -4,11 +4,12 @@ use quote::ToTokens;
 use syn::punctuated::Punctuated;
 use syn::{Expr as Syntax, ExprCall, ExprClosure, ExprMethodCall, FnArg, Token};
 
+use super::floats::meant_method;
 use super::interpreter::{Closure, Interpreter};
-use super::names::{is_self, real_function};
+use super::names::{is_self, key, may_be_shared, real_function, type_of};
 use super::value::Value;
 use crate::diagnostics::{expressions, messages};
-use crate::functions::{Function, key, may_be_shared, type_of};
+use crate::input::Function;
 
 impl<'a> Interpreter<'a, '_> {
     pub(super) fn closure(&mut self, syntax: &'a ExprClosure) -> Value {
@@ -38,7 +39,7 @@ impl<'a> Interpreter<'a, '_> {
                     Some(binding) => binding.value.borrow().clone(),
                     None => {
                         let arguments: Vec<&Syntax> = syntax.args.iter().collect();
-                        self.report(match expressions::meant_method(&name.to_string()) {
+                        self.report(match meant_method(&name.to_string()) {
                             Some(method) => expressions::function_as_method(name, method, &arguments),
                             None => expressions::function_call(path),
                         })

@@ -35,6 +35,16 @@ pub(crate) fn is_real_method(name: &str) -> bool {
     arity(name).is_some()
 }
 
+/// The method of `f64` that a name of a function means.
+pub(super) fn meant_method(name: &str) -> Option<&str> {
+    match name {
+        "log" => Some("ln"),
+        _ => expressions::synonym(name)
+            .filter(|&meant| meant != "len")
+            .or_else(|| is_real_method(name).then_some(name)),
+    }
+}
+
 impl Interpreter<'_, '_> {
     /// `f64::name(arguments)`; `places` are the arguments' expressions, where there are any.
     pub(super) fn real_call(

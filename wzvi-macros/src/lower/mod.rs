@@ -27,11 +27,12 @@ use syn::ext::IdentExt;
 use syn::visit::Visit;
 use syn::{Expr as Syntax, Lit, ReturnType};
 
+use crate::diagnostics::Extent;
 use crate::diagnostics::{Diagnostics, expressions, messages};
 use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Shape, peeled};
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::symbols::Symbols;
-use crate::model::{Extent, Family, Noise, System, Term};
+use crate::model::{Family, Noise, System, Term};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 use arrays::{Array, Origin};
@@ -39,8 +40,7 @@ use interpreter::Interpreter;
 use sequences::Stream;
 use value::Value;
 
-pub(crate) use floats::is_real_method;
-pub(crate) use names::{is_self, real_function};
+pub(crate) use names::{is_constant_name, is_self, key, may_be_shared, type_of};
 
 /// A field with the name of a variable of a closure could be meant where the variable is read: it is reported once.
 fn check_names(container: &Container, declaration: &Declaration, diagnostics: &mut Diagnostics) {

@@ -5,8 +5,9 @@ use std::collections::HashMap;
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 use syn::ext::IdentExt;
-use syn::{Expr as Syntax, ExprField, ExprPath, Ident, Member, Type, UnOp};
+use syn::{Expr as Syntax, ExprField, ExprPath, Ident, Member, Path, Type, UnOp};
 
+use super::floats::is_real_method;
 use super::interpreter::Interpreter;
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
@@ -173,9 +174,30 @@ pub(crate) fn real_function(path: &ExprPath) -> Option<String> {
 }
 
 /// A name in upper case: `rustc` tells whether there is such a constant.
-fn is_constant_name(name: &Ident) -> bool {
+pub(crate) fn is_constant_name(name: &Ident) -> bool {
     let name = name.unraw().to_string();
     name.chars().any(char::is_uppercase) && !name.chars().any(char::is_lowercase)
+}
+
+/// Whether a path names a function that somebody may have written for Hamiltonians: no function of `f64`, with or without
+/// its type, and no constructor.
+pub(crate) fn may_be_shared(path: &ExprPath) -> bool {
+    let segments = &path.path.segments;
+    let Some(last) = segments.last().map(|last| last.ident.to_string()) else { return false };
+    let is_bare_method = segments.len() == 1 && is_real_method(&last);
+    let is_function = !last.starts_with(char::is_uppercase) && !is_bare_method;
+    path.qself.is_none() && is_function && real_function(path).is_none()
+}
+
+/// The type in `Type::function`.
+pub(crate) fn type_of(path: &Path) -> Option<&Ident> {
+    let first = path.segments.first().filter(|_| path.segments.len() == 2 && path.leading_colon.is_none())?;
+    first.ident.to_string().starts_with(char::is_uppercase).then_some(&first.ident)
+}
+
+/// A path as calls are compared: without spaces.
+pub(crate) fn key(path: &impl ToTokens) -> String {
+    path.to_token_stream().to_string().replace(' ', "")
 }
 
 /// Whether `ty` is `f64`, by its name.

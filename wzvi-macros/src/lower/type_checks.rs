@@ -9,7 +9,6 @@ use syn::{GenericParam, Generics, Member};
 
 use super::dereference::Dereference;
 use super::scope::context;
-use crate::emit::embedding_type;
 use crate::input::{Container, Declaration, Field, Given, Hamiltonian, Kind, Shape};
 
 /// Names of ours that none of the user's tokens has.
@@ -78,7 +77,7 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
     let given = given.map(|given| check_given(system, &takers, given));
     let checks = energies.chain(covectors).chain(given);
     let schemes = declaration.embeddings.iter().zip(&declaration.embedding_types).map(|(embedding, written)| {
-        let meant = embedding_type(&embedding.value, &declaration.crate_path);
+        let meant = embedding.value.path(&declaration.crate_path);
         quote! { #scheme(::core::marker::PhantomData::<#meant>, ::core::marker::PhantomData::<#written>); }
     });
     let vector = shape.tokens();

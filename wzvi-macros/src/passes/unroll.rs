@@ -9,11 +9,12 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use quote::quote;
 
+use crate::diagnostics::Located;
 use crate::elements::emit::Indices;
 use crate::input::Emission;
 use crate::model::index::{Index, Loop};
 use crate::model::symbols::{Sum, Symbols};
-use crate::model::{Bath, Family, Local, Located, Model, Noise, Parameter, Phase, Slot, System, Table, Term};
+use crate::model::{Bath, Family, Local, Model, Noise, Parameter, Phase, Slot, System, Table, Term};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// Turns of a loop, and points of a system, up to which it is written out: there, straight-line code with dense
@@ -26,9 +27,6 @@ const OUTERMOST: i128 = 8;
 
 /// Operations to which one Hamiltonian may be written out: more make code that takes minutes to compile.
 const OPERATIONS: usize = 20_000;
-
-/// Degrees of freedom that are variables of their own in the symbolic graph.
-pub(crate) const DEGREES: usize = 1024;
 
 /// What it takes is more than [`OPERATIONS`], or a bound is known at run time only.
 #[derive(Debug)]

@@ -24,6 +24,15 @@ pub(crate) struct Witness {
     pub(crate) value: f64,
 }
 
+/// What is known of a statement "this vanishes".
+#[derive(Clone, Debug)]
+pub(crate) enum Knowledge {
+    Proven,
+    Refuted(Witness),
+    /// Why neither is known.
+    Unknown(String),
+}
+
 /// Simple numbers first: a witness is read by people.
 const SIMPLE: [f64; 12] = [0.5, 1.0, -0.75, 1.25, 2.0, -0.5, 1.5, 0.25, -1.0, 0.75, 3.0, -1.5];
 const SIMPLE_POINTS: usize = 10;

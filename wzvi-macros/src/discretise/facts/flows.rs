@@ -2,7 +2,7 @@
 
 use super::Facts;
 use super::kinetic::Kinetic;
-use crate::discretise::embedding::Embedding;
+use crate::embedding::Embedding;
 use crate::model::{Element, Reads, System};
 
 /// What is known of `T(p) + V(q, t)`.

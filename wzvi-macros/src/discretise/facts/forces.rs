@@ -1,8 +1,9 @@
 //! What forces do: the powers that change the energy, the defect of noise forces, commutators.
 
-use super::{Knowledge, Rate, all, is_affine};
+use super::{Rate, all, is_affine};
 use crate::discretise::sums::{Half, Increments, Space, Sum, Weighted};
 use crate::model::Reads;
+use crate::symbolic::zero::Knowledge;
 use crate::symbolic::{Graph, Rational};
 
 /// Covectors, as functions that are linear in displacements.

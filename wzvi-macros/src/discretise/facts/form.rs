@@ -1,8 +1,8 @@
 //! Functions of second degree, which some schemes keep exactly.
 
 use super::state_of;
-use crate::discretise::embedding::Embedding;
 use crate::discretise::sums::Sum;
+use crate::embedding::Embedding;
 use crate::model::Element;
 use crate::symbolic::{Graph, Rational};
 

@@ -1,9 +1,10 @@
 //! First integrals: what the drift, the noises and the forces do to a function.
 
 use super::forces::{self, Forces};
-use super::{Form, Knowledge, Rate, boundaries_of, kept_across};
+use super::{Form, Rate, boundaries_of, kept_across};
+use crate::diagnostics::Extent;
 use crate::discretise::sums::{Increments, Space, Sum};
-use crate::model::Extent;
+use crate::symbolic::zero::Knowledge;
 use crate::symbolic::{Graph, Rational, Symbol};
 
 /// A declared first integral with its rate of change.

@@ -9,10 +9,11 @@
 //!
 //! Every flow of the second kind contracts `dq ∧ dp` by `e^{-γ s}`, so that steps are conformally symplectic.
 
+use crate::diagnostics::Extent;
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::facts::is_quadratic;
 use crate::model::index::{Atom, Index};
-use crate::model::{Extent, Reads, System, Term};
+use crate::model::{Reads, System, Term};
 use crate::symbolic::{Graph, Symbol};
 
 /// The form of a part of the drift, by which its flow is known.

@@ -3,11 +3,12 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use crate::diagnostics::Diagnostics;
-use crate::discretise::facts::{Facts, Knowledge, NoiseClass};
+use crate::discretise::facts::{Facts, NoiseClass};
 use crate::input;
 use crate::lower::lower;
 use crate::passes::collect::collect;
 use crate::passes::unroll::unroll;
+use crate::symbolic::zero::Knowledge;
 use crate::symbolic::{Graph, Rational};
 
 use Knowledge::{Proven, Refuted};

@@ -10,9 +10,9 @@ use std::collections::HashMap;
 
 use super::instance::{Instance, Numbers, Site};
 use super::{Half, Increments, Space, Sum, Weighted};
-use crate::discretise::facts::Knowledge;
 use crate::model::index::Index;
 use crate::model::{Element, Local, Slot};
+use crate::symbolic::zero::Knowledge;
 use crate::symbolic::zero::{Witness, ZeroTest};
 use crate::symbolic::{Expr, Graph, Symbol};
 

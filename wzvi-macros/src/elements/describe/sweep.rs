@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::quadrature::{Part, Quadrature, Stage};
 use crate::discretise::sums::{Half, Slope, Space, Sum, Weighted};
 use crate::elements::parts::parts;
 use crate::elements::plan::Unknowns;
+use crate::embedding::Embedding;
 use crate::model::System;
 use crate::symbolic::{Expr, Graph, Rational};
 

@@ -3,10 +3,10 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::quadrature::{Quadrature, Stage};
 use crate::elements::plan::Unknowns;
+use crate::embedding::Embedding;
 use crate::emit::discretized::Discretized;
 use crate::emit::plan::Plan;
 use crate::emit::{count, f64_type};

@@ -6,11 +6,11 @@ use quote::quote;
 
 use super::discretized::plan;
 use crate::describe::Texts;
-use crate::discretise::embedding::Embedding;
 use crate::discretise::facts::Facts;
 use crate::discretise::facts::flows::is_nystrom;
 use crate::elements::plan::Unknowns;
-use crate::emit::{compose, embedding_type};
+use crate::embedding::Embedding;
+use crate::emit::compose;
 use crate::model::System;
 
 /// Every `Gauss<S>` that was listed, and the flows.
@@ -75,7 +75,7 @@ pub(super) fn emit(model: &mut System, facts: &Facts, texts: &Texts) -> TokenStr
         generated.extend(compose::flows(&model.item, flows, facts, &in_place()));
     }
     for (embedding, stages, text) in staged {
-        let (scheme, stages) = (embedding_type(embedding, &quote!(__wzvi)), Literal::u32_unsuffixed(stages));
+        let (scheme, stages) = (embedding.path(&quote!(__wzvi)), Literal::u32_unsuffixed(stages));
         generated.extend(quote! {
             __wzvi::gauss! {
                 [impl #generics __wzvi::Discretized<#scheme> for #name #arguments #filter]

@@ -13,7 +13,7 @@ use crate::discretise::sites::{Entry, Increment, Site};
 use crate::discretise::structure::{Block, Solution};
 use crate::elements::plan::Unknowns;
 use crate::emit::step::{self, Kernel, mentions};
-use crate::emit::{count, embedding_type, f64_type};
+use crate::emit::{count, f64_type};
 use crate::model::{Slot, System};
 use crate::symbolic::{Expr, Graph, Node};
 
@@ -86,7 +86,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, site: &Site, scheme: &Sch
         let own = mentions(code, &own.to_string()).then(|| quote!(let #own = __site as __wzvi::isize;));
         quote!(#own #size)
     };
-    let embedding = embedding_type(&scheme.embedding, &quote!(__wzvi));
+    let embedding = scheme.embedding.path(&quote!(__wzvi));
     let name = &system.item.ident;
     let (generics, arguments, filter) = system.item.generics.split_for_impl();
     let (f64, usize) = (f64_type(), quote!(__wzvi::usize));

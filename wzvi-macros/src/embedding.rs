@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+use proc_macro2::{Ident, Literal, Span, TokenStream};
+use quote::{ToTokens, quote};
+
 use crate::diagnostics::internal::Promised;
 use crate::symbolic::Rational;
 
@@ -96,6 +99,11 @@ impl Embedding {
         }
     }
 
+    /// Whether it is one quadrature point for all terms.
+    pub(crate) fn is_one_point(&self) -> bool {
+        matches!(self, Self::DeltaPlus | Self::Midpoint | Self::DeltaMinus | Self::Lambda(..))
+    }
+
     /// Whether the step backwards undoes the step forwards.
     pub(crate) fn is_symmetric(&self) -> bool {
         matches!(self, Self::Midpoint | Self::Verlet | Self::Gauss(_))
@@ -141,24 +149,77 @@ impl Embedding {
     }
 }
 
+/// What stands between the brackets of a scheme.
+enum Argument<'e> {
+    Number(u32),
+    Scheme(&'e Embedding),
+}
+
+impl Embedding {
+    /// Those without arguments.
+    pub(crate) const PLAIN: [Self; 8] = [
+        Self::DeltaPlus,
+        Self::Midpoint,
+        Self::DeltaMinus,
+        Self::Verlet,
+        Self::Baoab,
+        Self::Obabo,
+        Self::Gjf,
+        Self::GjI,
+    ];
+
+    /// Its name and its arguments, as users write it; one that they have no name for is written as what is inside.
+    fn spelling(&self) -> (&'static str, Vec<Argument<'_>>) {
+        use Argument::{Number, Scheme};
+        match self {
+            Self::DeltaPlus => ("DeltaPlus", Vec::new()),
+            Self::Midpoint => ("Midpoint", Vec::new()),
+            Self::DeltaMinus => ("DeltaMinus", Vec::new()),
+            Self::Verlet => ("Verlet", Vec::new()),
+            Self::Baoab => ("Baoab", Vec::new()),
+            Self::Obabo => ("Obabo", Vec::new()),
+            Self::Gjf => ("Gjf", Vec::new()),
+            Self::GjI => ("GjI", Vec::new()),
+            Self::Lambda(n, d) => ("Lambda", vec![Number(*n), Number(*d)]),
+            Self::Gauss(stages) => ("Gauss", vec![Number(*stages)]),
+            Self::Mixed(drift, noise) => ("Mixed", vec![Scheme(drift), Scheme(noise)]),
+            Self::Corrected(inner) => ("Corrected", vec![Scheme(inner)]),
+            Self::Uncorrected(inner) => ("Uncorrected", vec![Scheme(inner)]),
+            Self::Thermostat(inner) => ("Thermostat", vec![Scheme(inner)]),
+            Self::Isolated(inner) => inner.spelling(),
+        }
+    }
+
+    pub(crate) fn name(&self) -> &'static str {
+        self.spelling().0
+    }
+
+    /// The scheme as a type of the facade or of what stands for it, by its path.
+    pub(crate) fn path(&self, wzvi: &impl ToTokens) -> TokenStream {
+        if let Self::Isolated(inner) = self {
+            let inner = inner.path(wzvi);
+            return quote!(#wzvi::bath::Isolated<#inner>);
+        }
+        let (name, arguments) = self.spelling();
+        let name = Ident::new(name, Span::call_site());
+        let arguments = arguments.iter().map(|argument| match argument {
+            Argument::Number(number) => Literal::u32_unsuffixed(*number).into_token_stream(),
+            Argument::Scheme(scheme) => scheme.path(wzvi),
+        });
+        let arguments: Vec<TokenStream> = arguments.collect();
+        let list = (!arguments.is_empty()).then(|| quote!(<#(#arguments),*>));
+        quote!(#wzvi::embedding::#name #list)
+    }
+}
+
 impl fmt::Display for Embedding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::DeltaPlus => f.write_str("DeltaPlus"),
-            Self::Midpoint => f.write_str("Midpoint"),
-            Self::DeltaMinus => f.write_str("DeltaMinus"),
-            Self::Lambda(n, d) => write!(f, "Lambda<{n}, {d}>"),
-            Self::Mixed(drift, noise) => write!(f, "Mixed<{drift}, {noise}>"),
-            Self::Verlet => f.write_str("Verlet"),
-            Self::Gauss(stages) => write!(f, "Gauss<{stages}>"),
-            Self::Corrected(inner) => write!(f, "Corrected<{inner}>"),
-            Self::Uncorrected(inner) => write!(f, "Uncorrected<{inner}>"),
-            Self::Baoab => f.write_str("Baoab"),
-            Self::Obabo => f.write_str("Obabo"),
-            Self::Gjf => f.write_str("Gjf"),
-            Self::GjI => f.write_str("GjI"),
-            Self::Thermostat(inner) => write!(f, "Thermostat<{inner}>"),
-            Self::Isolated(inner) => inner.fmt(f),
-        }
+        let (name, arguments) = self.spelling();
+        let arguments = arguments.iter().map(|argument| match argument {
+            Argument::Number(number) => number.to_string(),
+            Argument::Scheme(scheme) => scheme.to_string(),
+        });
+        let arguments = arguments.collect::<Vec<_>>().join(", ");
+        if arguments.is_empty() { f.write_str(name) } else { write!(f, "{name}<{arguments}>") }
     }
 }

@@ -1,4 +1,6 @@
-//! Suggestions for misspelled names.
+//! What users spelled: their tokens as text, and suggestions for misspelled names.
+
+use quote::ToTokens;
 
 /// The candidate nearest to `name`, if it is near enough to be what was meant.
 pub(crate) fn closest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
@@ -34,6 +36,21 @@ fn distance(a: &str, b: &str) -> usize {
         rows.push(row);
     }
     rows[a.len()][b.len()]
+}
+
+/// The tokens as a user would write them: without the spaces that a token stream prints.
+pub(crate) fn source(tokens: &impl ToTokens) -> String {
+    let spaced = tokens.to_token_stream().to_string();
+    let mut text = String::with_capacity(spaced.len());
+    for (i, part) in spaced.split(' ').enumerate() {
+        let tight = |part: &str, ends: &str| part.chars().next().is_some_and(|c| ends.contains(c));
+        let after = text.chars().last().is_some_and(|c| "<[(&:.".contains(c));
+        if i > 0 && !after && !tight(part, "<>[](),;:.") {
+            text.push(' ');
+        }
+        text.push_str(part);
+    }
+    text
 }
 
 #[cfg(test)]

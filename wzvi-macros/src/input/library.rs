@@ -1,0 +1,25 @@
+//! What is known of shared functions.
+
+use syn::{Block, Signature};
+
+/// The functions that a body may call.
+#[derive(Default)]
+pub(crate) struct Library {
+    pub(crate) functions: Vec<Function>,
+    /// Those of the struct, called as `self.name(...)`.
+    pub(crate) methods: Vec<Function>,
+    /// Whether definitions are still to come: calls of functions that are not known are no mistakes yet.
+    pub(crate) is_pending: bool,
+}
+
+/// A shared function.
+pub(crate) struct Function {
+    /// The path by which it is called, without spaces.
+    pub(crate) name: String,
+    pub(crate) signature: Signature,
+    pub(crate) block: Block,
+    /// What it calls itself.
+    pub(crate) library: Library,
+    /// Whether it means something else where it is called from another type.
+    pub(crate) reads_self: bool,
+}
