@@ -7,7 +7,7 @@ use quote::{ToTokens, quote};
 use syn::{ExprIndex, ExprRange, RangeLimits};
 
 use super::interpreter::Interpreter;
-use super::sequences::Stream;
+use super::sequences::{Sequence, Source};
 use super::value::{Place, Value};
 use crate::diagnostics::{expressions, source};
 use crate::input::Kind;
@@ -225,11 +225,11 @@ impl<'a> Interpreter<'a, '_> {
         let at = &*syntax.index;
         match (base, index) {
             (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
-            (Value::Stream(stream), Value::Stream(range)) => {
-                self.part(&stream, &range, at).unwrap_or(Value::Poison)
+            (Value::Sequence(list), Value::Sequence(range)) => {
+                self.part(&list, &range, at).unwrap_or(Value::Poison)
             }
-            (Value::Stream(stream), index) => match self.as_index(&index, at) {
-                Some(k) => self.item(&stream, &k, at).unwrap_or(Value::Poison),
+            (Value::Sequence(list), index) => match self.as_index(&index, at) {
+                Some(k) => self.item(&list, &k, at).unwrap_or(Value::Poison),
                 None => Value::Poison,
             },
             (Value::Constant(place), index) => match self.known_integer(index, at) {
@@ -241,16 +241,16 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// `list[range]`
-    fn part(&mut self, stream: &Rc<Stream>, range: &Stream, at: &dyn ToTokens) -> Option<Value> {
-        let Stream::Range(start, end) = range else {
+    fn part(&mut self, list: &Sequence, range: &Sequence, at: &dyn ToTokens) -> Option<Value> {
+        let Source::Range(start, end) = &range.source else {
             let found = range.describe();
             self.report(expressions::expected(at.to_token_stream(), "an integer or a range", found));
             return None;
         };
-        if let Stream::Array(array) = &**stream {
+        if let Source::Array(array) = &list.source {
             return self.subarray(array, start, end.as_ref(), at);
         }
-        let items = self.items(stream, None, at)?;
+        let items = self.items(list, at)?;
         let length = items.len() as i128;
         let start = self.known_integer(Value::index(start.clone()), at)?;
         let end = match end {
@@ -297,10 +297,16 @@ impl<'a> Interpreter<'a, '_> {
             }
             None => None,
         };
-        start.map_or(Value::Poison, |start| Value::Stream(Stream::Range(start, end).into()))
+        match start {
+            Some(start) => match Sequence::range(start, end) {
+                Some(range) => Value::sequence(range),
+                None => self.report(expressions::integer_arithmetic(syntax)),
+            },
+            None => Value::Poison,
+        }
     }
 }
 
 fn list(array: Array) -> Value {
-    Value::Stream(Stream::Array(array.into()).into())
+    Value::sequence(Sequence::array(array))
 }

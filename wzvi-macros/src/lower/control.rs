@@ -8,8 +8,8 @@ use syn::{BinOp, Block, Expr as Syntax, ExprBinary, ExprForLoop, ExprIf, ExprRep
 use super::interpreter::{Interpreter, last_expression};
 use super::patterns::Names;
 use super::scope::Binding;
-use super::sequences::Stream;
-use super::value::{Sequence, Value};
+use super::sequences::Sequence;
+use super::value::{Items, Value};
 use crate::diagnostics::expressions;
 use crate::symbolic::{Expr, Symbol};
 
@@ -171,7 +171,7 @@ impl<'a> Interpreter<'a, '_> {
                 let (then, otherwise) = (self.graph.and(condition, *a), self.graph.and(negated, *b));
                 Value::Condition(self.graph.or(then, otherwise))
             }
-            (Value::Stream(a), Value::Stream(b)) => {
+            (Value::Sequence(a), Value::Sequence(b)) => {
                 let at = proc_macro2::TokenStream::new();
                 let (a, b) = (self.known_list(a, &at)?, self.known_list(b, &at)?);
                 Value::list(self.select_all(condition, &a, &b)?.items.to_vec())
@@ -193,24 +193,24 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    fn select_all(&mut self, condition: Expr, a: &Sequence, b: &Sequence) -> Option<Sequence> {
+    fn select_all(&mut self, condition: Expr, a: &Items, b: &Items) -> Option<Items> {
         if a.items.len() != b.items.len() {
             return None;
         }
         let pairs = a.items.iter().zip(b.items.iter());
         let items: Option<Vec<_>> = pairs.map(|(a, b)| self.select(condition, a, b)).collect();
-        items.map(Sequence::new)
+        items.map(Items::new)
     }
 
     /// A loop that only adds to its variables is a sum for each of them; another goes item by item.
     pub(super) fn for_loop(&mut self, syntax: &'a ExprForLoop) -> Value {
         let value = self.evaluate(&syntax.expr);
-        let Some(stream) = self.as_stream(&value, &syntax.expr) else { return Value::Poison };
+        let Some(sequence) = self.as_sequence(&value, &syntax.expr) else { return Value::Poison };
         let Some(totals) = self.totals(&syntax.body) else { return Value::Poison };
         // What a closure assigns to is not seen here.
-        let goes_by_items = self.has_mutation && self.has_known_items(&stream);
+        let goes_by_items = self.has_mutation && self.has_known_items(&sequence);
         if let Some(totals) = totals.as_ref().filter(|_| !goes_by_items) {
-            match self.summing_loop(&stream, totals, syntax) {
+            match self.summing_loop(&sequence, totals, syntax) {
                 Added::All(values) => {
                     for ((binding, before), added) in totals.iter().zip(values) {
                         let total = self.graph.add(*before, added);
@@ -222,10 +222,10 @@ impl<'a> Interpreter<'a, '_> {
                 Added::NoSum => {}
             }
         }
-        if !self.has_known_items(&stream) {
+        if !self.has_known_items(&sequence) {
             return self.report(expressions::long_for_loop(syntax.for_token));
         }
-        let Some(items) = self.items(&stream, None, &syntax.expr) else { return Value::Poison };
+        let Some(items) = self.items(&sequence, &syntax.expr) else { return Value::Poison };
         for item in items {
             if !self.spend(1, &syntax.for_token) {
                 return Value::Poison;
@@ -265,7 +265,7 @@ impl<'a> Interpreter<'a, '_> {
     /// What a loop adds to each of `totals`.
     fn summing_loop(
         &mut self,
-        stream: &Stream,
+        sequence: &Sequence,
         totals: &[(Rc<Binding>, Expr)],
         syntax: &'a ExprForLoop,
     ) -> Added {
@@ -275,7 +275,7 @@ impl<'a> Interpreter<'a, '_> {
         // One pass for each total, so that each has sums of its own; one pass for the mistakes of a loop without any.
         for wanted in 0..totals.len().max(1) {
             let mut is_sum = true;
-            let sum = self.accumulate(stream, &syntax.for_token, &mut |this, item| {
+            let sum = self.accumulate(sequence, &syntax.for_token, &mut |this, item| {
                 let outer = this.scope.len();
                 // The body has the totals for itself.
                 for ((binding, _), &placeholder) in totals.iter().zip(&placeholders) {

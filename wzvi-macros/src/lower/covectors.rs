@@ -156,13 +156,13 @@ fn paired<'a, 'd>(
             paired(interpreter, value.clone(), (inner, true), &place, at, leaf)
         });
     }
-    if !matches!(value, Value::Stream(_) | Value::Poison) {
+    if !matches!(value, Value::Sequence(_) | Value::Poison) {
         let expected = format!("a list of {} numbers", interpreter.display(length));
         interpreter.report(expressions::expected(at.to_token_stream(), &expected, value.describe()));
         return None;
     }
-    let list = interpreter.as_stream(&value, at)?;
-    let found = interpreter.length_of(&list);
+    let list = interpreter.as_sequence(&value, at)?;
+    let found = list.length.clone();
     let excess = found.as_ref().and_then(|found| found.subtract(length)?.as_integer());
     if excess != Some(0) {
         let expected = interpreter.display(length);

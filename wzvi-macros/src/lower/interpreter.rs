@@ -7,7 +7,7 @@ use syn::{Block, Expr as Syntax, Stmt};
 use super::loops::Loops;
 use super::names::Parameters;
 use super::scope::Scope;
-use super::sequences::Stream;
+use super::sequences::Sequence;
 use super::tables::Tables;
 use super::value::{Place, Value};
 use crate::diagnostics::{Diagnostics, expressions};
@@ -224,7 +224,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     pub(super) fn energy(&mut self, value: Value, at: &dyn ToTokens) -> Option<Expr> {
         let is_vector = match &value {
             Value::Tuple(parts) => !parts.items.is_empty(),
-            Value::Stream(stream) => matches!(**stream, Stream::Array(_) | Stream::Known(_)),
+            Value::Sequence(sequence) => sequence.is_list(),
             _ => false,
         };
         if is_vector {
@@ -261,8 +261,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             Kind::Real => Value::Real(self.parameter(&place.name, place.tokens.clone())),
             Kind::Integer => Value::index(self.given(&place)),
             Kind::List(element, length) => {
-                let array = self.table(&place, element, *length);
-                Value::Stream(Stream::Array(array.into()).into())
+                Value::sequence(Sequence::array(self.table(&place, element, *length)))
             }
             Kind::Constant => Value::Constant(place.into()),
             Kind::Other(ty) | Kind::Tuple(_, ty) => {

@@ -2,13 +2,15 @@
 
 use std::rc::Rc;
 
+use quote::ToTokens;
 use syn::{Expr as Syntax, ExprMethodCall, GenericArgument, Type};
 
 use super::interpreter::Interpreter;
-use super::sequences::Stream;
-use super::value::{Sequence, Value};
+use super::sequences::{Sequence, Source};
+use super::value::{Items, Value};
 use crate::diagnostics::expressions;
 use crate::input::is_integer_type;
+use crate::model::index::Index;
 use crate::symbolic::Expr;
 
 /// Each method with its number of arguments.
@@ -45,7 +47,7 @@ impl<'a> Interpreter<'a, '_> {
     /// A method of a list, a range or an iterator.
     pub(super) fn sequence_method(
         &mut self,
-        stream: Rc<Stream>,
+        sequence: Rc<Sequence>,
         arguments: Vec<Value>,
         syntax: &'a ExprMethodCall,
     ) -> Value {
@@ -58,102 +60,56 @@ impl<'a> Interpreter<'a, '_> {
             return self.report(expressions::argument_count(&syntax.method, expected, arguments.len()));
         }
         // Lists are made at once; where no order can tell, their items are made when they are asked for.
-        let makes_list =
-            matches!(name, "collect" | "to_vec") || name == "map" && stream.describe() == "a list";
-        let value = match (name, arguments.as_slice()) {
-            ("sum" | "product" | "fold" | "len" | "count", arguments) => {
-                self.reduce(name, &stream, arguments, syntax)
+        let makes_list = matches!(name, "collect" | "to_vec") || name == "map" && sequence.is_list();
+        let from = origin(&syntax.receiver);
+        let value = match name {
+            "sum" | "product" | "fold" | "len" | "count" => self.reduce(name, &sequence, &arguments, syntax),
+            "enumerate" | "rev" | "flatten" | "map" | "zip" | "skip" | "take" | "step_by" | "windows"
+            | "chunks" | "chain" | "filter" | "flat_map" => {
+                let places: (&dyn ToTokens, &dyn ToTokens) = (from, &syntax.args);
+                self.adapted(name, sequence, arguments.first().unwrap_or(&Value::Poison), places)
+                    .map(Value::sequence)
             }
-            (_, []) => Some(Value::Stream(match name {
-                "enumerate" => Stream::Enumerate(stream).into(),
-                "rev" => Stream::Reversed(stream).into(),
-                "flatten" => Stream::FlatMap(stream, None).into(),
-                _ => stream,
-            })),
-            (_, [argument, ..]) => {
-                self.adapt(name, stream, argument, syntax).map(|stream| Value::Stream(stream.into()))
-            }
+            _ => Some(Value::Sequence(sequence)),
         };
         let value = match value {
-            Some(Value::Stream(list)) if makes_list && self.has_mutation => {
-                self.items(&list, None, origin(&syntax.receiver)).map(Value::list)
+            Some(Value::Sequence(list)) if makes_list && self.has_mutation => {
+                self.items(&list, from).map(Value::list)
             }
             value => value,
         };
         self.bounded(value.unwrap_or(Value::Poison), syntax)
     }
 
-    /// What becomes another sequence by an argument.
-    fn adapt(
-        &mut self,
-        name: &str,
-        stream: Rc<Stream>,
-        argument: &Value,
-        syntax: &'a ExprMethodCall,
-    ) -> Option<Stream> {
-        let at = &syntax.args;
-        Some(match name {
-            "map" => Stream::Map(stream, argument.clone()),
-            "filter" => Stream::Filter(stream, argument.clone()),
-            "flat_map" => Stream::FlatMap(stream, Some(argument.clone())),
-            "zip" => Stream::Zip(stream, self.as_stream(argument, at)?),
-            "chain" => Stream::Chain(stream, self.as_stream(argument, at)?),
-            "skip" | "take" => {
-                let number = self.as_index(argument, at)?;
-                if number.as_integer().is_some_and(|number| number < 0) {
-                    self.report(expressions::integer_arithmetic(at));
-                    return None;
-                }
-                match (name, &*stream) {
-                    ("skip", Stream::Range(start, None)) => Stream::Range(start.add(&number)?, None),
-                    ("skip", _) => Stream::Skip(stream, number),
-                    _ => Stream::Take(stream, number),
-                }
-            }
-            _ => {
-                let number = self.known_integer(argument.clone(), at)?;
-                if number < 1 {
-                    self.report(expressions::integer_arithmetic(at));
-                    return None;
-                }
-                match name {
-                    "step_by" => Stream::StepBy(stream, number),
-                    "windows" => Stream::Windows(stream, number),
-                    _ => Stream::Chunks(stream, number),
-                }
-            }
-        })
-    }
-
     /// Everything that reads the whole sequence.
     fn reduce(
         &mut self,
         name: &str,
-        stream: &Stream,
+        sequence: &Sequence,
         arguments: &[Value],
         syntax: &'a ExprMethodCall,
     ) -> Option<Value> {
         let receiver = origin(&syntax.receiver);
         match (name, arguments) {
-            ("fold", [start, function]) => self.fold(stream, start, function, syntax),
-            ("sum", _) => self.sum(stream, syntax),
+            ("fold", [start, function]) => self.fold(sequence, start, function, syntax),
+            ("sum", _) => self.sum(sequence, syntax),
             ("product", _) => {
-                let items = self.items(stream, None, receiver)?;
+                let items = self.items(sequence, receiver)?;
                 self.total(true, items, syntax)
             }
-            _ => match self.length_of(stream) {
-                Some(length) => Some(Value::index(length)),
-                None => self.items(stream, None, receiver).map(|items| Value::integer(items.len() as i128)),
+            _ => match &sequence.length {
+                Some(length) => Some(Value::index(length.clone())),
+                None => self.items(sequence, receiver).map(|items| Value::integer(items.len() as i128)),
             },
         }
     }
 
     /// `sum`: of real numbers a loop, of integers term by term.
-    fn sum(&mut self, stream: &Stream, syntax: &'a ExprMethodCall) -> Option<Value> {
+    fn sum(&mut self, sequence: &Sequence, syntax: &'a ExprMethodCall) -> Option<Value> {
         let receiver = origin(&syntax.receiver);
         let mut has_integers = asks_for_integers(syntax);
         if !has_integers {
-            let sum = self.accumulate(stream, receiver, &mut |this, item| {
+            let sum = self.accumulate(sequence, receiver, &mut |this, item| {
                 has_integers |= item.is_integer() && !asks_for_reals(syntax);
                 if has_integers { None } else { this.real(item, receiver) }
             });
@@ -161,7 +117,7 @@ impl<'a> Interpreter<'a, '_> {
                 return sum.map(Value::Real);
             }
         }
-        let items = self.items(stream, None, receiver)?;
+        let items = self.items(sequence, receiver)?;
         self.total(false, items, syntax)
     }
 
@@ -169,7 +125,7 @@ impl<'a> Interpreter<'a, '_> {
     fn total(&mut self, product: bool, items: Vec<Value>, syntax: &'a ExprMethodCall) -> Option<Value> {
         let are_integers = items.iter().all(Value::is_integer);
         if are_integers && (!items.is_empty() || asks_for_integers(syntax)) {
-            let mut total = crate::model::index::Index::integer(i128::from(product));
+            let mut total = Index::integer(i128::from(product));
             for item in &items {
                 let item = self.as_index(item, &syntax.receiver)?;
                 match if product { total.multiply(&item) } else { total.add(&item) } {
@@ -191,19 +147,19 @@ impl<'a> Interpreter<'a, '_> {
     /// `fold(start, |total, x| ...)`: a sum written by hand is a loop, anything else goes item by item.
     fn fold(
         &mut self,
-        stream: &Stream,
+        sequence: &Sequence,
         start: &Value,
         function: &Value,
         syntax: &'a ExprMethodCall,
     ) -> Option<Value> {
         let method = &syntax.method;
         if let Value::Real(start) = start
-            && !matches!(stream, Stream::Known(_))
+            && !matches!(sequence.source, Source::Known(_))
         {
             let placeholder = self.graph.new_symbol("");
             let total = self.graph.symbol(placeholder);
             let mut is_sum = true;
-            let added = self.accumulate(stream, method, &mut |this, item| {
+            let added = self.accumulate(sequence, method, &mut |this, item| {
                 let next = this.apply(function, vec![Value::Real(total), item], method);
                 let next = this.real(next, method)?;
                 let added = this.graph.subtract(next, total);
@@ -213,13 +169,13 @@ impl<'a> Interpreter<'a, '_> {
             if is_sum {
                 return added.map(|added| Value::Real(self.graph.add(*start, added)));
             }
-            if !self.has_known_items(stream) {
+            if !self.has_known_items(sequence) {
                 self.report(expressions::no_sum(method));
                 return None;
             }
         }
         let mut total = start.clone();
-        for item in self.items(stream, None, origin(&syntax.receiver))? {
+        for item in self.items(sequence, origin(&syntax.receiver))? {
             // Accumulating n terms one by one copies n² of them.
             let size = match &total {
                 Value::Real(total) => self.graph.node(*total).operands().len(),
@@ -234,13 +190,13 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// Whether the items can be had one by one, now or in turns of the loops around.
-    pub(super) fn has_known_items(&self, stream: &Stream) -> bool {
-        self.length_of(stream).is_none_or(|length| length.is_closed())
+    pub(super) fn has_known_items(&self, sequence: &Sequence) -> bool {
+        sequence.length.as_ref().is_none_or(Index::is_closed)
     }
 
     /// A list of what a sequence has now.
-    pub(super) fn known_list(&mut self, stream: &Stream, at: &dyn quote::ToTokens) -> Option<Sequence> {
-        self.items(stream, None, at).map(Sequence::new)
+    pub(super) fn known_list(&mut self, sequence: &Sequence, at: &dyn ToTokens) -> Option<Items> {
+        self.items(sequence, at).map(Items::new)
     }
 }
 

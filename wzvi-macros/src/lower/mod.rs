@@ -37,7 +37,7 @@ use crate::symbolic::{Expr, Graph, Symbol};
 
 use arrays::{Array, Origin};
 use interpreter::Interpreter;
-use sequences::Stream;
+use sequences::Sequence;
 use value::Value;
 
 pub(crate) use names::{is_constant_name, is_self, key, may_be_shared, type_of};
@@ -187,9 +187,7 @@ impl<'s> Space<'s> {
             return Value::Real(interpreter.component(origin == Origin::Momenta, Index::default()));
         }
         let (start, length, inner) = (Index::default(), self.size.clone(), self.inner.clone());
-        Value::Stream(
-            Stream::Array(Array { origin, indices: Vec::new(), start, length, inner }.into()).into(),
-        )
+        Value::sequence(Sequence::array(Array { origin, indices: Vec::new(), start, length, inner }))
     }
 
     /// A noise, or a family of them. Members that differ in more than a number are noises of their own.

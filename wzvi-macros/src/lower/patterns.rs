@@ -7,7 +7,7 @@ use syn::visit::{self, Visit};
 use syn::{Ident, Pat, PatIdent, Token};
 
 use super::interpreter::Interpreter;
-use super::value::{Sequence, Value};
+use super::value::{Items, Value};
 use crate::diagnostics::expressions;
 
 impl<'a> Interpreter<'a, '_> {
@@ -91,8 +91,8 @@ impl<'a> Interpreter<'a, '_> {
         let rests = patterns.iter().filter(|pattern| is_rest(pattern)).count();
         let items = match &value {
             Value::Poison => return None,
-            Value::Tuple(Sequence { items, .. }) if !is_list => items.to_vec(),
-            Value::Stream(stream) if is_list => self.items(stream, None, &at)?,
+            Value::Tuple(Items { items, .. }) if !is_list => items.to_vec(),
+            Value::Sequence(list) if is_list => self.items(list, &at)?,
             _ => {
                 self.report(expressions::pattern_mismatch(at, value.describe()));
                 return None;

@@ -1,5 +1,5 @@
-//! Lists, ranges and iterators: one kind of sequence. None is walked until something needs its items one by one: an item is
-//! a function of its position, and a sum over a sequence becomes a loop.
+//! Lists, ranges and iterators: a length, and a closure for the item at a position. None is walked until something needs its
+//! items one by one, and a sum over one becomes a loop.
 
 use std::rc::Rc;
 
@@ -7,101 +7,171 @@ use quote::ToTokens;
 
 use super::arrays::Array;
 use super::interpreter::Interpreter;
-use super::value::{Sequence, Value};
+use super::value::{Items, Value};
 use crate::diagnostics::expressions;
 use crate::model::index::Index;
 use crate::symbolic::{Expr, Rational};
 
+/// The item at a position.
+type ItemAt = Box<dyn for<'a, 'd> Fn(&mut Interpreter<'a, 'd>, &Index, &dyn ToTokens) -> Option<Value>>;
+
 /// A list, a range, or what is left of an iterator.
-pub(super) enum Stream {
+pub(super) struct Sequence {
+    pub(super) source: Source,
+    /// The number of items; `None` if they have no end, or no positions.
+    pub(super) length: Option<Index>,
+    /// `None` where only those before an item tell its position.
+    item: Option<ItemAt>,
+    /// Levels of sequences inside this one, itself included.
+    pub(super) depth: u32,
+}
+
+/// Where items come from, as far as it matters.
+pub(super) enum Source {
     /// `start..end`; without an end it only bounds others.
     Range(Index, Option<Index>),
     /// What the state or the struct hold.
     Array(Rc<Array>),
     /// Values that were written one by one.
-    Known(Sequence),
-    Map(Rc<Stream>, Value),
-    Zip(Rc<Stream>, Rc<Stream>),
-    Enumerate(Rc<Stream>),
-    Reversed(Rc<Stream>),
-    Skip(Rc<Stream>, Index),
-    Take(Rc<Stream>, Index),
-    StepBy(Rc<Stream>, i128),
-    Windows(Rc<Stream>, i128),
-    Chunks(Rc<Stream>, i128),
-    Chain(Rc<Stream>, Rc<Stream>),
-    Filter(Rc<Stream>, Value),
-    FlatMap(Rc<Stream>, Option<Value>),
+    Known(Items),
+    /// Other sequences, by positions.
+    Positions,
+    Chain(Rc<Sequence>, Rc<Sequence>),
+    Filter(Rc<Sequence>, Value),
+    /// The items of what a function makes of each item, or of the items themselves.
+    Flat(Rc<Sequence>, Option<Value>),
+    /// A function of items that have no positions.
+    Map(Rc<Sequence>, Value),
 }
 
-impl Stream {
-    /// Levels of sequences inside this one, itself included.
-    pub(super) fn depth(&self) -> u32 {
-        1 + match self {
-            Self::Range(..) | Self::Array(_) => 0,
-            Self::Known(sequence) => sequence.depth - 1,
-            Self::Zip(a, b) | Self::Chain(a, b) => a.depth().max(b.depth()),
-            Self::Map(inner, _)
-            | Self::Enumerate(inner)
-            | Self::Reversed(inner)
-            | Self::Skip(inner, _)
-            | Self::Take(inner, _)
-            | Self::StepBy(inner, _)
-            | Self::Windows(inner, _)
-            | Self::Chunks(inner, _)
-            | Self::Filter(inner, _)
-            | Self::FlatMap(inner, _) => inner.depth(),
+impl Sequence {
+    fn new(
+        (source, depth): (Source, u32),
+        length: Option<Index>,
+        item: impl for<'a, 'd> Fn(&mut Interpreter<'a, 'd>, &Index, &dyn ToTokens) -> Option<Value> + 'static,
+    ) -> Self {
+        // A known length is not negative; of another the loop sees to that.
+        let is_negative = length.as_ref().and_then(Index::as_integer).is_some_and(|length| length < 0);
+        let length = if is_negative { Some(Index::default()) } else { length };
+        Self { source, length, item: Some(Box::new(item)), depth }
+    }
+
+    /// `None` if its length overflows.
+    pub(super) fn range(start: Index, end: Option<Index>) -> Option<Self> {
+        let length = end.as_ref().map(|end| end.subtract(&start));
+        let length = length.map_or(Some(None), |length| length.map(Some))?;
+        let source = Source::Range(start.clone(), end);
+        Some(Self::new((source, 1), length, move |_, k, _| Some(Value::index(start.add(k)?))))
+    }
+
+    pub(super) fn array(array: Array) -> Self {
+        let (length, array) = (Some(array.length.clone()), Rc::new(array));
+        let source = Source::Array(array.clone());
+        Self::new((source, 1), length, move |this, k, at| this.array_element(&array, k, at))
+    }
+
+    pub(super) fn known(items: Vec<Value>) -> Self {
+        let (count, items) = (items.len(), Items::new(items));
+        let source = (Source::Known(items.clone()), items.depth);
+        Self::new(source, Some(Index::integer(count as i128)), move |this, k, at| {
+            let k = this.known_integer(Value::index(k.clone()), at)?;
+            let item = usize::try_from(k).ok().and_then(|k| items.items.get(k));
+            if item.is_none() {
+                this.report(expressions::index_out_of_range(at.to_token_stream(), k, count));
+            }
+            item.cloned()
+        })
+    }
+
+    /// What has to be walked.
+    fn walked(source: Source, depth: u32) -> Self {
+        Self { source, length: None, item: None, depth }
+    }
+
+    /// The items at other positions.
+    fn moved(
+        inner: Rc<Self>,
+        length: Option<Index>,
+        position: impl Fn(&Index) -> Option<Index> + 'static,
+    ) -> Self {
+        let made = (Source::Positions, inner.depth + 1);
+        Self::new(made, length, move |this, k, at| this.item(&inner, &position(k)?, at))
+    }
+
+    /// Lists of items beside each other, by where they start and how long they are.
+    fn stretches(
+        inner: Rc<Self>,
+        length: Option<Index>,
+        stretch: impl Fn(&Index) -> Option<(Index, Index)> + 'static,
+    ) -> Self {
+        let made = (Source::Positions, inner.depth + 1);
+        Self::new(made, length, move |this, k, at| {
+            let (start, length) = stretch(k)?;
+            this.stretch(&inner, &start, &length, at)
+        })
+    }
+
+    /// What a function makes of the items.
+    fn mapped(inner: Rc<Self>, function: Value) -> Self {
+        let depth = inner.depth + 1;
+        if inner.item.is_none() {
+            return Self::walked(Source::Map(inner, function), depth);
         }
+        Self::new((Source::Positions, depth), inner.length.clone(), move |this, k, at| {
+            let item = this.item(&inner, k, at)?;
+            Some(this.apply(&function, vec![item], at))
+        })
+    }
+
+    fn zipped(a: Rc<Self>, b: Rc<Self>) -> Self {
+        let length = match (&a.length, &b.length) {
+            (Some(a), Some(b)) => Some(a.minimum(b)),
+            (a, b) => a.clone().or(b.clone()),
+        };
+        let made = (Source::Positions, a.depth.max(b.depth) + 1);
+        Self::new(made, length, move |this, k, at| {
+            Some(Value::tuple(vec![this.item(&a, k, at)?, this.item(&b, k, at)?]))
+        })
+    }
+
+    /// One after another: two sums, and where both have positions a list of both.
+    fn chained(a: Rc<Self>, b: Rc<Self>) -> Self {
+        let (source, depth) = (Source::Chain(a.clone(), b.clone()), a.depth.max(b.depth) + 1);
+        let (Some(_), Some(_), Some(first)) = (&a.item, &b.item, a.length.clone()) else {
+            return Self::walked(source, depth);
+        };
+        let length = b.length.as_ref().and_then(|second| first.add(second));
+        Self::new((source, depth), length, move |this, k, at| {
+            let rest = k.subtract(&first)?;
+            match this.is_less(&rest, false) {
+                Value::Known(true) => this.item(&a, k, at),
+                Value::Known(false) => this.item(&b, &rest, at),
+                _ => {
+                    let items = [this.items(&a, at)?, this.items(&b, at)?].concat();
+                    this.item(&Self::known(items), k, at)
+                }
+            }
+        })
+    }
+
+    pub(super) fn is_list(&self) -> bool {
+        matches!(self.source, Source::Array(_) | Source::Known(_))
     }
 
     pub(super) fn describe(&self) -> &'static str {
-        match self {
-            Self::Range(..) => "a range",
-            Self::Array(_) | Self::Known(_) => "a list",
+        match self.source {
+            Source::Range(..) => "a range",
+            _ if self.is_list() => "a list",
             _ => "an iterator",
-        }
-    }
-
-    fn is_endless(&self) -> bool {
-        match self {
-            Self::Range(_, end) => end.is_none(),
-            Self::Array(_) | Self::Known(_) | Self::Take(..) | Self::Reversed(_) => false,
-            Self::Zip(a, b) => a.is_endless() && b.is_endless(),
-            Self::Chain(a, b) => a.is_endless() || b.is_endless(),
-            Self::Map(inner, _)
-            | Self::Enumerate(inner)
-            | Self::Skip(inner, _)
-            | Self::StepBy(inner, _)
-            | Self::Windows(inner, _)
-            | Self::Chunks(inner, _)
-            | Self::Filter(inner, _)
-            | Self::FlatMap(inner, _) => inner.is_endless(),
-        }
-    }
-
-    /// Whether its items can be named by their position.
-    fn is_indexable(&self) -> bool {
-        match self {
-            Self::Range(..) | Self::Array(_) | Self::Known(_) => true,
-            Self::Filter(..) | Self::FlatMap(..) => false,
-            Self::Zip(a, b) | Self::Chain(a, b) => a.is_indexable() && b.is_indexable(),
-            Self::Map(inner, _)
-            | Self::Enumerate(inner)
-            | Self::Reversed(inner)
-            | Self::Skip(inner, _)
-            | Self::Take(inner, _)
-            | Self::StepBy(inner, _)
-            | Self::Windows(inner, _)
-            | Self::Chunks(inner, _) => inner.is_indexable(),
         }
     }
 }
 
 impl<'a> Interpreter<'a, '_> {
     /// `value` as a sequence.
-    pub(super) fn as_stream(&mut self, value: &Value, at: &dyn ToTokens) -> Option<Rc<Stream>> {
+    pub(super) fn as_sequence(&mut self, value: &Value, at: &dyn ToTokens) -> Option<Rc<Sequence>> {
         match value {
-            Value::Stream(stream) => Some(stream.clone()),
+            Value::Sequence(sequence) => Some(sequence.clone()),
             Value::Poison => None,
             other => {
                 let found = other.describe();
@@ -111,108 +181,99 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// Number of items, none if it is negative; `None` for an endless range and for what has to be walked.
-    pub(super) fn length_of(&self, stream: &Stream) -> Option<Index> {
-        match stream {
-            Stream::Range(start, end) => Some(end.as_ref()?.subtract(start)?.maximum_with_zero()),
-            Stream::Array(array) => Some(array.length.clone()),
-            Stream::Known(sequence) => Some(Index::integer(sequence.items.len() as i128)),
-            Stream::Map(inner, _) | Stream::Enumerate(inner) | Stream::Reversed(inner) => {
-                self.length_of(inner)
+    /// What becomes another sequence by an argument, if there is one, whose place is `at`; `from` is where the first was written.
+    pub(super) fn adapted(
+        &mut self,
+        name: &str,
+        inner: Rc<Sequence>,
+        argument: &Value,
+        (from, at): (&dyn ToTokens, &dyn ToTokens),
+    ) -> Option<Sequence> {
+        let depth = inner.depth + 1;
+        match name {
+            "map" => return Some(Sequence::mapped(inner, argument.clone())),
+            "filter" => return Some(Sequence::walked(Source::Filter(inner, argument.clone()), depth)),
+            "flat_map" => return Some(Sequence::walked(Source::Flat(inner, Some(argument.clone())), depth)),
+            "flatten" => return Some(Sequence::walked(Source::Flat(inner, None), depth)),
+            "chain" => return Some(Sequence::chained(inner, self.as_sequence(argument, at)?)),
+            _ => {}
+        }
+        let inner = self.positioned(inner, from)?;
+        let length = inner.length.clone();
+        let number = match name {
+            "enumerate" => {
+                return Some(Sequence::zipped(Sequence::range(Index::default(), None)?.into(), inner));
             }
-            Stream::Zip(a, b) => match (self.length_of(a), self.length_of(b)) {
-                (Some(a), Some(b)) => Some(a.minimum(&b)),
-                (Some(length), None) if b.is_endless() => Some(length),
-                (None, Some(length)) if a.is_endless() => Some(length),
-                _ => None,
-            },
-            Stream::Skip(inner, number) => Some(self.length_of(inner)?.subtract(number)?.maximum_with_zero()),
-            Stream::Take(inner, number) => match self.length_of(inner) {
-                Some(length) => Some(length.minimum(number)),
-                None => inner.is_endless().then(|| number.clone()),
-            },
-            Stream::StepBy(inner, step) => {
-                self.length_of(inner)?.shifted(step - 1)?.divide(&Index::integer(*step))
+            "zip" => {
+                let other = self.as_sequence(argument, at)?;
+                return Some(Sequence::zipped(inner, self.positioned(other, at)?));
             }
-            Stream::Windows(inner, width) => {
-                Some(self.length_of(inner)?.shifted(1 - width)?.maximum_with_zero())
+            "rev" => {
+                let Some(end) = &length else { return self.endless(from) };
+                let last = end.shifted(-1)?;
+                return Some(Sequence::moved(inner, length, move |k| last.subtract(k)));
             }
-            Stream::Chunks(inner, width) => {
-                self.length_of(inner)?.shifted(width - 1)?.divide(&Index::integer(*width))
+            "skip" | "take" => self.as_index(argument, at)?,
+            _ => Index::integer(self.known_integer(argument.clone(), at)?),
+        };
+        let least = i128::from(!matches!(name, "skip" | "take"));
+        if number.as_integer().is_some_and(|number| number < least) {
+            self.report(expressions::integer_arithmetic(at));
+            return None;
+        }
+        let last = number.shifted(-1)?;
+        // With what is left over.
+        let parts = length.as_ref().and_then(|length| length.add(&last)?.divide(&number));
+        Some(match name {
+            "skip" => {
+                let length = length.and_then(|length| length.subtract(&number));
+                Sequence::moved(inner, length, move |k| k.add(&number))
             }
-            Stream::Chain(a, b) => self.length_of(a)?.add(&self.length_of(b)?),
-            Stream::Filter(..) | Stream::FlatMap(..) => None,
+            "take" => {
+                let length = length.map_or(number.clone(), |length| length.minimum(&number));
+                Sequence::moved(inner, Some(length), |k| Some(k.clone()))
+            }
+            "step_by" => Sequence::moved(inner, parts, move |k| k.multiply(&number)),
+            "windows" => {
+                let length = length.and_then(|length| length.subtract(&last));
+                Sequence::stretches(inner, length, move |k| Some((k.clone(), number.clone())))
+            }
+            _ => Sequence::stretches(inner, parts, move |k| {
+                let start = k.multiply(&number)?;
+                let rest = length.as_ref()?.subtract(&start)?;
+                Some((start, rest.minimum(&number)))
+            }),
+        })
+    }
+
+    /// The sequence with positions: walked, if it has none.
+    fn positioned(&mut self, sequence: Rc<Sequence>, at: &dyn ToTokens) -> Option<Rc<Sequence>> {
+        match sequence.item {
+            Some(_) => Some(sequence),
+            None => Some(Sequence::known(self.items(&sequence, at)?).into()),
         }
     }
 
     /// Item `k`.
-    pub(super) fn item(&mut self, stream: &Stream, k: &Index, at: &dyn ToTokens) -> Option<Value> {
-        match stream {
-            Stream::Range(start, _) => Some(Value::index(start.add(k)?)),
-            Stream::Array(array) => self.array_element(array, k, at),
-            Stream::Known(sequence) => {
-                let k = self.known_integer(Value::index(k.clone()), at)?;
-                match usize::try_from(k).ok().and_then(|k| sequence.items.get(k)) {
-                    Some(item) => Some(item.clone()),
-                    None => {
-                        let length = sequence.items.len();
-                        self.report(expressions::index_out_of_range(at.to_token_stream(), k, length));
-                        None
-                    }
-                }
+    pub(super) fn item(&mut self, sequence: &Sequence, k: &Index, at: &dyn ToTokens) -> Option<Value> {
+        match &sequence.item {
+            Some(item) => item(self, k, at),
+            None => {
+                let items = self.items(sequence, at)?;
+                self.item(&Sequence::known(items), k, at)
             }
-            Stream::Map(inner, function) => {
-                let item = self.item(inner, k, at)?;
-                Some(self.apply(function, vec![item], at))
-            }
-            Stream::Zip(a, b) => {
-                let (a, b) = (self.item(a, k, at)?, self.item(b, k, at)?);
-                Some(Value::tuple(vec![a, b]))
-            }
-            Stream::Enumerate(inner) => {
-                let item = self.item(inner, k, at)?;
-                Some(Value::tuple(vec![Value::index(k.clone()), item]))
-            }
-            Stream::Reversed(inner) => {
-                let Some(length) = self.length_of(inner) else { return self.item_of_many(stream, k, at) };
-                self.item(inner, &length.shifted(-1)?.subtract(k)?, at)
-            }
-            Stream::Skip(inner, number) => self.item(inner, &k.add(number)?, at),
-            Stream::Take(inner, _) => self.item(inner, k, at),
-            Stream::StepBy(inner, step) => self.item(inner, &k.multiply(&Index::integer(*step))?, at),
-            Stream::Windows(inner, width) => self.stretch(inner, k, &Index::integer(*width), at),
-            Stream::Chunks(inner, width) => {
-                let start = k.multiply(&Index::integer(*width))?;
-                let rest = self.length_of(inner)?.subtract(&start)?;
-                self.stretch(inner, &start, &rest.minimum(&Index::integer(*width)), at)
-            }
-            Stream::Chain(a, b) => {
-                let Some(length) = self.length_of(a) else { return self.item_of_many(stream, k, at) };
-                match self.is_less(&k.subtract(&length)?, false) {
-                    Value::Known(true) => self.item(a, k, at),
-                    Value::Known(false) => self.item(b, &k.subtract(&length)?, at),
-                    _ => self.item_of_many(stream, k, at),
-                }
-            }
-            Stream::Filter(..) | Stream::FlatMap(..) => self.item_of_many(stream, k, at),
         }
-    }
-
-    /// Item `k` of what has to be walked.
-    fn item_of_many(&mut self, stream: &Stream, k: &Index, at: &dyn ToTokens) -> Option<Value> {
-        let items = self.items(stream, None, at)?;
-        self.item(&Stream::Known(Sequence::new(items)), k, at)
     }
 
     /// `length` items from `start` on, as a list.
     fn stretch(
         &mut self,
-        stream: &Stream,
+        sequence: &Sequence,
         start: &Index,
         length: &Index,
         at: &dyn ToTokens,
     ) -> Option<Value> {
-        if let Stream::Array(array) = stream {
+        if let Source::Array(array) = &sequence.source {
             return self.subarray(array, start, Some(&start.add(length)?), at);
         }
         let length = self.known_integer(Value::index(length.clone()), at)?;
@@ -221,42 +282,35 @@ impl<'a> Interpreter<'a, '_> {
             if !self.spend(1, at) {
                 return None;
             }
-            items.push(self.item(stream, &start.shifted(offset)?, at)?);
+            items.push(self.item(sequence, &start.shifted(offset)?, at)?);
         }
         Some(Value::list(items))
     }
 
-    /// The items one by one, at most `limit` of them.
-    pub(super) fn items(
-        &mut self,
-        stream: &Stream,
-        limit: Option<usize>,
-        at: &dyn ToTokens,
-    ) -> Option<Vec<Value>> {
-        let most = limit.unwrap_or(usize::MAX);
-        if let Stream::Known(sequence) = stream {
-            let count = sequence.items.len().min(most);
-            return self.spend(count, at).then(|| sequence.items[..count].to_vec());
+    /// The items one by one.
+    pub(super) fn items(&mut self, sequence: &Sequence, at: &dyn ToTokens) -> Option<Vec<Value>> {
+        if let Source::Known(Items { items, .. }) = &sequence.source {
+            return self.spend(items.len(), at).then(|| items.to_vec());
         }
-        if stream.is_endless() && limit.is_none() {
-            self.report(expressions::endless_range(at.to_token_stream()));
+        if sequence.item.is_none() {
+            let mut all = Vec::new();
+            self.through(sequence, true, at, &mut |this, item| {
+                all.push(item);
+                Some(this.graph.integer(0))
+            })?;
+            return Some(all);
+        }
+        let Some(length) = &sequence.length else { return self.endless(at) };
+        let count = self.known_length(length, at)?;
+        if !self.spend(count, at) {
             return None;
         }
-        if stream.is_indexable() {
-            let count = match self.length_of(stream) {
-                Some(length) => self.known_length(&length, at)?,
-                None => most,
-            };
-            let count = count.min(most);
-            if !self.spend(count, at) {
-                return None;
-            }
-            return (0..count).map(|k| self.item(stream, &Index::integer(k as i128), at)).collect();
-        }
-        self.walked(stream, limit, at).map(|mut items| {
-            items.truncate(most);
-            items
-        })
+        (0..count).map(|k| self.item(sequence, &Index::integer(k as i128), at)).collect()
+    }
+
+    fn endless<T>(&mut self, at: &dyn ToTokens) -> Option<T> {
+        self.report(expressions::endless_range(at.to_token_stream()));
+        None
     }
 
     /// The number of items that are taken one by one.
@@ -271,186 +325,95 @@ impl<'a> Interpreter<'a, '_> {
         None
     }
 
-    /// The items of a sequence whose items have no positions.
-    fn walked(&mut self, stream: &Stream, limit: Option<usize>, at: &dyn ToTokens) -> Option<Vec<Value>> {
-        match stream {
-            Stream::Filter(inner, predicate) => {
-                let items = self.items(inner, None, at)?;
-                let mut kept = Vec::new();
-                for item in items {
-                    if self.keeps(predicate, &item, at)? {
-                        kept.push(item);
-                    }
-                }
-                Some(kept)
-            }
-            Stream::FlatMap(inner, function) => {
-                let mut all = Vec::new();
-                for item in self.items(inner, None, at)? {
-                    let list = self.mapped(function.as_ref(), item, at);
-                    let list = self.as_stream(&list, at)?;
-                    all.extend(self.items(&list, None, at)?);
-                }
-                Some(all)
-            }
-            Stream::Chain(a, b) => {
-                let mut all = self.items(a, limit, at)?;
-                all.extend(self.items(b, limit, at)?);
-                Some(all)
-            }
-            // The shorter of two bounds an endless one.
-            Stream::Zip(a, b) => {
-                let (a, b) = match a.is_endless() {
-                    true => {
-                        let b = self.items(b, limit, at)?;
-                        (self.items(a, Some(b.len()), at)?, b)
-                    }
-                    false => {
-                        let a = self.items(a, limit, at)?;
-                        let b = self.items(b, Some(a.len()), at)?;
-                        (a, b)
-                    }
-                };
-                Some(a.into_iter().zip(b).map(|(a, b)| Value::tuple(vec![a, b])).collect())
-            }
-            Stream::Map(inner, function) => {
-                let items = self.items(inner, limit, at)?;
-                Some(items.into_iter().map(|item| self.apply(function, vec![item], at)).collect())
-            }
-            Stream::Take(inner, number) => {
-                let number = self.known_length(number, at)?.min(limit.unwrap_or(usize::MAX));
-                self.items(inner, Some(number), at)
-            }
-            Stream::Enumerate(inner)
-            | Stream::Reversed(inner)
-            | Stream::Skip(inner, _)
-            | Stream::StepBy(inner, _)
-            | Stream::Windows(inner, _)
-            | Stream::Chunks(inner, _) => {
-                // With its items known, it has positions.
-                let items = Rc::new(Stream::Known(Sequence::new(self.items(inner, None, at)?)));
-                let stream = match stream {
-                    Stream::Enumerate(_) => Stream::Enumerate(items),
-                    Stream::Reversed(_) => Stream::Reversed(items),
-                    Stream::Skip(_, number) => Stream::Skip(items, number.clone()),
-                    Stream::StepBy(_, step) => Stream::StepBy(items, *step),
-                    Stream::Windows(_, width) => Stream::Windows(items, *width),
-                    Stream::Chunks(_, width) => Stream::Chunks(items, *width),
-                    _ => return None,
-                };
-                self.items(&stream, limit, at)
-            }
-            Stream::Range(..) | Stream::Array(_) | Stream::Known(_) => self.items(stream, limit, at),
-        }
-    }
-
-    fn mapped(&mut self, function: Option<&Value>, item: Value, at: &dyn ToTokens) -> Value {
-        match function {
-            Some(function) => self.apply(function, vec![item], at),
-            None => item,
-        }
-    }
-
-    /// Whether a filter keeps an item that stands by itself.
-    fn keeps(&mut self, predicate: &Value, item: &Value, at: &dyn ToTokens) -> Option<bool> {
-        match self.apply(predicate, vec![item.clone()], at) {
-            Value::Known(keeps) => Some(keeps),
-            Value::Poison => None,
-            other => {
-                let (found, expected) = (other.describe(), "a condition that is known at compile time");
-                let written = match predicate {
-                    Value::Closure(id) => {
-                        self.closures.get(*id).map(|closure| closure.syntax.to_token_stream())
-                    }
-                    _ => None,
-                };
-                let at = written.unwrap_or_else(|| at.to_token_stream());
-                self.report(expressions::expected(at, expected, found));
-                None
-            }
-        }
-    }
-
     /// `Σ f(item)`, with a symbol for every loop.
     pub(super) fn accumulate(
         &mut self,
-        stream: &Stream,
+        sequence: &Sequence,
         at: &dyn ToTokens,
         f: &mut dyn FnMut(&mut Self, Value) -> Option<Expr>,
     ) -> Option<Expr> {
-        match stream {
-            Stream::Map(inner, function) if !inner.is_indexable() => {
-                self.accumulate(inner, at, &mut |this, item| {
-                    let mapped = this.apply(function, vec![item], at);
-                    f(this, mapped)
-                })
-            }
-            Stream::Filter(inner, predicate) => self.accumulate(
-                inner,
-                at,
-                &mut |this, item| match this.apply(predicate, vec![item.clone()], at) {
+        self.through(sequence, false, at, f)
+    }
+
+    /// The same; with `one_by_one` there is no loop, and what is filtered is known.
+    fn through(
+        &mut self,
+        sequence: &Sequence,
+        one_by_one: bool,
+        at: &dyn ToTokens,
+        f: &mut dyn FnMut(&mut Self, Value) -> Option<Expr>,
+    ) -> Option<Expr> {
+        match &sequence.source {
+            Source::Map(inner, function) => self.through(inner, one_by_one, at, &mut |this, item| {
+                let mapped = this.apply(function, vec![item], at);
+                f(this, mapped)
+            }),
+            Source::Filter(inner, predicate) => {
+                self.through(inner, one_by_one, at, &mut |this, item| match this.apply(
+                    predicate,
+                    vec![item.clone()],
+                    at,
+                ) {
                     Value::Known(true) => f(this, item),
                     Value::Known(false) => Some(this.graph.integer(0)),
-                    Value::Condition(condition) => {
+                    Value::Condition(condition) if !one_by_one => {
                         let value = f(this, item)?;
                         let zero = this.graph.integer(0);
                         Some(this.graph.select(condition, value, zero))
                     }
-                    Value::Poison => None,
-                    other => {
-                        let found = other.describe();
-                        this.report(expressions::expected(at.to_token_stream(), "a condition", found));
-                        None
-                    }
-                },
-            ),
-            Stream::Chain(a, b) => {
-                let (a, b) = (self.accumulate(a, at, f)?, self.accumulate(b, at, f)?);
+                    other => this.no_condition(predicate, &other, one_by_one, at),
+                })
+            }
+            Source::Flat(inner, function) => self.through(inner, one_by_one, at, &mut |this, item| {
+                let list = match function {
+                    Some(function) => this.apply(function, vec![item], at),
+                    None => item,
+                };
+                let list = this.as_sequence(&list, at)?;
+                this.through(&list, one_by_one, at, f)
+            }),
+            Source::Chain(a, b) => {
+                let (a, b) = (self.through(a, one_by_one, at, f)?, self.through(b, one_by_one, at, f)?);
                 Some(self.graph.add(a, b))
             }
-            Stream::FlatMap(inner, function) => self.accumulate(inner, at, &mut |this, item| {
-                let list = this.mapped(function.as_ref(), item, at);
-                let list = this.as_stream(&list, at)?;
-                this.accumulate(&list, at, f)
-            }),
-            base => {
-                let length = match base {
-                    // What was written one by one is added up one by one.
-                    Stream::Known(_) => None,
-                    base => self.length_of(base),
-                };
-                match length {
-                    Some(length) => self.sum_loop(&length, at, &mut |this, k| {
-                        let item = this.item(base, k, at)?;
-                        f(this, item)
-                    }),
-                    None => self.add_up(base, at, f),
+            Source::Range(..) | Source::Array(_) | Source::Positions
+                if let (Some(length), false) = (&sequence.length, one_by_one) =>
+            {
+                self.sum_loop(length, at, &mut |this, k| {
+                    let item = this.item(sequence, k, at)?;
+                    f(this, item)
+                })
+            }
+            // What was written one by one is added up one by one.
+            _ => {
+                let mut terms = Vec::new();
+                for item in self.items(sequence, at)? {
+                    terms.push((f(self, item)?, Rational::ONE));
                 }
+                Some(self.graph.linear_combination(&terms))
             }
         }
     }
 
-    /// `Σ f(item)`, term by term.
-    fn add_up(
+    /// Reports what a filter asks for instead of a condition, or of one that is known.
+    fn no_condition<T>(
         &mut self,
-        stream: &Stream,
+        predicate: &Value,
+        found: &Value,
+        is_known: bool,
         at: &dyn ToTokens,
-        f: &mut dyn FnMut(&mut Self, Value) -> Option<Expr>,
-    ) -> Option<Expr> {
-        let mut terms = Vec::new();
-        for item in self.items(stream, None, at)? {
-            terms.push((f(self, item)?, Rational::ONE));
+    ) -> Option<T> {
+        let written = match predicate {
+            Value::Closure(id) if is_known => {
+                self.closures.get(*id).map(|closure| closure.syntax.to_token_stream())
+            }
+            _ => None,
+        };
+        let at = written.unwrap_or_else(|| at.to_token_stream());
+        let expected = if is_known { "a condition that is known at compile time" } else { "a condition" };
+        if !found.is_poison() {
+            self.report(expressions::expected(at, expected, found.describe()));
         }
-        Some(self.graph.linear_combination(&terms))
-    }
-}
-
-impl Index {
-    /// A length: a known one is not negative, of another the loop sees to that.
-    fn maximum_with_zero(self) -> Self {
-        match self.as_integer() {
-            Some(known) if known < 0 => Self::default(),
-            _ => self,
-        }
+        None
     }
 }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::sequences::Stream;
+use super::sequences::Sequence;
 use crate::input::Kind;
 use crate::model::index::Index;
 use crate::symbolic::Expr;
@@ -23,9 +23,9 @@ pub(super) enum Value {
     Known(bool),
     /// A condition that depends on the state or on parameters.
     Condition(Expr),
-    Tuple(Sequence),
+    Tuple(Items),
     /// A list, a range, or what is left of an iterator.
-    Stream(Rc<Stream>),
+    Sequence(Rc<Sequence>),
     /// Position in the interpreter's list of closures.
     Closure(usize),
     /// `f64::sin` and the like, as a value.
@@ -36,13 +36,13 @@ pub(super) enum Value {
 
 /// Values in order.
 #[derive(Clone)]
-pub(super) struct Sequence {
+pub(super) struct Items {
     pub(super) items: Rc<[Value]>,
     /// Levels of sequences inside this one, itself included: bounded, because dropping recurses.
     pub(super) depth: u32,
 }
 
-impl Sequence {
+impl Items {
     pub(super) fn new(items: Vec<Value>) -> Self {
         let depth = items.iter().map(Value::depth).max().unwrap_or(0) + 1;
         Self { items: items.into(), depth }
@@ -72,15 +72,19 @@ impl Place {
 
 impl Value {
     pub(super) fn unit() -> Self {
-        Self::Tuple(Sequence::new(Vec::new()))
+        Self::tuple(Vec::new())
     }
 
     pub(super) fn list(items: Vec<Value>) -> Self {
-        Self::Stream(Stream::Known(Sequence::new(items)).into())
+        Self::sequence(Sequence::known(items))
     }
 
     pub(super) fn tuple(items: Vec<Value>) -> Self {
-        Self::Tuple(Sequence::new(items))
+        Self::Tuple(Items::new(items))
+    }
+
+    pub(super) fn sequence(sequence: Sequence) -> Self {
+        Self::Sequence(sequence.into())
     }
 
     pub(super) fn index(index: Index) -> Self {
@@ -101,8 +105,8 @@ impl Value {
 
     pub(super) fn depth(&self) -> u32 {
         match self {
-            Self::Tuple(sequence) => sequence.depth,
-            Self::Stream(stream) => stream.depth(),
+            Self::Tuple(items) => items.depth,
+            Self::Sequence(sequence) => sequence.depth,
             _ => 0,
         }
     }
@@ -117,9 +121,9 @@ impl Value {
             },
             Self::Constant(_) => "a constant",
             Self::Known(_) | Self::Condition(_) => "a condition",
-            Self::Tuple(sequence) if sequence.items.is_empty() => "`()`",
+            Self::Tuple(tuple) if tuple.items.is_empty() => "`()`",
             Self::Tuple(_) => "a tuple",
-            Self::Stream(stream) => stream.describe(),
+            Self::Sequence(sequence) => sequence.describe(),
             Self::Closure(_) | Self::Function(_) => "a function",
             Self::Poison => "an error",
         }
