@@ -91,4 +91,4 @@ fn compile(
 #[cfg(test)]
 mod effort_tests;
 #[cfg(test)]
-mod golden;
+mod golden_tests;

@@ -182,7 +182,7 @@ impl<'a> Interpreter<'a, '_> {
         let arguments: Vec<Value> = syntax.args.iter().map(|argument| self.evaluate(argument)).collect();
         match receiver {
             Value::Poison => Value::Poison,
-            Value::Sequence(sequence) => self.sequence_method(sequence, arguments, syntax),
+            Value::Sequence(sequence) => self.sequence_method(sequence, &arguments, syntax),
             Value::Index(index) => self.integer_method(&index, &arguments, syntax),
             // A constant that is not a list is a real number: integers have to be cast first.
             Value::Real(_) | Value::Constant(_) => {

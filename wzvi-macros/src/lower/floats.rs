@@ -7,28 +7,57 @@ use syn::Expr as Syntax;
 use super::interpreter::Interpreter;
 use super::value::Value;
 use crate::diagnostics::expressions;
-use crate::symbolic::{Expr, Function, Rational};
+use crate::symbolic::{Expr, Function, Graph, Rational};
 
-/// Functions that are made of others, and those with an integer argument.
-const COMPOSED: [(&str, usize); 12] = [
-    ("powi", 2),
-    ("recip", 1),
-    ("log", 2),
-    ("sin_cos", 1),
-    ("clamp", 3),
-    ("mul_add", 3),
-    ("to_radians", 1),
-    ("to_degrees", 1),
-    ("from", 1),
-    ("clone", 1),
-    ("to_owned", 1),
-    ("add", 2),
+/// What a function that is made of others is made of.
+type Composed = fn(&mut Graph, &[Expr]) -> Expr;
+
+/// The functions that are made of others, with their numbers of arguments. Without `None`: [`Interpreter::real_call`] reads them.
+const COMPOSED: [(&str, usize, Option<Composed>); 12] = [
+    ("powi", 2, None),
+    ("recip", 1, Some(|graph, x| graph.power(x[0], Rational::MINUS_ONE))),
+    (
+        "log",
+        2,
+        Some(|graph, x| {
+            let [x, base] = [x[0], x[1]].map(|x| graph.apply(Function::Ln, &[x]));
+            graph.divide(x, base)
+        }),
+    ),
+    ("sin_cos", 1, None),
+    (
+        "clamp",
+        3,
+        Some(|graph, x| {
+            let above = graph.apply(Function::Max, &x[..2]);
+            graph.apply(Function::Min, &[above, x[2]])
+        }),
+    ),
+    (
+        "mul_add",
+        3,
+        Some(|graph, x| {
+            let product = graph.multiply(x[0], x[1]);
+            graph.add(product, x[2])
+        }),
+    ),
+    ("to_radians", 1, Some(|graph, x| scaled(graph, x, std::f64::consts::PI / 180.0))),
+    ("to_degrees", 1, Some(|graph, x| scaled(graph, x, 180.0 / std::f64::consts::PI))),
+    ("from", 1, None),
+    ("clone", 1, Some(|_, x| x[0])),
+    ("to_owned", 1, Some(|_, x| x[0])),
+    ("add", 2, Some(|graph, x| graph.add(x[0], x[1]))),
 ];
+
+fn scaled(graph: &mut Graph, x: &[Expr], factor: f64) -> Expr {
+    let factor = graph.float(factor);
+    graph.multiply(x[0], factor)
+}
 
 /// Number of arguments, the receiver included.
 fn arity(name: &str) -> Option<usize> {
     let elementary = Function::ALL.iter().find(|function| function.method() == name).map(|f| f.arity());
-    elementary.or_else(|| COMPOSED.iter().find(|(known, _)| *known == name).map(|&(_, arity)| arity))
+    elementary.or_else(|| COMPOSED.iter().find(|(known, ..)| *known == name).map(|(_, arity, _)| *arity))
 }
 
 pub(crate) fn is_real_method(name: &str) -> bool {
@@ -57,7 +86,7 @@ impl Interpreter<'_, '_> {
         let Some(arity) = arity(name) else {
             let names: Vec<&str> = Function::ALL.iter().map(|function| function.method()).collect();
             let names: Vec<&str> =
-                names.into_iter().chain(COMPOSED[..8].iter().map(|&(name, _)| name)).collect();
+                names.into_iter().chain(COMPOSED[..8].iter().map(|&(name, ..)| name)).collect();
             let method = syn::Ident::new(name, name_span(at));
             return self.report(expressions::unknown_method(&method, "`f64`", &names));
         };
@@ -90,39 +119,13 @@ impl Interpreter<'_, '_> {
         if let Some(&function) = Function::ALL.iter().find(|function| function.method() == name) {
             return Value::Real(self.graph.apply(function, arguments));
         }
-        let graph = &mut self.graph;
-        Value::Real(match (name, arguments) {
-            ("recip", &[x]) => graph.power(x, Rational::MINUS_ONE),
-            ("log", &[x, base]) => {
-                let (x, base) = (graph.apply(Function::Ln, &[x]), graph.apply(Function::Ln, &[base]));
-                graph.divide(x, base)
-            }
-            ("sin_cos", &[x]) => {
-                let (sine, cosine) = (graph.apply(Function::Sin, &[x]), graph.apply(Function::Cos, &[x]));
-                return Value::tuple(vec![Value::Real(sine), Value::Real(cosine)]);
-            }
-            ("clamp", &[x, low, high]) => {
-                let above = graph.apply(Function::Max, &[x, low]);
-                graph.apply(Function::Min, &[above, high])
-            }
-            ("mul_add", &[x, a, b]) => {
-                let product = graph.multiply(x, a);
-                graph.add(product, b)
-            }
-            ("add", &[x, y]) => graph.add(x, y),
-            ("to_radians", &[x]) => {
-                let factor = graph.float(std::f64::consts::PI / 180.0);
-                graph.multiply(x, factor)
-            }
-            ("to_degrees", &[x]) => {
-                let factor = graph.float(180.0 / std::f64::consts::PI);
-                graph.multiply(x, factor)
-            }
-            (_, arguments) => match arguments.first() {
-                Some(&x) => x,
-                None => return Value::Poison,
-            },
-        })
+        let composed = COMPOSED.iter().find(|(known, ..)| *known == name);
+        match composed.and_then(|(.., composed)| *composed) {
+            Some(composed) => Value::Real(composed(&mut self.graph, arguments)),
+            None => Value::tuple(
+                [Function::Sin, Function::Cos].map(|f| Value::Real(self.graph.apply(f, arguments))).into(),
+            ),
+        }
     }
 
     /// `f64::from(x)`

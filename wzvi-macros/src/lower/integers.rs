@@ -3,14 +3,15 @@
 use quote::ToTokens;
 use syn::{BinOp, ExprMethodCall};
 
+use super::floats::is_real_method;
 use super::interpreter::Interpreter;
+use super::methods::Methods;
 use super::value::Value;
 use crate::diagnostics::expressions;
 use crate::model::index::Index;
 use crate::symbolic::Relation;
 
-/// Each method with its number of arguments.
-const METHODS: [(&str, usize); 8] = [
+const METHODS: &Methods = &[
     ("pow", 1),
     ("abs", 0),
     ("abs_diff", 1),
@@ -124,17 +125,11 @@ impl<'a> Interpreter<'a, '_> {
         arguments: &[Value],
         syntax: &ExprMethodCall,
     ) -> Value {
-        let name = syntax.method.to_string();
-        let Some(&(name, expected)) = METHODS.iter().find(|(known, _)| *known == name) else {
-            if super::floats::is_real_method(&name) {
-                return self.report(expressions::integer_not_real(&syntax.receiver));
-            }
-            let known: Vec<&str> = METHODS.iter().map(|(known, _)| *known).collect();
-            return self.report(expressions::unknown_method(&syntax.method, "integers", &known));
-        };
-        if arguments.len() != expected {
-            return self.report(expressions::argument_count(&syntax.method, expected, arguments.len()));
+        let is_method = METHODS.iter().any(|(known, _)| syntax.method == known);
+        if !is_method && is_real_method(&syntax.method.to_string()) {
+            return self.report(expressions::integer_not_real(&syntax.receiver));
         }
+        let Some(name) = self.known_method(METHODS, "integers", syntax) else { return Value::Poison };
         let Some(argument) = arguments.first() else {
             let result = match name {
                 "abs" => Index::default().subtract(own).map(|negated| own.maximum(&negated)),

@@ -13,8 +13,10 @@ use crate::input::is_integer_type;
 use crate::model::index::Index;
 use crate::symbolic::Expr;
 
-/// Each method with its number of arguments.
-const METHODS: [(&str, usize); 26] = [
+/// Methods by name, with their numbers of arguments.
+pub(super) type Methods = [(&'static str, usize)];
+
+const OF_SEQUENCES: &Methods = &[
     ("iter", 0),
     ("into_iter", 0),
     ("map", 1),
@@ -44,26 +46,43 @@ const METHODS: [(&str, usize); 26] = [
 ];
 
 impl<'a> Interpreter<'a, '_> {
+    /// The name of the method that is called; what is wrong with the call is reported.
+    pub(super) fn known_method(
+        &mut self,
+        methods: &Methods,
+        receivers: &str,
+        syntax: &ExprMethodCall,
+    ) -> Option<&'static str> {
+        let known = methods.iter().find(|(known, _)| syntax.method == known);
+        let error = match known {
+            Some(&(name, arguments)) if arguments == syntax.args.len() => return Some(name),
+            Some(&(_, arguments)) => {
+                expressions::argument_count(&syntax.method, arguments, syntax.args.len())
+            }
+            None => {
+                let names: Vec<&str> = methods.iter().map(|(name, _)| *name).collect();
+                expressions::unknown_method(&syntax.method, receivers, &names)
+            }
+        };
+        self.report(error);
+        None
+    }
+
     /// A method of a list, a range or an iterator.
     pub(super) fn sequence_method(
         &mut self,
         sequence: Rc<Sequence>,
-        arguments: Vec<Value>,
+        arguments: &[Value],
         syntax: &'a ExprMethodCall,
     ) -> Value {
-        let name = syntax.method.to_string();
-        let Some(&(name, expected)) = METHODS.iter().find(|(known, _)| *known == name) else {
-            let known: Vec<&str> = METHODS.iter().map(|(known, _)| *known).collect();
-            return self.report(expressions::unknown_method(&syntax.method, "lists and iterators", &known));
+        let Some(name) = self.known_method(OF_SEQUENCES, "lists and iterators", syntax) else {
+            return Value::Poison;
         };
-        if arguments.len() != expected {
-            return self.report(expressions::argument_count(&syntax.method, expected, arguments.len()));
-        }
         // Lists are made at once; where no order can tell, their items are made when they are asked for.
         let makes_list = matches!(name, "collect" | "to_vec") || name == "map" && sequence.is_list();
         let from = origin(&syntax.receiver);
         let value = match name {
-            "sum" | "product" | "fold" | "len" | "count" => self.reduce(name, &sequence, &arguments, syntax),
+            "sum" | "product" | "fold" | "len" | "count" => self.reduce(name, &sequence, arguments, syntax),
             "enumerate" | "rev" | "flatten" | "map" | "zip" | "skip" | "take" | "step_by" | "windows"
             | "chunks" | "chain" | "filter" | "flat_map" => {
                 let places: (&dyn ToTokens, &dyn ToTokens) = (from, &syntax.args);

@@ -4,6 +4,7 @@
 //! expanded. Rewrites change a value by no more than rounding and keep the domain: `x / x` stays, because it is
 //! undefined at 0; `x - x` is 0 wherever `x` is defined.
 
+use super::function::Parity;
 use super::sign::Sign;
 use super::{Expr, Function, Graph, Node, Rational, Symbol};
 
@@ -329,9 +330,9 @@ impl Graph {
             Function::Min | Function::Max if x == arguments[1] => return x,
             _ => {}
         }
-        match (parity(function), self.negated(x)) {
-            (Some(Parity::Even), Some(positive)) => self.apply(function, &[positive]),
-            (Some(Parity::Odd), Some(positive)) => {
+        match (function.parity(), self.negated(x)) {
+            (Parity::Even, Some(positive)) => self.apply(function, &[positive]),
+            (Parity::Odd, Some(positive)) => {
                 let value = self.apply(function, &[positive]);
                 self.negate(value)
             }
@@ -389,27 +390,6 @@ fn spread(factors: &[(Expr, Rational)], exponent: Rational) -> Option<Vec<(Expr,
     factors.iter().map(spread).collect()
 }
 
-enum Parity {
-    Even,
-    Odd,
-}
-
-fn parity(function: Function) -> Option<Parity> {
-    match function {
-        Function::Cos | Function::Cosh | Function::Abs => Some(Parity::Even),
-        Function::Sin
-        | Function::Tan
-        | Function::Asin
-        | Function::Atan
-        | Function::Sinh
-        | Function::Tanh
-        | Function::Asinh
-        | Function::Atanh
-        | Function::Cbrt => Some(Parity::Odd),
-        _ => None,
-    }
-}
-
 fn is_unit(value: Rational) -> bool {
     value.is_one() || value == Rational::MINUS_ONE
 }
@@ -431,21 +411,8 @@ fn exact_power(number: Rational, exponent: Rational) -> Option<Rational> {
 fn exact_value(function: Function, x: Rational) -> Option<Rational> {
     match function {
         Function::Exp | Function::Exp2 | Function::Cos | Function::Cosh if x.is_zero() => Some(Rational::ONE),
-        Function::ExpM1
-        | Function::Ln1p
-        | Function::Sin
-        | Function::Tan
-        | Function::Asin
-        | Function::Atan
-        | Function::Sinh
-        | Function::Tanh
-        | Function::Asinh
-        | Function::Atanh
-        | Function::Cbrt
-            if x.is_zero() =>
-        {
-            Some(Rational::ZERO)
-        }
+        Function::ExpM1 | Function::Ln1p if x.is_zero() => Some(Rational::ZERO),
+        odd if x.is_zero() && odd.parity() == Parity::Odd => Some(Rational::ZERO),
         Function::Ln | Function::Log2 | Function::Log10 | Function::Acos | Function::Acosh if x.is_one() => {
             Some(Rational::ZERO)
         }

@@ -3,8 +3,6 @@
 //! Everything is a handle ([`Expr`]) into a hash-consing [`Graph`]. Two handles are equal exactly when their
 //! canonical forms are. Constructors (`build`) keep the canonical form, so that a pass never has to simplify.
 
-#[cfg(test)]
-mod accuracy_tests;
 pub(crate) mod build;
 mod condition;
 pub(crate) mod differentiate;
@@ -12,21 +10,13 @@ mod display;
 pub(crate) mod evaluate;
 pub(crate) mod function;
 pub(crate) mod graph;
-#[cfg(test)]
-mod precise;
-#[cfg(test)]
-mod random_tests;
 pub(crate) mod rational;
-#[cfg(test)]
-mod real;
 mod residue;
 pub(crate) mod sign;
 pub(crate) mod stabilise;
 pub(crate) mod substitute;
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-mod validate;
 pub(crate) mod zero;
 
 pub(crate) use function::Function;

@@ -1,8 +1,8 @@
 //! Checks the invariants that [`Node`] documents. Only tests pay for it.
 
-use super::build::OPEN_LIMIT;
-use super::sign::Sign;
-use super::{Expr, Graph, Node, Rational};
+use crate::symbolic::build::OPEN_LIMIT;
+use crate::symbolic::sign::Sign;
+use crate::symbolic::{Expr, Graph, Node, Rational};
 
 impl Graph {
     /// The first broken invariant in `expr`, if any.

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::real::{Real, exact, sufficient_precision};
-use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
+use crate::symbolic::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
 
 impl Graph {
     /// The value of `root`, right to 90 bits at least; `None` where it does not exist or cannot be told.

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use super::real::error_in_ulps;
-use super::residue::SplitMix;
-use super::{Expr, Function, Graph, Rational};
+use crate::symbolic::residue::SplitMix;
+use crate::symbolic::{Expr, Function, Graph, Rational};
 
 /// Numbers of every size that a parameter or a state may have.
 struct Inputs(SplitMix);
@@ -358,7 +358,7 @@ struct Expressions {
 }
 
 impl Expressions {
-    fn new(seed: u64) -> (Self, [super::Symbol; 3]) {
+    fn new(seed: u64) -> (Self, [crate::symbolic::Symbol; 3]) {
         let mut graph = Graph::new();
         let symbols = ["x", "y", "a"].map(|name| graph.new_symbol(name));
         let leaves = symbols.map(|symbol| graph.symbol(symbol));
@@ -396,7 +396,7 @@ impl Expressions {
     }
 
     /// A form, and what users have around it.
-    fn expression(&mut self, along: super::Symbol) -> Expr {
+    fn expression(&mut self, along: crate::symbolic::Symbol) -> Expr {
         let (form, other) = (self.form(), self.argument());
         let kind = self.random.below(8);
         let second = if kind == 3 { self.form() } else { other };

@@ -1,9 +1,15 @@
 //! Invariants of the symbolic core.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use super::zero::ZeroTest;
-use super::{Expr, Function, Graph, Rational, Symbol};
+mod accuracy;
+mod precise;
+mod random;
+mod real;
+mod validate;
+
 use crate::effort;
+use crate::symbolic::zero::ZeroTest;
+use crate::symbolic::{Expr, Function, Graph, Rational, Symbol};
 
 fn square(graph: &mut Graph, x: Expr) -> Expr {
     graph.power(x, Rational::integer(2))

@@ -3,10 +3,10 @@
 
 use std::collections::HashMap;
 
-use super::evaluate::{Bounded, bound_function, bound_node, bound_power, multiply};
-use super::residue::SplitMix;
-use super::zero::ZeroTest;
-use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
+use crate::symbolic::evaluate::{Bounded, bound_function, bound_node, bound_power, multiply};
+use crate::symbolic::residue::SplitMix;
+use crate::symbolic::zero::ZeroTest;
+use crate::symbolic::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
 
 const COEFFICIENTS: [(i128, i128); 8] = [(1, 1), (-1, 1), (2, 1), (1, 2), (-3, 4), (1, 3), (5, 7), (-2, 1)];
 const EXPONENTS: [(i128, i128); 8] = [(1, 1), (2, 1), (-1, 1), (3, 1), (-2, 1), (1, 2), (-1, 2), (1, 3)];
@@ -229,7 +229,7 @@ fn function_slope(function: Function, value: Bounded, x: &[Dual]) -> Bounded {
     let square = power(u, (2, 1));
     let complement = add(one, scale(square, -1.0));
     if let Some(&Dual { value: v, slope: dv }) = x.get(1) {
-        let less = super::evaluate::bound_comparison(Relation::Less, u, v).decided();
+        let less = crate::symbolic::evaluate::bound_comparison(Relation::Less, u, v).decided();
         return match function {
             Function::Powf => {
                 let relative = add(
@@ -287,14 +287,15 @@ fn dual(g: &Graph, expr: Expr, along: Symbol, values: &dyn Fn(Symbol) -> f64) ->
         let slope = match node {
             Node::Symbol(symbol) if *symbol == along => Bounded::exact(1.0),
             Node::Sum { terms, .. } => terms.iter().fold(zero, |sum, &(term, c)| {
-                add(sum, multiply(of(term).slope, super::evaluate::bound_number(c)))
+                add(sum, multiply(of(term).slope, crate::symbolic::evaluate::bound_number(c)))
             }),
             Node::Product(factors) => factors.iter().enumerate().fold(zero, |sum, (i, &(base, e))| {
                 let others = factors.iter().enumerate().filter(|&(j, _)| j != i);
                 let lower = e.add(Rational::MINUS_ONE).unwrap();
                 let inner =
                     if lower.is_zero() { Bounded::exact(1.0) } else { bound_power(of(base).value, lower) };
-                let own = multiply(multiply(super::evaluate::bound_number(e), inner), of(base).slope);
+                let own =
+                    multiply(multiply(crate::symbolic::evaluate::bound_number(e), inner), of(base).slope);
                 add(sum, others.fold(own, |p, (_, &(other, e))| multiply(p, bound_power(of(other).value, e))))
             }),
             Node::Apply(function, arguments) => {
@@ -343,7 +344,7 @@ fn derivatives_agree_with_dual_numbers() {
 
 #[test]
 fn every_function_has_its_derivative() {
-    for function in Function::ALL {
+    for function in Function::ALL.iter().copied() {
         let mut generator = Generator::new(7);
         let [x, y] = [generator.reals[0], generator.reals[1]];
         let friendly = generator.friendly(function, x);
