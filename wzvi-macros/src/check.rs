@@ -33,16 +33,25 @@ fn check_consistency(
                 diagnostics.report(match facts.force_defect_acts(noise_l) {
                     true => {
                         let force = facts.force_defect(graph, noise_l);
-                        messages::inconsistent_forces(embedding, &defect, &force)
+                        let hamiltonian = match defect.as_str() {
+                            "0" => String::new(),
+                            defect => format!(", and drift Hamiltonian H0 - D, D = {defect}"),
+                        };
+                        messages::inconsistent_forces(
+                            embedding.extent,
+                            &embedding.value,
+                            &hamiltonian,
+                            &force,
+                        )
                     }
                     false => messages::inconsistent(embedding, &defect, &facts.defect_is_constant),
                 });
             }
             Correction::Corrected if facts.force_defect_acts(noise_l) => {
-                diagnostics.report(messages::correction_of_forces(embedding));
+                diagnostics.report(messages::correction_of_forces(embedding.extent, &embedding.value));
             }
             Correction::Corrected if facts.counter_term_acts(noise_l) && facts.counter_term.is_none() => {
-                diagnostics.report(messages::counter_term_of_elements(embedding));
+                diagnostics.report(messages::counter_term_of_elements(embedding.extent, &embedding.value));
             }
             _ => {}
         }
@@ -65,6 +74,8 @@ fn check_flows(system: &mut System, facts: &Facts, diagnostics: &mut Diagnostics
     let words: Vec<_> = system.embeddings.iter().filter(is_word).cloned().collect();
     let listed: Vec<Embedding> = words.iter().map(|known| known.value.clone()).collect();
     if !words.is_empty() && Flows::of(system, facts, &listed).is_none() {
-        words.iter().for_each(|known| diagnostics.report(messages::word_without_flows(known)));
+        words
+            .iter()
+            .for_each(|known| diagnostics.report(messages::word_without_flows(known.extent, &known.value)));
     }
 }

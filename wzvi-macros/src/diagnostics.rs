@@ -1,5 +1,16 @@
 //! Collects errors, so that independent mistakes are reported at once. The messages are in [`messages`].
 
+/// Messages by name, with what they tell besides the place and their text, which may name the tokens there, too.
+macro_rules! messages {
+    ($($(#[$doc:meta])* $name:ident($found:ident $(, $argument:ident: $type:ty)*) = $text:literal;)+) => {$(
+        $(#[$doc])*
+        pub(crate) fn $name($found: impl quote::ToTokens $(, $argument: $type)*) -> syn::Error {
+            let $found = $found.into_token_stream();
+            $crate::diagnostics::at(&$found, format_args!($text))
+        }
+    )+};
+}
+
 pub(crate) mod expressions;
 pub(crate) mod facts;
 pub(crate) mod internal;
@@ -7,11 +18,25 @@ pub(crate) mod messages;
 mod spelling;
 
 use std::collections::HashSet;
+use std::fmt::Display;
 
 use proc_macro2::{Ident, Span, TokenStream, TokenTree};
 use quote::ToTokens;
+use syn::Error;
 
 pub(crate) use spelling::{closest, source};
+
+pub(super) fn at(tokens: impl ToTokens, message: impl Display) -> Error {
+    Error::new_spanned(tokens, message)
+}
+
+/// `text`, and what may have been meant.
+pub(super) fn suggest(text: String, suggestion: Option<&str>) -> String {
+    match suggestion {
+        Some(suggestion) => format!("{text}; did you mean `{suggestion}`?"),
+        None => text,
+    }
+}
 
 /// The errors so far. It has to be finished: dropping it would lose them.
 #[must_use = "errors are lost unless `finish` turns them into tokens"]

@@ -1,25 +1,66 @@
 //! The messages about the bodies of closures. One function per mistake.
 
-use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 use syn::Error;
 
-use super::messages::{at, suggest};
-use super::{closest, source};
+use super::{at, closest, source, suggest};
 
-pub(crate) fn unsupported(found: impl ToTokens, what: &str, remedy: &str) -> Error {
-    at(found, format!("{what} cannot be compiled to a symbolic expression; {remedy}"))
-}
-
-pub(crate) fn too_many_steps(found: impl ToTokens, limit: usize) -> Error {
-    at(found, format!("this Hamiltonian unrolls to more than {limit} operations; shorten its loops"))
-}
-
-pub(crate) fn too_deep(found: impl ToTokens, limit: usize) -> Error {
-    at(
-        found,
-        format!("this is nested more than {limit} levels deep; name parts of the expression with `let`"),
-    )
+messages! {
+    unsupported(found, what: &str, remedy: &str) = "{what} cannot be compiled to a symbolic expression; \
+        {remedy}";
+    too_many_steps(found, limit: usize) = "this Hamiltonian unrolls to more than {limit} operations; \
+        shorten its loops";
+    too_deep(found, limit: usize) = "this is nested more than {limit} levels deep; name parts of the \
+        expression with `let`";
+    vector_as_energy(found, actual: &str) = "a Hamiltonian is one number, the energy; this is {actual}. The \
+        equations of motion are derived from it: `|q, p| 0.5 * (p * p + q * q)` has the vector field `[p, \
+        -q]`";
+    expected(found, expected: &str, actual: &str) = "expected {expected}, found {actual}";
+    index_not_known(found) = "indices and bounds must be known at compile time: integer literals, loop \
+        variables over literal ranges and arithmetic on them; sizes from the struct or constants are not \
+        supported yet";
+    index_out_of_range(found, index: i128, len: usize) = "index {index} is out of range: there are {len} \
+        elements";
+    integer_arithmetic(found) = "this integer arithmetic overflows, divides by zero or leaves its type";
+    division_by_zero(found) = "this divides by zero: the Hamiltonian has no value anywhere";
+    truncation(found) = "a real number cannot become an integer here: the result would not be \
+        differentiable";
+    single_precision(found) = "`f32` is not supported: all arithmetic is in binary64; write `f64`";
+    unknown_cast(found) = "only `as f64`, and `as` an integer type on known integers, are supported";
+    unsupported_pattern(pattern) = "this pattern is not supported; use names, `_`, tuples and arrays";
+    pattern_mismatch(pattern, actual: &str) = "this pattern does not fit {actual}";
+    match_on(found, actual: &str) = "`match` selects by an integer or a condition, and this is {actual}; \
+        use `if` and `else`";
+    match_pattern(pattern) = "`match` takes literals, ranges of them, `|` and `_` as patterns; in the place \
+        of a name write `_`, and for a constant `_ if kind == CONSTANT`";
+    branches_differ(found) = "both branches must have a value of the same shape: this condition is only \
+        known at run time";
+    missing_else(found) = "this `if` needs an `else`: its condition is only known at run time, and a value \
+        is needed either way";
+    assignment_in_branch(found) = "an assignment inside a branch whose condition is not known to the \
+        compiler (it reads the state, a parameter or an index of a loop) is not supported; write `let x = \
+        if condition {{ ... }} else {{ ... }};`";
+    assignment_target(found) = "only local variables declared with `let mut` can be assigned";
+    not_callable(found, actual: &str) = "this is {actual}, which cannot be called";
+    list_of_unknown_length(found) = "the length of this list is not known at compile time; use an array \
+        field such as `[f64; 3]`, or index it with known indices";
+    endless_range(found) = "this range has no end; write `a..b`, or bound it with `take` or `zip`";
+    too_many_variables(found, limit: usize) = "more than {limit} variables are in scope";
+    no_sum(found) = "over a length that is known at run time, this can only add to a total: `|total, x| \
+        total + ...`";
+    long_for_loop(found) = "a `for` loop whose length is known at run time can only add to its variables: \
+        `total += ...`";
+    too_many_cases(found, most: usize) = "the conditions on the indices of this loop part it into more than \
+        {most} ranges";
+    index_negative(found, index: &str) = "index {index} is out of range: it becomes negative";
+    nonlinear_sum(found) = "this Hamiltonian is a nonlinear function of a sum whose length is not unrolled: \
+        sums may be added, and multiplied by what they do not contain";
+    family_count(found) = "the number of noises of a family is an integer, a constant or a field, as in \
+        `[|q, p, k| q[k]; N]`";
+    friction_closure(closure) = "`friction` is an expression of fields, a list of them by degree of freedom, \
+        or a closure of the coordinates, `|q| ...`";
+    damping_closure(closure) = "`damping` is a matrix of expressions of fields, or a closure of the coordinates, \
+        `|q| [[...]]`";
 }
 
 /// `p ^ 2` or `p**2`.
@@ -104,52 +145,6 @@ pub(crate) fn integer_not_real(found: impl ToTokens) -> Error {
     at(found, format!("expected an `f64`, found an integer; {remedy}"))
 }
 
-pub(crate) fn vector_as_energy(found: impl ToTokens, actual: &str) -> Error {
-    at(
-        found,
-        format!(
-            "a Hamiltonian is one number, the energy; this is {actual}. The equations of motion are derived from it: \
-             `|q, p| 0.5 * (p * p + q * q)` has the vector field `[p, -q]`"
-        ),
-    )
-}
-
-pub(crate) fn expected(found: impl ToTokens, expected: &str, actual: &str) -> Error {
-    at(found, format!("expected {expected}, found {actual}"))
-}
-
-pub(crate) fn index_not_known(found: impl ToTokens) -> Error {
-    at(
-        found,
-        "indices and bounds must be known at compile time: integer literals, loop variables over literal ranges and \
-         arithmetic on them; sizes from the struct or constants are not supported yet",
-    )
-}
-
-pub(crate) fn index_out_of_range(found: impl ToTokens, index: i128, len: usize) -> Error {
-    at(found, format!("index {index} is out of range: there are {len} elements"))
-}
-
-pub(crate) fn integer_arithmetic(found: impl ToTokens) -> Error {
-    at(found, "this integer arithmetic overflows, divides by zero or leaves its type")
-}
-
-pub(crate) fn division_by_zero(found: impl ToTokens) -> Error {
-    at(found, "this divides by zero: the Hamiltonian has no value anywhere")
-}
-
-pub(crate) fn truncation(found: impl ToTokens) -> Error {
-    at(found, "a real number cannot become an integer here: the result would not be differentiable")
-}
-
-pub(crate) fn single_precision(found: impl ToTokens) -> Error {
-    at(found, "`f32` is not supported: all arithmetic is in binary64; write `f64`")
-}
-
-pub(crate) fn unknown_cast(found: impl ToTokens) -> Error {
-    at(found, "only `as f64`, and `as` an integer type on known integers, are supported")
-}
-
 pub(crate) fn function_call(found: impl ToTokens) -> Error {
     let text = found.to_token_stream().to_string().replace(' ', "");
     at(
@@ -191,109 +186,9 @@ pub(crate) fn argument_count(found: impl ToTokens, expected: usize, actual: usiz
     at(found, format!("expected {expected} argument{plural}, found {actual}"))
 }
 
-pub(crate) fn unsupported_pattern(pattern: impl ToTokens) -> Error {
-    at(pattern, "this pattern is not supported; use names, `_`, tuples and arrays")
-}
-
-pub(crate) fn pattern_mismatch(pattern: impl ToTokens, actual: &str) -> Error {
-    at(pattern, format!("this pattern does not fit {actual}"))
-}
-
-pub(crate) fn match_on(found: impl ToTokens, actual: &str) -> Error {
-    at(
-        found,
-        format!("`match` selects by an integer or a condition, and this is {actual}; use `if` and `else`"),
-    )
-}
-
-pub(crate) fn match_pattern(pattern: impl ToTokens) -> Error {
-    at(
-        pattern,
-        "`match` takes literals, ranges of them, `|` and `_` as patterns; in the place of a name write `_`, and for a \
-         constant `_ if kind == CONSTANT`",
-    )
-}
-
-pub(crate) fn branches_differ(found: impl ToTokens) -> Error {
-    at(found, "both branches must have a value of the same shape: this condition is only known at run time")
-}
-
-pub(crate) fn missing_else(found: impl ToTokens) -> Error {
-    at(
-        found,
-        "this `if` needs an `else`: its condition is only known at run time, and a value is needed either way",
-    )
-}
-
-pub(crate) fn assignment_in_branch(found: impl ToTokens) -> Error {
-    at(
-        found,
-        "an assignment inside a branch whose condition is not known to the compiler (it reads the state, a parameter or an \
-         index of a loop) is not supported; write `let x = if condition { ... } else { ... };`",
-    )
-}
-
-pub(crate) fn assignment_target(found: impl ToTokens) -> Error {
-    at(found, "only local variables declared with `let mut` can be assigned")
-}
-
-pub(crate) fn not_callable(found: impl ToTokens, actual: &str) -> Error {
-    at(found, format!("this is {actual}, which cannot be called"))
-}
-
-pub(crate) fn list_of_unknown_length(found: TokenStream) -> Error {
-    at(
-        found,
-        "the length of this list is not known at compile time; use an array field such as `[f64; 3]`, or index it \
-         with known indices",
-    )
-}
-
-pub(crate) fn endless_range(found: impl ToTokens) -> Error {
-    at(found, "this range has no end; write `a..b`, or bound it with `take` or `zip`")
-}
-
-pub(crate) fn too_many_variables(found: impl ToTokens, limit: usize) -> Error {
-    at(found, format!("more than {limit} variables are in scope"))
-}
-
-pub(crate) fn no_sum(found: impl ToTokens) -> Error {
-    at(
-        found,
-        "over a length that is known at run time, this can only add to a total: `|total, x| total + ...`",
-    )
-}
-
-pub(crate) fn long_for_loop(found: impl ToTokens) -> Error {
-    at(found, "a `for` loop whose length is known at run time can only add to its variables: `total += ...`")
-}
-
-pub(crate) fn too_many_cases(found: impl ToTokens, most: usize) -> Error {
-    at(found, format!("the conditions on the indices of this loop part it into more than {most} ranges"))
-}
-
 pub(crate) fn index_beyond(found: impl ToTokens, index: &str, length: &str, excess: i128) -> Error {
     let reached = if excess == 0 { length.to_owned() } else { format!("{length} + {excess}") };
     at(found, format!("index {index} is out of range: it reaches {reached}, and there are {length} elements"))
-}
-
-pub(crate) fn index_negative(found: impl ToTokens, index: &str) -> Error {
-    at(found, format!("index {index} is out of range: it becomes negative"))
-}
-
-pub(crate) fn nonlinear_sum(found: impl ToTokens) -> Error {
-    at(
-        found,
-        "this Hamiltonian is a nonlinear function of a sum whose length is not unrolled: sums may be added, and multiplied by \
-         what they do not contain",
-    )
-}
-
-pub(crate) fn family_count(found: impl ToTokens) -> Error {
-    at(
-        found,
-        "the number of noises of a family is an integer, a constant or a field, as in `[|q, p, k| q[k]; N]`",
-    )
 }
 
 /// A covector, or a part of it, with another number of entries.
@@ -312,19 +207,5 @@ pub(crate) fn entries(found: impl ToTokens, expected: &str, length: Option<&str>
             "this has one entry for each degree of freedom, arranged as the coordinates are: {expected} entries are expected here, and these are \
              {has}{advice}"
         ),
-    )
-}
-
-pub(crate) fn friction_closure(closure: impl ToTokens, is_matrix: bool) -> Error {
-    at(
-        closure,
-        match is_matrix {
-            true => {
-                "`damping` is a matrix of expressions of fields, or a closure of the coordinates, `|q| [[...]]`"
-            }
-            false => {
-                "`friction` is an expression of fields, a list of them by degree of freedom, or a closure of the coordinates, `|q| ...`"
-            }
-        },
     )
 }

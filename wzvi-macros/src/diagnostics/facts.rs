@@ -4,9 +4,58 @@ use std::fmt::Display;
 
 use syn::Error;
 
-use super::{Extent, Located};
+use super::{Extent, Located, at};
 use crate::symbolic::Graph;
 use crate::symbolic::zero::{Knowledge, Witness};
+
+messages! {
+    /// The same for forces that are driven by noise.
+    inconsistent_forces(found, scheme: &impl Display, hamiltonian: &str, force: &str) = "`{scheme}` does not \
+        converge to this Stratonovich system as h -> 0: noise forces read the momenta that they move, and the \
+        limit has another force d, d·δq = {force}{hamiltonian}; write `Midpoint`, `Gauss<2>` or `Verlet`, which \
+        are consistent with every noise, or `Uncorrected<{scheme}>` to keep the scheme as it is";
+    /// A counter-term of noise forces, which has no Hamiltonian.
+    correction_of_forces(found, scheme: &impl Display) = "`{scheme}` adds a counter-term for noise Hamiltonians, \
+        and there is none for noise forces that read momenta; use `Midpoint`, `Gauss<2>` or `Verlet`, which are \
+        consistent with every noise";
+    /// `Baoab` and the like of a system that is not `T(p) + V(q, t)`.
+    word_without_flows(found, scheme: &impl Display) = "`{scheme}` takes turns of drifts by T(p) and kicks by \
+        V(q, t): here momenta and coordinates (or the time) meet in a Hamiltonian, or a force reads momenta; write \
+        `Thermostat<Midpoint>`";
+    /// A part of a drift whose flow is not known.
+    part_without_flow(found, reason: &str) = "this part of the drift has no flow that is known: {reason}; flows \
+        are known of functions of the coordinates (and the time), of functions of the momenta (and the time), and \
+        of polynomials of degree two in both with constant coefficients, for which the size must be known; add the \
+        parts where no scheme is to part them";
+    /// A force or a friction that belongs to neither part of a drift.
+    acts_in_no_part(found, reason: &str) = "this belongs to neither part of the drift: {reason}; write the drift \
+        as one Hamiltonian, whose schemes take any force at their stages, or `drift = [|q, p| ..., |q, _| ...]` \
+        with a part that reads coordinates only";
+    /// A counter-term whose indices the compiler cannot write.
+    counter_term_of_elements(found, scheme: &impl Display) = "the counter-term of `{scheme}` cannot be written: \
+        its indices exceed 128 bits; use `Midpoint`, which is consistent with every noise";
+    thermostat_without_friction(found, scheme: &impl Display) = "`{scheme}` is for systems with friction: add \
+        `friction = ...` (1/time) and `temperature = ...` (energy)";
+    temperature_without_friction(found) = "a temperature acts through friction: add `friction = ...` (1/time) or \
+        `damping = [[...]]` (mass/time)";
+    /// A scheme that has no place for friction and its noise, beside those that have.
+    friction_needs_thermostat(found, scheme: &impl Display, reason: &str) = "{reason}: write \
+        `Thermostat<{scheme}>`, or `Baoab`";
+    friction_without_masses(found) = "friction needs masses: a kinetic energy that is a quadratic form of the \
+        momenta with constant coefficients, as in `p * p / (2.0 * m)`; write what draws on other momenta as a \
+        force, as in `force = |q, p| -gamma * p`";
+    rates_of_coupled_momenta(found) = "rates of single degrees of freedom need a kinetic energy in which no two \
+        momenta meet; write one rate for all of them, or the symmetric matrix `damping = [[...]]` (mass/time)";
+    asymmetric_damping(found) = "a damping matrix is symmetric: entries across the diagonal are the same; write \
+        what is not as `force = |q, p| [...]`";
+    /// A damping matrix of the coordinates whose symmetry is not proven.
+    damping_not_seen_symmetric(found) = "a damping matrix that depends on the coordinates has to be seen to be \
+        symmetric: write the same expressions, of the same fields, across the diagonal, without loops of a length \
+        that the compiler does not know; write what is not symmetric as `force = |q, p| [...]`";
+    /// A product with inverse masses whose indices the compiler cannot write.
+    damping_of_elements(found) = "this damping cannot be written as a force: its indices exceed 128 bits; write it \
+        as `force`";
+}
 
 /// A bare scheme whose limit is not the Stratonovich system.
 pub(crate) fn inconsistent(embedding: &Located<impl Display>, defect: &str, constant: &Knowledge) -> Error {
@@ -17,53 +66,12 @@ pub(crate) fn inconsistent(embedding: &Located<impl Display>, defect: &str, cons
         }
         _ => format!("with drift Hamiltonian H0 - D, where D = {defect}"),
     };
-    Error::new_spanned(
+    at(
         embedding.extent,
         format!(
             "`{scheme}` does not converge to this Stratonovich system as h -> 0, but to the one {finding}; \
              write `Corrected<{scheme}>` to add the counter-term, or `Uncorrected<{scheme}>` to keep the scheme as it is \
              (`Midpoint` is consistent with every noise)"
-        ),
-    )
-}
-
-/// The same for forces that are driven by noise.
-pub(crate) fn inconsistent_forces(embedding: &Located<impl Display>, defect: &str, force: &str) -> Error {
-    let scheme = &embedding.value;
-    let hamiltonian = match defect {
-        "0" => String::new(),
-        defect => format!(", and drift Hamiltonian H0 - D, D = {defect}"),
-    };
-    Error::new_spanned(
-        embedding.extent,
-        format!(
-            "`{scheme}` does not converge to this Stratonovich system as h -> 0: noise forces read the momenta that they move, and the limit has \
-             another force d, d·δq = {force}{hamiltonian}; write `Midpoint`, `Gauss<2>` or `Verlet`, which are consistent with every noise, \
-             or `Uncorrected<{scheme}>` to keep the scheme as it is"
-        ),
-    )
-}
-
-/// A counter-term of noise forces, which has no Hamiltonian.
-pub(crate) fn correction_of_forces(embedding: &Located<impl Display>) -> Error {
-    let scheme = &embedding.value;
-    Error::new_spanned(
-        embedding.extent,
-        format!(
-            "`{scheme}` adds a counter-term for noise Hamiltonians, and there is none for noise forces that read momenta; use `Midpoint`, \
-             `Gauss<2>` or `Verlet`, which are consistent with every noise"
-        ),
-    )
-}
-
-/// `Baoab` and the like of a system that is not `T(p) + V(q, t)`.
-pub(crate) fn word_without_flows(embedding: &Located<impl Display>) -> Error {
-    let scheme = &embedding.value;
-    Error::new_spanned(
-        embedding.extent,
-        format!(
-            "`{scheme}` takes turns of drifts by T(p) and kicks by V(q, t): here momenta and coordinates (or the time) meet in a Hamiltonian, or a \
-             force reads momenta; write `Thermostat<Midpoint>`"
         ),
     )
 }
@@ -88,30 +96,7 @@ pub(crate) fn no_invariant(
         ),
         Knowledge::Proven => format!("this is a first integral of {of}"),
     };
-    Error::new_spanned(extent, message)
-}
-
-/// A part of a drift whose flow is not known.
-pub(crate) fn part_without_flow(extent: Extent, reason: &str) -> Error {
-    Error::new_spanned(
-        extent,
-        format!(
-            "this part of the drift has no flow that is known: {reason}; flows are known of functions of the coordinates (and the \
-             time), of functions of the momenta (and the time), and of polynomials of degree two in both with constant coefficients, for \
-             which the size must be known; add the parts where no scheme is to part them"
-        ),
-    )
-}
-
-/// A force or a friction that belongs to neither part of a drift.
-pub(crate) fn acts_in_no_part(extent: Extent, reason: &str) -> Error {
-    Error::new_spanned(
-        extent,
-        format!(
-            "this belongs to neither part of the drift: {reason}; write the drift as one Hamiltonian, whose schemes take any force at \
-             their stages, or `drift = [|q, p| ..., |q, _| ...]` with a part that reads coordinates only"
-        ),
-    )
+    at(extent, message)
 }
 
 fn at_witness(witness: &Witness, graph: &Graph) -> String {
@@ -125,84 +110,4 @@ fn at_witness(witness: &Witness, graph: &Graph) -> String {
         true => value.to_string(),
         false => format!("{value} at {}", point.join(", ")),
     }
-}
-
-/// A counter-term whose indices the compiler cannot write.
-pub(crate) fn counter_term_of_elements(embedding: &Located<impl Display>) -> Error {
-    let scheme = &embedding.value;
-    Error::new_spanned(
-        embedding.extent,
-        format!(
-            "the counter-term of `{scheme}` cannot be written: its indices exceed 128 bits; use `Midpoint`, which is \
-             consistent with every noise"
-        ),
-    )
-}
-
-pub(crate) fn thermostat_without_friction(embedding: &Located<impl Display>) -> Error {
-    let scheme = &embedding.value;
-    Error::new_spanned(
-        embedding.extent,
-        format!(
-            "`{scheme}` is for systems with friction: add `friction = ...` (1/time) and `temperature = ...` (energy)"
-        ),
-    )
-}
-
-pub(crate) fn temperature_without_friction(extent: Extent) -> Error {
-    Error::new_spanned(
-        extent,
-        "a temperature acts through friction: add `friction = ...` (1/time) or `damping = [[...]]` (mass/time)",
-    )
-}
-
-/// A scheme that has no place for friction and its noise, beside those that have.
-pub(crate) fn friction_needs_thermostat(embedding: &Located<impl Display>, has_temperature: bool) -> Error {
-    let scheme = &embedding.value;
-    let reason = match has_temperature {
-        true => "this system has a temperature, whose noise goes with its friction",
-        false => "friction is a part of its own in the thermostats that are listed",
-    };
-    Error::new_spanned(embedding.extent, format!("{reason}: write `Thermostat<{scheme}>`, or `Baoab`"))
-}
-
-pub(crate) fn friction_without_masses(extent: Extent) -> Error {
-    Error::new_spanned(
-        extent,
-        "friction needs masses: a kinetic energy that is a quadratic form of the momenta with constant coefficients, as in \
-         `p * p / (2.0 * m)`; write what draws on other momenta as a force, as in `force = |q, p| -gamma * p`",
-    )
-}
-
-pub(crate) fn rates_of_coupled_momenta(extent: Extent) -> Error {
-    Error::new_spanned(
-        extent,
-        "rates of single degrees of freedom need a kinetic energy in which no two momenta meet; write one rate for all of them, or the \
-         symmetric matrix `damping = [[...]]` (mass/time)",
-    )
-}
-
-pub(crate) fn asymmetric_damping(extent: Extent) -> Error {
-    Error::new_spanned(
-        extent,
-        "a damping matrix is symmetric: entries across the diagonal are the same; write what is not as `force = |q, p| [...]`",
-    )
-}
-
-/// A damping matrix of the coordinates whose symmetry is not proven.
-pub(crate) fn damping_not_seen_symmetric(extent: Extent) -> Error {
-    Error::new_spanned(
-        extent,
-        "a damping matrix that depends on the coordinates has to be seen to be symmetric: write the same expressions, of the same fields, \
-         across the diagonal, without loops of a length that the compiler does not know; write what is not symmetric as \
-         `force = |q, p| [...]`",
-    )
-}
-
-/// A product with inverse masses whose indices the compiler cannot write.
-pub(crate) fn damping_of_elements(extent: Extent) -> Error {
-    Error::new_spanned(
-        extent,
-        "this damping cannot be written as a force: its indices exceed 128 bits; write it as `force`",
-    )
 }

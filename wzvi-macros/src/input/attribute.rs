@@ -12,21 +12,6 @@ use crate::diagnostics::Located;
 use crate::diagnostics::{Diagnostics, messages};
 use crate::embedding::Embedding;
 
-/// The keys that users know, and [`STRATEGY`].
-pub(super) const KEYS: [&str; 11] = [
-    "drift",
-    "noise",
-    "force",
-    "noise_force",
-    "friction",
-    "damping",
-    "temperature",
-    "embedding",
-    "invariant",
-    "crate",
-    STRATEGY,
-];
-
 /// How steps are emitted, whatever costs less: for tests that compare one way with the other.
 const STRATEGY: &str = "__strategy";
 
@@ -113,6 +98,10 @@ struct Entry {
     value: TokenStream,
 }
 
+fn is_key(name: &str) -> bool {
+    messages::KEYS.0.contains(&name) || name == STRATEGY
+}
+
 /// Reads the arguments of the attribute, each on its own: a mistake in one does not hide the others.
 pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Option<Declaration> {
     if let Some(token) = nesting::too_deep(&attribute) {
@@ -139,7 +128,7 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
     let mut seen: Vec<String> = Vec::new();
     for entry in split_entries(attribute, diagnostics) {
         let mut key = entry.key.unraw().to_string();
-        if !KEYS.contains(&key.as_str()) {
+        if !is_key(&key) {
             diagnostics.report(messages::unknown_key(&entry.key));
             // A misspelled key is not a missing one as well, and its value may have mistakes of its own.
             match messages::intended_key(&entry.key) {
@@ -381,7 +370,7 @@ fn split_entries(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Vec<E
         let before = position.checked_sub(1).map(|before| &tokens[before]);
         let mut at_start = before.is_none_or(|before| is_punct(before, ','));
         if let (TokenTree::Ident(key), Some(before)) = (&tokens[position], before)
-            && KEYS.contains(&key.to_string().as_str())
+            && is_key(&key.to_string())
             && ends_operand(before)
             && is_assignment(&tokens[position + 1..])
         {

@@ -45,7 +45,10 @@ impl Space<'_> {
         let (body, coordinates) = match &declared.given.value {
             Syntax::Closure(closure) => {
                 let (Some(pattern), 1) = (closure.inputs.first(), closure.inputs.len()) else {
-                    interpreter.report(expressions::friction_closure(closure, is_matrix));
+                    interpreter.report(match is_matrix {
+                        true => expressions::damping_closure(closure),
+                        false => expressions::friction_closure(closure),
+                    });
                     return None;
                 };
                 (&*closure.body, Some(pattern))

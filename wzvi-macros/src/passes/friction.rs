@@ -18,7 +18,9 @@ use crate::symbolic::{Expr, Rational};
 pub(crate) fn friction(system: &mut System, diagnostics: &mut Diagnostics) {
     let Some(friction) = system.friction.clone() else {
         let thermostats = system.embeddings.iter().filter(|known| known.value.is_thermostat());
-        thermostats.for_each(|known| diagnostics.report(messages::thermostat_without_friction(known)));
+        thermostats.for_each(|known| {
+            diagnostics.report(messages::thermostat_without_friction(known.extent, &known.value))
+        });
         if let Some(temperature) = &system.temperature {
             diagnostics.report(messages::temperature_without_friction(temperature.extent));
         }
@@ -44,8 +46,12 @@ pub(crate) fn friction(system: &mut System, diagnostics: &mut Diagnostics) {
 fn check(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics) {
     let has_thermostat = system.embeddings.iter().any(|known| known.value.is_thermostat());
     if has_thermostat || system.temperature.is_some() {
+        let reason = match system.temperature {
+            Some(_) => "this system has a temperature, whose noise goes with its friction",
+            None => "friction is a part of its own in the thermostats that are listed",
+        };
         for known in system.embeddings.iter().filter(|known| !known.value.is_thermostat()) {
-            diagnostics.report(messages::friction_needs_thermostat(known, system.temperature.is_some()));
+            diagnostics.report(messages::friction_needs_thermostat(known.extent, &known.value, reason));
         }
     }
     let extent = friction.term.extent;
